@@ -1,4 +1,4 @@
-//! The cost of input: forces of the free field at the nodes of five faces of a box, per node, with
+//! Cost of the input: nodal forces of the free field at the nodes of five faces of a box, per node, with
 //! the incident wave and its two reflections.
 //!
 //! `cargo bench --bench boundary`; the inverse of the throughput is the time per node.
@@ -26,12 +26,12 @@ fn record() -> powerhouse::wavefield::RecordSignal {
     TimeHistory::new(0.02, acceleration)
         .and_then(|history| history.corrected(BaselineCorrection::VelocityPolynomial { order: 5 }))
         .and_then(|(history, _)| history.into_signal(EndDisplacement::Zero))
-        .expect("the record of the benchmark is sound")
+        .expect("the record of the benchmark is valid")
 }
 
 fn input(criterion: &mut Criterion) {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(200.0), [40; 3], "rock")
-        .expect("the mesh of the benchmark is sound");
+        .expect("the mesh of the benchmark is valid");
     let facets: Vec<(&str, &[Facet])> = FACES
         .iter()
         .map(|&face| (face, mesh.facet_set(face).expect("a box has this face")))
@@ -44,12 +44,12 @@ fn input(criterion: &mut Criterion) {
     ] {
         let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, media::ROCK, 200.0);
         parameters.incidence = Angle::from_degrees(incidence);
-        let wave = PlaneWave::new(parameters, signal.clone()).expect("the wave is sound");
+        let wave = PlaneWave::new(parameters, signal.clone()).expect("the wave is valid");
         let centre = Vec3::new(100.0, 100.0, 200.0);
         let site = BoundarySite::from_mesh(&mesh, &facets, |_| media::ROCK, centre, Some(&wave));
         let mut loads = ViscousSpring::default()
             .build(&site)
-            .expect("the boundary is sound")
+            .expect("the boundary is valid")
             .loads;
         let nodes: usize = loads.iter().map(|load| load.nodes().len()).sum();
         let mut forces = vec![Vec3::zeros(); nodes];

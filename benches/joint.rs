@@ -1,11 +1,9 @@
-//! The cost of a joint: isolated pairs that slide, stick or open, without an engine around them and
-//! in whole steps of one.
+//! Cost of a joint: isolated node pairs that slip, stick or open, without an engine and in whole steps of an engine.
 //!
-//! `cargo bench --bench joint`; the inverse of the throughput is the time per pair and step. In whole
-//! steps it is what a body that is cut open takes with the joint, its law behind a pointer as in
-//! scenes, less what the same body takes without it. What the cut itself costs, a further node for
-//! each pair with its forces and motion, is `steps/cut`: the body that is cut open, without a joint,
-//! less the one in one piece.
+//! `cargo bench --bench joint`; the inverse of the throughput is the time per pair and step. In whole steps it is the
+//! time of a split body with the joint, its law behind a pointer as in scenes, less that of the same body without it. The
+//! cost of the split itself, an additional node for each pair with its forces and motion, is `steps/cut`: the split body
+//! without a joint, less the continuous one.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +13,9 @@ use powerhouse::engine::{
     BlockOptions, Hex8OnePoint, Leapfrog, Model, RunOptions, SolidKernel, StepChoice, run,
 };
 use powerhouse::material::{LinearElastic, media};
-use powerhouse::model::{Constraint, ContactLaw, JointPair, Mat3, Mesh, PredictedMotion, Vec3};
+use powerhouse::model::{
+    Constraint, ContactLaw, JointPair, Mat3, Mesh, PredictedMotion, StepTime, Vec3,
+};
 
 const PAIRS: u32 = 20_000;
 
@@ -41,7 +41,11 @@ fn pairs(criterion: &mut Criterion) {
         group.bench_function(name, |bench| {
             bench.iter(|| {
                 velocity.copy_from_slice(&predicted);
-                let when = (0, 0.0, step);
+                let when = StepTime {
+                    number: 0,
+                    time: 0.0,
+                    step,
+                };
                 let motion = PredictedMotion::new(when, &rest, &rest, &mut velocity, &inverse_mass);
                 joint.correct(motion).expect("a solution")
             });
@@ -50,13 +54,13 @@ fn pairs(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Bricks along each edge of two layers that lie on each other.
+/// Elements along each edge of two layers in contact.
 const BRICKS: usize = 100;
 
-/// Steps of a run that is timed.
+/// Steps of a timed run.
 const STEPS: u64 = 20;
 
-/// Two layers of bricks, and the same cut apart with the sides of the cut.
+/// Two layers of elements, and the same mesh split with the surfaces of the joint.
 fn layers() -> (Mesh, Mesh, JointSurface) {
     let edge = BRICKS as f64;
     let size = Vec3::new(edge, edge, 2.0);
@@ -72,7 +76,7 @@ fn layers() -> (Mesh, Mesh, JointSurface) {
 
 type AnyJoint = Joint<Box<dyn ContactLaw>>;
 
-/// A body in some motion, with or without a joint.
+/// A moving body, with or without a joint.
 fn body(mesh: &Mesh, joint: Option<AnyJoint>) -> Model {
     let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
     let law = LinearElastic::new(media::ROCK);
@@ -91,8 +95,8 @@ fn body(mesh: &Mesh, joint: Option<AnyJoint>) -> Model {
     model
 }
 
-/// What the first body takes for some steps less what the second takes, per step. They take turns, so
-/// that both meet the same machine.
+/// Time per step of the first body less that of the second; both are timed alternately, under the same load of the
+/// machine.
 fn difference([first, second]: &mut [Model; 2], runs: u64) -> Duration {
     let options = RunOptions::steps(STEPS).with_step(StepChoice::Unchecked(1e-5));
     let taken = |model: &mut Model| {

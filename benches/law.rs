@@ -1,9 +1,9 @@
-//! What laws cost: a whole step with none, 5 % (one cluster) and all of the elements yielding, over
-//! the elastic step of the same run; and what the balance of energy adds, which scenes always keep.
+//! Cost of constitutive laws: a whole step with none, 5 % (one cluster) and all of the elements yielding, over the elastic
+//! step of the same run; and the additional cost of the energy balance, which scenes always compute.
 //!
 //! `cargo bench --bench law`; a word picks laws and a number the elements along an edge, 48 without:
-//! `cargo bench --bench law -- mohr 16` stays in the caches, so that it tells computing from memory.
-//! One thread; the least of many short runs, in time of the processor where the system tells it.
+//! `cargo bench --bench law -- mohr 16` stays in the caches, so that it measures computation without memory traffic.
+//! One thread; the least of many short runs, in processor time where the system reports it.
 
 use std::time::Instant;
 
@@ -18,15 +18,15 @@ use powerhouse::material::{
 use powerhouse::model::{Mesh, State, TimeIntegrator, Vec3};
 use powerhouse::{Kernel, Material};
 
-/// Elements along an edge, without a number of one's own.
+/// Default number of elements along an edge.
 const CELLS: usize = 48;
 /// Edge of the cluster, of that of the body: 18^3 of 48^3 elements are 5.3 %.
 const CLUSTER: f64 = 0.375;
-/// Steps before the clock starts, and steps that are timed.
+/// Steps before the timing, and timed steps.
 const STEPS: [usize; 2] = [2, 6];
 const REPETITIONS: usize = 15;
 
-/// Processor time of all threads of this process (s), or the time that passes.
+/// Processor time of all threads of this process (s), or wall time.
 fn clock(start: Instant) -> f64 {
     let of_thread = |entry: std::io::Result<std::fs::DirEntry>| {
         let text = std::fs::read_to_string(entry.ok()?.path().join("schedstat")).ok()?;
@@ -40,7 +40,7 @@ fn clock(start: Instant) -> f64 {
     )
 }
 
-/// Which elements yield.
+/// Extent of yielding.
 #[derive(Clone, Copy)]
 enum Yielding {
     None,
@@ -48,7 +48,7 @@ enum Yielding {
     All,
 }
 
-/// A state that shears and stretches at a steady rate where elements are to yield.
+/// A state with constant rates of shear and extension in the elements that are to yield.
 fn state(mesh: &Mesh, yielding: Yielding, step: f64) -> State {
     let mut state = State::at_rest(mesh.node_count());
     let edge = mesh
@@ -75,7 +75,7 @@ fn state(mesh: &Mesh, yielding: Yielding, step: f64) -> State {
     state
 }
 
-/// A body of a law on one thread, a state of it, and a step (s).
+/// A body with a law on one thread, a state of it, and a time step (s).
 fn body(
     law: &Material,
     mesh: &Mesh,
@@ -87,7 +87,7 @@ fn body(
     let kernel = Kernel::from(SolidKernel::Hex8OnePoint(Hex8OnePoint::default()));
     let step = 0.3 / law.medium().p_speed();
     let builder = Model::builder(mesh).elements("rock", kernel.factory("rock", law, options));
-    let mut model = builder.threads(1).build().expect("a sound model");
+    let mut model = builder.threads(1).build().expect("a valid model");
     let mut start = state(mesh, yielding, step);
     start.history = model.state().history;
     (model, start, step)
@@ -97,10 +97,7 @@ fn body(
 /// of a long run less that of a short one, all of them in turn.
 fn costs_of_runs(law: &Material, mesh: &Mesh, yielding: Yielding) -> [f64; 2] {
     let (mut model, start, step) = body(law, mesh, yielding, Precision::F64);
-    let check = EnergyCheck {
-        by_set: false,
-        ..EnergyCheck::every(u64::MAX)
-    };
+    let check = EnergyCheck::every(u64::MAX).with_by_set(false);
     let [short, long] = [2, 12];
     let mut least = [[f64::INFINITY; 2]; 2];
     for _ in 0..REPETITIONS {
@@ -150,7 +147,7 @@ fn cost(law: &Material, mesh: &Mesh, yielding: Yielding, precision: Precision) -
     )
 }
 
-/// What the command line asks for.
+/// The arguments of the command line.
 fn words() -> impl Iterator<Item = String> {
     std::env::args()
         .skip(1)
@@ -187,15 +184,17 @@ fn compare(name: &str, law: impl Into<Material>, mesh: &Mesh) {
         let [free, booked] = costs_of_runs(&law, mesh, yielding);
         format!("{free:.1} to {booked:.1} ns = {:.2}", booked / free)
     });
-    println!("{name:19} the balance of energy: {}", added.join(", "));
+    println!("{name:19} energy balance: {}", added.join(", "));
 }
 
 fn main() {
     let cells = words().find_map(|word| word.parse().ok()).unwrap_or(CELLS);
     let size = Vec3::repeat(cells as f64);
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [cells; 3], "rock");
-    let mesh = mesh.expect("the mesh of the benchmark is sound");
-    println!("over the elastic step: nothing yields, a cluster, everything (share that yields)");
+    let mesh = mesh.expect("the mesh of the benchmark is valid");
+    println!(
+        "time over that of the elastic step: no element yields, a cluster yields, all yield (yielding share)"
+    );
     let rock = presets::PAPER_ROCK;
     let cone = DruckerPrager::new(DruckerPragerParameters {
         medium: rock.medium,
@@ -206,19 +205,19 @@ fn main() {
     });
     compare(
         "drucker-prager",
-        ElastoPlastic::new(cone.expect("sound")),
+        ElastoPlastic::new(cone.expect("valid")),
         &mesh,
     );
-    let surface = MohrCoulomb::new(rock).expect("sound");
+    let surface = MohrCoulomb::new(rock).expect("valid");
     compare("mohr-coulomb", ElastoPlastic::new(surface), &mesh);
     compare(
         "paper-concrete",
-        presets::paper_concrete().expect("sound"),
+        presets::paper_concrete().expect("valid"),
         &mesh,
     );
-    let concrete = Mazars::new(presets::PAPER_CONCRETE_MAZARS).expect("sound");
+    let concrete = Mazars::new(presets::PAPER_CONCRETE_MAZARS).expect("valid");
     compare("mazars", concrete, &mesh);
-    let concrete = LeeFenves::new(presets::PAPER_CONCRETE_LEE_FENVES).expect("sound");
+    let concrete = LeeFenves::new(presets::PAPER_CONCRETE_LEE_FENVES).expect("valid");
     compare("lee-fenves", concrete, &mesh);
     let band = DampingBand {
         ratio: 0.05,
@@ -226,10 +225,10 @@ fn main() {
         highest: 20.0,
         mechanisms: 3,
     };
-    let spectrum = RelaxationSpectrum::fit(band).expect("sound");
+    let spectrum = RelaxationSpectrum::fit(band).expect("valid");
     let damped = |law: Material| {
         let damped = law.damped(&spectrum, ReferenceFrequency::Centre);
-        damped.expect("sound").expect("in series")
+        damped.expect("valid").expect("in series")
     };
     let elastic = Material::from(LinearElastic::new(rock.medium));
     compare("damped elastic", damped(elastic), &mesh);

@@ -1,12 +1,11 @@
-//! What static solutions cost: cubes of bricks by conjugate gradients and by the direct solver, and
-//! the stages of an elastoplastic cavern.
+//! Cost of static solutions: cubes of hexahedra by conjugate gradients and by the direct solver, and the stages of an
+//! elastoplastic cavern.
 //!
 //! `cargo bench --bench statics --features direct -- bricks 30` prints iterations, entries of the
 //! factor, time and the greatest memory of a cube of 30 bricks a side under its weight, by both
 //! solvers; `-- gradients 60` and `-- cholesky 60` by one of them, so that each has the memory of a
-//! process of its own. `-- cavern` brings 134,232 bricks of rock that yields (Mohr and Coulomb, no
-//! dilation) to rest under their weight and an overburden, and takes out a cavern in three
-//! increments; a word behind it picks the method: `gradients` (or none), `cholesky`, `tangent`,
+//! process of its own. `-- cavern` equilibrates 134,232 hexahedra of yielding rock (Mohr-Coulomb, no dilation) under their
+//! weight and an overburden, and excavates a cavern in three increments; a further word picks the method: `gradients` (or none), `cholesky`, `tangent`,
 //! `relaxation`. Without arguments: cubes of 30, then the cavern.
 
 use std::time::Instant;
@@ -19,17 +18,17 @@ use powerhouse::material::{ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulom
 use powerhouse::model::{ElasticMedium, Mesh, State, Vec3};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
-/// Bricks of the paper's size of model, edges in metres.
+/// Numbers of elements as in the paper's model, with edges in metres.
 const CAVERN_CELLS: [usize; 3] = [56, 51, 47];
 const CAVERN_EDGE: f64 = 2.5;
 /// Rock above the model (m).
 const OVERBURDEN: f64 = 150.0;
 
 fn rock() -> ElasticMedium {
-    ElasticMedium::new(9.0e9, 0.27, 2750.0).expect("sound rock")
+    ElasticMedium::new(9.0e9, 0.27, 2750.0).expect("valid rock")
 }
 
-/// The greatest memory that this process ever had (GiB), where the system tells it.
+/// Peak memory of this process (GiB), where the system reports it.
 fn greatest_memory() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -39,12 +38,12 @@ fn greatest_memory() -> Option<f64> {
 
 fn print_memory() {
     match greatest_memory() {
-        Some(gibibytes) => println!("  greatest memory {gibibytes:.2} GiB"),
-        None => println!("  greatest memory unknown here"),
+        Some(gibibytes) => println!("  peak memory {gibibytes:.2} GiB"),
+        None => println!("  peak memory unknown on this system"),
     }
 }
 
-/// The method of a name.
+/// The static method with a name.
 fn method(name: &str) -> StaticMethod {
     match name {
         "gradients" => StaticMethod::ConjugateGradients,
@@ -57,7 +56,7 @@ fn method(name: &str) -> StaticMethod {
     }
 }
 
-/// A cube of bricks on its foot under its weight.
+/// A cube of hexahedra under its weight, supported at the bottom.
 fn bricks(side: usize, name: &str) {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(90.0), [side; 3], "rock");
     let mesh = mesh.expect("a box");
@@ -72,13 +71,15 @@ fn bricks(side: usize, name: &str) {
         .expect("a model");
     let options = StaticOptions::default().with_method(method(name));
     let start = Instant::now();
-    let report = model.equilibrate(&options, &mut |_| {}).expect("rest");
+    let report = model
+        .equilibrate(&options, &mut |_| {})
+        .expect("static equilibrium");
     let time = start.elapsed().as_secs_f64();
     println!("{side}^3 bricks by {name}: {time:.2} s, {report:?}");
     print_memory();
 }
 
-/// Stages of a cavern in rock that yields.
+/// Construction stages of a cavern in yielding rock.
 fn cavern(name: &str) {
     let size = Vec3::from_fn(|c, _| CAVERN_EDGE * CAVERN_CELLS[c] as f64);
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, CAVERN_CELLS, "rock").expect("a box");
@@ -93,7 +94,7 @@ fn cavern(name: &str) {
             cohesion: 0.6e6,
             tension_strength: Some(0.2e6),
         })
-        .expect("sound rock"),
+        .expect("valid rock"),
     );
     let nodes = |face: &str| mesh.nodes_of_facets(mesh.facet_set(face).expect("a face"));
     let above = rock().density * GRAVITY.norm() * OVERBURDEN;
@@ -135,13 +136,13 @@ fn cavern(name: &str) {
     let mut shown = start;
     let first = State::at_rest(mesh.node_count());
     let (state, _) = run_stages(&mesh, first, &stages, &mut |event| {
-        if let StageEvent::AtRest { report, .. } = event {
+        if let StageEvent::Equilibrated { report, .. } = event {
             let time = shown.elapsed().as_secs_f64();
             println!("  {report:?}: {time:.1} s");
             shown = Instant::now();
         }
     })
-    .expect("rest");
+    .expect("static equilibrium");
     let fields = state.history.iter();
     let strains = fields.filter(|field| field.name.contains("equivalent_plastic_strain"));
     let yielded = strains

@@ -1,5 +1,5 @@
-//! The cost of a whole step, forces and update, without input: 132,651 elastic bricks, all equal
-//! (one geometry serves all) or all different.
+//! Cost of a whole step, forces and update, without input: 132,651 elastic hexahedra, all equal (with a shared geometry) or
+//! all different.
 //!
 //! `cargo bench --bench step`; the inverse of the throughput is the time per element.
 
@@ -13,14 +13,14 @@ const CELLS: usize = 51;
 fn equal_bricks() -> Mesh {
     let size = CELLS as f64;
     Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(size), [CELLS; 3], "rock")
-        .expect("the mesh of the benchmark is sound")
+        .expect("the mesh of the benchmark is valid")
 }
 
 fn distorted_bricks() -> Mesh {
     let shift = |a: f64, b: f64| 0.15 * (1.7 * a).sin() * (1.3 * b).cos();
     equal_bricks()
         .map_positions(|x| x + Vec3::new(shift(x.y, x.z), shift(x.z, x.x), shift(x.x, x.y)))
-        .expect("the mesh of the benchmark is sound")
+        .expect("the mesh of the benchmark is valid")
 }
 
 fn model(mesh: &Mesh, kernel: SolidKernel, precision: Precision, threads: usize) -> Model {
@@ -31,8 +31,8 @@ fn model(mesh: &Mesh, kernel: SolidKernel, precision: Precision, threads: usize)
         .elements("rock", kernel.factory("rock", law, options))
         .threads(threads)
         .build()
-        .expect("the model of the benchmark is sound");
-    // Any motion will do; zeros might be faster than the rest.
+        .expect("the model of the benchmark is valid");
+    // Any motion other than zero, which might be faster.
     let noise = |x: &Vec3, k: f64| (12.9898 * x.x + 78.233 * x.y + 37.719 * x.z + k).sin();
     let motion = |scale: f64| -> Vec<Vec3> {
         let of = |x: &Vec3| Vec3::new(noise(x, 0.1), noise(x, 0.7), noise(x, 1.9)) * scale;

@@ -1,5 +1,4 @@
-//! What problems with known answers cost by what is chosen to solve them; their errors are in
-//! `docs/verification.md`.
+//! Cost of problems with known solutions for different numerical options; the errors are in `docs/verification.md`.
 //!
 //! `cargo bench -p powerhouse-benches --bench verification`
 
@@ -12,7 +11,7 @@ use powerhouse_examples::interface::computed;
 
 /// The free field of an SV wave at 15 degrees in 16 bricks along an edge.
 fn free_field(criterion: &mut Criterion) {
-    let pulse = RaisedCosinePulse::new(1.0, 0.8).expect("the pulse is sound");
+    let pulse = RaisedCosinePulse::new(1.0, 0.8).expect("the pulse is valid");
     let wave = BlockWave::new(WaveKind::SV, 15.0, pulse);
     let base = Choices {
         elements: 16,
@@ -46,12 +45,12 @@ fn free_field(criterion: &mut Criterion) {
     }
 }
 
-/// A cavity that scatters a P wave, by the length of the bricks.
+/// A cavity that scatters a P wave, for different element lengths.
 fn scattering(criterion: &mut Criterion) {
     let wave = Incoming {
         kind: WaveKind::P,
         degrees: 0.0,
-        signal: pulse().expect("the pulse is sound"),
+        signal: pulse().expect("the pulse is valid"),
         begin: 0.0,
         end: 20.0,
     };
@@ -71,7 +70,7 @@ fn scattering(criterion: &mut Criterion) {
     }
 }
 
-/// An interface that slips, by the bricks per wavelength.
+/// A slipping interface, for different numbers of elements per wavelength.
 fn interface(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("joint");
     group.sample_size(10);

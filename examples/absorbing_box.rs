@@ -1,6 +1,6 @@
-//! A force shakes the middle of the free surface; what the boundary lets back in is measured.
+//! Reflections of absorbing boundaries: a surface force in a box, compared with a box without reflections.
 //!
-//! Builds on `free_field`. No incident wave: the source is inside, as a scattering structure is.
+//! Builds on `free_field`. There is no incident wave: the source is inside, like a scattering structure.
 //!
 //! ```text
 //!                force(t), vertical
@@ -14,8 +14,8 @@
 //!             ^^^^^^^^^^^^^^^^^^
 //! ```
 //!
-//! The motion beside the force is compared with that of a box so large that nothing comes back
-//! within the run. Three boundaries: held (everything comes back), viscous, viscous-spring.
+//! The motion next to the force is compared with that of a box so large that no reflection returns within the run.
+//! Three boundaries are compared: fixed (total reflection), viscous, viscous-spring.
 //!
 //! Run: `cargo run --release --example absorbing_box`
 
@@ -38,13 +38,13 @@ const EDGE: f64 = 2.0;
 const PULSE: f64 = 0.03;
 const DURATION: f64 = 0.12;
 
-/// What stands on the five faces.
+/// Boundary condition on the five faces.
 enum Faces {
     Held,
     Absorbing(Box<dyn AbsorbingBoundary>),
 }
 
-/// The displacement beside the force over time, in a box of `cells` elements across.
+/// Displacement history next to the force, in a box of `cells` elements across.
 fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
     let half = EDGE * cells as f64 / 2.0;
     let (low, high) = (Vec3::new(-half, -half, -half), Vec3::new(half, half, 0.0));
@@ -64,22 +64,19 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
         })
         .flatten()
         .collect();
-    let output = OutputPlan {
-        every: 1e-3,
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default().with_every(1e-3);
     let scene = Scene::new("absorbing box", mesh)
         .part(Part::new(
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
         .load(NodalForce::new(centre, force, Box::new(push)))
-        .duration(DURATION)
-        .output(output.history("beside", beside, Motion::DISPLACEMENT));
+        .with_duration(DURATION)
+        .with_output(output.history("beside", beside, Motion::DISPLACEMENT));
     let scene = match faces {
         Faces::Held => scene.support(Support::fixed(held)),
         Faces::Absorbing(condition) => {
-            scene.boundary(Boundary::new(condition, FACES).scatterer(Vec3::zeros()))
+            scene.with_boundary(Boundary::new(condition, FACES).with_scatterer(Vec3::zeros()))
         }
     };
     let results = scene.prepare()?.run(RunHooks::default())?;
@@ -88,7 +85,7 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
 }
 
 fn figures() -> Outcome<Figures> {
-    // Twice the P wave's way to the faces of this box is longer than the run.
+    // The return travel time of P waves to the faces of this box is longer than the run.
     let large = (DURATION * media::ROCK.p_speed() / EDGE).ceil() as usize;
     let open = surface_motion(large + large % 2, Faces::Held)?;
     let peak = open.iter().fold(0.0_f64, |peak, u| peak.max(u.abs()));

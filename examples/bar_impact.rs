@@ -1,7 +1,7 @@
-//! Impact: a bar meets an equal one, and a rigid wall.
+//! Impact of a bar on an equal bar, and on a rigid wall.
 //!
-//! Builds on `joint_slip`. Two equal bars touch for `2 L / c` under half the pressure `rho c v` and
-//! exchange their velocities; on a rigid wall a bar turns back after the same time under `rho c v`.
+//! Builds on `joint_slip`. Two equal bars are in contact for `2 L / c` under half the pressure `rho c v` and
+//! exchange their velocities; a bar rebounds from a rigid wall after the same time under `rho c v`.
 //!
 //! ```text
 //!          v = 1 m/s                          v = 1 m/s
@@ -9,8 +9,8 @@
 //!     0           L|           2L                      |/
 //! ```
 //!
-//! The masses of a pair that meets lose their relative motion. That loss stands in a column of its
-//! own in the energy balance and goes to zero with the size of the bricks.
+//! The masses of a closing node pair lose their relative kinetic energy. This impact loss is a column of its own in the
+//! energy balance and vanishes with the element size.
 //!
 //! Run: `cargo run --release --example bar_impact`
 
@@ -29,19 +29,19 @@ const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 9e9;
 const DENSITY: f64 = 2750.0;
 
-/// What a meeting was like.
+/// Results of an impact.
 struct Meeting {
-    /// How long the sides touched (s).
+    /// Duration of contact (s).
     duration: f64,
-    /// Mean pressure over that time (Pa).
+    /// Mean contact pressure over that time (Pa).
     pressure: f64,
-    /// Mean velocities of the struck and the striking bar at the end (m/s, along the latter's way).
+    /// Mean velocities of the struck and the striking bar at the end (m/s, along the initial velocity).
     velocities: [f64; 2],
-    /// Share of the energy that was lost where the sides met.
+    /// Impact loss over the initial energy.
     loss: f64,
 }
 
-/// A bar of so many bricks strikes another one or a wall.
+/// Computes the impact of a bar with a number of elements on another bar or a wall.
 fn meet(bricks: usize, wall: bool) -> Outcome<Meeting> {
     let medium = ElasticMedium::new(YOUNG, 0.0, DENSITY)?;
     let struck = if wall { 1 } else { bricks };

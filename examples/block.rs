@@ -1,4 +1,4 @@
-//! A cube of ground under a free surface that one plane wave crosses, for examples of the free field.
+//! A cube of ground under a free surface with one incident plane wave, for examples of the free field.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,28 +14,28 @@ use powerhouse::wavefield::{
 use powerhouse::{Boundary, InitialMotion, Material, OutputPlan, Part, RunHooks, Scene, TimeStep};
 
 use crate::Outcome;
-use crate::prices::Priced;
+use crate::prices::Measured;
 
 /// Edge of the cube (m).
 pub const EDGE: f64 = 1200.0;
 
-/// What a run of the cube leaves to choose.
+/// Numerical options of a run of the cube.
 #[derive(Clone, Debug)]
 pub struct Choices {
-    /// Bricks along an edge.
+    /// Number of elements along an edge.
     pub elements: usize,
-    /// Their kernel; the default of bricks without one.
+    /// Kernel of the elements; the default kernel if `None`.
     pub kernel: Option<SolidKernel>,
-    /// The number format.
+    /// Number format.
     pub precision: Precision,
-    /// The step, as a share of the stable one.
+    /// Time step over the stable step.
     pub step: f64,
-    /// The boundary on all faces but the surface.
+    /// Absorbing boundary on all faces but the surface.
     pub boundary: ViscousSpring,
 }
 
 impl Default for Choices {
-    /// 40 bricks along an edge, and what scenes have by default.
+    /// 40 elements along an edge, and the defaults of scenes.
     fn default() -> Self {
         Self {
             elements: 40,
@@ -47,27 +47,27 @@ impl Default for Choices {
     }
 }
 
-/// One incident wave.
+/// Incident plane wave with the window of the run.
 #[derive(Clone)]
 pub struct BlockWave {
-    /// Its kind.
+    /// Wave type.
     pub kind: WaveKind,
-    /// Its angle from the vertical, and that of its course about it (degrees).
+    /// Angle of incidence from the vertical, and azimuth (degrees).
     pub incidence: f64,
-    /// See `incidence`.
+    /// Azimuth (degrees).
     pub azimuth: f64,
-    /// Its displacement (m) at the corner that it hits first.
+    /// Displacement (m) at the corner where the wave arrives first.
     pub signal: Arc<dyn Signal>,
-    /// When the run starts and how long it lasts (s).
+    /// Start time of the run (s).
     pub start: f64,
-    /// See `start`.
+    /// Duration of the run (s).
     pub duration: f64,
-    /// How it starts.
+    /// Initial motion.
     pub initial: InitialMotion,
 }
 
 impl BlockWave {
-    /// A wave whose pulse begins after the run, from rest.
+    /// A wave whose pulse arrives after the start of the run, from rest.
     pub fn new(kind: WaveKind, incidence: f64, signal: impl Signal + 'static) -> Self {
         Self {
             kind,
@@ -89,12 +89,12 @@ impl BlockWave {
         Ok(PlaneWave::new(parameters, self.signal.clone())?)
     }
 
-    /// The relative L2 error of the displacement at the centre of the surface over the whole run, and
-    /// what the run took.
+    /// Runs the cube and returns the relative L2 error of the displacement at the centre of the surface, with
+    /// the wall time.
     ///
     /// # Errors
-    /// What keeps the scene from running.
-    pub fn run(&self, choices: &Choices) -> Outcome<Priced> {
+    /// Any error of the scene or its run.
+    pub fn run(&self, choices: &Choices) -> Outcome<Measured> {
         let rock = ElasticMedium::new(10.0e9, 0.3, 3000.0)?;
         let field = self.field(rock)?;
         let centre = Vec3::new(EDGE / 2.0, EDGE / 2.0, EDGE);
@@ -107,13 +107,14 @@ impl BlockWave {
         let faces = ["left", "right", "front", "back", "bottom"];
         let simulation = Scene::new("free field", cube)
             .part(part)
-            .boundary(Boundary::new(choices.boundary.clone(), faces).scatterer(centre))
-            .field(field)
-            .precision(choices.precision)
-            .step(TimeStep::OfStable(choices.step))
-            .start(self.start, self.initial)
-            .duration(self.duration)
-            .output(OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT))
+            .with_boundary(Boundary::new(choices.boundary.clone(), faces).with_scatterer(centre))
+            .with_field(field)
+            .with_precision(choices.precision)
+            .with_step(TimeStep::OfStable(choices.step))
+            .with_start_time(self.start)
+            .with_initial_motion(self.initial)
+            .with_duration(self.duration)
+            .with_output(OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT))
             .prepare()?;
         let started = Instant::now();
         let results = simulation.run(RunHooks::default())?;
@@ -130,6 +131,6 @@ impl BlockWave {
             }
         }
         let error = f64::sqrt(difference / reference);
-        Ok(Priced { error, seconds })
+        Ok(Measured { error, seconds })
     }
 }

@@ -1,8 +1,8 @@
-//! Advice on the boundary of three scenes, and what the boundary that it names returns when run.
+//! Boundary advice for three scenes, with the predicted errors compared to measured ones.
 //!
-//! Builds on `boundary_price`. `powerhouse advise boundary SCENE` names the cheapest boundary that is
-//! predicted to meet a stated error; here the error is measured: each scene runs with every boundary and
-//! once with so much more ground around that nothing comes back from its faces in time.
+//! Builds on `boundary_price`. `powerhouse advise boundary SCENE` recommends the cheapest boundary whose predicted
+//! error is within a permitted one. Here the error is measured: each scene runs with every boundary, and once with a mesh
+//! extended so far that no reflection returns within the run.
 //!
 //! ```text
 //!    ------------------      ------------------       z |--..__
@@ -10,21 +10,21 @@
 //!   |      (  )        |    |       .--.       |        |-.  p   \
 //!   |       ``         |    |       `--'       |        |  \     |
 //!    ------------------      ------------------         +---|----|-- x
-//!      slice, P wave           block, SV wave           sphere, sudden pressure
-//!      straight up             at 25 degrees            that lasts
+//!      slice, P wave,          block, SV wave           sphere, pressure step
+//!      vertical                at 25 degrees
 //! ```
 //!
-//! Errors are those of displacement and velocity (under the sudden pressure of displacement alone) over
-//! the run, at the worst of some places on wall and surface. In the slice prediction and measurement are of one kind. In the block the prediction stands on
-//! the safe side: in place of the cavern, from which waves spread as spheres, it puts a circular opening
-//! in plane strain.
+//! Errors are those of displacement and velocity (under the pressure step of displacement alone) over the run, at the worst
+//! of several points on wall and surface. For the slice the substitute model of the prediction is equivalent. For the block
+//! the prediction is conservative: it replaces the cavern, from which waves spread spherically, by a circular opening in
+//! plane strain.
 //!
 //! Run: `cargo run --release --example boundary_advice`
 
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::observe::{HistoryTable, Motion, ObservationPoint};
 use powerhouse::engine::{FacePressure, Profile, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, Vec3};
@@ -40,18 +40,18 @@ use powerhouse_study::{
     OpeningSlice, ShellOctant, advise_boundary, grown, largest_error, probe_errors,
 };
 
-/// The ground of all three.
+/// Elastic medium of all three scenes.
 fn rock() -> Outcome<ElasticMedium> {
     Ok(ElasticMedium::new(9.0e9, 0.27, 2750.0)?)
 }
 
-/// A question whose boundary is asked for.
+/// Scene whose boundary is to be chosen.
 trait Question {
-    /// In names of figures.
+    /// Name in the names of figures.
     fn name(&self) -> &'static str;
-    /// The stated error.
+    /// Permitted relative error.
     fn stated(&self) -> f64;
-    /// The mesh, and one with so much more ground that nothing comes back in time.
+    /// The mesh, and the same extended so far that no reflection returns within the run.
     fn meshes(&self) -> Outcome<[Mesh; 2]>;
     /// The scene on a mesh; waves enter through the faces, or around a region.
     fn scene(
@@ -74,18 +74,15 @@ fn boundary(
     boundary
 }
 
-/// Displacement and velocity of some places at every step.
+/// Output of displacement and velocity of several points at every step.
 const MOTION: Motion = Motion {
     acceleration: false,
     ..Motion::ALL
 };
 
-/// The motion of some places at every step.
-fn output(places: &[(&str, Spot)], wanted: Motion) -> OutputPlan {
-    let every_step = OutputPlan {
-        every: f64::MIN_POSITIVE,
-        ..OutputPlan::default()
-    };
+/// Output of the motion of several points at every step.
+fn output(places: &[(&str, ObservationPoint)], wanted: Motion) -> OutputPlan {
+    let every_step = OutputPlan::default().with_every(f64::MIN_POSITIVE);
     let places = places.iter().cloned();
     places.fold(every_step, |output, (name, spot)| {
         output.history(name, spot, wanted)
@@ -107,7 +104,7 @@ fn wave(
     Ok(PlaneWave::new(parameters, Arc::new(pulse))?)
 }
 
-/// Thicknesses of layers that reach a distance (m), from one to a longest one.
+/// Layer thicknesses (m) that grow from a first to a longest one and add up to a distance.
 fn layers(first: f64, longest: f64, distance: f64) -> Vec<f64> {
     let (mut layers, mut reached, mut next) = (Vec::new(), 0.0, first);
     while reached < distance {
@@ -118,7 +115,7 @@ fn layers(first: f64, longest: f64, distance: f64) -> Vec<f64> {
     layers
 }
 
-/// A shallow round opening in a slice, under a P wave that comes straight up.
+/// A shallow round opening in a slice, under a vertically incident P wave.
 struct Slice {
     half_width: f64,
     height: f64,
@@ -136,8 +133,8 @@ impl Slice {
         Ok(rock()?.s_speed() / (16.0 * RADIUS))
     }
 
-    /// Start and end (s): before the pulse reaches the bottom, and after waves went to the faces and
-    /// back.
+    /// Start and end of the run (s): before the pulse reaches the bottom, and after the return travel time to
+    /// the faces.
     fn window(&self) -> Outcome<[f64; 2]> {
         let pulse = 1.3 / Self::frequency()?;
         let way = self.height / rock()?.p_speed();
@@ -183,14 +180,18 @@ impl Question for Slice {
         let cuts = [mesh.facet_set("front")?, mesh.facet_set("back")?].concat();
         let cuts = mesh.nodes_of_facets(&cuts);
         let centre = Vec3::new(0.0, 0.0, -DEPTH);
-        let on_wall =
-            |x: f64, z: f64| Spot::at(centre + RADIUS * Vec3::new(x, 0.0, z)).within(0.1 * RADIUS);
+        let on_wall = |x: f64, z: f64| {
+            ObservationPoint::at(centre + RADIUS * Vec3::new(x, 0.0, z)).within(0.1 * RADIUS)
+        };
         let places = [
             ("crown", on_wall(0.0, 1.0)),
             ("floor", on_wall(0.0, -1.0)),
             ("spring", on_wall(1.0, 0.0)),
-            ("surface", Spot::at(Vec3::zeros())),
-            ("aside", Spot::at(Vec3::new(-2.0 * RADIUS, 0.0, 0.0))),
+            ("surface", ObservationPoint::at(Vec3::zeros())),
+            (
+                "aside",
+                ObservationPoint::at(Vec3::new(-2.0 * RADIUS, 0.0, 0.0)),
+            ),
         ];
         let [start, end] = self.window()?;
         let wave = wave(WaveKind::P, [0.0; 2], Self::frequency()?, centre)?;
@@ -200,20 +201,21 @@ impl Question for Slice {
                 Material::from(LinearElastic::new(rock()?)),
             ))
             .support(Support::roller(cuts, Vec3::y()))
-            .plane_waves(vec![wave])?
-            .boundary(boundary(condition, &Self::FACES, centre, region))
-            .start(start, InitialMotion::Rest)
-            .duration(end - start)
-            .energy_residual(ResidualLimit::Unchecked)
-            .output(output(&places, MOTION)))
+            .with_plane_waves(vec![wave])?
+            .with_boundary(boundary(condition, &Self::FACES, centre, region))
+            .with_start_time(start)
+            .with_initial_motion(InitialMotion::Rest)
+            .with_duration(end - start)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_output(output(&places, MOTION)))
     }
 }
 
-/// A block with a cavern, under an SV wave at 25 degrees that travels at 30 degrees from x.
+/// A block with a cavern, under an SV wave at 25 degrees with an azimuth of 30 degrees.
 struct Block {
-    /// Bricks from the centre to the sides, and to the bottom; the cavern is four wide and high.
+    /// Numbers of elements from the centre to the sides and to the bottom; the cavern is four wide and high.
     cells: [usize; 2],
-    /// Their edge (m).
+    /// Element edge (m).
     brick: f64,
 }
 
@@ -231,7 +233,7 @@ impl Block {
         let pulse = 1.3 / self.frequency()?;
         let (side, s_speed) = (self.cells[0] as f64 * self.brick, rock()?.s_speed());
         let below = self.cells[1] as f64 * self.brick;
-        // The wave comes from a lower edge.
+        // The wave arrives at a lower edge.
         let way = below + 2.0 * side * 25.0_f64.to_radians().sin();
         Ok([-pulse - way / s_speed, pulse + 3.0 * side / s_speed])
     }
@@ -241,7 +243,7 @@ impl Question for Block {
     fn name(&self) -> &'static str {
         "block_sv25"
     }
-    /// Faces stand three radii from the cavern's middle, and waves are down to twice as long as it is wide.
+    /// The faces are three radii from the centre of the cavern, and the shortest waves are twice its width.
     fn stated(&self) -> f64 {
         0.3
     }
@@ -271,12 +273,13 @@ impl Question for Block {
         region: Option<Vec<u32>>,
     ) -> Outcome<Scene> {
         let half = 2.0 * self.brick;
-        let on_wall = |x: f64, z: f64| Spot::at(self.centre() + half * Vec3::new(x, 0.0, z));
+        let on_wall =
+            |x: f64, z: f64| ObservationPoint::at(self.centre() + half * Vec3::new(x, 0.0, z));
         let places = [
             ("crown", on_wall(0.0, 1.0)),
             ("floor", on_wall(0.0, -1.0)),
             ("wall", on_wall(1.0, 0.0)),
-            ("surface", Spot::at(Vec3::zeros())),
+            ("surface", ObservationPoint::at(Vec3::zeros())),
         ];
         let [start, end] = self.window()?;
         let wave = wave(WaveKind::SV, [25.0, 30.0], self.frequency()?, self.centre())?;
@@ -285,33 +288,34 @@ impl Question for Block {
                 "rock",
                 Material::from(LinearElastic::new(rock()?)),
             ))
-            .plane_waves(vec![wave])?
-            .boundary(boundary(condition, &Self::FACES, self.centre(), region))
-            .start(start, InitialMotion::Rest)
-            .duration(end - start)
-            .energy_residual(ResidualLimit::Unchecked)
-            .output(output(&places, MOTION)))
+            .with_plane_waves(vec![wave])?
+            .with_boundary(boundary(condition, &Self::FACES, self.centre(), region))
+            .with_start_time(start)
+            .with_initial_motion(InitialMotion::Rest)
+            .with_duration(end - start)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_output(output(&places, MOTION)))
     }
 }
 
-/// The mesh without some elements, and without the nodes that only they have.
+/// The mesh without some elements and their orphan nodes.
 fn without(mesh: &Mesh, elements: &[u32]) -> Outcome<Mesh> {
     let kept = (0..mesh.element_count() as u32).filter(|e| elements.binary_search(e).is_err());
     Ok(mesh.of_elements(&kept.collect::<Vec<u32>>())?)
 }
 
-/// A spherical cavity under a sudden pressure that stays: an eighth of it.
+/// One octant of a spherical cavity under a pressure step.
 struct Sphere {
-    /// Radius of the outside over that of the cavity.
+    /// Outer radius over the radius of the cavity.
     far: f64,
-    /// Bricks along a side of a patch.
+    /// Elements along a side of a patch.
     around: usize,
     /// End of the run (s).
     duration: f64,
 }
 
 const CAVITY: f64 = 10.0;
-/// Time in which the pressure rises (s).
+/// Rise time of the pressure (s).
 const RISE: f64 = 2.0e-3;
 
 impl Question for Sphere {
@@ -355,22 +359,22 @@ impl Question for Sphere {
         let history = Box::new(|time: f64| 1.0e6 * (time / RISE).min(1.0));
         let wall = mesh.facet_set("wall")?;
         let pressure = FacePressure::new(&mesh, wall, Profile::Uniform, history)?;
-        let places = [("wall", Spot::at(Vec3::new(CAVITY, 0.0, 0.0)))];
+        let places = [("wall", ObservationPoint::at(Vec3::new(CAVITY, 0.0, 0.0)))];
         let scene = Scene::new("sphere", mesh)
             .part(Part::new(
                 "rock",
                 Material::from(LinearElastic::new(rock()?)),
             ))
-            .boundary(boundary(condition, &["outside"], Vec3::zeros(), None))
+            .with_boundary(boundary(condition, &["outside"], Vec3::zeros(), None))
             .load(pressure)
-            .duration(self.duration)
-            .energy_residual(ResidualLimit::Unchecked)
-            .output(output(&places, Motion::DISPLACEMENT));
+            .with_duration(self.duration)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_output(output(&places, Motion::DISPLACEMENT));
         Ok(supports.into_iter().fold(scene, Scene::support))
     }
 }
 
-/// Asks for advice on a scene, and measures what all boundaries return.
+/// Computes the advice for a scene, and measures the errors of all boundaries.
 fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
     let figure = |of: &str| format!("boundary_advice.{}.{of}", question.name());
     let default = Arc::new(powerhouse::boundary::ViscousSpring::default());
@@ -379,41 +383,42 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
     let advice = advise_boundary(&scene, question.stated())?;
     println!("{advice}");
 
-    // Both meshes take one step.
+    // Both meshes have the same time step.
     let step = 0.95 * scene.prepare()?.stable_step()?.step;
-    let run = |mesh: Mesh, kind: BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
-        let scene = question.scene(mesh, advice.condition(kind)?, region)?;
-        let scene = scene.step(TimeStep::Seconds(step));
-        Ok(scene.prepare()?.run(RunHooks::default())?.histories)
-    };
-    let best = advice.candidates.first().ok_or("no candidate")?.kind;
-    // Waves enter through the elements behind the small mesh's faces: both meshes carry them as far.
+    let run =
+        |mesh: Mesh, kind: &BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
+            let scene = question.scene(mesh, advice.condition(kind)?, region)?;
+            let scene = scene.with_step(TimeStep::Seconds(step));
+            Ok(scene.prepare()?.run(RunHooks::default())?.histories)
+        };
+    let best = &advice.candidates.first().ok_or("no candidate")?.kind;
+    // Waves enter through the elements behind the small mesh's faces, so that both meshes have the same dispersion.
     let inside = (0..mesh.element_count() as u32).collect();
     let reference = run(wide, best, Some(inside))?;
     figures.report(&figure("stated"), question.stated(), "the stated error");
     for (place, candidate) in advice.candidates.iter().enumerate() {
-        let found = run(mesh.clone(), candidate.kind, None)?;
+        let found = run(mesh.clone(), &candidate.kind, None)?;
         let measured = largest_error(&probe_errors(&found, &reference)?);
         let (predicted, name) = (candidate.predicted, candidate.kind.name());
         println!("{name}: predicted {predicted:.4}, measured {measured:.4}");
-        let is_named = advice.named().is_some_and(|named| named == candidate);
-        let remark = match is_named {
+        let is_recommended = advice.recommended().is_some_and(|named| named == candidate);
+        let remark = match is_recommended {
             true => "of the boundary that is named",
             false => "of another boundary",
         };
-        let of = |what: &str| match is_named {
+        let of = |what: &str| match is_recommended {
             true => figure(what),
             false => figure(&format!("other{place}.{what}")),
         };
         figures.report(&of("predicted"), predicted, remark);
-        if is_named {
+        if is_recommended {
             figures.at_most(&of("measured"), measured, question.stated());
         } else {
             figures.report(&of("measured"), measured, remark);
         }
     }
-    // Without a boundary that is named nothing is shown.
-    let unnamed = f64::from(u8::from(advice.named().is_none()));
+    // Without a recommended boundary nothing is shown.
+    let unnamed = f64::from(u8::from(advice.recommended().is_none()));
     figures.at_most(&figure("unnamed"), unnamed, 0.0);
     Ok(())
 }
@@ -448,7 +453,7 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// On a small version of the slice the boundary that is named meets the stated error.
+    /// On a small version of the slice the recommended boundary meets the permitted error.
     #[test]
     fn the_named_boundary_meets_the_stated_error() {
         let slice = Slice {

@@ -1,11 +1,11 @@
-//! What boundaries cost: what they return of plane waves, where they let a body drift, time per node
-//! and step.
+//! Errors and costs of absorbing boundaries: reflection of plane waves, drift, time per node and step.
 //!
-//! Builds on `absorbing_box`. Before a boundary is chosen: by how much it errs, at which angles and
-//! frequencies, and what it takes. Reflection is measured with P and SV waves in a strip that is
+//! Builds on `absorbing_box`. The basis for the choice of a boundary: its errors by angle and frequency, and its
+//! cost. Reflection is measured with P and SV waves in a strip that is
 //! periodic along the face and compared with the closed forms of
-//! `powerhouse::boundary::reflection`; the tables in that crate's documentation come from here.
-//! Costs are measured beside an elastic step of the same run. Drift is that after a million steps in each precision, which take most of the time.
+//! `powerhouse::boundary::reflection`; the tables in that crate's documentation are generated here. Costs are measured
+//! relative to an elastic step of the same run. Drift is measured after a million steps in each number format, which take
+//! most of the time.
 //!
 //! Run: `cargo run --release --example boundary_price`
 
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use powerhouse::boundary::reflection::{PlaneWave, reflection};
+use powerhouse::boundary::reflection::{BodyWave, reflection};
 use powerhouse::boundary::{
     AxisParameters, FaceCoefficients, InputMode, ReductionLayer, Viscous, ViscousSpring,
 };
@@ -29,14 +29,14 @@ use powerhouse::{
 use powerhouse_examples::strip::Arriving;
 use powerhouse_examples::{Figures, Outcome};
 
-/// Distance from what scatters (m).
+/// Distance from the scatterer (m).
 const DISTANCE: f64 = 50.0;
 /// Frequencies, as `w r / cp`.
 const NUMBERS: [f64; 3] = [1.0, 2.0, 5.0];
 /// Angles from the normal (degrees).
 const ANGLES: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 
-/// The boundaries, and B of their dashpots; springs have A = 0.8.
+/// The boundaries, with B of their dashpots; springs have A = 0.8.
 const BOUNDARIES: [(&str, Option<f64>); 3] = [
     ("viscous", None),
     ("springs_b11", Some(1.1)),
@@ -76,18 +76,18 @@ fn coefficients(speed_ratio: Option<f64>) -> Outcome<FaceCoefficients> {
     })
 }
 
-/// Prints a table of what a boundary returns of one wave; the largest difference from the closed
-/// form.
+/// Prints a table of the reflection coefficients of a boundary for one wave; returns the largest difference from the
+/// closed form.
 fn reflections(
     speed_ratio: Option<f64>,
-    wave: PlaneWave,
+    wave: BodyWave,
     angles: &[f64],
     numbers: &[f64],
 ) -> Outcome<f64> {
     let medium = rock()?;
     let face = coefficients(speed_ratio)?;
     let mut worst = 0.0_f64;
-    println!("| degrees | w r / cp | returned P | closed form | returned SV | closed form |");
+    println!("| degrees | w r / cp | reflected P | closed form | reflected SV | closed form |");
     for &degrees in angles {
         for &number in numbers {
             let frequency = number * medium.p_speed() / DISTANCE;
@@ -119,7 +119,7 @@ fn reflections(
 
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
-/// A cube of so many bricks of 2 m along an edge, under a free surface.
+/// A cube with a number of 2 m elements along an edge, under a free surface.
 fn cube(cells: usize) -> Outcome<(Scene, Vec3)> {
     let edge = 2.0 * cells as f64;
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(edge), [cells; 3], "rock")?;
@@ -131,8 +131,8 @@ fn cube(cells: usize) -> Outcome<(Scene, Vec3)> {
     ))
 }
 
-/// What is left of a push of 20 ms on the surface after so many steps, over its peak: the mean
-/// displacement of the surface, and how far it still moves in the last tenth of the run.
+/// Drift after a push of 20 ms on the surface and a number of steps, over its peak: mean displacement of the surface, and
+/// its change in the last tenth of the run.
 fn drift(speed_ratio: Option<f64>, precision: Precision, steps: usize) -> Outcome<[f64; 2]> {
     let (scene, middle) = cube(6)?;
     let around = [middle.add_scalar(-0.1), middle.add_scalar(0.1)];
@@ -143,20 +143,17 @@ fn drift(speed_ratio: Option<f64>, precision: Precision, steps: usize) -> Outcom
     };
     let force = Vec3::new(0.0, 0.0, -1.0e6);
     let step = 5.0e-4;
-    let output = OutputPlan {
-        every: 4.0 * step,
-        ..OutputPlan::default()
-    };
-    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).scatterer(middle);
+    let output = OutputPlan::default().with_every(4.0 * step);
+    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).with_scatterer(middle);
     let results = scene
-        .boundary(boundary)
+        .with_boundary(boundary)
         .load(NodalForce::new(loaded, force, Box::new(push)))
-        .precision(precision)
-        .threads(1)
-        .step(TimeStep::Seconds(step))
-        .duration(step * steps as f64)
-        .energy_residual(ResidualLimit::Unchecked)
-        .output(output.history("top", Place::NodeSet("top".into()), Motion::DISPLACEMENT))
+        .with_precision(precision)
+        .with_threads(1)
+        .with_step(TimeStep::Seconds(step))
+        .with_duration(step * steps as f64)
+        .with_energy_residual(ResidualLimit::Unchecked)
+        .with_output(output.history("top", Place::NodeSet("top".into()), Motion::DISPLACEMENT))
         .prepare()?
         .run(RunHooks::default())?;
     let column = results.histories.column("top.uz").ok_or("no column")?;
@@ -174,7 +171,7 @@ fn drift(speed_ratio: Option<f64>, precision: Precision, steps: usize) -> Outcom
     Ok([last.abs() / peak, still_moves / peak])
 }
 
-/// The least time that a step takes in some tries.
+/// The least wall time of a step in several trials.
 fn time_of_step(simulation: &mut Simulation) -> Outcome<Duration> {
     let mut least = Duration::MAX;
     for _ in 0..200 {
@@ -183,22 +180,22 @@ fn time_of_step(simulation: &mut Simulation) -> Outcome<Duration> {
     Ok(least)
 }
 
-/// What a boundary costs, measured beside the same body without it.
+/// Cost of a boundary, measured against the same body without it.
 struct Cost {
-    /// At one of its nodes and steps (ns).
+    /// Time per absorbing node and step (ns).
     nanoseconds: f64,
-    /// The same over the time of an elastic brick and step.
+    /// Ratio of that time to the time of an elastic element and step.
     of_brick: f64,
-    /// The stable step with it over that without.
+    /// Ratio of the stable steps with and without the boundary.
     stable_step: f64,
 }
 
 fn cost(speed_ratio: Option<f64>) -> Outcome<Cost> {
     let cells = 16;
-    let mut free = cube(cells)?.0.threads(1).prepare()?;
+    let mut free = cube(cells)?.0.with_threads(1).prepare()?;
     let (scene, middle) = cube(cells)?;
-    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).scatterer(middle);
-    let mut bounded = scene.boundary(boundary).threads(1).prepare()?;
+    let boundary = Boundary::new(condition(speed_ratio, None)?, FACES).with_scatterer(middle);
+    let mut bounded = scene.with_boundary(boundary).with_threads(1).prepare()?;
     let stable_step = bounded.stable_step()?.step / free.stable_step()?.step;
     let times = [time_of_step(&mut bounded)?, time_of_step(&mut free)?];
     let [with, without] = times.map(|time| 1.0e9 * time.as_secs_f64());
@@ -211,8 +208,8 @@ fn cost(speed_ratio: Option<f64>) -> Outcome<Cost> {
     })
 }
 
-/// What the input of an SV wave at 30 degrees costs through a layer of elements, per element and step
-/// (ns), and through the faces, per node and step: beside the same body without input.
+/// Cost (ns) of the input of an SV wave at 30 degrees, against the same body without input: through a layer of elements
+/// per element and step, and through the faces per node and step.
 fn input_cost() -> Outcome<[f64; 2]> {
     let cells = 16;
     let scene = |region: Option<Vec<u32>>, waves: bool| -> Outcome<Simulation> {
@@ -220,16 +217,17 @@ fn input_cost() -> Outcome<[f64; 2]> {
         let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, rock()?, middle.z);
         parameters.incidence = Angle::from_degrees(30.0);
         let pulse = Arc::new(SmoothPulse::new(1.0e-3, 0.05)?);
-        let mut boundary = Boundary::new(Viscous::default(), FACES).scatterer(middle);
+        let mut boundary = Boundary::new(Viscous::default(), FACES).with_scatterer(middle);
         boundary.region = region;
-        let scene = scene.boundary(boundary).threads(1);
+        let scene = scene.with_boundary(boundary).with_threads(1);
         let scene = match waves {
-            true => scene.plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?,
+            true => scene.with_plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?,
             false => scene,
         };
         Ok(scene
-            .start(-1.0, InitialMotion::Rest)
-            .duration(1.0e3)
+            .with_start_time(-1.0)
+            .with_initial_motion(InitialMotion::Rest)
+            .with_duration(1.0e3)
             .prepare()?)
     };
     let (free, middle) = cube(cells)?;
@@ -249,12 +247,12 @@ fn input_cost() -> Outcome<[f64; 2]> {
     Ok([(by_layer - without) / layer, (by_faces - without) / nodes])
 }
 
-/// Reflections at some angles and numbers, and what is left of a push after so many steps.
+/// Reports reflections at several angles and frequencies, and the drift after a number of steps.
 fn figures(angles: &[f64], numbers: &[f64], steps: usize) -> Outcome<Figures> {
     let mut figures = Figures::default();
     for (name, speed_ratio) in BOUNDARIES {
-        for (of, wave) in [("p", PlaneWave::P), ("sv", PlaneWave::Sv)] {
-            println!("{name}, {of} wave arrives:");
+        for (of, wave) in [("p", BodyWave::P), ("sv", BodyWave::Sv)] {
+            println!("{name}, incident {of} wave:");
             let worst = reflections(speed_ratio, wave, angles, numbers)?;
             let figure = format!("boundary_price.{name}.{of}.reflection_error");
             figures.at_most(&figure, worst, 0.01);
@@ -312,7 +310,7 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// At some angles, before and past the critical one, every figure meets its limit.
+    /// At several angles, below and past the critical one, every figure meets its limit.
     #[test]
     fn figures_meet_their_limits() {
         assert_eq!(figures(&[0.0, 45.0], &[1.0], 2000).unwrap().missed(), 0);

@@ -1,7 +1,7 @@
-//! The main job, composed in Rust: a lined cavern under an earthquake that arrives at an angle.
+//! A lined cavern under an obliquely incident earthquake, composed in Rust.
 //!
-//! Builds on all before. The same model as `data/scenes/cavern_small.toml`, its first two
-//! seconds, without a scene file; both ways must give the same numbers.
+//! Builds on all earlier examples. The model of `data/scenes/cavern_small.toml` without a scene file, for its first two
+//! seconds; both must give the same numbers.
 //!
 //! ```text
 //!      z = 0      ----------------x----------------   surface
@@ -45,7 +45,7 @@ fn record(data: &Path) -> Outcome<powerhouse::wavefield::RecordSignal> {
         ..RecordOptions::default()
     };
     let record = read_record(&data.join("records/el_centro_1940_ns.csv"), &options)?;
-    let history = TimeHistory::new(record.step, record.samples)?.first(20.0, 0.0)?;
+    let history = TimeHistory::new(record.step, record.samples)?.truncated(20.0, 0.0)?;
     let (history, report) =
         history.corrected(BaselineCorrection::VelocityPolynomial { order: 5 })?;
     println!(
@@ -73,19 +73,19 @@ fn composed(data: &Path) -> Outcome<Scene> {
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .part(Part::new("lining", concrete).kernel(SolidKernel::Hex8Full))
-        .field(wave)
-        .boundary(
-            Boundary::new(ViscousSpring::paper(), faces).scatterer(Vec3::new(0.0, 0.0, -76.0)),
+        .part(Part::new("lining", concrete).with_kernel(SolidKernel::Hex8Full))
+        .with_field(wave)
+        .with_boundary(
+            Boundary::new(ViscousSpring::paper(), faces).with_scatterer(Vec3::new(0.0, 0.0, -76.0)),
         )
-        .output(
+        .with_output(
             OutputPlan::default()
                 .history("crown", crown, Motion::ALL)
                 .relative("crown-to-floor", crown, floor),
         ))
 }
 
-/// The crown's horizontal displacement, sample by sample.
+/// Samples of the horizontal displacement of the crown.
 fn crown(results: &Results) -> Outcome<&[f64]> {
     let column = results
         .histories
@@ -96,12 +96,12 @@ fn crown(results: &Results) -> Outcome<&[f64]> {
 
 fn figures() -> Outcome<Figures> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data");
-    let scene = composed(&data)?.duration(DURATION);
+    let scene = composed(&data)?.with_duration(DURATION);
     let mesh = scene.mesh().clone();
     let from_rust = scene.prepare()?.run(RunHooks::default())?;
     print!("{}", from_rust.peaks(&mesh));
 
-    let scene = Scene::from_file(data.join("scenes/cavern_small.toml"))?.duration(DURATION);
+    let scene = Scene::from_file(data.join("scenes/cavern_small.toml"))?.with_duration(DURATION);
     let from_file = scene.prepare()?.run(RunHooks::default())?;
     let (a, b) = (crown(&from_rust)?, crown(&from_file)?);
     let unequal = a

@@ -6,7 +6,7 @@ pub mod compare;
 use std::sync::Arc;
 
 use powerhouse::boundary::{AxisParameters, DomainReduction, Spreading, ViscousSpring};
-use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::observe::{HistoryTable, Motion, ObservationPoint};
 use powerhouse::engine::{Precision, SolidKernel, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, ElasticMedium, Mesh, ParameterError, Vec3};
@@ -26,7 +26,7 @@ pub const RADIUS: f64 = 2.0;
 pub const DEPTH: f64 = 1.5 * RADIUS;
 /// Samples per `a / cs`.
 pub const SAMPLES: usize = 10;
-/// Places on the surface: x = a/10 times -40 to 40.
+/// Stations on the surface: x = a/10 times -40 to 40.
 pub const STATIONS: core::ops::RangeInclusive<i32> = -40..=40;
 /// Angles on the wall from +x (degrees).
 pub const WALL: [i32; 3] = [90, 0, -90];
@@ -39,7 +39,7 @@ pub fn rock() -> Result<ElasticMedium, ParameterError> {
     ElasticMedium::new(9.0e9, 0.3456, 2750.0)
 }
 
-/// The time in which an S wave crosses the cavity's radius (s).
+/// Travel time of an S wave along the radius of the cavity (s).
 ///
 /// # Errors
 /// None: see [`rock`].
@@ -50,7 +50,7 @@ pub fn unit_of_time() -> Result<f64, ParameterError> {
 /// Peak of the incident displacement (m).
 pub const PEAK: f64 = 1.0e-3;
 
-/// The reference's pulse: it passes the surface at 6 a/cs.
+/// The pulse of the reference, which arrives at the surface at 6 a/cs.
 ///
 /// # Errors
 /// None: see [`rock`].
@@ -60,45 +60,45 @@ pub fn pulse() -> Outcome<Arc<dyn Signal>> {
     Ok(Arc::new(Ricker::new(shape, PEAK, 0.25 / unit, 6.0 * unit)?))
 }
 
-/// What of the half-space is computed, and how finely; lengths in radii of the cavity.
+/// Extent and mesh density of the model; lengths in radii of the cavity.
 #[derive(Clone, Copy, Debug)]
 pub struct CavityModel {
-    /// Edge of the bricks around the cavity.
+    /// Element edge around the cavity.
     pub edge: f64,
-    /// Longest edges of the bricks far to its sides and far below it.
+    /// Longest element edges far to the sides and far below.
     pub far: [f64; 2],
-    /// From the cavity to the sides.
+    /// Distance from the cavity to the sides.
     pub half_width: f64,
-    /// From the surface to the bottom.
+    /// Distance from the surface to the bottom.
     pub height: f64,
-    /// B of the boundary's dashpots.
+    /// Coefficient B of the boundary's dashpots.
     pub speed_ratio: f64,
-    /// The kernel of the bricks; their default without one.
+    /// Kernel of the elements; the default kernel if `None`.
     pub kernel: Option<SolidKernel>,
-    /// The number format.
+    /// Number format.
     pub precision: Precision,
-    /// The reach of the region, to the sides and down, that the wave enters through a layer of
-    /// elements around it; without one it enters through the boundary.
+    /// Extent of the region to the sides and downwards, around which the wave enters through a layer of
+    /// elements; if `None` it enters through the boundary.
     pub layer: Option<f64>,
 }
 
-/// A wave that comes in; times in `a / cs`.
+/// Incident wave; times in `a / cs`.
 #[derive(Clone)]
 pub struct Incoming {
-    /// Its kind.
+    /// Wave type.
     pub kind: WaveKind,
-    /// Its angle from the vertical (degrees).
+    /// Angle of incidence from the vertical (degrees).
     pub degrees: f64,
-    /// Its displacement at the surface above the cavity, were there none.
+    /// Incident displacement at the surface above the cavity.
     pub signal: Arc<dyn Signal>,
-    /// When the signal begins to move.
+    /// Start of the signal.
     pub begin: f64,
-    /// When the run ends.
+    /// End of the run.
     pub end: f64,
 }
 
 impl CavityModel {
-    /// Short bricks in a large box.
+    /// Fine mesh in a large box.
     pub const BEST: Self = Self {
         edge: 0.05,
         far: [0.4, 0.08],
@@ -110,10 +110,10 @@ impl CavityModel {
         layer: None,
     };
 
-    /// The mesh.
+    /// Generates the mesh.
     ///
     /// # Errors
-    /// A model in which the cavity finds no room.
+    /// A box too small for the cavity.
     pub fn mesh(&self) -> Outcome<Mesh> {
         let slice = OpeningSlice {
             radius: RADIUS,
@@ -127,11 +127,11 @@ impl CavityModel {
         Ok(slice.mesh()?)
     }
 
-    /// Displacements of the stations, `s-40.ux` and so on, and of the wall, `w90.ux` and so on,
+    /// Displacement histories of the stations, `s-40.ux` and so on, and of the wall, `w90.ux` and so on,
     /// under a wave.
     ///
     /// # Errors
-    /// What keeps the scene from running.
+    /// Any error of the scene or its run.
     pub fn motion(&self, wave: &Incoming) -> Outcome<HistoryTable> {
         let mesh = self.mesh()?;
         let rock = rock()?;
@@ -140,7 +140,7 @@ impl CavityModel {
         let sine = wave.degrees.to_radians().sin();
         let field = PlaneWave::new(parameters, wave.signal.clone())?;
 
-        // Both cuts on rollers: plane strain. Scattered waves spread along circles, not spheres.
+        // Rollers on both cuts: plane strain. Scattered waves spread cylindrically.
         let cuts = [mesh.facet_set("front")?, mesh.facet_set("back")?].concat();
         let plane_strain = Support::roller(mesh.nodes_of_facets(&cuts), Vec3::y());
         let springs = ViscousSpring {
@@ -164,16 +164,13 @@ impl CavityModel {
             }
         };
         let boundary = Boundary::new(condition, ["left", "right", "bottom"])
-            .scatterer(Vec3::new(0.0, 0.0, -DEPTH));
+            .with_scatterer(Vec3::new(0.0, 0.0, -DEPTH));
 
         let unit = unit_of_time()?;
         let sample = unit / SAMPLES as f64;
-        // An S wave passes the farthest corner this early.
+        // Arrival time of an S wave at the farthest corner.
         let ahead = (self.height + self.half_width * sine).ceil();
-        let mut output = OutputPlan {
-            every: sample,
-            ..OutputPlan::default()
-        };
+        let mut output = OutputPlan::default().with_every(sample);
         for station in STATIONS {
             let place = Vec3::new(0.1 * RADIUS * f64::from(station), 0.0, 0.0);
             output = output.history(&format!("s{station}"), place, Motion::DISPLACEMENT);
@@ -181,18 +178,19 @@ impl CavityModel {
         for degrees in WALL {
             let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
             let place = Vec3::new(RADIUS * cosine, 0.0, RADIUS * sine - DEPTH);
-            let spot = Spot::at(place).within(0.1 * RADIUS);
+            let spot = ObservationPoint::at(place).within(0.1 * RADIUS);
             output = output.history(&format!("w{degrees}"), spot, Motion::DISPLACEMENT);
         }
         let mut simulation = Scene::new("cavity", mesh)
             .part(part)
             .support(plane_strain)
-            .boundary(boundary)
-            .field(field)
-            .precision(self.precision)
-            .start((wave.begin - ahead) * unit, InitialMotion::Field)
-            .duration((wave.end - wave.begin + ahead) * unit)
-            .output(output)
+            .with_boundary(boundary)
+            .with_field(field)
+            .with_precision(self.precision)
+            .with_start_time((wave.begin - ahead) * unit)
+            .with_initial_motion(InitialMotion::Field)
+            .with_duration((wave.end - wave.begin + ahead) * unit)
+            .with_output(output)
             .prepare()?;
         // A whole number of steps between samples.
         let stable = simulation.stable_step()?.step;

@@ -1,9 +1,9 @@
-//! A cavity under the surface scatters waves: amplitudes along the surface and transients, against
-//! a solution by other means.
+//! Scattering of waves by a cavity under the surface: amplitudes along the surface and transients, compared with a solution
+//! by boundary elements.
 //!
 //! Builds on `free_field` and `absorbing_box`. Example 2 of Wang, Chen & Xiao (2019), their Figs. 8
-//! and 9: a circular cavity in a half-space under waves that come straight up, one element thick in
-//! plane strain. A single pulse gives the amplitudes of all its frequencies, as ratios of spectra.
+//! and 9: a circular cavity in a half-space under vertically incident waves, one element thick in plane
+//! strain. A single pulse gives the amplitudes of all its frequencies, as ratios of spectra.
 //!
 //! ```text
 //!    x = -4a          0           4a
@@ -17,13 +17,12 @@
 //! ```
 //!
 //! The reference is in `data/reference`. Errors are per unit of incident displacement; they fall
-//! with the length of the bricks and with the size of the box, as the figures show. What is left in
-//! the large box are surface waves: in two dimensions they do not decay, and the boundary returns
-//! part of them. After a pulse they come back late; under a harmonic wave that never ends they are
-//! there all the time, so that its amplitudes err by more than those of the pulse.
+//! with the element length and with the size of the box, as the figures show. The remaining error in the large box is due
+//! to surface waves: in two dimensions they do not decay, and the boundary reflects part of them. After a pulse they return
+//! late; under a harmonic wave they are always present, so that its amplitudes have larger errors than those of the pulse.
 //!
-//! Dashpots have B = 1, the default: with the paper's B = 1.1 they return 4.8 % of every body wave, which
-//! this comparison shows.
+//! Dashpots have B = 1, the default: with the paper's B = 1.1 they reflect 4.8 % of every body wave, which this comparison
+//! shows.
 //!
 //! Run: `cargo run --release --example cavity_scattering`; it draws `results/cavity_scattering`.
 
@@ -41,10 +40,10 @@ use powerhouse_examples::cavity::{CavityModel, Incoming, PEAK, STATIONS, pulse, 
 use powerhouse_examples::reference::ReferenceTable;
 use powerhouse_examples::{Figures, Outcome};
 
-/// One of the reference's waves.
+/// An incident wave of the reference.
 struct Wave {
     kind: WaveKind,
-    /// In names of figures, and in the reference.
+    /// Name in the names of figures and in the reference.
     name: &'static str,
     rows: &'static str,
     transients: &'static str,
@@ -65,9 +64,9 @@ const WAVES: [Wave; 2] = [
     },
 ];
 
-/// What one model says of one wave.
+/// Results of a model under a wave.
 struct Answer {
-    /// Amplitudes of ux and uz along the surface: the reference's and ours.
+    /// Amplitudes of ux and uz along the surface: of the reference and computed.
     amplitudes: [[Vec<f64>; 2]; 2],
     transients: Vec<Pair>,
 }
@@ -106,8 +105,7 @@ impl Wave {
         })
     }
 
-    /// The largest error of the amplitudes when the wave is harmonic, from the last 10 of 30 of its
-    /// periods.
+    /// Largest error of the amplitudes under a harmonic wave, from the last 10 of 30 periods.
     fn harmonic_error(&self, model: &CavityModel) -> Outcome<f64> {
         let signal = Arc::new(Steady::new(PEAK)?);
         let end = signal.periods(30.0)?;
@@ -124,7 +122,7 @@ impl Wave {
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
-    // What is no number is worse than anything.
+    // A NaN counts as the largest error.
     let size = |(a, b): (&f64, &f64)| (a - b).abs();
     pairs
         .map(size)
@@ -141,7 +139,7 @@ impl Answer {
         relative_l2(&self.transients)
     }
 
-    /// Draws amplitudes along the surface, and some of the transients.
+    /// Draws the amplitudes along the surface, and some of the transients.
     fn draw(&self, folder: &Path, name: &str) -> Outcome<()> {
         let curve = |name, x, y| PlotCurve { name, x, y };
         let panel = |label: &str, x, [expected, found]: [_; 2]| PlotPanel {
@@ -198,29 +196,29 @@ impl Answer {
     }
 }
 
-/// Short bricks in a large box.
+/// Fine mesh in a large box.
 const BEST: CavityModel = CavityModel::BEST;
-/// The same box in bricks of twice the length.
+/// The same box with elements of twice the length.
 const MIDDLE: CavityModel = CavityModel {
     edge: 0.1,
     far: [0.4, 0.16],
     ..BEST
 };
-/// And of four times the length.
+/// The same box with elements of four times the length.
 const COARSE: CavityModel = CavityModel {
     edge: 0.2,
     far: [0.4, 0.32],
     ..BEST
 };
-/// The same bricks in a small box.
+/// The fine mesh in a small box.
 const SMALL: CavityModel = CavityModel {
     half_width: 8.0,
     height: 8.0,
     ..BEST
 };
 
-/// Shear waves that come in past the critical angle (29 degrees): by how much the surface moves
-/// otherwise in a small box than in a large one, over its largest motion.
+/// Difference of the surface motion between a small and a large box over the largest motion, for shear waves past the
+/// critical angle (29 degrees).
 fn past_critical(small: &CavityModel, large: &CavityModel) -> Outcome<f64> {
     let wave = Incoming {
         kind: WaveKind::SV,
@@ -291,7 +289,7 @@ fn figures() -> Outcome<Figures> {
     figures.report(
         "cavity_scattering.sv45.small_box",
         difference,
-        "half the width against the whole, over the largest motion",
+        "half the width compared with the whole, over the largest motion",
     );
     Ok(figures)
 }
@@ -304,8 +302,8 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// What a coarse mesh in a small box errs by falls with the size of the box (P, of which surface
-    /// waves come back) and with that of the bricks (SV, which is short).
+    /// The error of a coarse mesh in a small box decreases with a larger box (P, whose surface waves are
+    /// reflected) and with smaller elements (SV, which is short).
     #[test]
     fn errors_fall_with_bricks_and_box() {
         let [p, sv] = &WAVES;

@@ -1,4 +1,4 @@
-//! A column of bricks with joints across it, for the examples of joints.
+//! A column of elements with transverse joints, for the examples of joints.
 
 use std::error::Error;
 use std::sync::{Arc, Mutex};
@@ -13,21 +13,21 @@ use powerhouse::model::{
     Cadence, ElasticMedium, Fields, Flow, JointRecord, Mesh, ModelError, Observer, StepView, Vec3,
 };
 
-/// Bricks one metre square, piled up from z = 0 and cut open between their parts.
+/// Column of elements of 1 m by 1 m from z = 0 upwards, split by joints between its parts.
 pub struct Column {
-    /// The mesh.
+    /// Split mesh.
     pub mesh: Mesh,
-    /// The cuts, from below.
+    /// Surfaces of the joints, from below.
     pub joints: Vec<JointSurface>,
-    /// The sets between the cuts and what they are made of.
+    /// Element sets between the joints, with their media.
     pub parts: Vec<(String, ElasticMedium)>,
 }
 
 impl Column {
-    /// Parts (number of bricks and medium), from below, of bricks of one height (m).
+    /// Builds the column from its parts (number of elements and medium), from below, with elements of one height (m).
     ///
     /// # Errors
-    /// If there is no such column.
+    /// Invalid numbers or heights of elements.
     pub fn new(parts: &[(usize, ElasticMedium)], brick: f64) -> Result<Self, Box<dyn Error>> {
         let count: usize = parts.iter().map(|(bricks, _)| bricks).sum();
         let size = Vec3::new(1.0, 1.0, brick * count as f64);
@@ -59,7 +59,7 @@ impl Column {
         })
     }
 
-    /// The four nodes at a level (m), those below the cut if there is one.
+    /// The four nodes at a height (m), below the joint if there is one.
     pub fn level(&self, z: f64) -> Vec<u32> {
         let (low, high) = (
             Vec3::new(-1.0, -1.0, z - 1e-6),
@@ -70,7 +70,7 @@ impl Column {
         nodes
     }
 
-    /// A model in the making whose nodes move along one axis alone.
+    /// A model builder whose nodes move along one axis only.
     pub fn along(&self, axis: usize) -> ModelBuilder<'_> {
         let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
         let mut builder = Model::builder(&self.mesh);
@@ -87,14 +87,14 @@ impl Column {
     }
 }
 
-/// What was seen of a run, step by step.
+/// Samples of a run at every step.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// Times (s).
     pub times: Vec<f64>,
-    /// Velocity (m/s) of each node watched.
+    /// Velocity histories (m/s) of the recorded nodes.
     pub velocity: Vec<Vec<Vec3>>,
-    /// What has become of the pairs of all joints, joint after joint.
+    /// Contact states of the node pairs of all joints, joint by joint.
     pub pairs: Vec<Vec<JointRecord>>,
 }
 
@@ -128,10 +128,10 @@ impl Observer for Watch {
     }
 }
 
-/// Runs a model for some time (s) at a step (s), watches some nodes and checks its energies.
+/// Runs a model for a duration (s) with a step (s), records several nodes and checks the energy balance.
 ///
 /// # Errors
-/// What ended the run before its time.
+/// Any error of the run.
 pub fn watch(
     model: &mut Model,
     nodes: &[u32],
@@ -156,10 +156,10 @@ pub fn watch(
     Ok((seen, report))
 }
 
-/// The largest step (s) not above the stable one that divides a time (s) evenly.
+/// The largest stable step (s) that divides a duration (s) evenly.
 ///
 /// # Errors
-/// If there is no stable step.
+/// A model without a stable step.
 pub fn even_step(model: &mut Model, time: f64) -> Result<f64, Box<dyn Error>> {
     let stable = model.stable_step(&Leapfrog)?.step;
     Ok(time / (time / stable).ceil())

@@ -1,22 +1,21 @@
-//! Concrete at one point: pulled, pressed, pulled again; and a bar that cracks, in ever more
-//! elements.
+//! Concrete at one integration point under tension, compression and renewed tension; and a cracking bar with increasing
+//! numbers of elements.
 //!
-//! Builds on `own_law`. The laws of concrete run without a mesh: a driver leads one point along a
-//! path of strain, with free sides. Cracks open at the tensile strength, closed they bear pressure
-//! with their whole stiffness, opened again they are as weak as before.
+//! Builds on `own_law`. The laws of concrete run without a mesh: a material driver applies a strain path with
+//! stress-free sides to one point. Cracks open at the tensile strength, close with full stiffness recovery in compression, and
+//! reopen with the earlier damage.
 //!
 //! ```text
 //!     stress                                  sigma <-[   |   |xxx|   |   ]-> sigma
 //!       |  /\   cracks                                 n elements, one weakened
 //!       | /  \_____
-//!     --+---/------- strain                   all the energy goes to the weak element,
-//!       |  /                                  which is smaller the more there are
+//!     --+---/------- strain                   all energy is dissipated in the weak
+//!       |  /                                  element, which shrinks with their number
 //!       \_/    crushes
 //! ```
 //!
-//! A bar softens in one element alone. Were softening a property of the strain, the bar would break
-//! with less energy the finer its mesh; laws that know the width of their element take the energy of
-//! a crack whatever the mesh.
+//! A bar softens in a single element. If softening depended on strain alone, the dissipated energy would decrease with mesh
+//! refinement; laws regularised by the crack band width dissipate the fracture energy in any mesh.
 //!
 //! Run: `cargo run --release --example concrete_cycle`; it draws `concrete_cycle_tension.svg`,
 //! `concrete_cycle_compression.svg` and `concrete_cycle_cycle.svg`.
@@ -29,7 +28,7 @@ use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 use powerhouse::material::{
     ConeFit, Control, DruckerPrager, DruckerPragerParameters, LeeFenves, LeeFenvesParameters,
     Mazars, MazarsParameters, MazarsTension, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
-    PlasticDamageParameters, PointDriver, PointRecord, Softening, SofteningPlasticity,
+    PlasticDamageParameters, PointDriver, PointState, Softening, SofteningPlasticity,
     SofteningPlasticityParameters, StrengthFall, TwoSurface, TwoSurfaceParameters, YieldSurface,
     presets,
 };
@@ -40,25 +39,24 @@ use powerhouse_examples::{Figures, Outcome};
 /// Energy per area of crack and of crushing band (N/m).
 const CRACKING: f64 = 133.0;
 const CRUSHING: f64 = 35.96e3;
-/// The share of strength that the weak element of the bar lacks.
+/// Strength reduction of the weak element of the bar (1).
 const WEAKER: f64 = 0.01;
 
-/// Concrete whose cracks keep a plastic strain: less of the softening is damage. (With all of it,
-/// tension is that of Eq. 25.)
+/// Concrete with plastic strain in cracks: less of the softening is damage. (With damage alone, tension is that of Eq. 25.)
 const SOFTENING: LeeFenvesParameters = LeeFenvesParameters {
     tension_damage: 0.6,
     ..presets::PAPER_CONCRETE_LEE_FENVES
 };
 
 /// Strain (thousandths) and stress (MPa) along z.
-fn curve(path: &[PointRecord]) -> [Vec<f64>; 2] {
+fn curve(path: &[PointState]) -> [Vec<f64>; 2] {
     let strain = path.iter().map(|record| 1.0e3 * record.strain.0[2]);
     let stress = path.iter().map(|record| 1.0e-6 * record.stress.0[2]);
     [strain.collect(), stress.collect()]
 }
 
-/// Leads a point of a law in an element of 0.2 m through ends of strain along z.
-fn lead(law: impl ConstitutiveLaw, ends: &[f64]) -> Outcome<Vec<PointRecord>> {
+/// Drives a point of a law in an element of 0.2 m through turning points of strain along z.
+fn lead(law: impl ConstitutiveLaw, ends: &[f64]) -> Outcome<Vec<PointState>> {
     let mut point = PointDriver::new(law).with_size(0.2)?;
     let mut path = vec![point.state().clone()];
     for end in ends {
@@ -67,7 +65,7 @@ fn lead(law: impl ConstitutiveLaw, ends: &[f64]) -> Outcome<Vec<PointRecord>> {
     Ok(path)
 }
 
-/// Tension, compression, and a cycle, of three laws: one picture each, in a folder.
+/// Draws tension, compression and a cycle of three laws, one plot each, into a folder.
 fn draw(folder: &Path) -> Outcome<()> {
     let paths: [(&str, &[f64]); 3] = [
         ("tension", &[6.0e-4]),
@@ -99,7 +97,7 @@ fn draw(folder: &Path) -> Outcome<()> {
     Ok(())
 }
 
-/// Damage by energies on a surface.
+/// Damage plasticity with softening by fracture energies.
 fn damaging<S: YieldSurface>(surface: S) -> Outcome<PlasticDamage<S>> {
     let by_energy = |energy| Softening::FractureEnergy {
         energy,
@@ -114,8 +112,8 @@ fn damaging<S: YieldSurface>(surface: S) -> Outcome<PlasticDamage<S>> {
     })?)
 }
 
-/// The largest deviation from one over the given numbers of elements, reported each; they are computed
-/// side by side.
+/// The largest deviation of the energy ratio from one over the given numbers of elements, each of which is printed; they are
+/// computed in parallel.
 fn deviation(
     name: &str,
     counts: &[usize],
@@ -132,7 +130,7 @@ fn deviation(
     let mut worst = 0.0_f64;
     for (count, ratio) in counts.iter().zip(ratios) {
         let ratio = ratio?;
-        println!("{name}: {count} elements take {ratio:.5} of the energy");
+        println!("{name}: {count} elements dissipate {ratio:.5} of the fracture energy");
         worst = worst.max((ratio - 1.0).abs());
     }
     Ok(worst)
@@ -140,7 +138,7 @@ fn deviation(
 
 const COUNTS: [usize; 4] = [10, 20, 40, 80];
 
-/// Bars of a law with plastic strain and damage, pulled and pressed.
+/// Bars of a law with plastic strain and damage, in tension and compression.
 fn bars<M: ConstitutiveLaw>(
     figures: &mut Figures,
     name: &str,
@@ -161,10 +159,10 @@ fn bars<M: ConstitutiveLaw>(
     Ok(())
 }
 
-/// The share of strength that softening rock keeps.
+/// Residual strength of softening rock over its peak.
 const RESIDUAL: f64 = 0.05;
 
-/// Bars of rock whose cohesion softens, pressed: the energy beyond what the residual strength takes.
+/// Bars of rock with cohesion softening, in compression: dissipated energy beyond that of the residual strength.
 fn softening_bars(figures: &mut Figures) -> Outcome<()> {
     let law = |share: f64| -> Outcome<SofteningPlasticity<MohrCoulomb>> {
         let surface = MohrCoulomb::new(MohrCoulombParameters {
@@ -182,7 +180,7 @@ fn softening_bars(figures: &mut Figures) -> Outcome<()> {
     let strength = law(1.0)?.parameters().surface.uniaxial_compression();
     let worst = deviation(name, &COUNTS, |count| {
         let [weak, strong] = [law(1.0 - WEAKER)?, law(1.0)?];
-        // As `dissipated` leads it: this far, all of it plastic but for the residual stress.
+        // The strain range of `dissipated`, all of it plastic but for the residual stress.
         let young = weak.medium().young;
         let lasting = RESIDUAL * (1.0 - WEAKER) * strength;
         let size = length / count as f64;
@@ -194,7 +192,7 @@ fn softening_bars(figures: &mut Figures) -> Outcome<()> {
     Ok(())
 }
 
-/// Bars of Mazars' law, pulled: in compression it is not regularised.
+/// Bars of Mazars' law in tension; in compression it is not regularised.
 fn mazars_bars(
     figures: &mut Figures,
     name: &str,
@@ -281,7 +279,7 @@ fn figures() -> Outcome<Figures> {
     let mut figures = Figures::default();
     objectivity(&mut figures)?;
 
-    // One point, pulled, pressed and pulled again.
+    // One point under tension, compression and tension.
     let law = LeeFenves::new(SOFTENING)?;
     let path = lead(law, &[2.0e-4, -4.0e-4, 2.0e-4])?;
     let peak = path

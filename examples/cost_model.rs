@@ -1,17 +1,15 @@
-//! What `check` says that runs and the stages before them cost, against what they cost: wall time, and
-//! memory.
+//! Predictions of `check` for wall time and memory of runs and construction stages, compared with measurements.
 //!
-//! Builds on `cavern`. Three scenes of the lined cavern that no figure of the cost model was fitted to,
-//! an elastic one on the fine mesh, one that yields and cracks, and one with a joint, are checked and
-//! then run for some tenths of a second of their record, each in a process of its own so that its memory
-//! is its own. The stages of three scenes are gone through in the same way: of the lined cavern on the
-//! coarse and on the fine mesh, and of a machine bay with two caverns. Memory is what Linux says of the
-//! process; elsewhere it is not measured.
+//! Builds on `cavern`. Three scenes of the lined cavern to which the cost model was not fitted, an elastic one on the fine
+//! mesh, one with yielding and cracking, and one with a joint, are checked and then run for some tenths of a second, each in
+//! a process of its own so that its memory can be measured. The stages of three scenes are computed in the same way: of the
+//! lined cavern on the coarse and on the fine mesh, and of a machine bay with two caverns. Memory is measured on Linux
+//! only.
 //!
 //! ```text
 //!        scene ---- check: steps, wall time, memory
 //!          |                        |
-//!      run or stages ---- wall time, most memory held
+//!      run or stages ---- wall time, peak memory
 //! ```
 //!
 //! Run from the top of the project: `cargo run --release --example cost_model`
@@ -24,19 +22,18 @@ use powerhouse::{RunHooks, Scene};
 use powerhouse_examples::process::{apart_from_this, most_memory};
 use powerhouse_examples::{Figures, Outcome};
 
-/// The most by which prediction and measurement may differ, one over the other.
+/// Greatest permitted ratio of prediction and measurement, either way.
 const LIMIT: f64 = 1.25;
-/// The same of the memory of stages.
+/// Greatest permitted ratio for the memory of stages.
 const MEMORY_LIMIT: f64 = 1.33;
-/// Scenes, how much of them is run (s), and the names of their figures.
+/// Scenes, durations of their runs (s), and names of their figures.
 const SCENES: [(&str, f64, &str); 3] = [
     ("cavern.toml", 0.5, "elastic"),
     ("cavern_damage.toml", 1.0, "cracking"),
     ("cavern_joint.toml", 1.5, "jointed"),
 ];
 
-/// Scenes whose stages are gone through, the mesh that takes the place of theirs, and the names of their
-/// figures.
+/// Scenes whose stages are computed, the mesh that replaces theirs, and names of their figures.
 const STAGED: [(&str, Option<&str>, &str); 3] = [
     ("cavern_staged.toml", None, "staged"),
     ("cavern_staged.toml", Some("cavern.msh"), "staged_fine"),
@@ -56,10 +53,12 @@ fn path(file: &str) -> PathBuf {
 }
 
 fn scene(file: &str, duration: f64) -> Outcome<Scene> {
-    Ok(Scene::from_file(path(file))?.duration(duration).threads(1))
+    Ok(Scene::from_file(path(file))?
+        .with_duration(duration)
+        .with_threads(1))
 }
 
-/// The scene of the stages of a name.
+/// The scene of the stages with a name.
 fn staged(name: &str) -> Outcome<Scene> {
     let of_name = STAGED.iter().find(|(.., other)| *other == name);
     let (file, mesh, _) = of_name.ok_or("no such stages")?;
@@ -69,14 +68,14 @@ fn staged(name: &str) -> Outcome<Scene> {
         text = text.replace("cavern_small.msh", mesh);
     }
     let scene = Scene::from_toml(text, path, &powerhouse_study::registry())?;
-    Ok(scene.threads(1))
+    Ok(scene.with_threads(1))
 }
 
-/// Goes through the stages of a scene, and tells what that took.
+/// Computes the stages of a scene; returns wall time and memory.
 fn rest(name: &str) -> Outcome<Cost> {
     let simulation = staged(name)?.prepare()?;
     let started = Instant::now();
-    let body = simulation.bring_to_rest(None, None)?;
+    let body = simulation.equilibrate(None, None)?;
     let time = started.elapsed().as_secs_f64();
     for stage in body.iter().flat_map(|body| body.stages()) {
         let solution = &stage.solution;
@@ -100,7 +99,7 @@ fn predicted(file: &str, duration: f64) -> Outcome<Cost> {
     })
 }
 
-/// Runs a scene and writes its results, as the command does, and tells what that took.
+/// Runs a scene and writes its results, as the command does; returns wall time and memory.
 fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     let scene = scene(file, duration)?;
     let (title, mesh) = (scene.title().to_owned(), scene.mesh().clone());
@@ -108,14 +107,8 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     folder.create()?;
     let mut simulation = scene.prepare()?;
     simulation.stable_step()?;
-    let notes = powerhouse::RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        ..Default::default()
-    };
-    let hooks = RunHooks {
-        snapshots: Some(folder.snapshots(&simulation)?),
-        ..RunHooks::default()
-    };
+    let notes = powerhouse::RunNotes::new(simulation.remarks().to_vec());
+    let hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
     let results = simulation.run(hooks)?;
     folder.write((&title, &mesh), &results, &notes, None)?;
     Ok(Cost {
@@ -124,7 +117,7 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     })
 }
 
-/// The same in a process of its own.
+/// Runs a scene in a process of its own; returns wall time and memory.
 fn measured(file: &str, duration: f64) -> Outcome<Cost> {
     let name = format!("powerhouse-cost-{}-{file}", std::process::id());
     let folder = std::env::temp_dir().join(name);
@@ -138,18 +131,18 @@ fn measured(file: &str, duration: f64) -> Outcome<Cost> {
     told
 }
 
-/// What this program tells of a cost with other arguments, in a process of its own.
+/// The cost that this program prints with other arguments, in a process of its own.
 fn cost_apart(arguments: &[&str]) -> Outcome<Cost> {
     let [time, memory] = apart_from_this(arguments)?;
     Ok(Cost { time, memory })
 }
 
-/// How far two costs are apart, the larger over the smaller.
+/// Ratio of two costs, the larger over the smaller.
 fn apart(one: f64, other: f64) -> f64 {
     (one / other).max(other / one)
 }
 
-/// Reports a predicted and a measured cost, and how far they may be apart in time and memory.
+/// Reports a predicted and a measured cost, with the permitted ratios of time and memory.
 fn compare(figures: &mut Figures, name: &str, (expected, found): (Cost, Cost), limits: [f64; 2]) {
     let label = |what: &str| format!("cost_model.{name}.{what}");
     for (what, expected, found, limit) in [
@@ -195,7 +188,7 @@ fn main() -> Outcome<ExitCode> {
             memory: stages.memory as f64,
         };
         let found = cost_apart(&["rest", name])?;
-        // Stages that were gone through are as far off as the clock.
+        // The cost of completed stages differs only by the timing.
         let limits = [stages.uncertainty.max(LIMIT), MEMORY_LIMIT];
         compare(&mut figures, name, (expected, found), limits);
     }
@@ -206,17 +199,17 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// Prediction and run are of the same scene, and a cost is as far above as below another.
+    /// Prediction and run use the same scene, and the ratio of two costs is symmetric.
     #[test]
     fn costs_are_of_the_same_scene() {
         let (file, duration, _) = SCENES[2];
         let expected = predicted(file, duration).unwrap();
         assert!(expected.time > 0.0 && expected.memory > 1e7);
-        assert_eq!(scene(file, duration).unwrap().run_duration(), duration);
+        assert_eq!(scene(file, duration).unwrap().duration(), duration);
         assert_eq!((apart(2.0, 1.0), apart(1.0, 2.0)), (2.0, 2.0));
     }
 
-    /// The stages of a name are those of its scene, on the mesh that takes the place of its own.
+    /// The stages with a name are those of its scene, on the replacing mesh.
     #[test]
     fn stages_are_of_the_mesh_that_is_named() {
         let elements = |name: &str| {

@@ -1,13 +1,12 @@
-//! The field enters through a layer of elements, and only what is scattered leaves.
+//! Domain reduction method: the incident field enters through a layer of elements, and only scattered waves leave the region.
 //!
-//! Builds on `free_field`. The domain reduction method of Bielak et al. (2003): effective forces on
-//! one layer around a region, an ordinary absorbing boundary far outside. Without anything that
-//! scatters nothing may move outside the layer.
+//! Builds on `free_field`. The domain reduction method of Bielak et al. (2003): effective forces on one
+//! layer around a region, and an absorbing boundary far outside. Without a scatterer the motion outside the layer is zero.
 //!
 //! ```text
 //!      --------------------------   free surface, z = 120 m
 //!      |     |            |     |
-//!  =)) |     |   whole    |     | ((=   dashpots and springs that see scattered
+//!  =)) |     |   whole    |     | ((=   dashpots and springs, under scattered
 //!      |     |   motion   |     |       waves alone
 //!      |     `------------'     |
 //!      |        layer           |
@@ -15,9 +14,8 @@
 //!      --------------------------
 //! ```
 //!
-//! Two fields enter: the motion of the same mesh under the wave, recorded node by node, with which
-//! nothing is left outside but rounding; and the wave in closed form, which differs from it by the
-//! error of the mesh.
+//! Two fields are applied: the motion of the same mesh under the wave, recorded at the nodes, with which the outside motion
+//! is rounding; and the wave in closed form, which differs from it by the error of the mesh.
 //!
 //! Run: `cargo run --release --example domain_reduction`
 
@@ -41,10 +39,10 @@ const EDGE: f64 = 120.0;
 /// Peak of the incident displacement (m).
 const PEAK: f64 = 0.01;
 
-/// Displacements of all nodes at every step.
+/// Displacements of all nodes at every step, recorded.
 type Frames = Vec<Vec<Vec3>>;
 
-/// Records them.
+/// Observer that records the displacements.
 struct Recorder(Arc<Mutex<Frames>>);
 
 impl Observer for Recorder {
@@ -69,7 +67,7 @@ impl Observer for Recorder {
     }
 }
 
-/// A motion that was recorded at the nodes of a mesh, as a field: known there and at its steps.
+/// Field of a motion that was recorded at the nodes of a mesh, defined at these nodes and steps only.
 struct Recorded {
     frames: Arc<Frames>,
     step: f64,
@@ -153,8 +151,8 @@ impl Ground {
         })
     }
 
-    /// The motion of all nodes under a field, and its step (s): through a layer, or through the
-    /// boundary.
+    /// The motion of all nodes under a field that enters through a layer or through the boundary, with the
+    /// step (s).
     fn moved(&self, field: impl IncidentField + 'static, by_layer: bool) -> Outcome<(Frames, f64)> {
         let faces = ["left", "right", "front", "back", "bottom"];
         let springs = ViscousSpring::default();
@@ -165,15 +163,12 @@ impl Ground {
             Boundary::new(springs, faces)
         };
         let frames = Arc::new(Mutex::new(Frames::new()));
-        let hooks = RunHooks {
-            observers: vec![Box::new(Recorder(frames.clone()))],
-            ..RunHooks::default()
-        };
+        let hooks = RunHooks::default().with_observer(Recorder(frames.clone()));
         let results = Scene::new("domain reduction", self.mesh.clone())
             .part(self.part.clone())
-            .boundary(boundary.scatterer(Vec3::new(0.5 * EDGE, 0.5 * EDGE, EDGE)))
-            .field(field)
-            .duration(0.4)
+            .with_boundary(boundary.with_scatterer(Vec3::new(0.5 * EDGE, 0.5 * EDGE, EDGE)))
+            .with_field(field)
+            .with_duration(0.4)
             .prepare()?
             .run(hooks)?;
         let frames = std::mem::take(&mut *frames.lock().map_err(|e| e.to_string())?);
@@ -263,7 +258,7 @@ mod tests {
         assert_eq!(figures(&[8, 16]).unwrap().missed(), 0);
     }
 
-    /// A region without ground around it has no layer.
+    /// A region without surrounding ground is an error, since it has no layer.
     #[test]
     fn a_region_that_is_all_is_refused() {
         let ground = Ground::new(4).unwrap();

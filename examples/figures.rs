@@ -1,5 +1,4 @@
-//! How the examples print their figures: one per line, `figure NAME VALUE`, beside what is
-//! expected of it.
+//! Output of the figures of the examples: one per line, `figure NAME VALUE`, with the expected value.
 
 pub mod block;
 pub mod cavity;
@@ -13,10 +12,10 @@ pub mod strip;
 
 use std::process::ExitCode;
 
-/// What an example gives, or why it cannot.
+/// Result of an example.
 pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
-/// The figures of one example.
+/// Figures of an example, with the number of missed limits.
 #[derive(Debug, Default)]
 pub struct Figures {
     missed: usize,
@@ -32,7 +31,7 @@ impl Figures {
     /// Prints a figure that must not exceed a limit.
     pub fn at_most(&mut self, name: &str, value: f64, limit: f64) {
         println!("figure {name} {value:.6e}");
-        // A value that is not a number misses its limit too.
+        // NaN misses its limit, too.
         let met = value <= limit;
         self.missed += usize::from(!met);
         println!(
@@ -41,7 +40,7 @@ impl Figures {
         );
     }
 
-    /// How many figures missed their limit.
+    /// Number of figures that missed their limit.
     #[must_use]
     pub fn missed(&self) -> usize {
         self.missed

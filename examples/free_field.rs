@@ -1,5 +1,4 @@
-//! A wave crosses a block of ground without any structure, and the computed motion of the surface
-//! is compared with the closed form.
+//! Free field: a plane wave in a block of ground without a structure, with the surface motion compared to the closed form.
 //!
 //! Builds on nothing. After example 1 of Wang, Chen & Xiao (2019): a cube of 1200 m in 40^3
 //! elements under a free surface, viscous-spring boundaries on the other five faces.
@@ -44,7 +43,7 @@ fn figures() -> Outcome<Figures> {
     let mut figures = Figures::default();
     let full = ViscousSpring::default;
 
-    // The paper's two waves; a pulse of 0.8 s that comes back to rest.
+    // The paper's two waves; a pulse of 0.8 s without permanent displacement.
     for (name, kind, limit) in [("p15", WaveKind::P, 0.006), ("sv15", WaveKind::SV, 0.02)] {
         let wave = BlockWave::new(kind, 15.0, RaisedCosinePulse::new(1.0, 0.8)?);
         let of_full = error(&wave, full())?;
@@ -62,7 +61,7 @@ fn figures() -> Outcome<Figures> {
             error(&wave, paper)?,
             "the paper's input at the bottom, which takes reflected waves for scattered ones",
         );
-        // A pulse of the same duration, but narrower, is harder on the same mesh.
+        // A narrower pulse of the same duration has higher frequencies, with a larger error on the same mesh.
         let narrow = BlockWave::new(kind, 15.0, SmoothPulse::new(1.0, 0.8)?);
         figures.report(
             &format!("free_field.{name}.narrow.rel_l2"),
@@ -71,7 +70,7 @@ fn figures() -> Outcome<Figures> {
         );
     }
 
-    // A horizontally polarised wave that crosses the box on a skew course.
+    // A horizontally polarised wave with an oblique azimuth.
     let mut skew = BlockWave::new(WaveKind::SH, 30.0, RaisedCosinePulse::new(1.0, 0.8)?);
     skew.azimuth = 37.0;
     figures.at_most("free_field.sh30.rel_l2", error(&skew, full())?, 0.03);

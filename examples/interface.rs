@@ -1,4 +1,4 @@
-//! An interface that slips under a shear wave, between two columns of rock, for examples of joints.
+//! A slipping interface under a shear wave between two columns of rock, for examples of joints.
 
 use std::f64::consts::{PI, TAU};
 use std::time::Instant;
@@ -11,8 +11,8 @@ use powerhouse::model::{BoundaryParts, Constraint, Mat3, NodalImpedance, Vec3};
 use crate::Outcome;
 use crate::column::{Column, even_step, watch};
 
-/// Shares of energy that are transmitted, reflected and absorbed where the interface bears the share `s`
-/// of the wave's shear stress: `th = asin s`,
+/// Transmitted, reflected and absorbed shares of energy at an interface whose shear strength is the share `s` of the
+/// wave's shear stress: `th = asin s`,
 /// `T = (4/pi) ((th - sin th cos th)/2 + s^2 (pi/2 - th))`,
 /// `1 - T - R = (8/pi) (s cos th - s^2 (pi/2 - th))`.
 #[must_use]
@@ -23,13 +23,13 @@ pub fn closed_form(s: f64) -> [f64; 3] {
     [transmitted, 1.0 - transmitted - absorbed, absorbed]
 }
 
-/// The same from a column of rock with so many bricks per wavelength, and the wall time (s) of the run
-/// in which the interface slips.
+/// The shares computed with a column of rock with a number of elements per wavelength, and the wall time (s) of the run
+/// with slip.
 ///
 /// # Errors
-/// A number of bricks that is no multiple of four; what keeps the model from running.
+/// A number of elements that is not a multiple of four; any error of the run.
 pub fn computed(s: f64, bricks: usize) -> Outcome<([f64; 3], f64)> {
-    // Motion is seen a quarter of a wavelength from the interface.
+    // The motion is recorded a quarter of a wavelength from the interface.
     if !bricks.is_multiple_of(4) {
         return Err(format!("{bricks} bricks per wavelength are no multiple of four").into());
     }
@@ -42,12 +42,9 @@ pub fn computed(s: f64, bricks: usize) -> Outcome<([f64; 3], f64)> {
     let watched = [1.75, 2.25].map(|place| column.level(place * wavelength)[0]);
     let seen = |joint: Box<dyn Constraint>| {
         let mut ends = BoundaryParts::default();
-        ends.impedance
-            .extend(foot.iter().chain(&top).map(|&node| NodalImpedance {
-                node,
-                spring: Mat3::zeros(),
-                dashpot: Mat3::identity() * (impedance / 4.0),
-            }));
+        ends.impedance.extend(foot.iter().chain(&top).map(|&node| {
+            NodalImpedance::new(node, Mat3::zeros(), Mat3::identity() * (impedance / 4.0))
+        }));
         let wave = move |t: f64| amplitude * (TAU * frequency * t).sin();
         let push = Vec3::x() * (2.0 * impedance / 4.0);
         let mut model = column
@@ -92,7 +89,7 @@ pub fn computed(s: f64, bricks: usize) -> Outcome<([f64; 3], f64)> {
             .map(|pair| pair.friction)
             .sum::<f64>()
     };
-    // The wave brings Z V^2 / 2 per second and square metre.
+    // The incident energy flux is Z V^2 / 2 (W/m2).
     let absorbed = (friction(end) - friction(from)) * frequency / (impedance * amplitude.powi(2));
     let shares = [transmitted / incident, reflected / incident, absorbed];
     Ok((shares, seconds))

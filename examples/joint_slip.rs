@@ -1,8 +1,8 @@
-//! Slip: a shear wave on an interface, and a block on a shaken base.
+//! Slip of joints: a shear wave on an interface, and a block on a shaken base.
 //!
-//! Builds on `free_field`. An interface that carries no more than a shear stress `tau` cuts off what
-//! an S wave of velocity `V sin(w t)` wants of it, `Z V`; energy is transmitted, reflected and
-//! absorbed in shares that depend on `s = tau / (Z V)` alone and have a closed form.
+//! Builds on `free_field`. An interface with the shear strength `tau` limits the shear stress `Z V` of an S wave of
+//! velocity `V sin(w t)`; the transmitted, reflected and absorbed shares of energy depend on `s = tau / (Z V)` alone and have
+//! a closed form.
 //!
 //! ```text
 //!      dashpot   |=|   ^                        block   +---+     pressed on by its weight
@@ -13,7 +13,7 @@
 //!      dashpot   |=|   ^ V sin(w t)
 //! ```
 //!
-//! The block is Newmark's (1965): on a slope it slides one way only, and its slip per cycle over
+//! The block is the sliding block of Newmark (1965): on a slope it slides downwards only, and its slip per cycle over
 //! `A / w^2` depends on the ratio `r` of yield acceleration and amplitude `A` alone.
 //!
 //! Run: `cargo run --release --example joint_slip`
@@ -64,11 +64,11 @@ impl Shaken {
     /// Slip at the end of each cycle (m).
     fn slips(&self) -> Outcome<Vec<f64>> {
         let omega = TAU * FREQUENCY;
-        // Block and base are a brick each, a thousand times as stiff as rock: nearly rigid.
+        // Block and base are one element each, a thousand times as stiff as rock: nearly rigid.
         let stiff = ElasticMedium::new(9e12, 0.27, 2750.0)?;
         let column = Column::new(&[(1, stiff), (1, stiff)], 1.0)?;
         let (slope, weight) = (self.slope, stiff.density * GRAVITY);
-        // The weight and its pull down the slope are there from the start: a preload.
+        // The weight and its component along the slope act from the start: a preload.
         let law = BondedCoulomb::unbonded(self.friction, self.friction)?;
         let joint = Joint::new("base", column.joints[0].pairs.clone(), law)?
             .with_preload(|_| Vec3::new(slope.sin(), 0.0, -slope.cos()) * weight)?;

@@ -1,8 +1,8 @@
-//! An absorbing boundary of one's own, in a scene like any other.
+//! A user-defined absorbing boundary in a scene.
 //!
 //! Builds on `absorbing_box`. Dashpots with the impedances of P and S waves (Lysmer & Kuhlemeyer,
-//! 1969), written against the public socket, with the input forces of the free field. The result
-//! must be that of the boundary that comes with the software.
+//! 1969), implemented with the public trait, with the input forces of the free field. The results must
+//! equal those of the built-in boundary.
 //!
 //! ```text
 //!        +-----------x-----------+   free surface, z = 100 m, monitoring point x
@@ -29,10 +29,10 @@ use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, RaisedCosineP
 use powerhouse::{Boundary, Material, OutputPlan, Part, RunHooks, Scene};
 use powerhouse_examples::Figures;
 
-/// Dashpots across every face, tuned to plane waves along its normal.
+/// Viscous boundary: dashpots at every face, with the impedances of plane waves along its normal.
 struct Dashpots;
 
-/// The dashpot of a node (N s/m): every face that meets there adds its share.
+/// Dashpot matrix of a node (N s/m), the sum over all faces at the node.
 fn dashpot(node: &SiteNode) -> Mat3 {
     let of_face = |face: &powerhouse::model::SiteFace| {
         let medium = &face.medium;
@@ -51,11 +51,9 @@ impl AbsorbingBoundary for Dashpots {
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         let mut parts = BoundaryParts::default();
         for node in &site.nodes {
-            parts.impedance.push(NodalImpedance {
-                node: node.node,
-                spring: Mat3::zeros(),
-                dashpot: dashpot(node),
-            });
+            parts
+                .impedance
+                .push(NodalImpedance::new(node.node, Mat3::zeros(), dashpot(node)));
         }
         if let Some(field) = site.field {
             let points: Vec<Vec3> = site.nodes.iter().map(|node| node.position).collect();
@@ -75,7 +73,7 @@ fn vector_area(node: &SiteNode) -> Vec3 {
     node.faces.iter().map(|face| face.normal * face.area).sum()
 }
 
-/// The forces that make the dashpots follow the free field: `C v + sigma n A`.
+/// Equivalent nodal forces of the free field: `C v + sigma n A`.
 struct GroundMotion {
     nodes: Vec<u32>,
     dashpots: Vec<Mat3>,
@@ -101,7 +99,7 @@ impl NodalLoad for GroundMotion {
     }
 }
 
-/// The motion of the surface's centre, component after component.
+/// The motion of the centre of the surface, component by component.
 fn surface_motion(
     boundary: impl AbsorbingBoundary + 'static,
 ) -> Result<Vec<f64>, Box<dyn std::error::Error>> {
@@ -115,13 +113,13 @@ fn surface_motion(
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .field(PlaneWave::new(parameters, Arc::new(pulse))?)
-        .boundary(Boundary::new(
+        .with_field(PlaneWave::new(parameters, Arc::new(pulse))?)
+        .with_boundary(Boundary::new(
             boundary,
             ["left", "right", "front", "back", "bottom"],
         ))
-        .duration(0.6)
-        .output(OutputPlan::default().history("centre", centre, Motion::DISPLACEMENT))
+        .with_duration(0.6)
+        .with_output(OutputPlan::default().history("centre", centre, Motion::DISPLACEMENT))
         .prepare()?
         .run(RunHooks::default())?;
     let columns = results.histories.columns.into_iter();

@@ -10,8 +10,8 @@
 //!
 //! ```text
 //!      z = 0   +---+  free surface           a column of soil, 40 m, one element across,
-//!              |   |                         held in z and y: an SV wave straight up moves
-//!              | : |                         it along x
+//!              |   |                         supported in y and z, under a vertically
+//!              | : |                         incident SV wave along x
 //!              |   |
 //!     z = -40  +---+  absorbing, SV wave in
 //! ```
@@ -40,7 +40,7 @@ use powerhouse_examples::Figures;
 #[derive(Clone)]
 struct Hyperbolic {
     medium: ElasticMedium,
-    /// The shear strain at which half the modulus is left.
+    /// Reference shear strain, at which the modulus is halved (1).
     reference_strain: f64,
 }
 
@@ -156,10 +156,7 @@ fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, medium, 0.0);
     parameters.reference = low;
     let pulse = RaisedCosinePulse::new(amplitude, 0.4)?;
-    let output = OutputPlan {
-        energies: Some(0.01),
-        ..OutputPlan::default()
-    };
+    let output = OutputPlan::default().with_energies(0.01);
     let top = Vec3::new(0.5, 0.5, 0.0);
     let output = output
         .history("top", top, Motion::DISPLACEMENT)
@@ -168,10 +165,10 @@ fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
         .part(Part::new("soil", material))
         .support(Support::roller(all.clone(), Vec3::y()))
         .support(Support::roller(all, Vec3::z()))
-        .field(PlaneWave::new(parameters, Arc::new(pulse))?)
-        .boundary(Boundary::new(Viscous::default(), ["bottom"]))
-        .duration(1.5)
-        .output(output)
+        .with_field(PlaneWave::new(parameters, Arc::new(pulse))?)
+        .with_boundary(Boundary::new(Viscous::default(), ["bottom"]))
+        .with_duration(1.5)
+        .with_output(output)
         .prepare()?
         .run(RunHooks::default())?)
 }

@@ -1,8 +1,8 @@
-//! A slice of a plane question against the whole body: the same answer at the cost of its elements.
+//! A slice of a plane problem compared with the whole body: the same results at the cost of one layer of elements.
 //!
-//! Builds on `cavity_scattering`. A long opening in ground that is the same all along it, under waves
-//! that travel across it: every slice moves like every other. With its cuts on rollers one layer of
-//! elements stands for all of them; in a scene `slice = { across = "y", at = 0 }` of the mesh takes it.
+//! Builds on `cavity_scattering`. A long opening of constant section in homogeneous ground, under waves normal to its axis: all
+//! slices have the same motion. With rollers on its cuts one layer of elements is sufficient; in a scene the key
+//! `slice = { across = "y", at = 0 }` of the mesh selects it.
 //!
 //! ```text
 //!          y
@@ -38,7 +38,7 @@ use powerhouse_study::{OpeningSlice, grown};
 const RADIUS: f64 = 5.0;
 const DEPTH: f64 = 15.0;
 
-/// Ground around an opening, so many layers of bricks of an edge (m) long.
+/// Ground around an opening, with a number of layers of elements of an edge (m).
 fn whole(edge: f64, layers: usize) -> Outcome<Mesh> {
     let opening = OpeningSlice {
         radius: RADIUS,
@@ -52,7 +52,7 @@ fn whole(edge: f64, layers: usize) -> Outcome<Mesh> {
     Ok(grown(&opening.mesh()?, "back", &vec![edge; layers - 1])?)
 }
 
-/// A mesh under an SV wave at 20 degrees, its ends on rollers.
+/// The scene of a mesh under an SV wave at 20 degrees, with rollers on its ends.
 fn simulation(mesh: Mesh, step: Option<f64>) -> Outcome<Simulation> {
     let (low, high) = mesh.bounding_box();
     let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, media::ROCK, 0.0);
@@ -75,24 +75,24 @@ fn simulation(mesh: Mesh, step: Option<f64>) -> Outcome<Simulation> {
             Material::from(LinearElastic::new(media::ROCK)),
         ))
         .support(held)
-        .plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
-        .boundary(boundary.scatterer(Vec3::new(0.0, 0.0, -DEPTH)))
-        .duration(0.15)
-        .energy_residual(ResidualLimit::Unchecked)
-        .threads(1)
-        .output(output);
+        .with_plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
+        .with_boundary(boundary.with_scatterer(Vec3::new(0.0, 0.0, -DEPTH)))
+        .with_duration(0.15)
+        .with_energy_residual(ResidualLimit::Unchecked)
+        .with_threads(1)
+        .with_output(output);
     let scene = match step {
-        Some(step) => scene.step(TimeStep::Seconds(step)),
+        Some(step) => scene.with_step(TimeStep::Seconds(step)),
         None => scene,
     };
     Ok(scene.prepare()?)
 }
 
-/// The largest difference of a slice from the whole, over the largest motion of its kind.
+/// Largest difference between slice and whole body over the largest motion of the same quantity.
 fn difference(edge: f64, layers: usize) -> Outcome<f64> {
     let mesh = whole(edge, layers)?;
     let slice = mesh.plane_slice(Axis::Y, (0.5 + (layers / 2) as f64) * edge)?;
-    // One step for both, below the limit of either.
+    // One step for both, below the stable steps of both.
     let step = 0.98 * simulation(mesh.clone(), None)?.step()?;
     let [whole, slice] = [mesh, slice].map(|mesh| -> Outcome<_> {
         let results = simulation(mesh, Some(step))?.run(RunHooks::default())?;
@@ -116,13 +116,13 @@ fn difference(edge: f64, layers: usize) -> Outcome<f64> {
     Ok(worst)
 }
 
-/// Elements of the whole over those of the slice, and the same of the times of a step.
+/// Ratios of the numbers of elements and of the wall times of a step, whole body over slice.
 fn ratios(edge: f64, layers: usize) -> Outcome<[f64; 2]> {
     let mesh = whole(edge, layers)?;
     let slice = mesh.plane_slice(Axis::Y, 0.5 * edge)?;
     let elements = mesh.element_count() as f64 / slice.element_count() as f64;
     let [mut whole, mut slice] = [simulation(mesh, None)?, simulation(slice, None)?];
-    // The least of some tries, by turns.
+    // The least of several alternating trials.
     let mut times = [Duration::MAX; 2];
     for _ in 0..20 {
         for (time, simulation) in times.iter_mut().zip([&mut whole, &mut slice]) {
@@ -152,7 +152,7 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// A slice moves as the whole to rounding.
+    /// A slice has the motion of the whole body within rounding.
     #[test]
     fn figures_meet_their_limits() {
         assert_eq!(figures(2.5, 3).unwrap().missed(), 0);

@@ -1,37 +1,37 @@
-//! Tables of what choices cost and err, as the documentation shows them.
+//! Tables of cost and error of numerical options for the documentation.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use powerhouse_study::{Price, draw_prices, price_front};
+use powerhouse_study::{ParetoPoint, draw_pareto_front, pareto_front};
 
 use crate::Outcome;
 
-/// What a run came to.
+/// Error and cost of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Priced {
-    /// Its relative error.
+pub struct Measured {
+    /// Relative error.
     pub error: f64,
-    /// The wall time of its steps (s).
+    /// Wall time of the steps (s).
     pub seconds: f64,
 }
 
-/// A problem whose answer is known, solved in several ways.
+/// Table of cost and error of several numerical options for a problem with a known solution.
 #[derive(Clone, Debug)]
-pub struct PriceTable {
-    /// In names of figures and files.
+pub struct CostErrorTable {
+    /// Name in the names of figures and files.
     pub name: &'static str,
-    /// The heading.
+    /// Heading of the table.
     pub title: &'static str,
-    /// What is solved, and what the error is of.
+    /// Description of the problem and of the error.
     pub about: &'static str,
-    /// The ways and what they came to; costs are told over that of the first one.
-    pub rows: Vec<Price>,
-    /// The relative error of what errors are measured against; those below it are drawn there.
+    /// Options with cost (s) and error; printed costs are relative to the first.
+    pub rows: Vec<ParetoPoint>,
+    /// Relative error of the reference; smaller errors are drawn at this value.
     pub uncertainty: f64,
 }
 
-impl PriceTable {
+impl CostErrorTable {
     /// A table without rows.
     #[must_use]
     pub fn new(name: &'static str, title: &'static str, about: &'static str) -> Self {
@@ -44,15 +44,15 @@ impl PriceTable {
         }
     }
 
-    /// Adds a way to solve it; prints it.
-    pub fn put(&mut self, choice: impl Into<String>, priced: Priced) {
+    /// Adds an option and prints it.
+    pub fn put(&mut self, choice: impl Into<String>, measured: Measured) {
         let name = choice.into();
-        let (error, cost) = (priced.error, priced.seconds);
+        let (error, cost) = (measured.error, measured.seconds);
         println!("{}: {name}: error {error:.2e} in {cost:.3} s", self.name);
-        self.rows.push(Price { name, cost, error });
+        self.rows.push(ParetoPoint { name, cost, error });
     }
 
-    /// The table in Markdown; rows on the front are bold.
+    /// The table in Markdown; rows on the Pareto front are bold.
     #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = format!("\n## {}\n\n{}\n\n", self.title, self.about);
@@ -60,14 +60,14 @@ impl PriceTable {
             // Writing to a string does not fail.
             let _ = writeln!(
                 text,
-                "What errors are measured against errs by {:.1e} itself.\n",
+                "The relative error of the reference itself is {:.1e}.\n",
                 self.uncertainty
             );
         }
-        text += "| choice | relative error | cost |\n|---|---|---|\n";
-        let front = price_front(&self.rows);
-        for (place, row) in self.relative().iter().enumerate() {
-            let mark = if front.contains(&place) { "**" } else { "" };
+        text += "| option | relative error | cost |\n|---|---|---|\n";
+        let front = pareto_front(&self.rows);
+        for (index, row) in self.relative().iter().enumerate() {
+            let mark = if front.contains(&index) { "**" } else { "" };
             let _ = writeln!(
                 text,
                 "| {mark}{}{mark} | {:.2e} | {:.2} |",
@@ -82,15 +82,15 @@ impl PriceTable {
         text
     }
 
-    /// Draws errors against costs into a folder.
+    /// Draws the diagram of error and cost into a folder.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn draw(&self, folder: &Path) -> Outcome<()> {
         let file = folder.join(format!("{}.svg", self.name));
-        let cost = ("wall time over that of the first choice", "1");
+        let cost = ("wall time over that of the first option", "1");
         let rows = self.relative();
-        Ok(draw_prices(
+        Ok(draw_pareto_front(
             &file,
             self.title,
             cost,
@@ -99,10 +99,10 @@ impl PriceTable {
         )?)
     }
 
-    /// The rows with their costs over that of the first one.
-    fn relative(&self) -> Vec<Price> {
+    /// The rows with costs relative to the first.
+    fn relative(&self) -> Vec<ParetoPoint> {
         let unit = self.rows.first().map_or(1.0, |row| row.cost);
-        let relative = |row: &Price| Price {
+        let relative = |row: &ParetoPoint| ParetoPoint {
             cost: row.cost / unit,
             ..row.clone()
         };

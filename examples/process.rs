@@ -1,10 +1,10 @@
-//! What a program takes in a process of its own.
+//! Memory of a process, and execution of the program in a process of its own.
 
 use std::process::Command;
 
 use crate::Outcome;
 
-/// The most memory that this process has held (bytes), where the system tells.
+/// Peak memory of this process (bytes), where the system reports it.
 #[must_use]
 pub fn most_memory() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -18,7 +18,7 @@ pub fn most_memory() -> Option<f64> {
 /// The two numbers that this program prints with other arguments, in a process of its own.
 ///
 /// # Errors
-/// What it says if it prints others.
+/// The output of the program, if it is not two numbers.
 pub fn apart_from_this(arguments: &[&str]) -> Outcome<[f64; 2]> {
     let output = Command::new(std::env::current_exe()?)
         .args(arguments)

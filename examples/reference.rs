@@ -1,10 +1,10 @@
-//! Reference solutions, as they stand in `data/reference`.
+//! Reference solutions from `data/reference`.
 
 use std::path::Path;
 
 use crate::Outcome;
 
-/// A table of numbers under names; words become no number.
+/// Table of numbers with named columns; words are read as NaN.
 #[derive(Clone, Debug)]
 pub struct ReferenceTable {
     names: Vec<String>,
@@ -12,10 +12,10 @@ pub struct ReferenceTable {
 }
 
 impl ReferenceTable {
-    /// The table in a file of `data/reference`.
+    /// Reads a file of `data/reference`.
     ///
     /// # Errors
-    /// If there is none.
+    /// A missing or invalid file.
     pub fn read(file: &str) -> Outcome<Self> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
         let text = std::fs::read_to_string(folder.join(file))?;
@@ -42,14 +42,14 @@ impl ReferenceTable {
         }
     }
 
-    /// The numbers of a column.
+    /// The values of a column.
     ///
     /// # Errors
     /// If there is no such column, or something else in it.
     pub fn column(&self, name: &str) -> Outcome<Vec<f64>> {
-        let place = self.names.iter().position(|other| other == name);
-        let place = place.ok_or_else(|| format!("no column '{name}'"))?;
-        let numbers = self.rows.iter().map(|row| row[place].parse());
+        let index = self.names.iter().position(|other| other == name);
+        let index = index.ok_or_else(|| format!("no column '{name}'"))?;
+        let numbers = self.rows.iter().map(|row| row[index].parse());
         Ok(numbers.collect::<Result<_, _>>()?)
     }
 }

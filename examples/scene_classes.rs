@@ -1,15 +1,14 @@
-//! What a scene costs by what it asks for: bytes and nanoseconds per element, class by class.
+//! Cost of the components of a scene: memory and time per element for several classes of scenes.
 //!
-//! Builds on `cost_model`. One cube of ground, first elastic and alone, then with one thing more in each
-//! class: waves that come in through springs, a law that may yield, one that does, damping, a joint, results
-//! of every element. Each class runs in a process of its own on two sizes of the cube; what the larger one
-//! holds more is the class's memory per element, whatever the program itself takes. Memory is what Linux says
-//! of the process; elsewhere it is not measured.
+//! Builds on `cost_model`. A cube of ground, first elastic and alone, then with one additional component in each class: incident
+//! waves through springs, an elastoplastic law without and with yielding, damping, a joint, output of all elements. Each
+//! class runs in a process of its own with two sizes of the cube; the difference of their memories is the memory per
+//! element, without that of the program. Memory is measured on Linux only.
 //!
 //! ```text
-//!      class ---- 24^3 bricks ---- most memory held --.
+//!      class ---- 24^3 bricks ---- peak memory      --.
 //!        |                                             >-- bytes per element
-//!        '------- 40^3 bricks ---- most memory held --'
+//!        '------- 40^3 bricks ---- peak memory      --'
 //!                       '--------- wall time of steps ---- nanoseconds per element and step
 //! ```
 //!
@@ -38,20 +37,20 @@ use powerhouse::{
 use powerhouse_examples::process::{apart_from_this, most_memory};
 use powerhouse_examples::{Figures, Outcome};
 
-/// Length of the bricks' edges (m).
+/// Element edge (m).
 const EDGE: f64 = 2.0;
-/// Bricks along an edge of the smaller and of the larger cube.
+/// Numbers of elements along an edge of the smaller and of the larger cube.
 const SIZES: [usize; 2] = [24, 40];
-/// Steps of a run, and how many in a row are timed: others may be slowed down by what else the machine does.
+/// Steps of a run, and length of a row of steps that is timed, since other load may slow down parts of the run.
 const STEPS: u64 = 120;
 const ROW: usize = 10;
 /// A step (s), well below the limit of any class.
 const STEP: f64 = 5e-4;
-/// The most that a scene may take more for having a law that nothing asks for: the moduli, sizes and initial
-/// stresses that it would be asked with, not its history.
+/// Greatest permitted additional cost of an elastoplastic law without yielding: its moduli, sizes and initial stresses, not
+/// its history variables.
 const UNASKED: f64 = 120.0;
 
-/// What a scene asks for.
+/// Class of scenes by their components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Class {
     Elastic,
@@ -137,7 +136,7 @@ impl Class {
         })
     }
 
-    /// The scene of a cube of so many bricks along an edge.
+    /// The scene of a cube with a number of elements along an edge.
     fn scene(self, cells: usize) -> Outcome<Scene> {
         let size = Vec3::repeat(EDGE * cells as f64);
         let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [cells; 3], "rock")?;
@@ -164,22 +163,17 @@ impl Class {
         let top = mesh.nodes_in_box(&centre, &centre);
         let mut output = OutputPlan::default().history("surface", centre, Motion::DISPLACEMENT);
         if self == Self::Watched {
-            output.envelope = Some(EnvelopeRequest {
-                motion: Motion::ALL,
-                stress: true,
-                sets: Vec::new(),
-                every: STEP,
-            });
+            output.envelope = Some(EnvelopeRequest::new(STEP).with_stress(true));
         }
         let mut scene = Scene::new("class", mesh)
-            .part(Part::new("rock", self.material()?).damping(self.damping()?))
-            .step(TimeStep::Seconds(STEP))
-            .duration(STEPS as f64 * STEP)
-            .energy_residual(ResidualLimit::Unchecked)
-            .threads(1)
-            .output(output);
+            .part(Part::new("rock", self.material()?).with_damping(self.damping()?))
+            .with_step(TimeStep::Seconds(STEP))
+            .with_duration(STEPS as f64 * STEP)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_threads(1)
+            .with_output(output);
         if self == Self::Single {
-            scene = scene.precision(Precision::F32);
+            scene = scene.with_precision(Precision::F32);
         }
         if let Some(joint) = joint {
             scene = scene.joint(joint);
@@ -190,27 +184,24 @@ impl Class {
         }
         let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, media::ROCK, size.z);
         parameters.reference = first_hit_corner(&Vec3::zeros(), &size, &parameters.direction());
-        // So long that all of the cube is strained from the first step on.
+        // So long that the whole cube is strained from the first step on.
         let pulse = Arc::new(SmoothPulse::new(0.05, 0.6)?);
         let faces = ["left", "right", "front", "back", "bottom"];
-        let boundary = Boundary::new(ViscousSpring::default(), faces).scatterer(centre);
+        let boundary = Boundary::new(ViscousSpring::default(), faces).with_scatterer(centre);
         Ok(scene
-            .plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
-            .boundary(boundary)
-            .start(0.2, InitialMotion::Field))
+            .with_plane_waves(vec![PlaneWave::new(parameters, pulse)?])?
+            .with_boundary(boundary)
+            .with_start_time(0.2)
+            .with_initial_motion(InitialMotion::Field))
     }
 
-    /// Time of a step (s), the mean over the fastest row of some, and the most memory that this process holds
-    /// (bytes).
+    /// Mean wall time of a step (s) over the fastest row of steps, and peak memory of this process (bytes).
     fn run(self, cells: usize) -> Outcome<[f64; 2]> {
         let (told, times) = std::sync::mpsc::channel();
-        let hooks = RunHooks {
-            // Whoever listens no longer has failed, and says so.
-            progress: Some(Box::new(move |_| {
-                let _ = told.send(Instant::now());
-            })),
-            ..RunHooks::default()
-        };
+        // A closed receiver means that the run has failed with its own error.
+        let hooks = RunHooks::default().with_progress(move |_| {
+            let _ = told.send(Instant::now());
+        });
         self.scene(cells)?.prepare()?.run(hooks)?;
         let times: Vec<Instant> = times.iter().collect();
         let rows = times.windows(ROW + 1);
@@ -257,8 +248,7 @@ fn main() -> Outcome<ExitCode> {
 mod tests {
     use super::*;
 
-    /// Every class is a scene that runs, has what it is named after, and nothing that yields where nothing
-    /// should.
+    /// Every class is a valid scene with the component of its name, and yields only where it should.
     #[test]
     fn classes_are_what_they_are_called() {
         for (class, name, _) in Class::ALL {

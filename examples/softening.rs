@@ -1,17 +1,17 @@
-//! A bar that softens in one element, for examples of concrete.
+//! A bar with softening in one element, for examples of concrete.
 
 use powerhouse::material::{Control, PointDriver};
 use powerhouse::model::ConstitutiveLaw;
 
 use crate::Outcome;
 
-/// Dissipated energy over `energy x area` of a bar (1 m2 across) in `count` elements, of which one
-/// is weaker. The weak element is led to a strain along the bar; the others, all alike, follow its
-/// stress. The bar has a length (m) and a number of elements; energy (N/m) and strength (Pa, negative for
-/// pressing) are those of the law.
+/// Dissipated energy over `energy x area` of a bar of 1 m2 section, divided into elements of which one is weaker.
+///
+/// A strain path along the bar is applied to the weak element; the other, equal elements follow its stress. The bar has a
+/// length (m) and a number of elements; energy (N/m) and strength (Pa, negative for compression) are those of the law.
 ///
 /// # Errors
-/// Elements that the law refuses for their size, or a path that it cannot follow.
+/// An element size that is invalid for the law, or a path without a solution.
 pub fn dissipated<M: ConstitutiveLaw>(
     weak: M,
     strong: M,
@@ -22,7 +22,7 @@ pub fn dissipated<M: ConstitutiveLaw>(
     let size = length / count as f64;
     weak.accept_size(size)?;
     let young = weak.medium().young;
-    // As far as a crack that softened linearly would open four times.
+    // Up to four times the final opening of a linearly softening crack.
     let opening = 8.0 * energy / (strength.abs() * size) * strength.signum();
     let mut breaking = PointDriver::new(weak).with_size(size)?;
     let mut others = PointDriver::new(strong).with_size(size)?;
@@ -37,7 +37,7 @@ pub fn dissipated<M: ConstitutiveLaw>(
         others.advance(target, 1)?;
     }
     let work = breaking.state().work + (count - 1) as f64 * others.state().work;
-    // What is left of the stress would be given back.
+    // The elastic energy of the remaining stress is recoverable.
     let stress = breaking.state().stress.0[2];
     let held = 0.5 * stress * stress / young * count as f64;
     Ok((work - held) * size / energy)

@@ -1,9 +1,7 @@
-//! A sudden pressure in a spherical cavity, and what three boundaries make of its waves when they
-//! stand near.
+//! A pressure step in a spherical cavity, with three absorbing boundaries at small distances.
 //!
-//! Builds on `absorbing_box`. The waves spread as spheres, so that here boundaries are measured
-//! where their springs are meant for: an eighth of the ground between three planes of symmetry, out
-//! to two, three and five radii of the cavity.
+//! Builds on `absorbing_box`. The waves spread spherically, as the springs of the boundaries assume: one octant of the ground
+//! between three planes of symmetry, out to two, three and five radii of the cavity.
 //!
 //! ```text
 //!   z  |  outside: springs and dashpots
@@ -16,11 +14,10 @@
 //!      0       a     R
 //! ```
 //!
-//! The wall moves out at once, overshoots its final place by a quarter and comes to rest. A
-//! boundary lets it come to rest elsewhere: dashpots hold nothing, so the ground ends as a hollow
-//! sphere with a free outside; springs hold it as a bed does. Both places have closed forms. So has
-//! the share of a spherical wave that returns, at every frequency. Springs of `4 G/R` are those of
-//! the ground that was left out: with them the wall comes to rest where it should.
+//! The wall moves outwards, overshoots its static displacement by a quarter and comes to rest. The boundary changes this
+//! static displacement: with dashpots it is that of a hollow sphere with a free outside, with springs that of a sphere on an
+//! elastic foundation. Both have closed forms, and so has the reflection of a spherical wave at every frequency. Springs of
+//! `4 G/R` have the static stiffness of the ground outside the mesh, with which the static displacement is exact.
 //!
 //! Run: `cargo run --release --example spherical_cavity`
 
@@ -39,22 +36,22 @@ use powerhouse_study::ShellOctant;
 
 const CAVITY: f64 = 10.0;
 const PRESSURE: f64 = 1.0e6;
-/// Time in which the pressure rises, so that its front is not shorter than a brick (s).
+/// Rise time of the pressure (s), so that its front is not shorter than an element.
 const RISE: f64 = 1.0e-3;
-/// Long enough for every box here to come to rest (s).
+/// Duration (s) in which every model here comes to rest.
 const DURATION: f64 = 0.3;
 
 fn rock() -> Outcome<ElasticMedium> {
     Ok(ElasticMedium::new(1.0e10, 0.25, 2700.0)?)
 }
 
-/// What stands on the outside.
+/// Boundary on the outer face.
 struct Outside {
-    /// In names of figures, and in the table of reflections.
+    /// Name in the names of figures and in the table of reflections.
     name: &'static str,
     tabled: &'static str,
     springs: Springs,
-    /// B of the dashpots.
+    /// Coefficient B of the dashpots.
     speed_ratio: f64,
 }
 
@@ -63,7 +60,7 @@ enum Springs {
     None,
     /// `(lambda + 2 G)/((1 + A) R)`, A = 0.8.
     Paper,
-    /// `4 G / R`, those of the ground left out: right for what lasts.
+    /// `4 G / R`, the static stiffness of the ground outside the mesh.
     Static,
 }
 
@@ -95,7 +92,7 @@ const BOUNDARIES: [Outside; 4] = [
 ];
 
 impl Outside {
-    /// The stiffness of its springs at a distance (N/m3).
+    /// Spring stiffness at a distance (N/m3).
     fn bed(&self, far: f64) -> Outcome<f64> {
         let rock = rock()?;
         Ok(match self.springs {
@@ -120,15 +117,15 @@ impl Outside {
     }
 }
 
-/// How finely the ground is divided.
+/// Mesh density.
 #[derive(Clone, Copy)]
 struct Division {
-    /// Bricks along a side of a patch, and along the radius per radius of the cavity at the wall.
+    /// Numbers of elements along a side of a patch, and along the radius per radius of the cavity at the wall.
     around: usize,
     along: f64,
 }
 
-/// The radial displacements of wall and outside, `wall.ux` and `outside.ux`, and their times.
+/// Histories of the radial displacements of wall and outer face, `wall.ux` and `outside.ux`.
 fn motion(far: f64, division: Division, outside: &Outside) -> Outcome<HistoryTable> {
     let rings = (division.along * (far / CAVITY).ln()).ceil() as usize;
     let (inner, outer, around) = (CAVITY, far, division.around);
@@ -153,21 +150,21 @@ fn motion(far: f64, division: Division, outside: &Outside) -> Outcome<HistoryTab
             normal,
         ));
     }
-    let output = OutputPlan {
-        every: 1.0e-4,
-        ..OutputPlan::default()
-    }
-    .history("wall", Vec3::new(CAVITY, 0.0, 0.0), Motion::DISPLACEMENT)
-    .history("outside", Vec3::new(far, 0.0, 0.0), Motion::DISPLACEMENT);
+    let output = OutputPlan::default()
+        .with_every(1.0e-4)
+        .history("wall", Vec3::new(CAVITY, 0.0, 0.0), Motion::DISPLACEMENT)
+        .history("outside", Vec3::new(far, 0.0, 0.0), Motion::DISPLACEMENT);
     let scene = Scene::new("spherical cavity", mesh)
         .part(Part::new(
             "rock",
             Material::from(LinearElastic::new(rock()?)),
         ))
-        .boundary(Boundary::new(outside.condition(far)?, ["outside"]).scatterer(Vec3::zeros()))
+        .with_boundary(
+            Boundary::new(outside.condition(far)?, ["outside"]).with_scatterer(Vec3::zeros()),
+        )
         .load(pressure)
-        .duration(DURATION)
-        .output(output);
+        .with_duration(DURATION)
+        .with_output(output);
     let scene = supports.into_iter().fold(scene, Scene::support);
     Ok(scene.prepare()?.run(RunHooks::default())?.histories)
 }
@@ -179,12 +176,12 @@ fn column<'a>(table: &'a HistoryTable, name: &str) -> Outcome<&'a [f64]> {
     Ok(&column.values)
 }
 
-/// Where the wall comes to rest with infinite ground (m): `p a / (4 G)`.
+/// Static displacement of the wall in infinite ground (m): `p a / (4 G)`.
 fn resting_place() -> Outcome<f64> {
     Ok(PRESSURE * CAVITY / (4.0 * rock()?.shear()))
 }
 
-/// Where it comes to rest, over that, when the outside stands on a bed (N/m3).
+/// Static displacement of the wall over that in infinite ground, with an elastic foundation (N/m3) on the outer face.
 ///
 /// `u = c1 r + c2/r^2`, `sigma = (3 lambda + 2 G) c1 - 4 G c2/r^3`, with `sigma(a) = -p` and
 /// `sigma(R) = -bed u(R)`.
@@ -202,11 +199,11 @@ fn rests_at(far: f64, bed: f64) -> Outcome<f64> {
     Ok(of_pressure * (wall[0] * b2 - wall[1] * b1) / resting_place()?)
 }
 
-/// The share of a spherical wave that the outside returns, at `number = w R / cp`.
+/// Reflection coefficient of the outer face for a spherical wave, at `number = w R / cp`.
 ///
 /// With the potential `(F exp(-ikr) + H exp(ikr))/r` the displacement is
-/// `F o(r) + H conj(o(r))`, `o(r) = -(1 + ikr) exp(-ikr)/r^2`; those of wall and outside tell
-/// `|H/F|`.
+/// `F o(r) + H conj(o(r))`, `o(r) = -(1 + ikr) exp(-ikr)/r^2`; those of wall and outer face
+/// determine `|H/F|`.
 fn returned_share(table: &HistoryTable, far: f64, number: f64) -> Outcome<f64> {
     let wave_number = number / far;
     let frequency = wave_number * rock()?.p_speed();
@@ -239,22 +236,22 @@ fn figures(distances: &[f64], division: Division) -> Outcome<Figures> {
             let table = motion(far, division, outside)?;
             let wall = column(&table, "wall.ux")?;
             let peak = wall.iter().fold(0.0_f64, |peak, u| peak.max(*u));
-            // Bricks that grow outwards keep some of the front's shortest waves at the wall.
+            // Elements that grow outwards trap some of the front's shortest waves at the wall.
             let late = &wall[wall.len() * 2 / 3..];
             let last = late.iter().sum::<f64>() / late.len() as f64 / resting_place()?;
             let expected = rests_at(far, outside.bed(far)?)?;
             let returns = reflections.column(outside.tabled)?;
             println!(
-                "{name} at {radii} a: the wall comes to rest at {last:.4} (expected {expected:.4})"
+                "{name} at {radii} a: static displacement of the wall {last:.4} (expected {expected:.4})"
             );
             let mut worst = 0.0_f64;
             for (number, expected) in numbers.iter().zip(&returns) {
-                // Longer waves hardly leave the cavity, shorter ones are shorter than a few bricks.
+                // Longer waves hardly radiate from the cavity, shorter ones are not resolved.
                 if !(0.5..=5.0).contains(number) {
                     continue;
                 }
                 let found = returned_share(&table, far, *number)?;
-                println!("    w R/cp = {number}: returns {found:.4} (expected {expected:.4})");
+                println!("    w R/cp = {number}: reflection {found:.4} (expected {expected:.4})");
                 worst = worst.max((found - expected).abs());
             }
             let figure = format!("spherical_cavity.{name}.{radii}a");

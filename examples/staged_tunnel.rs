@@ -1,16 +1,16 @@
-//! Before the earthquake: stress in the ground, excavation, lining, bolts, and the hand-over.
+//! Construction stages before an earthquake: in-situ stress, excavation, lining, bolts, and the transition to the dynamic
+//! stage.
 //!
-//! Builds on `column` and `joint_slip`. First a tunnel in rock under 30 MPa that yields around it,
-//! against the closed form of Salencon (1969); the case is that of FLAC's verification manual. Then
-//! a trench in ground with a dipping seam: four stages, and a dynamic stage without input in which
-//! nothing may move.
+//! Builds on `column` and `joint_slip`. First a tunnel in yielding rock under 30 MPa, compared with the closed form of
+//! Salencon (1969); the case is that of FLAC's verification manual. Then a trench in ground with a dipping seam: four stages,
+//! and a dynamic stage without input, in which nothing may move.
 //!
 //! ```text
 //!      z = 20   --------.          .--------   lining of 2 m, cast after the excavation
 //!               | | | | #|        |# | | | |   bolts in grout, across the seam
 //!      z = 12   | | | | #|________|# | | | |
 //!               | | | | | |     __.--''| | |
-//!      z = 8    |_____ | __.--''  seam that holds
+//!      z = 8    |_____ | __.--''  seam with friction
 //!               |    ''                    |
 //!      z = 0    ----------------------------
 //! ```
@@ -46,9 +46,9 @@ fn nodes(mesh: &Mesh, face: &str) -> Result<Vec<u32>, ModelError> {
     Ok(mesh.nodes_of_facets(mesh.facet_set(face)?))
 }
 
-/// Says what a stage has done.
+/// Prints the result of a stage.
 fn tell(event: StageEvent) {
-    if let StageEvent::AtRest { report, .. } = event {
+    if let StageEvent::Equilibrated { report, .. } = event {
         println!(
             "    {}: {} increments, {} corrections, moved by {:.3e} m, residual {:.1e}",
             report.name,
@@ -60,7 +60,7 @@ fn tell(event: StageEvent) {
     }
 }
 
-/// Cells of the ring: along the radius within the tunnel and outside, and around a quarter.
+/// Numbers of elements of the ring: along the radius within the tunnel and outside, and around a quarter.
 const CORE: usize = 4;
 const ROCK: usize = 120;
 const AROUND: usize = 24;
@@ -86,10 +86,10 @@ fn ring() -> Outcome<(Mesh, Vec<u32>)> {
     Ok((mesh, core))
 }
 
-/// Pressure in the rock around the tunnel (Pa).
+/// In-situ pressure around the tunnel (Pa).
 const PRESSURE: f64 = 30.0e6;
 
-/// The same with that pressure on a face.
+/// Adds that pressure on a face.
 fn pressed<'a>(
     builder: ModelBuilder<'a>,
     mesh: &Mesh,
@@ -177,9 +177,9 @@ struct Site {
     mesh: Mesh,
     seam: Vec<JointPair>,
     trench: Vec<u32>,
-    /// The part of the trench that becomes its lining.
+    /// Elements of the trench that become its lining.
     lining: Vec<u32>,
-    /// All elements but the lining.
+    /// All elements except the lining.
     ground: Vec<u32>,
     bolts: BoltSet,
 }
@@ -197,7 +197,7 @@ impl Site {
         let mut lining = within(&mesh, [8.0, 0.0, 12.0], [10.0, 16.0, 20.0]);
         lining.extend(within(&mesh, [14.0, 0.0, 12.0], [16.0, 16.0, 20.0]));
         let split = mesh.split_between(&lower, &upper)?;
-        // One in ten, where the seam is; the outside keeps its place.
+        // A slope of one in ten at the seam; the outer faces are unchanged.
         let dip = |p: Vec3| p + Vec3::z() * (0.1 * (p.x - 12.0) * p.z * (20.0 - p.z) / 96.0);
         let mesh = split.mesh.map_positions(dip)?;
         let options = SurfaceOptions::within(1e-6)?;
@@ -233,8 +233,8 @@ impl Site {
         })
     }
 
-    /// Rock that yields at the walls of the trench, the seam, and the weight of both; the lining's
-    /// place is filled with rock or with concrete.
+    /// Yielding rock at the walls of the trench, the seam, and their weight; the elements of the lining are
+    /// rock or concrete.
     fn body<'a>(
         &self,
         builder: ModelBuilder<'a>,
@@ -281,7 +281,7 @@ impl Site {
         Ok(builder.boundary(ViscousSpring::default().build(&site)?))
     }
 
-    /// Ground under 0.6 of its weight from the side, the trench in two steps, its lining, bolts.
+    /// The stages: ground with a lateral stress ratio of 0.6, the trench in two steps, its lining, bolts.
     fn stages(&self, seam: BondedCoulombParameters) -> Result<State, StageError> {
         let made = |lined: bool, bolted: bool| -> Box<StageModel> {
             Box::new(move |builder| {
@@ -326,7 +326,7 @@ impl Site {
         let report = model.hand_over(1.0e-3)?;
         println!(
             "    handed over: {:.3e} N stand on, changed by {:.1e}",
-            report.standing, report.difference
+            report.carried_forces, report.difference
         );
         let mut still = [0.0_f64; 2];
         for _ in 0..20 {
@@ -342,7 +342,7 @@ impl Site {
     }
 }
 
-/// What holds the seam.
+/// Friction law of the seam.
 const SEAM: BondedCoulombParameters = BondedCoulombParameters {
     cohesion: 0.3e6,
     tensile_strength: 0.1e6,
@@ -409,7 +409,7 @@ mod tests {
         assert_eq!(figures().unwrap().missed(), 0);
     }
 
-    /// With less friction than its dip asks for the seam is named with the stage.
+    /// With less friction than the dip requires, the error names the seam and the stage.
     #[test]
     fn a_seam_that_would_slide_is_refused() {
         let smooth = BondedCoulombParameters {
@@ -423,7 +423,7 @@ mod tests {
         assert!(
             matches!(
                 &refused,
-                StageError::Rest { stage, source: StaticError::JointMoves { joint, .. } }
+                StageError::NotEquilibrated { stage, source: StaticError::JointMoves { joint, .. } }
                     if stage == "ground" && joint == "seam"
             ),
             "{refused}"

@@ -1,25 +1,25 @@
-//! What a boundary returns of a plane wave, measured in a strip that is periodic along the face.
+//! Reflection of plane waves by a boundary, measured in a strip that is periodic along the face.
 //!
 //! ```text
 //!        boundary under test
 //!      ----------------------   z = 0
 //!      |   P  \ ^     ^ / SV |
-//!  =   |       \|     |/     |   =    left and right move as one; the strip is one
+//!  =   |       \|     |/     |   =    left and right are coupled; the strip is one
 //!  =   |       /|     |\     |   =    trace wavelength wide
-//!      |  ----------------   |   two rows of nodes tell the four waves apart
+//!      |  ----------------   |   two rows of nodes separate the four waves
 //!      ----------------------
 //!         shaken, and the boundary under test again
 //! ```
 //!
 //! In a strip one trace wavelength wide, shaken evenly along z and as `sin kx` and `cos kx` along x,
-//! nothing moves but two P and two SV waves with that wave number, one of each towards the face and
-//! one away. Their amplitudes at one frequency follow from the motion of two rows; shaking the strip
-//! twice, along and across, tells what the face makes of each wave alone.
+//! the motion consists of two P and two SV waves with that wave number, one of each towards the face and one away from it.
+//! Their amplitudes at one frequency follow from the motion of two rows; shaking the strip twice, along and across, separates
+//! the reflections of both waves.
 
 use core::f64::consts::PI;
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
-use powerhouse::boundary::reflection::PlaneWave;
+use powerhouse::boundary::reflection::BodyWave;
 use powerhouse::engine::observe::{HistoryTable, Motion};
 use powerhouse::engine::{NodalForce, PeriodicPairs, Support};
 use powerhouse::material::LinearElastic;
@@ -29,30 +29,30 @@ use powerhouse::{Boundary, Material, OutputPlan, Part, ResidualLimit, RunHooks, 
 
 use crate::Outcome;
 
-/// Bricks per shear wavelength, along the strip's height, and across it.
+/// Elements per shear wavelength, along the height of the strip, and across it.
 const PER_WAVELENGTH: f64 = 32.0;
 const ROWS: usize = 24;
 const COLUMNS: usize = 32;
-/// The row next to the face that is observed.
+/// Index of the recorded row next to the face.
 const FIRST_ROW: usize = 2;
 
-/// A wave that arrives at a face.
+/// Plane wave incident on a face.
 #[derive(Clone, Copy, Debug)]
 pub struct Arriving {
-    /// What it travels in.
+    /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Its kind.
-    pub wave: PlaneWave,
-    /// Its angle from the face's normal (degrees).
+    /// Wave type: P or SV.
+    pub wave: BodyWave,
+    /// Angle of incidence from the normal of the face (degrees).
     pub degrees: f64,
-    /// Its angular frequency (rad/s).
+    /// Angular frequency (rad/s).
     pub frequency: f64,
 }
 
-/// A kind of wave in the strip: sine, cosine and wave number across the face.
+/// A wave type in the strip: sine and cosine of its angle, and its wave number normal to the face.
 #[derive(Clone, Copy)]
 struct Partner {
-    kind: PlaneWave,
+    kind: BodyWave,
     sine: f64,
     cosine: Complex,
     wave_number: f64,
@@ -69,26 +69,26 @@ impl Partner {
         let along = self.cosine * sense;
         let phase = (-i * along * self.wave_number * z).exp();
         match self.kind {
-            PlaneWave::P => [-i * self.sine * phase, along * phase],
-            PlaneWave::Sv => [-i * along * phase, phase * -self.sine],
+            BodyWave::P => [-i * self.sine * phase, along * phase],
+            BodyWave::Sv => [-i * along * phase, phase * -self.sine],
         }
     }
 
-    /// How well two rows a distance apart tell its two senses from each other.
+    /// Conditioning of the separation of the two senses of travel by two rows at a distance.
     fn resolution(&self, apart: f64) -> f64 {
         (self.cosine * self.wave_number * apart).sin().norm()
     }
 }
 
 impl Arriving {
-    /// The same, as P (first) and as SV wave of the same trace.
+    /// The P (first) and the SV wave with the same trace wavelength.
     fn partners(&self) -> [Partner; 2] {
-        let of = |kind: PlaneWave| match kind {
-            PlaneWave::P => self.medium.p_speed(),
-            PlaneWave::Sv => self.medium.s_speed(),
+        let of = |kind: BodyWave| match kind {
+            BodyWave::P => self.medium.p_speed(),
+            BodyWave::Sv => self.medium.s_speed(),
         };
         let slowness = self.degrees.to_radians().sin() / of(self.wave);
-        [PlaneWave::P, PlaneWave::Sv].map(|kind| {
+        [BodyWave::P, BodyWave::Sv].map(|kind| {
             let sine = slowness * of(kind);
             let square = (1.0 - sine) * (1.0 + sine);
             let cosine = if square >= 0.0 {
@@ -110,7 +110,7 @@ impl Arriving {
         2.0 * PI * self.medium.s_speed() / self.frequency / PER_WAVELENGTH
     }
 
-    /// The second row that is observed: the one that tells all waves apart best.
+    /// The second recorded row: the one with the best separation of all waves.
     fn second_row(&self) -> usize {
         let partners = self.partners();
         let worst = |row: &usize| {
@@ -124,9 +124,8 @@ impl Arriving {
             .unwrap_or(FIRST_ROW + 1)
     }
 
-    /// What the strip's lower end is shaken with: a burst so long that it does not contain the
-    /// frequencies at which one of the waves runs along the face and stays. Its rate (1/s), and how
-    /// long the strip is watched (s).
+    /// Burst at the lower end of the strip, so long that it does not contain the frequencies at which one of
+    /// the waves travels along the face; with its rate (1/s) and the duration of the run (s).
     fn burst(&self) -> (f64, f64) {
         let gap = |partner: &Partner| (1.0 - partner.sine.abs()).abs();
         let [p, sv] = self.partners().map(|partner| gap(&partner));
@@ -168,7 +167,7 @@ impl Arriving {
             } else {
                 Vec3::new(sine, 0.0, cosine)
             };
-            // Nodes at the ends of the period are two halves of one.
+            // Nodes at the ends of the period are coupled.
             let share = if x == 0.0 || x == width { 0.5e6 } else { 1.0e6 };
             let history = move |time: f64| {
                 let x = rate * (time - middle);
@@ -178,10 +177,7 @@ impl Arriving {
             shakers.push(NodalForce::new(vec![node], force, Box::new(history)));
         }
         // Every step is recorded.
-        let mut output = OutputPlan {
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         for (name, row) in [("near", FIRST_ROW), ("far", self.second_row())] {
             let z = -(row as f64) * brick;
             let quarter = Vec3::new(0.25 * width, 0.0, z);
@@ -199,11 +195,11 @@ impl Arriving {
                 Material::from(LinearElastic::new(self.medium)),
             ))
             .support(Support::roller(cuts, Vec3::y()))
-            .periodic(pairs)
-            .boundary(Boundary::new(condition, ["top", "bottom"]))
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(duration)
-            .output(output);
+            .with_periodic_pairs(pairs)
+            .with_boundary(Boundary::new(condition, ["top", "bottom"]))
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(duration)
+            .with_output(output);
         let scene = shakers.into_iter().fold(scene, Scene::load);
         let histories = scene.prepare()?.run(RunHooks::default())?.histories;
         let spectrum = |name: &str| spectrum(&histories, name, frequency);
@@ -215,10 +211,10 @@ impl Arriving {
         ))
     }
 
-    /// Amplitudes of the P and the SV wave that a boundary returns, for a wave of amplitude one.
+    /// Amplitudes of the P and the SV wave that a boundary reflects, for an incident wave of unit amplitude.
     ///
     /// # Errors
-    /// What keeps the strip from running.
+    /// Any error of the run.
     pub fn returned(
         &self,
         condition: &dyn Fn() -> Outcome<Box<dyn AbsorbingBoundary>>,
@@ -255,8 +251,8 @@ impl Arriving {
             .ok_or("two runs with the same waves")?;
         let returned = leaving * inverse;
         let column = match self.wave {
-            PlaneWave::P => 0,
-            PlaneWave::Sv => 1,
+            BodyWave::P => 0,
+            BodyWave::Sv => 1,
         };
         Ok([returned[(0, column)].norm(), returned[(1, column)].norm()])
     }

@@ -1,7 +1,7 @@
-//! What choices cost and err on problems whose answer is known.
+//! Cost and error of numerical options for problems with known solutions.
 //!
-//! Builds on `free_field`, `cavity_scattering`, `joint_slip` and `concrete_cycle`: their problems, each
-//! solved in several ways, and the bay of `data/scenes/wang_2019.toml` against its own finest run.
+//! Builds on `free_field`, `cavity_scattering`, `joint_slip` and `concrete_cycle`: their problems, each solved
+//! with several options, and the bay of `data/scenes/wang_2019.toml` compared with its own finest run.
 //!
 //! Run: `cargo run --release --example verification`; it writes `docs/verification.md` and the pictures
 //! in `docs/verification`. With `-- bay` it solves the bay too, which takes a quarter of an hour.
@@ -22,21 +22,21 @@ use powerhouse_examples::block::{BlockWave, Choices};
 use powerhouse_examples::cavity::compare::{relative_l2, transients};
 use powerhouse_examples::cavity::{CavityModel, Incoming, PEAK, pulse};
 use powerhouse_examples::interface::{closed_form, computed};
-use powerhouse_examples::prices::{PriceTable, Priced};
+use powerhouse_examples::prices::{CostErrorTable, Measured};
 use powerhouse_examples::reference::ReferenceTable;
 use powerhouse_examples::softening::dissipated;
 use powerhouse_study::trade::{Goal, Trade, TradeCase, TradeWatch};
 
-const HEAD: &str = "# What choices cost and err
+const HEADER: &str = "# Cost and error of numerical options
 
-Problems whose answer is known, each solved in several ways. Errors are relative; costs are wall times
-over that of the first way of each table, by which a table is read wherever it was made. In **bold** what
-no other way betters in both. `cargo run --release --example verification` writes this page; with `-- bay` it
-adds the bay of `data/scenes/wang_2019.toml`, against its own finest run.
+Problems with known solutions, each solved with several numerical options. Errors are relative; costs are wall
+times relative to that of the first option of each table, so that they are comparable between machines. Options on the
+Pareto front of cost and error are in **bold**. `cargo run --release --example verification` writes this page; with
+`-- bay` it adds the bay of `data/scenes/wang_2019.toml`, compared with its own finest run.
 ";
 
-/// Ways to solve the free field, of which the first has `bricks` along an edge.
-fn free_field(table: &mut PriceTable, wave: &BlockWave, bricks: usize) -> Outcome<()> {
+/// Options for the free field, of which the first has `bricks` elements along an edge.
+fn free_field(table: &mut CostErrorTable, wave: &BlockWave, bricks: usize) -> Outcome<()> {
     let base = Choices {
         elements: bricks,
         ..Choices::default()
@@ -91,12 +91,12 @@ fn free_field(table: &mut PriceTable, wave: &BlockWave, bricks: usize) -> Outcom
 }
 
 /// The free field of an SV wave at 15 degrees.
-fn below_critical(bricks: usize) -> Outcome<PriceTable> {
-    let mut table = PriceTable::new(
+fn below_critical(bricks: usize) -> Outcome<CostErrorTable> {
+    let mut table = CostErrorTable::new(
         "free_field_15",
         "Free field, SV at 15 degrees",
         "A pulse of 0.8 s crosses a cube of 1200 m under a free surface; displacement at the centre of the\n\
-         surface over the whole run, against the closed form.",
+         surface over the whole run, compared with the closed form.",
     );
     let wave = BlockWave::new(WaveKind::SV, 15.0, RaisedCosinePulse::new(1.0, 0.8)?);
     free_field(&mut table, &wave, bricks)?;
@@ -104,12 +104,11 @@ fn below_critical(bricks: usize) -> Outcome<PriceTable> {
 }
 
 /// The free field of an SV wave at 40 degrees.
-fn past_critical(bricks: usize) -> Outcome<PriceTable> {
-    let mut table = PriceTable::new(
+fn past_critical(bricks: usize) -> Outcome<CostErrorTable> {
+    let mut table = CostErrorTable::new(
         "free_field_40",
         "Free field, SV at 40 degrees",
-        "The same past the critical angle, a pulse of 1.6 s: the run starts from the motion that the field\n\
-         then has.",
+        "The same past the critical angle, with a pulse of 1.6 s: the run starts from the motion of the field.",
     );
     let mut wave = BlockWave::new(WaveKind::SV, 40.0, ZeroMeanPulse::new(1.0, 1.6)?);
     wave.start = -1.0;
@@ -119,13 +118,13 @@ fn past_critical(bricks: usize) -> Outcome<PriceTable> {
     Ok(table)
 }
 
-/// Transients around a cavity, in bricks of an edge of `edge` radii at first.
-fn scattering(edge: f64, half_width: f64) -> Outcome<PriceTable> {
-    let mut table = PriceTable::new(
+/// Transients around a cavity, with elements of an edge of `edge` radii at first.
+fn scattering(edge: f64, half_width: f64) -> Outcome<CostErrorTable> {
+    let mut table = CostErrorTable::new(
         "cavity_scattering",
         "A cavity scatters a P wave",
-        "A Ricker pulse comes straight up to a circular cavity under the surface, in plane strain;\n\
-         displacements of the surface and the wall, against a solution by boundary elements.",
+        "A vertically incident Ricker pulse and a circular cavity under the surface, in plane strain;\n\
+         displacements of the surface and the wall, compared with a solution by boundary elements.",
     );
     let base = CavityModel {
         edge,
@@ -173,18 +172,18 @@ fn scattering(edge: f64, half_width: f64) -> Outcome<PriceTable> {
         let run = model.motion(&wave)?;
         let seconds = started.elapsed().as_secs_f64();
         let error = relative_l2(&transients(&run, &reference, PEAK)?);
-        table.put(name, Priced { error, seconds });
+        table.put(name, Measured { error, seconds });
     }
     Ok(table)
 }
 
-/// Energies at an interface that slips, in columns of so many bricks per wavelength.
-fn interface(bricks: [usize; 4]) -> Outcome<PriceTable> {
-    let mut table = PriceTable::new(
+/// Energies at a slipping interface, in columns with given numbers of elements per wavelength.
+fn interface(bricks: [usize; 4]) -> Outcome<CostErrorTable> {
+    let mut table = CostErrorTable::new(
         "joint_slip",
         "A joint slips under a shear wave",
-        "An S wave wants twice the shear stress that an interface bears; the largest error of the shares of\n\
-         energy that are transmitted, reflected and absorbed, against the closed form.",
+        "An S wave with twice the shear strength of an interface; the largest error of the transmitted,\n\
+         reflected and absorbed shares of energy, compared with the closed form.",
     );
     let share = 0.5;
     let expected = closed_form(share);
@@ -193,18 +192,18 @@ fn interface(bricks: [usize; 4]) -> Outcome<PriceTable> {
         let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
         let error = apart.fold(0.0, f64::max);
         let name = format!("{bricks} bricks per wavelength");
-        table.put(name, Priced { error, seconds });
+        table.put(name, Measured { error, seconds });
     }
     Ok(table)
 }
 
-/// The energy that a bar of concrete takes, in ever more elements.
-fn softening() -> Outcome<PriceTable> {
-    let mut table = PriceTable::new(
+/// Dissipated energy of a bar of concrete with increasing numbers of elements.
+fn softening() -> Outcome<CostErrorTable> {
+    let mut table = CostErrorTable::new(
         "softening_bar",
         "A bar of concrete cracks",
-        "A bar of 2 m softens in one weakened element; its dissipated energy, against that of one crack.\n\
-         Rates are those that give the right energy with 20 elements.",
+        "A bar of 2 m softens in one weakened element; its dissipated energy, compared with that of one crack.\n\
+         The rates give the correct energy with 20 elements.",
     );
     let listed = presets::PAPER_CONCRETE_LISTED;
     let energy = 133.0;
@@ -250,35 +249,35 @@ fn softening() -> Outcome<PriceTable> {
             let error = (ratio - 1.0).abs();
             table.put(
                 format!("{law}, {count} elements"),
-                Priced { error, seconds },
+                Measured { error, seconds },
             );
         }
     }
     Ok(table)
 }
 
-/// Says how far a trade is.
-struct Aloud;
+/// Progress output of a trade study.
+struct Printed;
 
-impl TradeWatch for Aloud {
+impl TradeWatch for Printed {
     fn ends(&mut self, case: &TradeCase) {
         println!("bay: {}: error {:.2e}", case.name, case.error);
     }
 }
 
 /// The bay of the paper over a window (s) of its record.
-fn bay(scene: &Path, window: f64) -> Outcome<PriceTable> {
-    let mut table = PriceTable::new(
+fn bay(scene: &Path, window: f64) -> Outcome<CostErrorTable> {
+    let mut table = CostErrorTable::new(
         "bay",
         "The powerhouse of Wang, Chen & Xiao (2019)",
-        "Rock that yields, concrete that cracks, joints and bolts, after six stages: the first second of the\n\
-         coarse bay under SV at 30 degrees; all that it records, against the finest run: eight points in every brick,\n\
-         half the stable step, double precision, the full field on viscous springs.",
+        "Yielding rock, cracking concrete, joints and bolts, after six stages: the first second of the\n\
+         coarse bay under SV at 30 degrees; all recorded histories, compared with the finest run: eight integration\n\
+         points per element, half the stable step, double precision, the full field on viscous springs.",
     );
     let folder = std::env::temp_dir().join("powerhouse-verification-bay");
     let mut trade = Trade::of_file(scene, Some(folder))?.window(window);
-    let report = trade.run(Goal::Front, None, &mut Aloud)?;
-    table.rows = report.prices();
+    let report = trade.run(Goal::Front, None, &mut Printed)?;
+    table.rows = report.pareto_points();
     table.uncertainty = report.reference_error.unwrap_or(0.0);
     Ok(table)
 }
@@ -297,7 +296,7 @@ fn main() -> Outcome<()> {
     }
     let pictures = docs.join("verification");
     std::fs::create_dir_all(&pictures)?;
-    let mut page = String::from(HEAD);
+    let mut page = String::from(HEADER);
     for table in &tables {
         table.draw(&pictures)?;
         let _ = write!(page, "{}", table.markdown());
@@ -316,14 +315,14 @@ fn main() -> Outcome<()> {
 mod tests {
     use super::*;
 
-    /// The error of the row whose name begins so.
-    fn error(table: &PriceTable, name: &str) -> f64 {
+    /// The error of the row whose name has a prefix.
+    fn error(table: &CostErrorTable, name: &str) -> f64 {
         let row = table.rows.iter().find(|row| row.name.starts_with(name));
         row.unwrap().error
     }
 
-    /// Errors of the free field grow with the bricks, and are far larger if the bottom alone brings the
-    /// incident wave; number formats cost no accuracy here.
+    /// Errors of the free field grow with the element size, and are far larger if only the incident wave is
+    /// applied at the bottom; number formats have no effect here.
     #[test]
     fn choices_of_the_free_field_have_their_prices() {
         let table = below_critical(24).unwrap();
@@ -336,14 +335,18 @@ mod tests {
         let page = table.markdown();
         assert!(page.contains("| **12 bricks** |") && page.contains("24 bricks along an edge"));
         assert!(!page.contains("itself"), "a closed form has no error");
-        let uncertain = PriceTable {
+        let uncertain = CostErrorTable {
             uncertainty: 1.1e-3,
             ..table
         };
-        assert!(uncertain.markdown().contains("errs by 1.1e-3 itself"));
+        assert!(
+            uncertain
+                .markdown()
+                .contains("error of the reference itself is 1.1e-3")
+        );
     }
 
-    /// Energy by crack is the same in any mesh, energy by rates is not.
+    /// With softening by fracture energy the dissipation is the same in any mesh, with rates it is not.
     #[test]
     fn a_bar_has_its_energy_by_the_crack() {
         let table = softening().unwrap();

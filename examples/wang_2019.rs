@@ -1,11 +1,11 @@
 //! One case of the study of Wang, Chen & Xiao (2019), section 4, from Rust: excavation, bolts and lining of a
-//! machine bay, then El Centro under an angle, and what a designer reads first.
+//! machine bay, then El Centro at oblique incidence, and the main results for design.
 //!
 //! Builds on `cavern` and `staged_tunnel`. All cases, pictures and the report are
 //! `powerhouse sweep data/scenes/wang_2019.toml` and `powerhouse report results/wang_2019`.
 //!
 //! Run from the top of the project: `cargo run --release --example wang_2019`, a quarter of an hour at most on two
-//! cores; a case and a shorter duration (s) may follow: `-- p-30 2.5`. A case that is finished is not run again.
+//! cores; a case and a shorter duration (s) may follow: `-- p-30 2.5`. A finished case is not run again.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -17,14 +17,14 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 const SCENE: &str = "data/scenes/wang_2019.toml";
 
-/// Tells how a case goes.
-struct Aloud;
+/// Progress output of a case.
+struct Printed;
 
-impl SweepWatch for Aloud {
-    fn at_rest(&mut self, _case: &str, took: Duration) {
+impl SweepWatch for Printed {
+    fn equilibrated(&mut self, _case: &str, took: Duration) {
         println!("excavated, bolted and lined in {:.0} s", took.as_secs_f64());
     }
-    fn kept(&mut self, case: &str) {
+    fn reused(&mut self, case: &str) {
         println!("{case} was finished before");
     }
     fn progress(&mut self, _case: &str) -> Option<ProgressHook<'static>> {
@@ -39,31 +39,32 @@ impl SweepWatch for Aloud {
     }
 }
 
-/// The case of a name, for as long as is asked (s) or the scene says.
+/// The sweep of a single case, with a duration (s) or that of the scene.
 fn case(scene: &str, name: &str, duration: Option<f64>) -> Outcome<Sweep> {
     let sweep = Sweep::of_file(scene, None)?.only(&[name.to_owned()])?;
     Ok(match duration {
-        Some(duration) => sweep.lasting(duration)?,
+        Some(duration) => sweep.with_duration(duration)?,
         None => sweep,
     })
 }
 
-fn tell(outcome: &CaseOutcome) {
-    let named = |peaks: &[Peak], scale: f64| {
-        let told = peaks
+/// Prints the main results of a case.
+fn print(outcome: &CaseOutcome) {
+    let line = |peaks: &[Peak], scale: f64| {
+        let texts = peaks
             .iter()
             .map(|peak| format!("{} {:.3}", peak.name, scale * peak.value));
-        told.collect::<Vec<_>>().join(", ")
+        texts.collect::<Vec<_>>().join(", ")
     };
     println!(
         "principal stress (MPa): {}",
-        named(&outcome.stresses, 1.0e-6)
+        line(&outcome.stresses, 1.0e-6)
     );
     println!(
         "relative displacement (mm): {}",
-        named(&outcome.relative, 1.0e3)
+        line(&outcome.relative, 1.0e3)
     );
-    println!("bolts (kN): {}", named(&outcome.bolts, 1.0e-3));
+    println!("bolts (kN): {}", line(&outcome.bolts, 1.0e-3));
     for part in &outcome.parts {
         println!("mean damage of {}: {:.3}", part.name, part.mean);
     }
@@ -80,8 +81,8 @@ fn shake() -> Outcome<()> {
     let name = words.next().unwrap_or_else(|| "sv-30".into());
     let duration = words.next().map(|word| word.parse()).transpose()?;
     let sweep = case(SCENE, &name, duration)?;
-    for outcome in sweep.run(None, &mut Aloud)? {
-        tell(&outcome);
+    for outcome in sweep.run(None, &mut Printed)? {
+        print(&outcome);
     }
     println!("results in {}", sweep.folder().join(&name).display());
     Ok(())
@@ -97,7 +98,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The case of the first line of its usage is one of the scene, alone; no other name is one.
+/// The cases of the usage are cases of the scene, each alone; another name is an error.
 #[test]
 fn the_case_is_one_of_the_scene() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/scenes/wang_2019.toml");

@@ -1,9 +1,9 @@
-//! What a run gives of the quantities of the reference.
+//! Evaluation of a run for the quantities of the reference.
 
 use core::f64::consts::PI;
 
 use powerhouse::engine::observe::HistoryTable;
-use powerhouse::wavefield::{Complex, Signal, SignalMotion, Support};
+use powerhouse::wavefield::{Complex, Signal, SignalMotion, SignalSupport};
 
 use super::{RADIUS, SAMPLES, STATIONS, WALL, rock, unit_of_time};
 use crate::Outcome;
@@ -12,7 +12,7 @@ use crate::reference::ReferenceTable;
 /// The frequency of the harmonic reference, `w a / (pi cs)`.
 pub const ETA: f64 = 0.4915;
 
-/// Its angular frequency (rad/s).
+/// Angular frequency of the harmonic reference (rad/s).
 ///
 /// # Errors
 /// None: see [`rock`].
@@ -23,7 +23,7 @@ pub fn angular_frequency() -> Outcome<f64> {
 /// The values of a column.
 ///
 /// # Errors
-/// If there is no such column.
+/// An unknown column.
 pub fn values<'a>(table: &'a HistoryTable, name: &str) -> Outcome<&'a [f64]> {
     let column = table
         .column(name)
@@ -31,18 +31,18 @@ pub fn values<'a>(table: &'a HistoryTable, name: &str) -> Outcome<&'a [f64]> {
     Ok(&column.values)
 }
 
-/// A harmonic motion at the frequency of the reference, which grows over its first periods.
+/// Harmonic signal at the frequency of the reference, with an amplitude that rises over the first periods.
 #[derive(Clone, Copy, Debug)]
 pub struct Steady {
     amplitude: f64,
     frequency: f64,
 }
 
-/// Periods over which it grows.
+/// Number of periods over which the amplitude rises.
 const GROWTH: f64 = 4.0;
 
 impl Steady {
-    /// With an amplitude (m).
+    /// Creates the signal with an amplitude (m).
     ///
     /// # Errors
     /// None: see [`rock`].
@@ -54,7 +54,7 @@ impl Steady {
         })
     }
 
-    /// The length of so many of its periods, in `a / cs`.
+    /// Duration of a number of periods, in `a / cs`.
     ///
     /// # Errors
     /// None: see [`rock`].
@@ -79,9 +79,9 @@ impl Signal for Steady {
             acceleration: a * (bend * sine + 2.0 * rise * w * cosine - level * w * w * sine),
         }
     }
-    fn support(&self) -> Support {
+    fn support(&self) -> SignalSupport {
         let period = 2.0 * PI / self.frequency;
-        Support {
+        SignalSupport {
             start: 0.0,
             end: 1.0e3 * period,
             step: 0.01 * period,
@@ -94,7 +94,7 @@ impl Signal for Steady {
 /// smoothly.
 ///
 /// # Errors
-/// If a station was not recorded.
+/// A station that was not recorded.
 pub fn amplitudes(
     run: &HistoryTable,
     signal: &dyn Signal,
@@ -123,21 +123,21 @@ pub fn amplitudes(
         .collect()
 }
 
-/// A history of the reference beside that of a run, from time zero, per unit of the incident peak.
+/// A history of the reference with that of a run, from time zero, per unit of the incident peak.
 #[derive(Clone, Debug)]
 pub struct Pair {
-    /// The reference's name of it.
+    /// Name in the reference.
     pub name: String,
-    /// The reference.
+    /// Values of the reference.
     pub expected: Vec<f64>,
-    /// The run.
+    /// Values of the run.
     pub found: Vec<f64>,
 }
 
-/// Displacements of surface and wall beside those of a reference.
+/// Displacements of surface and wall with those of a reference.
 ///
 /// # Errors
-/// If the run and the reference do not fit.
+/// A run that lacks a history of the reference.
 pub fn transients(run: &HistoryTable, reference: &ReferenceTable, peak: f64) -> Outcome<Vec<Pair>> {
     let unit = unit_of_time()?;
     let first = run

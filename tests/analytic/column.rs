@@ -1,4 +1,4 @@
-//! Columns of bricks: natural periods, and vertical waves under a free surface.
+//! Columns of hexahedra: natural periods, and vertical waves under a free surface.
 
 use powerhouse_boundary::{InputMode, Viscous};
 use powerhouse_explicit_core::{ModelBuilder, SolidKernel, Support};
@@ -6,7 +6,7 @@ use powerhouse_model::{ElasticMedium, Vec3};
 use powerhouse_tests::{Ground, field_misfit, motion_at, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 
-/// A column of so many bricks, one brick wide.
+/// A column with a number of elements in height, one element wide.
 fn column(height: f64, width: f64, bricks: usize, medium: ElasticMedium) -> Ground {
     let kernel = SolidKernel::Hex8OnePoint(Default::default());
     Ground::boxed(
@@ -17,7 +17,7 @@ fn column(height: f64, width: f64, bricks: usize, medium: ElasticMedium) -> Grou
     )
 }
 
-/// Lets the nodes move along one axis only.
+/// Restricts the nodes to motion along one axis.
 fn along<'a>(ground: &Ground, builder: ModelBuilder<'a>, axis: usize) -> ModelBuilder<'a> {
     let all: Vec<u32> = (0..ground.mesh.node_count() as u32).collect();
     let across = (0..3)
@@ -65,10 +65,10 @@ fn of_moduli(bulk: f64, shear: f64) -> ElasticMedium {
     ElasticMedium::new(young, poisson, 1.0).unwrap()
 }
 
-/// A column on a fixed foot swings with the period 4 H / c of its stretching, when its sides are
-/// held (c of P waves) and of its shearing (c of S waves).
+/// A column on a fixed foot vibrates with the period 4 H / c, with c of P waves for axial motion with confined
+/// sides and c of S waves for shear.
 ///
-/// With 64 elements per quarter wave linear elements err by (k h)^2 / 24 = 2.5e-5 at most.
+/// With 64 linear elements per quarter wave the relative error is at most (k h)^2 / 24 = 2.5e-5.
 #[test]
 fn columns_swing_with_four_transits() {
     let confined = of_moduli(2.0e4, 0.428562e4);
@@ -83,8 +83,8 @@ fn columns_swing_with_four_transits() {
     assert!((found - 32.0).abs() < 3e-5 * 32.0, "{found}");
 }
 
-/// With free sides the column stretches with Young's modulus; the inertia of its sides makes the
-/// period longer by (nu k r)^2 / 2, r^2 = w^2 / 6 the square of the section's polar radius.
+/// With free sides the axial stiffness is Young's modulus; lateral inertia increases the period by (nu k r)^2 /
+/// 2, with r^2 = w^2 / 6 the squared polar radius of gyration of the section.
 #[test]
 fn a_free_column_swings_with_the_speed_of_a_bar() {
     let medium = of_moduli(2.0e4, 0.428562e4);
@@ -92,16 +92,15 @@ fn a_free_column_swings_with_the_speed_of_a_bar() {
     let wave_number = core::f64::consts::FRAC_PI_2 / 800.0;
     let inertia = 0.5 * (medium.poisson * wave_number).powi(2) * 100.0 * 100.0 / 6.0;
     let found = first_period(medium, 2, false, bar);
-    // The foot, held sideways too, stiffens the column over about one width of its height.
+    // The foot, fixed laterally, too, stiffens the column over about one width of its height.
     assert!(
         found < bar * (1.0 + inertia) && found > 0.98 * bar,
         "{found} {bar} {inertia}"
     );
 }
 
-/// A pulse that comes in at the foot of a column leaves twice as large at its free top, one transit
-/// later, and has left altogether after two; S and P waves, through dashpots that take the full
-/// field or the incident wave alone.
+/// A pulse incident at the foot of a column is doubled at its free top after one transit time, and has left the
+/// column after two; for S and P waves, with the full field or only the incident wave at the dashpots.
 ///
 /// The column is that of OpenSees' example of an absorbing boundary: 140 m, E 3 GPa, nu 0.3,
 /// 2100 kg/m3; an S wave needs 0.18887 s.

@@ -1,4 +1,4 @@
-//! Columns whose damping is flat over a band of frequencies.
+//! Columns with frequency-independent damping over a band.
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 
@@ -26,14 +26,14 @@ fn damped() -> FlatDamping<LinearElastic> {
     FlatDamping::new(rock, spectrum, ReferenceFrequency::Centre).unwrap()
 }
 
-/// A column of a height, one brick wide.
+/// A column of a given height, one element wide.
 fn column(height: f64) -> Mesh {
     let width = height / BRICKS as f64;
     let size = Vec3::new(width, width, height);
     Mesh::box_of_hexes(Vec3::zeros(), size, [1, 1, BRICKS], "ground").unwrap()
 }
 
-/// The column on a fixed foot, free to shear along x, with the velocity of its first mode.
+/// The column on a fixed foot in shear along x, with the velocity of its first mode.
 fn swinging(mesh: &Mesh) -> Model {
     let factory = solid(
         "ground",
@@ -60,7 +60,7 @@ fn swinging(mesh: &Mesh) -> Model {
     model
 }
 
-/// The oscillator that the first mode is: `u'' = -w^2 (u + sum y_l (u - v_l))`,
+/// The oscillator of the first mode: `u'' = -w^2 (u + sum y_l (u - v_l))`,
 /// `v_l' = w_l (u - v_l)`, by the Runge-Kutta method of fourth order; `w` that of static moduli.
 fn oscillator(spectrum: &RelaxationSpectrum, angular: f64, times: &[f64]) -> Vec<f64> {
     let mechanisms = spectrum.mechanisms();
@@ -98,9 +98,9 @@ fn oscillator(spectrum: &RelaxationSpectrum, angular: f64, times: &[f64]) -> Vec
     motion
 }
 
-/// The first mode of a damped column moves as the damped oscillator of its frequency, at 0.7, 3
-/// and 12 Hz. With 40 elements per quarter wave they err by 1e-4 of a period at most, and by 2 pi
-/// times that of the amplitude in each of six periods.
+/// The first mode of a damped column has the motion of the damped oscillator of its frequency, at 0.7, 3 and 12
+/// Hz. With 40 elements per quarter wave the error is at most 1e-4 of a period, and 2 pi times that of the
+/// amplitude in each of six periods.
 #[test]
 fn a_damped_column_is_a_damped_oscillator() {
     let law = damped();
@@ -131,10 +131,10 @@ fn a_damped_column_is_a_damped_oscillator() {
     }
 }
 
-/// The ledger closes with relaxation in a column of its own: in the end the mechanisms have taken
-/// the energy that the column began with, and plastic flow, damage and rounding nothing.
+/// The energy balance closes with relaxation as a term of its own: in the end the mechanisms have dissipated
+/// the initial energy, and plastic flow, damage and rounding nothing.
 #[test]
-fn the_ledger_closes_with_relaxation() {
+fn the_energy_balance_closes_with_relaxation() {
     let mesh = column(media::ROCK.s_speed() / 12.0);
     let mut model = swinging(&mesh);
     let options = RunOptions::seconds(8.0).with_energy(EnergyCheck::every(100));
@@ -151,7 +151,7 @@ fn the_ledger_closes_with_relaxation() {
     for none in ["plastic", "damage", "recovery", "integration"] {
         assert_eq!(column(none), 0.0, "{none}");
     }
-    // Half the mass of the column swings with 1 m/s at its top.
+    // Half the mass of the column vibrates with 1 m/s at its top.
     let width = mesh.bounding_box().1.x;
     let height = mesh.bounding_box().1.z;
     let begun = 0.25 * media::ROCK.density * width * width * height;
@@ -174,10 +174,9 @@ fn flat_damping_costs_little_of_the_step() {
     }
 }
 
-/// A damped run that is interrupted and continued by another model has the same bits as one that
-/// is not.
+/// A damped run that is continued by another model has the same bits as an uninterrupted one.
 #[test]
-fn a_damped_run_goes_on_with_the_same_bits() {
+fn a_continued_damped_run_has_the_same_bits() {
     let mesh = column(100.0);
     let go = |model: &mut Model, steps| {
         let options = RunOptions::steps(steps);

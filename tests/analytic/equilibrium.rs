@@ -1,4 +1,4 @@
-//! Bodies at rest: gravity, initial stress and holes.
+//! Static equilibrium: gravity, initial stress and holes.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -24,7 +24,7 @@ fn settle(model: &mut Model, options: &StaticOptions) -> Result<StaticReport, St
     model.equilibrate(options, &mut |_| {})
 }
 
-/// Rollers on some faces of a body.
+/// Roller supports on some faces of a body.
 fn on_rollers<'a>(ground: &'a Ground, faces: &[(&str, Vec3)]) -> ModelBuilder<'a> {
     let roll = |builder: ModelBuilder<'a>, (face, normal): &(&str, Vec3)| {
         builder.support(Support::roller(ground.face_nodes(face), *normal))
@@ -32,10 +32,9 @@ fn on_rollers<'a>(ground: &'a Ground, faces: &[(&str, Vec3)]) -> ModelBuilder<'a
     faces.iter().fold(ground.free(), roll)
 }
 
-/// A block on rollers under its weight settles by `rho g (H z - z^2 / 2) / M` and bears
-/// `nu / (1 - nu)` of the vertical stress sideways, to 1e-8, for every kernel of bricks and
-/// wedges on a mesh graded in depth; tetrahedra do not repeat from column to column and are left
-/// out.
+/// A block on rollers under its weight settles by `rho g (H z - z^2 / 2) / M` with `nu / (1 - nu)` of the
+/// vertical stress laterally, to 1e-8, for every kernel of hexahedra and wedges on a mesh graded in depth;
+/// tetrahedra are not periodic from column to column and are left out.
 #[test]
 fn a_block_settles_under_its_weight() {
     let size = Vec3::new(30.0, 20.0, 80.0);
@@ -72,10 +71,10 @@ fn a_block_settles_under_its_weight() {
     }
 }
 
-/// The state at rest is that of the dynamic engine: released with its weight on, the body stays
-/// still, in a thousand steps by less than the gate lets it.
+/// Static equilibrium holds for the dynamic engine, too: released under its weight, the body does not move in a
+/// thousand steps by more than the tolerance permits.
 #[test]
-fn a_body_at_rest_stays_at_rest() {
+fn static_equilibrium_holds_dynamically() {
     let kernel = SolidKernel::Hex8OnePoint(Default::default());
     let ground = Ground::boxed(Vec3::new(40.0, 30.0, 30.0), [6, 5, 4], media::ROCK, kernel)
         .mapped(|p| p + 1.5 * Vec3::new((0.13 * p.y).sin(), (0.11 * p.z).sin(), 0.0));
@@ -137,9 +136,9 @@ fn increments_do_not_change_an_elastic_state() {
     }
 }
 
-/// Faces that repeat each other stand as rollers do under a weight that both leave alone.
+/// Periodic faces act as rollers under a weight.
 #[test]
-fn tied_faces_settle_as_one() {
+fn periodic_faces_settle_as_rollers() {
     let kernel = SolidKernel::Hex8OnePoint(Default::default());
     let ground = Ground::boxed(Vec3::new(30.0, 20.0, 40.0), [4, 3, 5], media::ROCK, kernel);
     let [left, right] = ["left", "right"].map(|face| ground.face_nodes(face));
@@ -164,10 +163,10 @@ fn tied_faces_settle_as_one() {
     }
 }
 
-/// A body without supports, one that can still slide and one that can still turn are refused with
-/// the motion that is free; a second body that floats beside a held one is named by its set.
+/// A body without supports, one that can slide and one that can rotate are errors with the rigid-body motion;
+/// an unsupported second body is named by its set.
 #[test]
-fn what_floats_is_refused() {
+fn unsupported_bodies_are_errors() {
     let kernel = SolidKernel::Hex8OnePoint(Default::default());
     let ground = Ground::boxed(Vec3::new(10.0, 8.0, 6.0), [2, 2, 2], media::ROCK, kernel);
     let refused = |builder: ModelBuilder| {
@@ -195,7 +194,7 @@ fn what_floats_is_refused() {
     assert!(motion.starts_with("turn about"), "{motion}");
 }
 
-/// A quarter of a ring around a hole: inner radius 1 m, bricks growing outwards, one thick.
+/// A quarter of a ring around a hole: inner radius 1 m, elements growing outwards, one layer.
 fn ring(outer: f64, cells: [usize; 2]) -> Mesh {
     let thickness = 0.5;
     let unit = Vec3::new(1.0, 1.0, thickness);
@@ -230,7 +229,7 @@ fn rock_yields_around_a_hole() {
         let mesh = ring(60.0, [120, 24]);
         let face = |name: &str| mesh.facet_set(name).unwrap();
         let nodes = |name: &str| mesh.nodes_of_facets(face(name));
-        // The rock far away still bears; the wall of the hole is free.
+        // The stress far away is unchanged; the wall of the hole is free.
         let far = FacePressure::new(
             &mesh,
             face("right"),
@@ -295,8 +294,8 @@ fn rock_yields_around_a_hole() {
     }
 }
 
-/// Products of the operator that a cube of 30 elements a side takes, and mixed precision: the gate
-/// of its digits is reached.
+/// Operator products of a cube with 30 elements per side, and mixed precision: the tolerance of its number
+/// format is reached.
 #[test]
 fn mixed_precision_settles_to_its_digits() {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(90.0), [30; 3], "ground").unwrap();

@@ -1,8 +1,7 @@
-//! A spherical cavity under a sudden pressure: waves that spread in all directions, and what a
-//! boundary of springs and dashpots at an angle to all axes makes of them.
+//! A spherical cavity under a pressure step: spherical waves, and a boundary of springs and dashpots oblique to
+//! all axes.
 //!
-//! By symmetry a thin pyramid with its tip at the centre is enough: its sides slide along
-//! themselves.
+//! By symmetry a thin pyramid with its apex at the centre is sufficient, with rollers on its sides.
 //!
 //! ```text
 //!                     ___--- sides on rollers
@@ -18,7 +17,7 @@ use powerhouse_tests::{Ground, motion_at};
 
 const CAVITY: f64 = 10.0;
 const PRESSURE: f64 = 1.0e6;
-/// Time in which the pressure rises (s).
+/// Rise time of the pressure (s).
 const RISE: f64 = 1.0e-3;
 
 fn rock() -> ElasticMedium {
@@ -88,11 +87,11 @@ fn closed_form(time: f64) -> f64 {
     (integral(time) - integral(time - RISE)) / RISE
 }
 
-/// Until the far end can be felt the wall moves as in infinite rock, with second order in the
-/// element size: an overshoot of 25.9 %, 9.6 ms after a step of pressure.
+/// Before the reflection from the far end arrives the wall moves as in infinite rock, with second order in the
+/// element size: an overshoot of 25.9 %, 9.6 ms after a pressure step.
 #[test]
 fn the_wall_of_a_cavity_overshoots() {
-    // What the far end returns needs 2 (80 - 10) m / 2108 m/s = 66 ms.
+    // The reflection from the far end arrives after 2 (80 - 10) m / 2108 m/s = 66 ms.
     let runs = [140, 280].map(|elements| wall(80.0, elements, 0.06));
     let errors = [0, 1].map(|run: usize| -> f64 {
         let squares = runs[run].iter().map(|(t, u)| (u - closed_form(*t)).powi(2));
@@ -104,15 +103,14 @@ fn the_wall_of_a_cavity_overshoots() {
         "{errors:?} {slope}"
     );
     let peak = runs[1].iter().map(|(_, u)| *u).fold(0.0, f64::max);
-    // The rise rounds the peak of the step's answer, 1.258974, off by (w RISE)^2/24 of 0.26.
+    // The rise time reduces the peak of the step response, 1.258974, by (w RISE)^2/24 of 0.26.
     assert!((peak - 1.258974).abs() < 2e-3, "{peak}");
 }
 
-/// In the end the rock between the wall and the springs carries the pressure as a hollow sphere on
-/// an elastic bed of (lambda + 2 G)/((1 + A) R) per area: springs at an angle to all axes act along
-/// the normal with the right stiffness.
+/// In the static limit the rock between wall and springs is a hollow sphere on an elastic foundation of (lambda
+/// + 2 G)/((1 + A) R) per area: springs oblique to all axes have the correct stiffness along the normal.
 #[test]
-fn springs_carry_a_lasting_pressure() {
+fn springs_carry_a_static_pressure() {
     let far = 20.0;
     let m = rock();
     let bed = m.constrained() / (1.8 * far);
@@ -133,9 +131,9 @@ fn springs_carry_a_lasting_pressure() {
     let expected = (moved(CAVITY) * constants)[0] * 4.0 * m.shear() / (PRESSURE * CAVITY);
     let motion = wall(far, 40, 0.5);
     let last = motion.last().unwrap().1;
-    // Bricks of a/40: their error in 1/r^2 is of the order (h/a)^2, the openings' 0.02^2.
+    // Elements of a/40: their error in 1/r^2 is of the order (h/a)^2, that of the opening angle 0.02^2.
     assert!((last - expected).abs() < 1e-3, "{last} {expected}");
-    // Infinite rock would let the wall move by 1, a free outer face by this much.
+    // In infinite rock the displacement would be 1, with a free outer face this.
     let free = nalgebra::Matrix2::from_rows(&[radial(CAVITY), radial(far)]);
     let constants = free
         .lu()

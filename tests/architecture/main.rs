@@ -1,5 +1,8 @@
-//! The shape of the workspace, read from its manifests and sources.
+//! The shape of the workspace, read from its manifests, sources and documents.
 
 mod dependencies;
+mod documents;
+mod growth;
 mod manifests;
 mod sources;
+mod words;

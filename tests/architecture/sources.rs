@@ -7,11 +7,11 @@ use crate::manifests::workspace;
 
 /// The longest source file; one concern seldom needs more.
 const MOST_LINES: usize = 600;
-/// The longest file of tests, whose cases stand side by side.
+/// The longest file of tests.
 const MOST_LINES_OF_TESTS: usize = 800;
 
 /// Files below a directory, without build output, run output and what is hidden.
-fn files_below(directory: &Path) -> Vec<PathBuf> {
+pub(crate) fn files_below(directory: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![directory.to_path_buf()];
     while let Some(directory) = open.pop() {
@@ -35,7 +35,7 @@ fn files_below(directory: &Path) -> Vec<PathBuf> {
 }
 
 /// Path and text of every Rust file of the workspace.
-fn rust_files() -> Vec<(PathBuf, String)> {
+pub(crate) fn rust_files() -> Vec<(PathBuf, String)> {
     files_below(&workspace())
         .into_iter()
         .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
@@ -75,7 +75,7 @@ fn files_are_short() {
     assert!(long.is_empty(), "{long:#?}");
 }
 
-/// Things live where their name says: there is no module for what has no place.
+/// Every module is named for what it holds: there is none for the rest.
 #[test]
 fn there_is_no_drawer_for_the_rest() {
     for (path, _) in rust_files() {
@@ -90,9 +90,9 @@ fn there_is_no_drawer_for_the_rest() {
     }
 }
 
-/// Unsafe code stands in at most one file of a crate.
+/// At most one file of a crate has unsafe code.
 #[test]
-fn unsafe_code_stands_in_one_file_of_a_crate() {
+fn unsafe_code_is_in_one_file_of_a_crate() {
     let mut per_crate = std::collections::BTreeMap::<String, Vec<PathBuf>>::new();
     let lifts = ["allow(", "expect("].map(|word| [word, "unsafe_code)"].concat());
     for (path, text) in rust_files() {
@@ -130,7 +130,7 @@ fn nothing_is_left_undone() {
     }
 }
 
-/// No file names a place on somebody's machine.
+/// No file names a path on somebody's machine.
 #[test]
 fn no_file_names_a_machine() {
     let places = ["/home/", "/Users/", "/work/", "/tmp/", "/root/"];

@@ -1,6 +1,5 @@
-//! An oblique P and an oblique SV wave at once through a distorted block of rock under a free
-//! surface: an exact field that reaches every element, verifies kernel, integrator, boundary and
-//! free field together.
+//! Simultaneous oblique P and SV waves in a distorted block of rock under a free surface: an exact solution in
+//! every element, which verifies kernel, integrator, boundary and free field together.
 //!
 //! ```text
 //!            free surface
@@ -23,7 +22,7 @@ use powerhouse_wavefield::WaveKind;
 const SIZE: f64 = 120.0;
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
-/// A number from -1 to 1 that depends on a node's position in no simple way.
+/// A pseudo-random number from -1 to 1 from a node's position.
 fn scatter(p: &Vec3, seed: f64) -> f64 {
     let x = (p.x * 12.9898 + p.y * 78.233 + p.z * 37.719 + seed).sin() * 43758.547;
     2.0 * (x - x.floor()) - 1.0
@@ -91,25 +90,25 @@ fn one_point_bricks_converge() {
     assert_second_order(SolidKernel::Hex8OnePoint(Default::default()));
 }
 
-/// So does the fully integrated brick.
+/// The fully integrated brick converges at second order.
 #[test]
 fn full_bricks_converge() {
     assert_second_order(SolidKernel::Hex8Full);
 }
 
-/// So does the brick with averaged dilatation.
+/// The brick with averaged dilatation (B-bar) converges at second order.
 #[test]
 fn bbar_bricks_converge() {
     assert_second_order(SolidKernel::Hex8BBar);
 }
 
-/// So does the wedge.
+/// The wedge converges at second order.
 #[test]
 fn wedges_converge() {
     assert_second_order(SolidKernel::Wedge6);
 }
 
-/// So does the tetrahedron.
+/// The tetrahedron converges at second order.
 #[test]
 fn tetrahedra_converge() {
     assert_second_order(SolidKernel::Tet4);

@@ -1,4 +1,4 @@
-//! The energy ledger over long runs.
+//! The energy balance over long runs.
 
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_explicit_core::{EnergyCheck, Leapfrog, RunOptions, SolidKernel, run};
@@ -10,11 +10,10 @@ use powerhouse_wavefield::WaveKind;
 const SIZE: Vec3 = Vec3::new(40.0, 30.0, 30.0);
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
-/// In an elastic box of distorted elements, struck by oblique P and SV waves through viscous
-/// springs, the ledger closes to 1e-9 of the input work over a hundred thousand steps, for every
-/// kernel.
+/// In an elastic box of distorted elements under oblique P and SV waves through viscous springs, the energy
+/// balance closes to 1e-9 of the input work over a hundred thousand steps, for every kernel.
 #[test]
-fn a_box_under_oblique_waves_closes() {
+fn the_balance_of_a_box_under_oblique_waves_closes() {
     for kernel in SolidKernel::ALL {
         let bend = |a: f64, b: f64| 1.5 * (0.13 * a + 0.07 * b).sin();
         let mut ground = Ground::boxed(SIZE, [4, 3, 3], media::ROCK, kernel)

@@ -40,11 +40,11 @@ fn blocks(ratio: f64, strength: f64, friction: f64, dashpot: f64, fixed: bool) -
         for (node, ratio) in pair.nodes.into_iter().zip([1.0, ratio]) {
             // About the mass of the node.
             let mass = 2700.0 * ratio * pair.area * 0.25;
-            dampers.impedance.push(NodalImpedance {
+            dampers.impedance.push(NodalImpedance::new(
                 node,
-                spring: Mat3::zeros(),
-                dashpot: along * along.transpose() * (dashpot * mass / step),
-            });
+                Mat3::zeros(),
+                along * along.transpose() * (dashpot * mass / step),
+            ));
         }
     }
     let held: Vec<u32> = pairs.iter().map(|pair| pair.nodes[0]).collect();

@@ -1,4 +1,4 @@
-//! Long runs: the stable step, what must not lower it, the account of energies, and the atlas of
+//! Long runs: the stable step, components that must not reduce it, the energy balance, and the atlas of
 //! extremes; scenes with mistakes.
 
 mod atlas;

@@ -19,7 +19,7 @@ const SCENES: [&str; 5] = [
     "cavern",
 ];
 
-/// A mistake, and whether it can be nothing else.
+/// A kind of mistake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mistake {
     DeletedLine,
@@ -67,13 +67,13 @@ impl Mistake {
         Self::TinyNumber,
         Self::SwappedFiles,
     ];
-    /// What is left without a line, or up to a place, may be a scene still.
+    /// Whether the changed text may still be a valid scene: without a line, or truncated.
     fn may_be_meant(self) -> bool {
         matches!(self, Self::DeletedLine | Self::TruncatedText)
     }
 }
 
-/// What stands behind a key.
+/// Value of a key.
 #[derive(Clone, Debug, PartialEq)]
 enum Kind {
     Number,
@@ -113,7 +113,7 @@ fn values(text: &str) -> Vec<Value> {
                 });
                 at = end;
             }
-            // Heads of tables hold no values.
+            // Headers of tables contain no values.
             b'[' if at == 0 || bytes[at - 1] == b'\n' => {
                 at += text[at..].find('\n').unwrap_or(text.len() - at);
             }
@@ -160,7 +160,7 @@ fn values(text: &str) -> Vec<Value> {
     found
 }
 
-/// A sequence of numbers that look random, the same for each seed.
+/// A pseudo-random sequence of numbers, determined by a seed.
 struct Chance(u64);
 
 impl Chance {
@@ -216,7 +216,7 @@ const FIXED: [&str; 9] = [
     "high",
     "spacing",
 ];
-/// Keys of quantities that nothing has near zero.
+/// Keys of quantities that are never near zero.
 const FAR_FROM_ZERO: [&str; 6] = [
     "young",
     "density",
@@ -226,7 +226,7 @@ const FAR_FROM_ZERO: [&str; 6] = [
     "length",
 ];
 
-/// A text with a mistake, if the text has a place for it.
+/// A text with a mistake, if the text has a location for it.
 fn with(mistake: Mistake, text: &str, chance: &mut Chance) -> Option<String> {
     let all = values(text);
     let key = |value: &Value| text[value.key.clone()].to_owned();
@@ -343,7 +343,7 @@ fn with(mistake: Mistake, text: &str, chance: &mut Chance) -> Option<String> {
                 0 => text[name..end].to_uppercase(),
                 _ => text[name..end].replace(['-', 'o'], " "),
             };
-            // A second name that differs in what no file's name shows.
+            // A second name that differs only in characters that file names cannot show.
             let shown = again.to_lowercase().replace(' ', "-");
             let first = text[name..end].replace(['-', 'o'], "-");
             let renamed = put(name..end, &first);
@@ -390,25 +390,25 @@ fn with(mistake: Mistake, text: &str, chance: &mut Chance) -> Option<String> {
     })
 }
 
-/// Whether an entry stands in a list of texts, not in a table of a list.
+/// Whether an entry is in a list of texts, not in a table of a list.
 fn is_in_list_of_texts(text: &str, value: &Value) -> bool {
     let before = text[..value.place.start].trim_end();
     before.ends_with(['[', ',']) && !text[value.key.start..value.place.start].contains('{')
 }
 
-/// Composes a scene, and prepares it if that went well.
+/// Composes a scene and prepares it if it is valid.
 fn outcome(text: &str) -> Result<(), Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/mutation.toml");
     let scene = Scene::from_toml(text, path, &Registry::default())?;
     scene.prepare().map(|_| ())
 }
 
-/// Makes mistakes from a seed, and returns those that passed or broke something, each with its text.
+/// Makes mistakes from a seed, and returns those that were accepted or caused a panic, each with its text.
 fn wrong_outcomes(count: usize, seed: u64) -> Vec<String> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/scenes");
     let texts = SCENES.map(|name| {
         let text = std::fs::read_to_string(folder.join(format!("{name}.toml"))).unwrap();
-        // Where the mistake lies outside of it, nothing is computed before the run.
+        // The self-check is removed, so that nothing is computed before the run.
         assert!(text.contains("self_check"), "{name}");
         text
     });
@@ -426,7 +426,7 @@ fn wrong_outcomes(count: usize, seed: u64) -> Vec<String> {
         let told = match refused {
             Err(_) => "panicked".to_owned(),
             Ok(Ok(())) if !mistake.may_be_meant() => "was accepted".to_owned(),
-            // An error has a text of its own, and one from the file its place.
+            // Every error has a text, and one of the file a position.
             Ok(Err(error)) if error.to_string().trim().is_empty() => {
                 "was refused silently".to_owned()
             }
@@ -440,7 +440,7 @@ fn wrong_outcomes(count: usize, seed: u64) -> Vec<String> {
     wrong
 }
 
-/// The lines of a text that another does not have, with those that they replace.
+/// The lines of a text that differ from another, with those that they replace.
 fn difference(old: &str, new: &str) -> String {
     let changed = new.lines().zip(old.lines()).find(|(new, old)| new != old);
     changed.map_or_else(
@@ -454,8 +454,7 @@ fn difference(old: &str, new: &str) -> String {
     )
 }
 
-/// A few hundred scenes with one mistake each: none panics, and no mistake that can be nothing else is
-/// accepted.
+/// A few hundred scenes with one mistake each: none panics, and no certain mistake is accepted.
 #[test]
 fn mistakes_are_refused() {
     let wrong = wrong_outcomes(300, 0x5eed);
@@ -470,7 +469,7 @@ fn a_thousand_mistakes_are_refused() {
     assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// The generator knows what it changes: the sound scenes are accepted as they are.
+/// The unchanged scenes are accepted.
 #[test]
 fn the_scenes_themselves_are_accepted() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/scenes");

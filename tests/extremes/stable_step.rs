@@ -13,7 +13,7 @@ use powerhouse_tests::{Ground, elastic};
 const SIZE: Vec3 = Vec3::new(10.0, 8.0, 6.0);
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
-/// A number from -1 to 1 that depends on an index in no simple way.
+/// A pseudo-random number from -1 to 1 from an index.
 pub(crate) fn scatter(index: usize) -> f64 {
     let x = (index as f64 * 12.9898 + 0.37).sin() * 43758.547;
     2.0 * (x - x.floor()) - 1.0
@@ -55,11 +55,11 @@ fn run_for(model: &mut Model, steps: u64, step: StepChoice) -> Result<(), RunErr
     run(model, &Leapfrog, &options, &mut [], &mut |_| {}).map(|_| ())
 }
 
-/// At the reported step a hundred thousand steps from random velocities, without any damping, stay
-/// bounded, for every kernel.
+/// At the reported step the motion from random velocities stays bounded over a hundred thousand steps without
+/// damping, for every kernel.
 ///
-/// Every node's share of the energy can gather at one node at most for a moment; a growth of one
-/// part in a thousand per thousand steps would be seen.
+/// All energy can concentrate at one node at most for a moment; a growth of one part in a thousand per thousand
+/// steps would be detected.
 #[test]
 fn the_reported_step_is_stable() {
     for kernel in SolidKernel::ALL {
@@ -99,8 +99,8 @@ fn a_step_beyond_the_limit_is_stopped() {
     }
 }
 
-/// Springs and dashpots of a boundary cost no time step, even ten times too strong and close to
-/// the scatterer: they are implicit at their node.
+/// Springs and dashpots of a boundary do not reduce the time step, even ten times too stiff and close to the
+/// scatterer: they are implicit at their node.
 #[test]
 fn boundaries_cost_no_step() {
     let ground = irregular(SolidKernel::Hex8OnePoint(Default::default()));
@@ -126,8 +126,7 @@ fn boundaries_cost_no_step() {
     assert!(fastest(&model) < 1.0, "{}", fastest(&model));
 }
 
-/// Tying two bodies, one light and soft, one heavy and stiff, costs no step, and the tie never
-/// opens.
+/// A tie between a light, soft body and a heavy, stiff one does not reduce the step, and never opens.
 #[test]
 fn ties_cost_no_step() {
     // Two boxes of 2 x 2 x 2 bricks that touch in the plane z = 1 with nodes of their own.
@@ -188,7 +187,7 @@ fn ties_cost_no_step() {
     assert!(fastest(&model) < 20.0, "{}", fastest(&model));
     for [i, j] in pairing.pairs {
         assert_eq!(model.velocity(i), model.velocity(j));
-        // The displacements differed by the first step's round-off at most, and stay so.
+        // The displacements differ at most by the rounding of the first step, permanently.
         assert!((model.displacement(i) - model.displacement(j)).norm() < 1e-15);
     }
 }

@@ -1,4 +1,4 @@
-//! The reported step against the true one, which the scheme's own steps tell.
+//! The reported stable step compared with the true one, which is determined from the scheme's own steps.
 //!
 //! A step of a linear body is a linear map of displacement and velocity. The map is computed column by
 //! column from single steps of the body, whatever is attached to it; the body is stable at a step if
@@ -15,11 +15,11 @@ use powerhouse_material_damage::media;
 use powerhouse_model::{ElasticMedium, ElementKind, Mesh, TimeIntegrator, Vec3};
 use powerhouse_tests::{Ground, elastic};
 
-/// Powers of the map are looked at up to this one, of 2: a step beyond the limit by 1e-7 of it shows.
+/// Greatest examined power of the map, as an exponent of 2: a step beyond the limit by 1e-7 of it is detected.
 const DOUBLINGS: usize = 14;
-/// What the map may grow to, over what it is for one step: free bodies drift by a distance for each step.
+/// Greatest permitted growth of the map over that of one step: free bodies drift by a distance for each step.
 const BOUNDED: f64 = 1e7;
-/// The true step is found to this share.
+/// Relative accuracy of the true step.
 const TOLERANCE: f64 = 1e-3;
 
 /// Whether steps of a length (s) keep a body's motion bounded.
@@ -31,7 +31,7 @@ fn is_stable(model: &mut Model, integrator: &dyn TimeIntegrator, step: f64) -> b
     let mut map = DMatrix::zeros(6 * nodes, 6 * nodes);
     for column in 0..6 * nodes {
         let mut start = [vec![Vec3::zeros(); nodes], vec![Vec3::zeros(); nodes]];
-        // Velocities count as what they move in a step.
+        // Velocities are scaled by the step.
         let (which, entry) = (column / (3 * nodes), column % (3 * nodes));
         start[which][entry / 3][entry % 3] = [1.0, 1.0 / step][which];
         model.set_initial(&start[0], &start[1]).unwrap();
@@ -121,7 +121,7 @@ fn with_damping(mut ground: Ground, damping: Rayleigh) -> Ground {
     ground
 }
 
-/// Stiffness damping of a body that costs it about half of its step.
+/// Stiffness damping that halves the step of a body approximately.
 fn half_a_step(ground: &Ground) -> f64 {
     let mut model = ground.free().build().unwrap();
     0.4 * model.stable_step(&Leapfrog).unwrap().assembled_limit
@@ -156,7 +156,7 @@ fn bolted(ground: &Ground) -> Model {
     ground.free().embed(bolts.block()).build().unwrap()
 }
 
-/// Two halves, the second of another medium and damping, bonded by a joint if there is to be one.
+/// Two halves, the second of another medium and damping, with an optional bonded joint between them.
 fn halves(ground: &Ground, (second, damping): (ElasticMedium, f64), jointed: bool) -> Model {
     let all = 0..ground.mesh.element_count() as u32;
     let middle = ground.mesh.bounding_box();

@@ -1,4 +1,4 @@
-//! The same bits, however the work is divided.
+//! Independence of the bits from threads and lane width.
 
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_contact::TiedPairs;
@@ -11,7 +11,7 @@ use powerhouse_wavefield::WaveKind;
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 const SIZE: Vec3 = Vec3::new(150.0, 130.0, 110.0);
 
-/// What is run.
+/// Configuration of a run.
 struct Case {
     kernel: SolidKernel,
     precision: Precision,
@@ -44,7 +44,7 @@ impl Case {
         let mut model = ground
             .with_boundary(&ViscousSpring::default(), &FACES, Some(self.field.as_ref()))
             .constraint(Box::new(tie))
-            .part_size(512)
+            .block_size(512)
             .build()
             .unwrap();
         let options = RunOptions::steps(60);
@@ -62,7 +62,7 @@ impl Case {
             .collect()
     }
 
-    /// Fails if threads or lanes leave a trace.
+    /// Fails if threads or lanes change a bit.
     fn check(&self) {
         let case = format!("{} {:?}", self.kernel.name(), self.precision);
         let reference = self.bits(LaneWidth::Native, 1);
@@ -75,8 +75,7 @@ impl Case {
     }
 }
 
-/// One, two and four threads, one element at a time and a register full of them give the same
-/// bits, for every kernel.
+/// One, two and four threads, and one or several lanes, give the same bits for every kernel.
 #[test]
 fn threads_and_lanes_do_not_change_a_bit() {
     for kernel in SolidKernel::ALL {
@@ -84,16 +83,16 @@ fn threads_and_lanes_do_not_change_a_bit() {
     }
 }
 
-/// The same in mixed and in single precision.
+/// Threads and lanes do not change a bit in mixed and in single precision.
 #[test]
-fn nor_do_they_in_few_digits() {
+fn threads_and_lanes_do_not_change_a_bit_in_single_precision() {
     for precision in [Precision::Mixed, Precision::F32] {
         Case::new(SolidKernel::ALL[0], precision, false).check();
     }
 }
 
-/// The same past the critical angle, where the field comes from tables.
+/// Threads and lanes do not change a bit past the critical angle, where the field is tabulated.
 #[test]
-fn nor_do_they_past_the_critical_angle() {
+fn threads_and_lanes_do_not_change_a_bit_past_the_critical_angle() {
     Case::new(SolidKernel::ALL[0], Precision::F64, true).check();
 }

@@ -4,19 +4,21 @@ use std::path::Path;
 
 use powerhouse::{Results, RunHooks, Scene, TimeStep};
 
-/// A scene of the data for two seconds, at a step that both meshes carry.
+/// A scene of the data for two seconds, at a step that is stable for both meshes.
 fn run(file: &str) -> Results {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../data/scenes")
         .join(file);
     let scene = Scene::from_file(path).unwrap();
-    let scene = scene.duration(2.0).step(TimeStep::Seconds(4.5e-4));
+    let scene = scene
+        .with_duration(2.0)
+        .with_step(TimeStep::Seconds(4.5e-4));
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 
-/// A bonded joint changes nothing, to rounding, until it cracks; then the lining moves otherwise. The
-/// energies that friction, bonds and impacts take stand in columns of their own, and the balance closes
-/// to 1e-6 of the input.
+/// A bonded joint has no effect beyond rounding until it cracks; then the motion of the lining differs. The
+/// energies of friction, bond failure and impact are terms of their own, and the balance closes to 1e-6 of the
+/// input.
 #[test]
 fn a_bond_changes_nothing_until_it_cracks() {
     let (joint, whole) = (run("cavern_joint.toml"), run("cavern_small.toml"));

@@ -1,4 +1,4 @@
-//! The same motion, however the axes lie.
+//! Independence of the motion from the direction of the axes.
 
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_explicit_core::{Leapfrog, RunOptions, SolidKernel, StepChoice, run};
@@ -37,8 +37,8 @@ fn vertical(degrees: f64) -> Mat3 {
     *nalgebra::Rotation3::from_axis_angle(&Vec3::z_axis(), degrees.to_radians()).matrix()
 }
 
-/// A model turned about the vertical, and its wave with it, moves as the first one, turned: kernel,
-/// oblique boundary and free field have no preferred direction.
+/// The motion of a model that is rotated about the vertical together with its wave is the rotated motion:
+/// kernel, oblique boundary and free field have no preferred direction.
 #[test]
 fn a_turned_model_moves_alike() {
     for kernel in SolidKernel::ALL {

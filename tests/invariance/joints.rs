@@ -51,11 +51,11 @@ fn blocks(turn: &Mat3, backwards: bool) -> Model {
     let mut dampers = BoundaryParts::default();
     for (node, p) in straight.iter().enumerate().filter(|(_, p)| p.x == 0.0) {
         let along = (turn * Vec3::new(1.0, 0.4, 0.3)).normalize();
-        dampers.impedance.push(NodalImpedance {
-            node: node as u32,
-            spring: Mat3::zeros(),
-            dashpot: along * along.transpose() * (1e5 * (1.0 + p.z)),
-        });
+        dampers.impedance.push(NodalImpedance::new(
+            node as u32,
+            Mat3::zeros(),
+            along * along.transpose() * (1e5 * (1.0 + p.z)),
+        ));
     }
     let mut block = BlockOptions::default();
     block.damping = Rayleigh {

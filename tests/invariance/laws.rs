@@ -1,4 +1,4 @@
-//! The same bits with laws that yield and crack, however the work is divided, and across a restart.
+//! Independence of the bits from threads, lanes and restarts for laws with yielding and cracking.
 
 use std::sync::{Arc, Mutex};
 
@@ -17,20 +17,21 @@ use powerhouse_model::{
     ModelError, Observer, RunError, State, StepView, TimeIntegrator, Vec3,
 };
 
-/// How a run is divided.
+/// Configuration of a run.
 #[derive(Clone, Copy)]
 struct Division {
     lanes: LaneWidth,
     threads: usize,
-    /// Whether another model goes on from the state after half of the steps.
+    /// Whether another model continues from the state after half of the steps.
     interrupted: bool,
-    /// Whether forces might be asked for again before the drift, so that both histories are kept.
+    /// Whether forces may be evaluated again before the drift, so that both trial and committed history
+    /// variables are stored.
     again: bool,
-    /// Whether an observer looks on.
+    /// Whether there is an observer.
     watched: bool,
 }
 
-/// The central difference, for which forces might be asked for again.
+/// The central difference method, declared so that forces may be evaluated again.
 struct Again;
 
 impl TimeIntegrator for Again {
@@ -52,7 +53,7 @@ impl TimeIntegrator for Again {
     }
 }
 
-/// Stresses (Pa) and energies (J) as they are shown, now and then.
+/// Stresses (Pa) and energies (J) that the observer reads at intervals.
 #[derive(Clone, Default)]
 struct Seen {
     stresses: Vec<f64>,
@@ -86,8 +87,8 @@ impl Observer for Shown {
     }
 }
 
-/// A distorted box that fills no lane evenly, shaken until part of it yields; in one lane a part has more
-/// elements than laws are asked for at once.
+/// A distorted box that fills no lane evenly, in motion with partial yielding; with one lane a part has more
+/// elements than a law evaluates at once.
 fn state(
     material: &Material,
     kernel: SolidKernel,
@@ -108,7 +109,7 @@ fn state(
         let builder = Model::builder(&mesh).elements("rock", factory);
         builder
             .threads(division.threads)
-            .part_size(48)
+            .block_size(48)
             .build()
             .unwrap()
     };
@@ -140,7 +141,7 @@ fn state(
     (model.state(), seen)
 }
 
-/// Fails if threads, lanes, a restart or the place of new histories leave a trace.
+/// Fails if threads, lanes, a restart or the storage of new history variables change a bit.
 fn check(law: impl Into<Material>) {
     let law = law.into();
     let whole = Division {
@@ -217,7 +218,7 @@ fn check(law: impl Into<Material>) {
             let case = format!("{} {} {precision:?}: {what}", law.name(), kernel.name());
             assert_eq!(bits(&reference).len(), bits(&found).len(), "{case}");
             assert!(bits(&reference) == bits(&found), "{case}");
-            // Sums over a body are rounded as it is divided.
+            // The rounding of sums over a body depends on its division.
             if other.again {
                 assert_eq!(reference.1.energies, found.1.energies, "{case}");
                 assert!(found.1.energies.iter().any(|energy| *energy > 0.0));
@@ -226,9 +227,9 @@ fn check(law: impl Into<Material>) {
     }
 }
 
-/// Plastic laws: motion, plastic strains, yield states, and stresses on the way have the same bits for any
-/// number of threads, for one lane and many, across a restart from the state, and whether new histories are
-/// written over the old ones or beside them; energies too there.
+/// For plastic laws motion, plastic strains, yield states and stresses have the same bits for any number of
+/// threads and lanes, across a restart from the state, and whether history variables are updated in place or
+/// not; then also the energies.
 #[test]
 fn plastic_laws_have_the_same_bits() {
     let rock = presets::PAPER_ROCK;
@@ -252,9 +253,9 @@ fn plastic_laws_have_the_same_bits() {
     ));
 }
 
-/// The same of laws with damage.
+/// Laws with damage have the same bits.
 #[test]
-fn so_do_laws_with_damage() {
+fn laws_with_damage_have_the_same_bits() {
     check(presets::paper_concrete().unwrap());
     let paper = presets::paper_concrete().unwrap();
     let listed = PlasticDamageParameters {
@@ -268,10 +269,10 @@ fn so_do_laws_with_damage() {
     check(Mazars::new(presets::PAPER_CONCRETE_MAZARS).unwrap());
 }
 
-/// The same of laws that are solved for one unknown, and of one with damping in series, whose
-/// mechanisms have history variables too.
+/// Laws with a scalar iteration, and one with damping in series, whose mechanisms have history variables, too,
+/// have the same bits.
 #[test]
-fn so_do_laws_that_are_iterated_and_damped() {
+fn iterated_and_damped_laws_have_the_same_bits() {
     let mass = HoekBrown::new(HoekBrownParameters {
         medium: presets::PAPER_ROCK.medium,
         intact_strength: 5.0e7,

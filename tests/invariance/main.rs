@@ -1,4 +1,4 @@
-//! What must not change the result.
+//! Independence of the results from threads, lanes and the direction of the axes.
 
 mod bits;
 mod bonded_cavern;

@@ -6,14 +6,13 @@ use std::path::{Path, PathBuf};
 
 use powerhouse::{Results, RunHooks, Scene};
 
-/// What is run of the record (s); the strong motion begins after 1.5 s.
+/// Duration of the run (s); the strong motion begins after 1.5 s.
 const DURATION: f64 = 3.0;
-/// Every which sample is stored.
+/// Interval of the stored samples.
 const EVERY: usize = 20;
-/// What a sample may move by, as a share of the largest of its unit. Accelerations are the least
-/// certain: rounding of displacements of 0.2 m leaves 1e-9 of noise in them, as those across the plane
-/// of the motion show, which are zero by symmetry; an undamped body keeps it. Any change of method
-/// moves samples by far more.
+/// Permitted change of a sample over the largest of its unit. Accelerations are the least accurate: rounding of
+/// displacements of 0.2 m leaves a noise of 1e-9, as those normal to the plane of motion show, which are zero
+/// by symmetry; an undamped body keeps it. Any change of method changes samples by far more.
 const TOLERANCE: f64 = 1e-8;
 
 fn shelf() -> PathBuf {
@@ -22,7 +21,7 @@ fn shelf() -> PathBuf {
 
 fn run() -> Results {
     let scene = shelf().join("../../data/scenes/cavern_small.toml");
-    let scene = Scene::from_file(scene).unwrap().duration(DURATION);
+    let scene = Scene::from_file(scene).unwrap().with_duration(DURATION);
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 
@@ -56,10 +55,10 @@ fn parse(text: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
     (names, columns)
 }
 
-/// Histories and section forces of the cavern are those that were stored.
+/// Histories and section forces of the cavern are the stored ones.
 ///
-/// Where a change of the method moves them on purpose, the environment variable
-/// `POWERHOUSE_STORE=1` stores the new ones, and `LOG.md` says why.
+/// After an intended change of the method, `POWERHOUSE_STORE=1` stores the new ones, and `LOG.md` states the
+/// reason.
 #[test]
 fn the_cavern_moves_as_before() {
     let file = shelf().join("cavern_small.csv");

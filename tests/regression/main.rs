@@ -1,3 +1,3 @@
-//! Results that were stored once. `LOG.md` says why each of them moved since.
+//! Stored results. `LOG.md` states the reason of each of their changes.
 
 mod cavern;

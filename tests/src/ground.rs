@@ -13,24 +13,24 @@ const SET: &str = "ground";
 /// `bottom`, `top`.
 #[derive(Clone, Debug)]
 pub struct Ground {
-    /// The mesh.
+    /// Mesh of the body.
     pub mesh: Mesh,
-    /// The material.
+    /// Material of all elements.
     pub medium: ElasticMedium,
-    /// What computes the elements.
+    /// Element kernel.
     pub kernel: SolidKernel,
     /// Precision, lanes and damping.
     pub options: BlockOptions,
-    /// Threads of the model's own; all if none are given.
+    /// Number of threads of the model; all cores if `None`.
     pub threads: Option<usize>,
 }
 
 impl Ground {
-    /// A box with one corner at the origin, of `size` (m) and so many cells, each a brick, two
-    /// wedges or six tetrahedra as the kernel takes them.
+    /// Creates a box with one corner at the origin, of `size` (m), with cells of one hexahedron, two wedges or
+    /// six tetrahedra, depending on the kernel.
     ///
     /// # Panics
-    /// If such a box cannot be made.
+    /// For an invalid box.
     pub fn boxed(
         size: Vec3,
         cells: [usize; 3],
@@ -52,7 +52,7 @@ impl Ground {
         }
     }
 
-    /// The same with every node moved.
+    /// Moves every node.
     ///
     /// # Panics
     /// If an element is inverted or flat afterwards.
@@ -72,7 +72,7 @@ impl Ground {
         self.mesh.nodes_of_facets(facets)
     }
 
-    /// Some faces as the site of a boundary, distances taken from the middle of the body.
+    /// The site of a boundary on some faces, with distances from the middle of the body.
     ///
     /// # Panics
     /// If there is no such face.
@@ -90,7 +90,7 @@ impl Ground {
         BoundarySite::from_mesh(&self.mesh, &named, |_| self.medium, middle, field)
     }
 
-    /// A model in the making: the elements, and a boundary on some faces.
+    /// A model builder with the elements and a boundary on some faces.
     ///
     /// # Panics
     /// If the boundary cannot be built.
@@ -106,7 +106,7 @@ impl Ground {
         self.free().boundary(parts)
     }
 
-    /// A model in the making: the elements, nothing else.
+    /// A model builder with the elements only.
     pub fn free(&self) -> ModelBuilder<'_> {
         let factory = elastic(SET, self.kernel, self.medium, self.options);
         let builder = Model::builder(&self.mesh).elements(SET, factory);

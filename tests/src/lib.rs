@@ -1,16 +1,14 @@
-//! What the shelves of tests share: bodies of elastic ground, waves through them, and how far a
-//! run is from an exact field.
+//! Common code of the test groups: bodies of elastic ground, incident waves, and errors against exact fields.
 //!
-//! The shelves:
+//! The test groups:
 //! * `analytic`: closed forms; the tolerance follows from the mesh.
 //! * `convergence`: the slope of the error against the element size.
-//! * `invariance`: what must not change the result: threads, lanes, the direction of the axes.
-//! * `extremes`: the stable step and what must not lower it.
-//! * `regression`: results that were stored once, with a log of why each moved.
+//! * `invariance`: independence of the results from threads, lanes and the direction of the axes.
+//! * `extremes`: the stable step, and components that must not reduce it.
+//! * `regression`: stored results, with a log of the reasons of their changes.
 //! * `architecture`: the shape of the workspace.
 //!
-//! Everything here uses the crates as a user would, through their public names. A test that fails
-//! to set itself up panics with the reason.
+//! All tests use the public interfaces of the crates. A test whose set-up fails panics with the reason.
 
 mod ground;
 mod misfit;

@@ -1,4 +1,4 @@
-//! How far a run is from an exact field.
+//! Error of a run against an exact field.
 
 use std::sync::{Arc, Mutex};
 
@@ -8,14 +8,14 @@ use powerhouse_model::{
     StepView, Vec3,
 };
 
-/// Squares of the difference and of the field, summed over nodes and steps.
+/// Sums of the squared difference and of the squared field over nodes and steps.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     difference: f64,
     field: f64,
 }
 
-/// Compares the displacement of all nodes with a field.
+/// Observer that compares the displacement of all nodes with a field.
 struct Comparison {
     sampler: Box<dyn FieldSampler>,
     motion: Vec<FieldMotion>,
@@ -48,8 +48,8 @@ impl Observer for Comparison {
     }
 }
 
-/// Runs a model for some time (s) with its stable step, and gives the relative L2 error of the
-/// displacement of all nodes against a field over that time.
+/// Runs a model for a duration (s) with its stable step; returns the relative L2 error of the displacement of
+/// all nodes against a field.
 ///
 /// # Panics
 /// If the run fails.
@@ -77,7 +77,7 @@ pub fn field_misfit(model: &mut Model, field: &dyn IncidentField, duration: f64)
 /// Time (s) and displacement (m) of a node.
 type Motion = Vec<(f64, Vec3)>;
 
-/// Keeps the displacement of one node at every step.
+/// Observer that records the displacement of one node at every step.
 struct Probe {
     node: u32,
     motion: Arc<Mutex<Motion>>,
@@ -103,8 +103,8 @@ impl Observer for Probe {
     }
 }
 
-/// Runs a model for some time (s) with its stable step, and gives time (s) and displacement (m) of
-/// a node at every step.
+/// Runs a model for a duration (s) with its stable step; returns time (s) and displacement (m) of a node at
+/// every step.
 ///
 /// # Panics
 /// If the run fails.

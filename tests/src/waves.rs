@@ -7,12 +7,12 @@ use powerhouse_wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, Superposition, WaveKind, first_hit_corner,
 };
 
-/// Smooth pulses (amplitude 1 m, some duration in s) of the given kinds at the given degrees from
-/// the vertical, all towards one azimuth (degrees), under a free surface at the top of a box of
-/// `size` (m) at the origin. Each reaches the box at time zero.
+/// Superposition of plane waves with smooth pulses (amplitude 1 m, duration in s), of given types and angles of
+/// incidence and one azimuth (degrees), under a free surface at the top of a box of `size` (m) at the origin.
+/// Each arrives at the box at time zero.
 ///
 /// # Panics
-/// If a wave cannot be made.
+/// For an invalid wave.
 pub fn oblique_waves(
     medium: ElasticMedium,
     size: Vec3,

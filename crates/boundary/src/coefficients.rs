@@ -1,22 +1,22 @@
-//! Springs and dashpots of a face.
+//! Spring and dashpot coefficients of boundary faces, and the nodal impedance that they add up to.
 
 use powerhouse_model::{BoundarySite, ElasticMedium, Mat3, NodalImpedance, SiteFace, Vec3};
 
-/// Springs and dashpots per area of a face.
+/// Spring and dashpot coefficients of a boundary face per unit area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceCoefficients {
-    /// Spring along the normal (N/m3).
+    /// Stiffness of the normal spring per area (N/m3).
     pub normal_spring: f64,
-    /// Spring along any tangent (N/m3).
+    /// Stiffness of the spring along any tangent per area (N/m3).
     pub tangential_spring: f64,
-    /// Dashpot along the normal (N s/m3).
+    /// Coefficient of the normal dashpot per area (N s/m3).
     pub normal_dashpot: f64,
-    /// Dashpot along any tangent (N s/m3).
+    /// Coefficient of the dashpot along any tangent per area (N s/m3).
     pub tangential_dashpot: f64,
 }
 
 impl FaceCoefficients {
-    /// Dashpots with the impedance of each wave, no springs:
+    /// Coefficients of a viscous boundary: dashpots with the impedance of P and S waves, no springs,
     /// `C_N = rho cp`, `C_T = rho cs`.
     ///
     /// Source: Lysmer & Kuhlemeyer (1969).
@@ -29,7 +29,7 @@ impl FaceCoefficients {
         }
     }
 
-    /// Springs and dashpots at a distance `r` (m) from the scatterer:
+    /// Coefficients of a viscous-spring boundary at a distance `r` (m) from the scatterer:
     ///
     /// `K_N = (lambda + 2 G) / ((1 + A) r)`, `K_T = G / ((1 + A) r)`,
     /// `C_N = B rho cp`, `C_T = B rho cs`.
@@ -52,7 +52,7 @@ impl FaceCoefficients {
         }
     }
 
-    /// The same with the springs multiplied.
+    /// These coefficients with both springs multiplied by `factor`; the dashpots are unchanged.
     #[must_use]
     pub fn with_springs_scaled(mut self, factor: f64) -> Self {
         self.normal_spring *= factor;
@@ -61,13 +61,13 @@ impl FaceCoefficients {
     }
 }
 
-/// `area (normal n n^T + tangential (I - n n^T))`
+/// Matrix that is isotropic about a normal: `area (normal n n^T + tangential (I - n n^T))`.
 fn about_normal(normal: &Vec3, area: f64, along: f64, across: f64) -> Mat3 {
     let projector = normal * normal.transpose();
     area * (along * projector + across * (Mat3::identity() - projector))
 }
 
-/// The normal without the components that rounding left in it.
+/// Unit normal without components below 1e-9, which are rounding errors of the coordinates.
 ///
 /// Faces along the axes have to give exactly diagonal matrices: coordinates with an error in the
 /// last digit would otherwise put every node on the slow path. What is dropped changes the
@@ -84,7 +84,7 @@ fn without_rounding(normal: &Vec3) -> Vec3 {
         .normalize()
 }
 
-/// What a face's share adds to the impedance of its node: spring (N/m) and dashpot (N s/m).
+/// Contribution of a face's share to the impedance of its node: spring (N/m) and dashpot (N s/m).
 pub(crate) fn share_impedance(share: &SiteFace, coefficients: &FaceCoefficients) -> (Mat3, Mat3) {
     let normal = without_rounding(&share.normal);
     (
@@ -103,10 +103,10 @@ pub(crate) fn share_impedance(share: &SiteFace, coefficients: &FaceCoefficients)
     )
 }
 
-/// The coefficients of every share, in the order of the site's nodes and their faces.
+/// Coefficients of every share of a face, in the order of the site's nodes and their faces.
 pub(crate) type ShareCoefficients = Vec<Vec<FaceCoefficients>>;
 
-/// The impedance of every node: the sum over its shares.
+/// Spring and dashpot matrices of every node: the sums over its shares of faces.
 pub(crate) fn nodal_impedance(
     site: &BoundarySite,
     coefficients: &ShareCoefficients,
@@ -120,11 +120,7 @@ pub(crate) fn nodal_impedance(
                 spring += share_spring;
                 dashpot += share_dashpot;
             }
-            NodalImpedance {
-                node: node.node,
-                spring,
-                dashpot,
-            }
+            NodalImpedance::new(node.node, spring, dashpot)
         })
         .collect()
 }

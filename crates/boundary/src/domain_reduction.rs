@@ -1,4 +1,4 @@
-//! The field comes in through a layer of elements inside the mesh.
+//! Domain reduction method: the free field is applied in a layer of elements inside the mesh.
 
 use std::collections::BTreeMap;
 
@@ -10,21 +10,21 @@ use powerhouse_model::{
 use crate::BoundaryError;
 use crate::field_load::{FieldForces, field_load};
 
-/// What couples the two sides of one element of a layer.
+/// Stiffness between the inner and the outer nodes of one element of the layer.
 #[derive(Clone, Debug)]
 struct Coupling {
-    /// Places of the nodes on the inner side and on the outer side.
+    /// Indices of the inner and of the outer nodes in the layer's list of nodes.
     inner: Vec<u32>,
     outer: Vec<u32>,
     /// `K_be` (N/m): a row per inner node and axis, a column per outer node and axis.
     stiffness: Vec<f64>,
 }
 
-/// The layer of elements around a region through which a field enters it.
+/// Layer of elements around a region in which the domain reduction method applies the free field.
 ///
 /// Its elements are those outside the region that share nodes with it; their nodes on the region are
 /// its inner side, all others its outer side. They must be elastic and undamped, and of the field's
-/// medium: the field is a solution of their equations only so.
+/// medium: only then is the field a solution of their equations.
 #[derive(Clone, Debug)]
 pub struct ReductionLayer {
     nodes: Vec<u32>,
@@ -33,7 +33,7 @@ pub struct ReductionLayer {
 }
 
 impl ReductionLayer {
-    /// The elements of the layer around a region, mesh indices in rising order.
+    /// Elements of the layer around the region `inside`, as mesh indices in rising order.
     ///
     /// # Panics
     /// If an element does not belong to the mesh.
@@ -60,11 +60,11 @@ impl ReductionLayer {
         (0..mesh.element_count() as u32).filter(touches).collect()
     }
 
-    /// The layer around a region (mesh indices of its elements), of a block that holds exactly the
-    /// layer's [`elements`](Self::elements), with the numbering that the block was made with.
+    /// Layer around the region `inside` (mesh indices of its elements). The block holds exactly the
+    /// layer's [`elements`](Self::elements); the numbering is the one the block was made with.
     ///
     /// # Errors
-    /// [`BoundaryError::Layer`] if the block holds others, or if there are none.
+    /// [`BoundaryError::Layer`] if the block holds other elements, or if the layer has none.
     ///
     /// # Panics
     /// If an element or a node does not belong to the mesh.
@@ -84,7 +84,7 @@ impl ReductionLayer {
             });
         }
         let nodes = mesh.nodes_of_elements(&expected);
-        let place = |node: u32| nodes.partition_point(|&other| other < node) as u32;
+        let index = |node: u32| nodes.partition_point(|&other| other < node) as u32;
         let on_region = nodes_on(mesh, inside);
         let mut couplings = Vec::with_capacity(expected.len());
         block.each_matrix(Operator::Elastic, &mut |numbers, matrix| {
@@ -99,10 +99,10 @@ impl ReductionLayer {
             let stiffness = rows
                 .flat_map(|row| columns().map(move |column| matrix[row * size + column]))
                 .collect();
-            let places = |corners: &[usize]| corners.iter().map(|&c| place(of_mesh[c])).collect();
+            let indices = |corners: &[usize]| corners.iter().map(|&c| index(of_mesh[c])).collect();
             couplings.push(Coupling {
-                inner: places(&inner),
-                outer: places(&outer),
+                inner: indices(&inner),
+                outer: indices(&outer),
                 stiffness,
             });
         });
@@ -115,27 +115,27 @@ impl ReductionLayer {
         })
     }
 
-    /// The layer's nodes, mesh indices in rising order.
+    /// Nodes of the layer, as mesh indices in rising order.
     #[must_use]
     pub fn nodes(&self) -> &[u32] {
         &self.nodes
     }
 
-    /// The effective forces of a field.
+    /// Effective nodal forces of a field, as loads.
     fn loads(&self, field: &dyn IncidentField) -> Result<Vec<Box<dyn NodalLoad>>, ModelError> {
         let mut loads: Vec<Box<dyn NodalLoad>> = Vec::new();
         for couplings in self.couplings.chunks(ELEMENTS_PER_LOAD) {
             let touched = couplings
                 .iter()
                 .flat_map(|c| c.inner.iter().chain(&c.outer));
-            let mut own: BTreeMap<u32, u32> = touched.map(|&place| (place, 0)).collect();
+            let mut own: BTreeMap<u32, u32> = touched.map(|&index| (index, 0)).collect();
             for (number, own) in own.values_mut().enumerate() {
                 *own = number as u32;
             }
-            let renumbered = |places: &[u32]| places.iter().map(|place| own[place]).collect();
-            let of_nodes = || own.keys().map(|&place| place as usize);
-            let points: Vec<Vec3> = of_nodes().map(|place| self.positions[place]).collect();
-            let nodes = of_nodes().map(|place| self.nodes[place]).collect();
+            let renumbered = |indices: &[u32]| indices.iter().map(|index| own[index]).collect();
+            let of_nodes = || own.keys().map(|&index| index as usize);
+            let points: Vec<Vec3> = of_nodes().map(|index| self.positions[index]).collect();
+            let nodes = of_nodes().map(|index| self.nodes[index]).collect();
             let couplings: Vec<Coupling> = (couplings.iter())
                 .map(|coupling| Coupling {
                     inner: renumbered(&coupling.inner),
@@ -149,10 +149,10 @@ impl ReductionLayer {
     }
 }
 
-/// How many elements one load holds.
+/// Number of elements per load.
 const ELEMENTS_PER_LOAD: usize = 64;
 
-/// Which nodes of a mesh belong to some elements.
+/// Flags of the mesh nodes that belong to any of the elements.
 fn nodes_on(mesh: &Mesh, elements: &[u32]) -> Vec<bool> {
     let mut on = vec![false; mesh.node_count()];
     for &element in elements {
@@ -165,7 +165,7 @@ fn nodes_on(mesh: &Mesh, elements: &[u32]) -> Vec<bool> {
 
 impl FieldForces for Vec<Coupling> {
     fn add(&self, motion: &[FieldMotion], forces: &mut [Vec3]) {
-        let moved = |place: u32| motion[place as usize].displacement;
+        let moved = |index: u32| motion[index as usize].displacement;
         for coupling in self {
             let mut numbers = coupling.stiffness.iter();
             for &inner in &coupling.inner {
@@ -186,8 +186,8 @@ impl FieldForces for Vec<Coupling> {
     }
 }
 
-/// The domain reduction method: the field enters through a layer of elements inside the mesh, and
-/// only what is scattered reaches the boundary.
+/// Domain reduction method: effective forces in a layer of elements bring the free field into the
+/// mesh, and only scattered waves reach the absorbing boundary outside.
 ///
 /// Inside the layer nodes carry the whole motion, outside it the scattered part alone. The layer's
 /// stiffness `K`, split between its inner side b and its outer side e, turns the free field `u0`
@@ -196,12 +196,12 @@ impl FieldForces for Vec<Coupling> {
 /// `P_b = -K_be u0_e`, `P_e = K_eb u0_b`
 ///
 /// (masses are lumped and couple nothing). Where the body inside is the ground of the field, and the
-/// field is that of the mesh, nothing at all moves outside; with a field in closed form what moves
-/// is the difference between the two, which falls with the square of the element size.
+/// field is that of the mesh, the scattered part is zero; with a field in closed form it is the
+/// difference between the two, which falls with the square of the element size.
 ///
-/// Good where the mesh is deep or wide: the field need not travel through it, so that its dispersion
-/// does not grow on the way, and nothing but scattered waves meets the boundary. Bad where results
-/// are wanted outside the layer: they lack the field.
+/// Suited to deep or wide meshes: the field does not travel through the mesh, so that its numerical
+/// dispersion does not accumulate, and only scattered waves meet the boundary. Not suited where
+/// total motion is wanted outside the layer: results there lack the field.
 ///
 /// Source: J. Bielak, K. Loukakis, Y. Hisada, C. Yoshimura (2003), Bull. Seism. Soc. Am. 93,
 /// Eqs. 7-9.
@@ -211,7 +211,7 @@ pub struct DomainReduction {
 }
 
 impl DomainReduction {
-    /// A field through a layer, and a boundary for what comes out of it.
+    /// Boundary of a layer that applies the free field and an absorbing boundary around it.
     pub fn new(layer: ReductionLayer, outside: impl AbsorbingBoundary + 'static) -> Self {
         Self {
             layer,
@@ -225,12 +225,9 @@ impl AbsorbingBoundary for DomainReduction {
         "domain-reduction"
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
-        let mut parts = self.outside.build(&BoundarySite {
-            faces: site.faces.clone(),
-            nodes: site.nodes.clone(),
-            scatterer: site.scatterer,
-            field: None,
-        })?;
+        let (faces, nodes) = (site.faces.clone(), site.nodes.clone());
+        let silent = BoundarySite::new(faces, nodes, site.scatterer, None);
+        let mut parts = self.outside.build(&silent)?;
         if let Some(field) = site.field {
             parts.loads.extend(self.layer.loads(field)?);
         }

@@ -1,49 +1,53 @@
-//! Errors of this crate.
+//! Errors of the boundaries.
 
 use powerhouse_model::{ModelError, ParameterError};
 use thiserror::Error;
 
-/// A boundary that cannot be built.
+/// Errors of building an absorbing boundary.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
-    /// A parameter outside its range.
+    /// A parameter is outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A face at or behind the scatterer, where no spring can stand.
+    /// A face is too near to the scatterer, or behind it, for a spring of finite stiffness.
     #[error(
-        "face '{face}' is {distance:.3e} m from the scatterer, less than {least:.3e} m: springs \
-         need a distance; use rollers or periodic pairs where the structure runs through a face, \
+        "face '{face}' is {distance:.3e} m from the scatterer, less than {least:.3e} m: the stiffness \
+         of springs is undefined; use rollers or periodic pairs where the structure runs through a face, \
          or give the distance of its axis"
     )]
     Distance {
-        /// The face's name.
+        /// Name of the face.
         face: String,
-        /// The distance from the scatterer along the outward normal (m).
+        /// Distance from the scatterer along the outward normal (m).
         distance: f64,
-        /// The least permitted distance (m).
+        /// Least permitted distance (m).
         least: f64,
     },
-    /// A named face that the site does not have.
+    /// The site has no face of the given name.
     #[error("the boundary has no face '{name}'; it has {}", available.join(", "))]
     NoSuchFace {
-        /// The wanted name.
+        /// Name that was given.
         name: String,
-        /// Names that exist.
+        /// Names of the site's faces.
         available: Vec<String>,
     },
-    /// A block that is not the layer around a region.
-    #[error("the layer around the region has {expected} elements, its block has {found} or others")]
+    /// A block's elements are not those of the layer around the region.
+    #[error(
+        "the layer around the region has {expected} elements; its block has {found} elements that are not the same"
+    )]
     Layer {
-        /// Elements that touch the region from outside.
+        /// Number of elements outside the region that share nodes with it.
         expected: usize,
-        /// Elements of the block.
+        /// Number of elements of the block.
         found: usize,
     },
-    /// Incident-only input from a field that cannot tell its incident part.
-    #[error("the field '{field}' cannot tell its incident wave from what the surface reflects")]
+    /// Incident-only input is requested of a field whose incident part is not available.
+    #[error(
+        "the field '{field}' cannot be separated into its incident wave and the waves that the surface reflects"
+    )]
     NoIncidentPart {
-        /// The field's name.
+        /// Name of the field.
         field: String,
     },
 }

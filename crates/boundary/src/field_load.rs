@@ -1,24 +1,24 @@
-//! Forces that follow from the motion of a field.
+//! Nodal forces that are computed from the motion of a free field.
 
 use powerhouse_model::{FieldMotion, FieldSampler, IncidentField, ModelError, NodalLoad, Vec3};
 
-/// What a motion of the ground does to nodes, in the order of both.
+/// Nodal forces as a function of the field's motion at the same nodes, in the same order.
 pub(crate) trait FieldForces: Send + 'static {
-    /// Adds the forces (N).
+    /// Adds the forces (N) of a motion to `forces`.
     fn add(&self, motion: &[FieldMotion], forces: &mut [Vec3]);
 }
 
-/// The forces of a field on some nodes.
+/// Nodal load that follows from a field.
 struct FieldLoad<F> {
     name: String,
     nodes: Vec<u32>,
     sampler: Box<dyn FieldSampler>,
-    /// The field's motion at the nodes, kept to save its allocation in every step.
+    /// Motion of the field at the nodes, a buffer that is reused in every step.
     motion: Vec<FieldMotion>,
     forces: F,
 }
 
-/// The load of a field on nodes at their positions (m).
+/// Load of a field on nodes at their positions (m).
 pub(crate) fn field_load(
     field: &dyn IncidentField,
     nodes: Vec<u32>,

@@ -1,4 +1,4 @@
-//! The site's own motion, brought in as nodal forces.
+//! Equivalent nodal forces: the free field enters through an absorbing boundary.
 
 use powerhouse_model::{
     BoundarySite, FieldMotion, IncidentField, Mat3, ModelError, NodalLoad, SiteFace, Vec3,
@@ -8,27 +8,27 @@ use crate::BoundaryError;
 use crate::coefficients::{FaceCoefficients, ShareCoefficients, share_impedance};
 use crate::field_load::{FieldForces, field_load};
 
-/// What comes in through a boundary.
+/// Part of the free field that enters through an absorbing boundary.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum InputMode {
-    /// The full free field on every face: incident and reflected waves.
+    /// The full free field, incident and reflected waves, on every face.
     #[default]
     FullField,
     /// The incident wave alone on the named faces, as on the bottom in Wang, Chen & Xiao (2019),
     /// Eqs. 6 and 7; the full free field on the others.
     IncidentOnly {
-        /// Names of the faces.
+        /// Names of the faces with the incident wave alone.
         faces: Vec<String>,
     },
-    /// Nothing: the boundary only absorbs.
+    /// No input: the boundary only absorbs.
     Nothing,
 }
 
-/// How many nodes one load holds: large enough that a virtual call costs nothing, small enough
+/// Number of nodes per load: large enough that a virtual call costs nothing, small enough
 /// that its motion stays in the first cache level and that threads share the work evenly.
 const NODES_PER_LOAD: usize = 256;
 
-/// The input loads of a site: none if it has no field.
+/// Input loads of a site; none if it has no field.
 pub(crate) fn input_loads(
     site: &BoundarySite,
     coefficients: &ShareCoefficients,
@@ -66,7 +66,7 @@ fn face_indices(site: &BoundarySite, names: &[String]) -> Result<Vec<usize>, Bou
     names.iter().map(index).collect()
 }
 
-/// The forces of one field on the shares that it is put on.
+/// Forces of one field on those shares of faces that `includes` selects.
 fn field_loads(
     site: &BoundarySite,
     coefficients: &ShareCoefficients,
@@ -106,12 +106,12 @@ fn push_loads<F: NodeForce>(
     Ok(())
 }
 
-/// What a motion of the ground does to one node: `K u + C v + sigma a`, with the vector area `a`.
+/// Equivalent force of a motion on one node: `K u + C v + sigma a`, with the vector area `a`.
 trait NodeForce: Copy + Send + 'static {
     fn force(&self, motion: &FieldMotion) -> Vec3;
 }
 
-/// A node whose faces all lie along the axes.
+/// Coefficients of a node with diagonal matrices: all its faces lie along the axes.
 #[derive(Clone, Copy, Debug)]
 struct DiagonalForce {
     spring: Vec3,
@@ -128,7 +128,7 @@ impl NodeForce for DiagonalForce {
     }
 }
 
-/// Any node.
+/// Coefficients of any node, with full matrices.
 #[derive(Clone, Copy, Debug)]
 struct MatrixForce {
     spring: Mat3,
@@ -179,11 +179,11 @@ impl<F: NodeForce> FieldForces for Vec<F> {
     }
 }
 
-/// The nodes (mesh indices) that touch a medium other than the field's: the free field is not the
-/// motion of the site there, and a check of the model should say so.
+/// Boundary nodes (mesh indices) in a medium other than the field's, where the free field is not the
+/// motion of the site and a check of the model should warn of it; none if the site has no field.
 ///
-/// Media count as equal if both impedances agree to 1e-6.
-pub fn foreign_nodes(site: &BoundarySite) -> Vec<u32> {
+/// Media count as equal if both wave impedances agree to 1e-6.
+pub fn nodes_in_other_media(site: &BoundarySite) -> Vec<u32> {
     let Some(field) = site.field else {
         return Vec::new();
     };

@@ -1,91 +1,91 @@
-//! What springs and dashpots send back: closed forms for plane waves.
+//! Reflection coefficients of springs and dashpots for plane waves, in closed form.
 //!
-//! Before a run these tell what a boundary costs: at normal incidence dashpots with B = 1 absorb
-//! everything and those with B = 1.1 return 4.8 % of the amplitude for ever; springs return the
-//! more, the lower the frequency.
+//! They state the accuracy of a boundary before a run: at normal incidence dashpots with B = 1 absorb
+//! all of the wave and those with B = 1.1 reflect 4.8 % of the amplitude; springs reflect more, the
+//! lower the frequency.
 
 use nalgebra::{Complex, Matrix2, Vector2};
 use powerhouse_model::{ElasticMedium, ParameterError};
 
 use crate::FaceCoefficients;
 
-/// The kind of the wave that arrives at a boundary from inside.
+/// Type of a plane body wave, incident on a boundary face or reflected by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlaneWave {
-    /// Compressional.
+pub enum BodyWave {
+    /// Compressional wave.
     P,
-    /// Shear, moving in the plane of incidence.
+    /// Shear wave, polarised in the plane of incidence.
     Sv,
 }
 
-/// Displacement amplitudes of what returns, for an arriving wave of amplitude one.
+/// Displacement amplitudes of the reflected waves per unit amplitude of the incident wave.
 ///
-/// Past the critical angle of an arriving shear wave the compressional part is not a wave; its
-/// number is then the factor of the vector `(sin, 0, cos)` with a complex cosine.
+/// Past the critical angle of an incident shear wave the compressional part decays away from the face;
+/// its amplitude is then the factor of the vector `(sin, 0, cos)` with a complex cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflection {
-    /// Compressional wave.
+    /// Amplitude of the reflected compressional wave (1).
     pub p: Complex<f64>,
-    /// Shear wave.
+    /// Amplitude of the reflected shear wave (1).
     pub sv: Complex<f64>,
 }
 
 impl Reflection {
-    /// The energy that returns per energy that arrives, through the same area of the boundary.
-    pub fn energy(&self, medium: &ElasticMedium, wave: PlaneWave, incidence: f64) -> f64 {
-        let p_cosine = refracted_cosine(medium, wave, PlaneWave::P, incidence).re;
-        let sv_cosine = refracted_cosine(medium, wave, PlaneWave::Sv, incidence).re;
+    /// Ratio of reflected to incident energy flux through the face (1).
+    pub fn energy(&self, medium: &ElasticMedium, wave: BodyWave, incidence: f64) -> f64 {
+        let p_cosine = refracted_cosine(medium, wave, BodyWave::P, incidence).re;
+        let sv_cosine = refracted_cosine(medium, wave, BodyWave::Sv, incidence).re;
         let (p_speed, s_speed) = (medium.p_speed(), medium.s_speed());
-        let arriving = match wave {
-            PlaneWave::P => p_speed * p_cosine,
-            PlaneWave::Sv => s_speed * sv_cosine,
+        let incident = match wave {
+            BodyWave::P => p_speed * p_cosine,
+            BodyWave::Sv => s_speed * sv_cosine,
         };
         (self.p.norm_sqr() * p_speed * p_cosine + self.sv.norm_sqr() * s_speed * sv_cosine)
-            / arriving
+            / incident
     }
 }
 
-/// The plane waves that a face of springs and dashpots returns for one that arrives under
+/// Reflection coefficients of a face of springs and dashpots for a plane wave incident at
 /// `incidence` (rad, from the normal, 0 to below pi/2) with angular frequency `frequency` (rad/s).
 ///
-/// With the outward normal n, the amplitudes make the tractions of all waves balance springs and
+/// With the outward normal n, the amplitudes are such that the tractions of all waves balance springs and
 /// dashpots, `sigma n = -(K + i w C) u`. A wave with polarisation d, direction p and speed c has
 /// `sigma n = -(i w/c) [lambda (d.p) n + G (d (p.n) + p (d.n))] u`.
 ///
 /// # Errors
-/// [`ParameterError`] for an angle or frequency outside its range.
+/// [`ParameterError`] if the angle or the frequency is outside its range.
 ///
 /// ```
-/// use powerhouse_boundary::{FaceCoefficients, reflection::{PlaneWave, reflection}};
+/// use powerhouse_boundary::{FaceCoefficients, reflection::{BodyWave, reflection}};
 /// use powerhouse_model::ElasticMedium;
 /// let rock = ElasticMedium::new(9.0e9, 0.27, 2750.0)?;
 /// let dashpots = FaceCoefficients::viscous(&rock);
-/// assert!(reflection(&rock, &dashpots, PlaneWave::P, 0.0, 10.0)?.p.norm() < 1e-15);
+/// assert!(reflection(&rock, &dashpots, BodyWave::P, 0.0, 10.0)?.p.norm() < 1e-15);
 /// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
 pub fn reflection(
     medium: &ElasticMedium,
     face: &FaceCoefficients,
-    wave: PlaneWave,
+    wave: BodyWave,
     incidence: f64,
     frequency: f64,
 ) -> Result<Reflection, ParameterError> {
     let right_angle = core::f64::consts::FRAC_PI_2;
     ParameterError::check("incidence", incidence, 0.0, right_angle - 1.0e-6)?;
     ParameterError::check("frequency", frequency, f64::MIN_POSITIVE, f64::MAX)?;
-    let returning = [PlaneWave::P, PlaneWave::Sv].map(|kind| {
+    let reflected = [BodyWave::P, BodyWave::Sv].map(|kind| {
         let cosine = refracted_cosine(medium, wave, kind, incidence);
         let sine = refracted_sine(medium, wave, kind, incidence);
         imbalance(medium, face, frequency, kind, sine, -cosine)
     });
     let sine = refracted_sine(medium, wave, wave, incidence);
     let cosine = refracted_cosine(medium, wave, wave, incidence);
-    let arriving = imbalance(medium, face, frequency, wave, sine, cosine);
-    let matrix = Matrix2::from_columns(&returning);
+    let incident = imbalance(medium, face, frequency, wave, sine, cosine);
+    let matrix = Matrix2::from_columns(&reflected);
     let determinant = matrix.determinant();
     let replaced = |column| {
         let mut replaced = matrix;
-        replaced.set_column(column, &-arriving);
+        replaced.set_column(column, &-incident);
         replaced.determinant() / determinant
     };
     Ok(Reflection {
@@ -94,21 +94,21 @@ pub fn reflection(
     })
 }
 
-/// The traction of a wave of amplitude one in the plane x, n, plus what springs and dashpots
-/// carry, divided by `i w`.
+/// Traction of a wave of unit amplitude in the plane x, n, plus the forces of springs and dashpots
+/// per area, divided by `i w`.
 fn imbalance(
     medium: &ElasticMedium,
     face: &FaceCoefficients,
     frequency: f64,
-    kind: PlaneWave,
+    kind: BodyWave,
     sine: f64,
     cosine: Complex<f64>,
 ) -> Vector2<Complex<f64>> {
     let sine = Complex::from(sine);
     let direction = [sine, cosine];
     let (polarisation, speed) = match kind {
-        PlaneWave::P => (direction, medium.p_speed()),
-        PlaneWave::Sv => ([cosine, -sine], medium.s_speed()),
+        BodyWave::P => (direction, medium.p_speed()),
+        BodyWave::Sv => ([cosine, -sine], medium.s_speed()),
     };
     let [dx, dn] = polarisation;
     let [px, pn] = direction;
@@ -122,32 +122,32 @@ fn imbalance(
     )
 }
 
-fn speed(medium: &ElasticMedium, kind: PlaneWave) -> f64 {
+fn speed(medium: &ElasticMedium, kind: BodyWave) -> f64 {
     match kind {
-        PlaneWave::P => medium.p_speed(),
-        PlaneWave::Sv => medium.s_speed(),
+        BodyWave::P => medium.p_speed(),
+        BodyWave::Sv => medium.s_speed(),
     }
 }
 
-/// The sine of a wave's angle with the same slowness along the face as the arriving one.
+/// Sine of a wave's angle by Snell's law: its slowness along the face is that of the incident wave.
 fn refracted_sine(
     medium: &ElasticMedium,
-    arriving: PlaneWave,
-    kind: PlaneWave,
+    incident: BodyWave,
+    kind: BodyWave,
     incidence: f64,
 ) -> f64 {
-    incidence.sin() * speed(medium, kind) / speed(medium, arriving)
+    incidence.sin() * speed(medium, kind) / speed(medium, incident)
 }
 
-/// The cosine of that angle; past the critical angle `-i` times a positive number, so that
+/// Cosine of that angle; past the critical angle `-i` times a positive number, so that
 /// spectra `exp(i w t)` decay away from the face.
 fn refracted_cosine(
     medium: &ElasticMedium,
-    arriving: PlaneWave,
-    kind: PlaneWave,
+    incident: BodyWave,
+    kind: BodyWave,
     incidence: f64,
 ) -> Complex<f64> {
-    let sine = refracted_sine(medium, arriving, kind, incidence);
+    let sine = refracted_sine(medium, incident, kind, incidence);
     let square = (1.0 - sine) * (1.0 + sine);
     if square >= 0.0 {
         Complex::new(square.sqrt(), 0.0)

@@ -1,19 +1,19 @@
-//! Dashpots.
+//! Viscous boundary: dashpots alone.
 
 use powerhouse_model::{AbsorbingBoundary, BoundaryParts, BoundarySite, ModelError};
 
 use crate::coefficients::{FaceCoefficients, ShareCoefficients, nodal_impedance};
 use crate::input::{InputMode, input_loads};
 
-/// Dashpots with the impedance of each wave.
+/// Viscous boundary: dashpots with the impedance of P and S waves.
 ///
-/// Exact for waves that leave along the normal. Without springs nothing holds the model: a lasting
-/// force lets it drift.
+/// Exact for waves that leave along the normal. Without springs nothing holds the model: it drifts
+/// under a static load.
 ///
 /// Source: Lysmer & Kuhlemeyer (1969), "Finite dynamic model for infinite media".
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Viscous {
-    /// What comes in through the boundary.
+    /// Part of the free field that enters through the boundary.
     pub input: InputMode,
 }
 
@@ -30,10 +30,8 @@ impl AbsorbingBoundary for Viscous {
                 media.map(FaceCoefficients::viscous).collect()
             })
             .collect();
-        Ok(BoundaryParts {
-            impedance: nodal_impedance(site, &coefficients),
-            loads: input_loads(site, &coefficients, &self.input)?,
-            blocks: Vec::new(),
-        })
+        Ok(BoundaryParts::default()
+            .with_impedance(nodal_impedance(site, &coefficients))
+            .with_loads(input_loads(site, &coefficients, &self.input)?))
     }
 }

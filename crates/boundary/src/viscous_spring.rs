@@ -1,4 +1,4 @@
-//! Springs and dashpots.
+//! Viscous-spring boundary: springs and dashpots.
 
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ModelError, ParameterError, SiteFace, SiteNode,
@@ -9,28 +9,28 @@ use crate::BoundaryError;
 use crate::coefficients::{FaceCoefficients, ShareCoefficients, nodal_impedance};
 use crate::input::{InputMode, input_loads};
 
-/// Parameters of the faces whose normal is nearest to one axis.
+/// Viscous-spring parameters of the faces whose normal is nearest to one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisParameters {
-    /// A: the amplitude ratio of plane to scattered waves, from 0 to 100.
+    /// A: amplitude ratio of plane to scattered waves (1), from 0 to 100.
     pub amplitude_ratio: f64,
-    /// B: the ratio of physical to apparent wave speed, from 0.1 to 10.
+    /// B: ratio of physical to apparent wave speed (1), from 0.1 to 10.
     pub speed_ratio: f64,
-    /// The distance from the scatterer to the faces (m), if it shall not be taken from the
-    /// geometry.
+    /// Distance from the scatterer to the faces (m), 1e-3 to 1e7; without one it is taken from the
+    /// geometry, node by node.
     pub distance: Option<f64>,
 }
 
 impl AxisParameters {
     /// A = 0.8, B = 1.1, as Wang, Chen & Xiao (2019) advise; the distance from the geometry. Such
-    /// dashpots return 4.8 % of all that arrives straight on.
+    /// dashpots reflect 4.8 % of the amplitude at normal incidence.
     pub const PAPER: Self = Self {
         amplitude_ratio: 0.8,
         speed_ratio: 1.1,
         distance: None,
     };
 
-    /// Parameters from A, B and a distance (m).
+    /// Parameters from A, B and a distance (m), each checked against its range.
     ///
     /// # Errors
     /// [`ParameterError`] names the field, its value and the permitted range.
@@ -68,36 +68,37 @@ impl Default for AxisParameters {
     }
 }
 
-/// How scattered waves spread, which decides the stiffness of the springs.
+/// Geometrical spreading of the scattered waves, which sets the stiffness of the springs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spreading {
-    /// From a compact structure in all directions: the springs of Eq. 1.
+    /// Spherical waves, from a compact structure: the springs of Eq. 1.
     #[default]
     Spherical,
-    /// From a long structure, of which the model is a slice: half the springs, the same dashpots.
+    /// Cylindrical waves, from a long structure of which the model is a slice: half the spring
+    /// stiffness, the same dashpots.
     Cylindrical,
 }
 
-/// Springs and dashpots after Eqs. 1 and 2 of Wang, Chen & Xiao (2019); see
+/// Viscous-spring boundary: springs and dashpots after Eqs. 1 and 2 of Wang, Chen & Xiao (2019); see
 /// [`FaceCoefficients::viscous_spring`].
 ///
 /// The distance r of a face at a node is the distance from the scatterer along the outward
 /// normal, or that of the axis nearest to the normal if one is given.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViscousSpring {
-    /// Parameters of the faces across x, y and z.
+    /// Parameters of the faces across x, y and z, in this order.
     pub axes: [AxisParameters; 3],
-    /// How scattered waves spread.
+    /// Geometrical spreading of the scattered waves.
     pub spreading: Spreading,
-    /// What comes in through the boundary.
+    /// Part of the free field that enters through the boundary.
     pub input: InputMode,
 }
 
-/// The least distance of a face, as a share of the size of the boundary.
+/// Least distance of a face, relative to the diagonal of the boundary's box.
 const LEAST_RELATIVE_DISTANCE: f64 = 1.0e-3;
 
 impl ViscousSpring {
-    /// With the [parameters](AxisParameters::PAPER) that Wang, Chen & Xiao (2019) advise on all faces.
+    /// Boundary with the [parameters](AxisParameters::PAPER) that Wang, Chen & Xiao (2019) advise on all faces.
     pub fn paper() -> Self {
         Self {
             axes: [AxisParameters::PAPER; 3],
@@ -136,7 +137,7 @@ impl ViscousSpring {
     }
 }
 
-/// The diagonal of the box around the boundary's nodes (m).
+/// Diagonal of the box around the boundary's nodes (m).
 fn extent(site: &BoundarySite) -> f64 {
     let mut positions = site.nodes.iter().map(|node| node.position);
     let first = positions.next().unwrap_or_else(Vec3::zeros);
@@ -166,10 +167,8 @@ impl AbsorbingBoundary for ViscousSpring {
                     .collect()
             })
             .collect::<Result<ShareCoefficients, BoundaryError>>()?;
-        Ok(BoundaryParts {
-            impedance: nodal_impedance(site, &coefficients),
-            loads: input_loads(site, &coefficients, &self.input)?,
-            blocks: Vec::new(),
-        })
+        Ok(BoundaryParts::default()
+            .with_impedance(nodal_impedance(site, &coefficients))
+            .with_loads(input_loads(site, &coefficients, &self.input)?))
     }
 }

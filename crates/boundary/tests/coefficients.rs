@@ -34,9 +34,9 @@ fn corner_site() -> BoundarySite<'static> {
     };
     let scatterer = Vec3::new(100.0, -50.0, -200.0);
     let at = |a: f64, b: f64, c: f64| scatterer + Vec3::new(a, b, c);
-    BoundarySite {
-        faces: ["east", "north", "base"].map(String::from).to_vec(),
-        nodes: vec![
+    BoundarySite::new(
+        ["east", "north", "base"].map(String::from).to_vec(),
+        vec![
             node(
                 0,
                 at(30.0, 20.0, -15.0),
@@ -56,8 +56,8 @@ fn corner_site() -> BoundarySite<'static> {
             node(13, at(-7.0, -4.0, -15.0), vec![share(2, rock(), z, 4.0)]),
         ],
         scatterer,
-        field: None,
-    }
+        None,
+    )
 }
 
 fn close(a: &Mat3, b: &Mat3) -> bool {
@@ -68,7 +68,7 @@ fn build(boundary: &impl AbsorbingBoundary, site: &BoundarySite) -> Vec<NodalImp
     boundary.build(site).unwrap().impedance
 }
 
-/// Inside a face the coefficients are Eqs. 1 and 2 of the paper times the area, with the distance
+/// Inside a face the impedance follows Eqs. 1 and 2 of the paper times the area, with the distance
 /// of the face's plane from the scatterer.
 #[test]
 fn faces_have_the_springs_and_dashpots_of_the_paper() {
@@ -166,7 +166,7 @@ fn slices_halve_springs_and_keep_dashpots() {
     }
 }
 
-/// Parameters given for one axis act on the faces across that axis and on no others.
+/// Parameters given for one axis apply to the faces across that axis and to no others.
 #[test]
 fn parameters_can_differ_by_axis() {
     let mut boundary = ViscousSpring::default();

@@ -1,5 +1,5 @@
-//! A column of rock under a vertical wave, by a hand-made explicit loop: what the springs, dashpots
-//! and input forces of a boundary do to a wave.
+//! A column of rock under a vertical wave, by a hand-made explicit loop: effect of a boundary's springs,
+//! dashpots and input forces on a wave.
 //!
 //! ```text
 //!   z = H  o  free surface, or boundary "top"
@@ -108,12 +108,8 @@ fn site(top: bool, field: Option<&dyn IncidentField>, elements: usize) -> Bounda
     if top {
         nodes.push(face(1, elements, HEIGHT, 1.0));
     }
-    BoundarySite {
-        faces: vec!["base".into(), "top".into()],
-        nodes,
-        scatterer: Vec3::new(0.0, 0.0, 0.5 * HEIGHT),
-        field,
-    }
+    let faces = vec!["base".into(), "top".into()];
+    BoundarySite::new(faces, nodes, Vec3::new(0.0, 0.0, 0.5 * HEIGHT), field)
 }
 
 /// Masses and springs of a column with the parts of a boundary.
@@ -273,7 +269,7 @@ fn error(boundary: &impl AbsorbingBoundary, surface: bool, elements: usize) -> f
 }
 
 /// With the full free field the column converges to it with the square of the element size,
-/// whatever springs and dashpots stand there, under a free surface and without one.
+/// whatever the coefficients of springs and dashpots, under a free surface and without one.
 #[test]
 fn the_full_field_converges_at_second_order() {
     for surface in [true, false] {
@@ -326,7 +322,7 @@ fn incident_only_input_is_as_good_as_the_absorber() {
     assert!(fine > 0.05 && fine > 0.9 * coarse, "{coarse} {fine}");
 }
 
-/// A lasting force on the column is held by the springs, at the displacement of their stiffness;
+/// A static force on the column is held by the springs, at the displacement of their stiffness;
 /// dashpots alone let it drift.
 #[test]
 fn springs_hold_a_lasting_force() {

@@ -1,6 +1,6 @@
 //! Input forces against Eq. 3 of Wang, Chen & Xiao (2019), node by node.
 
-use powerhouse_boundary::{InputMode, Viscous, ViscousSpring, foreign_nodes};
+use powerhouse_boundary::{InputMode, Viscous, ViscousSpring, nodes_in_other_media};
 use powerhouse_model::{
     AbsorbingBoundary, BoundarySite, ElasticMedium, FieldMotion, FieldSampler, IncidentField,
     ModelError, SiteFace, SiteNode, Stress, Vec3,
@@ -90,12 +90,8 @@ fn site(tilt: f64, field: Option<&dyn IncidentField>) -> BoundarySite<'_> {
             },
         }
     });
-    BoundarySite {
-        faces: vec!["base".into(), "side".into()],
-        nodes: nodes.collect(),
-        scatterer: Vec3::zeros(),
-        field,
-    }
+    let faces = vec!["base".into(), "side".into()];
+    BoundarySite::new(faces, nodes.collect(), Vec3::zeros(), field)
 }
 
 /// The forces on all nodes (mesh indices) at a time; each load may hold a node once.
@@ -122,15 +118,12 @@ fn share_force(
     share: &SiteFace,
     motion: &FieldMotion,
 ) -> Vec3 {
-    let alone = BoundarySite {
-        faces: vec!["base".into(), "side".into()],
-        nodes: vec![SiteNode {
-            faces: vec![*share],
-            ..node.clone()
-        }],
-        scatterer: Vec3::zeros(),
-        field: None,
-    };
+    let faces = vec!["base".into(), "side".into()];
+    let nodes = vec![SiteNode {
+        faces: vec![*share],
+        ..node.clone()
+    }];
+    let alone = BoundarySite::new(faces, nodes, Vec3::zeros(), None);
     let impedance = boundary.build(&alone).unwrap().impedance[0];
     impedance.spring * motion.displacement
         + impedance.dashpot * motion.velocity
@@ -192,7 +185,7 @@ fn loads_hold_a_bounded_number_of_nodes() {
     assert!(parts.loads.iter().all(|load| load.nodes().len() <= 256));
 }
 
-/// A site without field and a boundary told to let nothing in have no loads.
+/// A site without a field and a boundary that admits no input have no loads.
 #[test]
 fn absorbing_alone_makes_no_loads() {
     let quiet = Viscous::default().build(&site(0.0, None)).unwrap();
@@ -209,7 +202,7 @@ fn absorbing_alone_makes_no_loads() {
     );
 }
 
-/// Incident-only input on a face that does not exist, or from a field that cannot tell its
+/// Incident-only input on a face that does not exist, or from a field without a separate
 /// incident part, is refused before a run.
 #[test]
 fn impossible_input_is_refused() {
@@ -232,11 +225,11 @@ fn impossible_input_is_refused() {
     assert!(error.to_string().contains("'smooth'"), "{error}");
 }
 
-/// Nodes that touch another medium than the field's are found, so that a check can warn.
+/// Nodes in a medium other than the field's are found, so that a check can warn of them.
 #[test]
 fn nodes_in_a_foreign_medium_are_found() {
     let mut site = site(0.0, Some(&FULL));
-    assert!(foreign_nodes(&site).is_empty());
+    assert!(nodes_in_other_media(&site).is_empty());
     site.nodes[5].faces[1].medium.young *= 1.01;
-    assert_eq!(foreign_nodes(&site), [15]);
+    assert_eq!(nodes_in_other_media(&site), [15]);
 }

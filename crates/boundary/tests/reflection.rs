@@ -1,11 +1,11 @@
 //! Closed forms of reflection against independently computed numbers.
 
 use powerhouse_boundary::FaceCoefficients;
-use powerhouse_boundary::reflection::{PlaneWave, reflection};
+use powerhouse_boundary::reflection::{BodyWave, reflection};
 use powerhouse_model::ElasticMedium;
 
+use BodyWave::{P, Sv};
 use Face::{Free, Lysmer, Springs, Stiffer};
-use PlaneWave::{P, Sv};
 
 /// The faces of the table.
 #[derive(Clone, Copy, Debug)]
@@ -20,11 +20,11 @@ enum Face {
     Springs(f64),
 }
 
-/// Arriving wave, degrees from the normal, face, |R_P| and |R_SV| (displacement), returned energy;
+/// Incident wave, degrees from the normal, face, |R_P| and |R_SV| (displacement), reflected energy;
 /// Poisson's ratio 0.25. Computed apart from this code from the boundary conditions, and checked
 /// there by the balance of energy.
 #[rustfmt::skip]
-const TABLE: [(PlaneWave, f64, Face, f64, f64, f64); 60] = [
+const TABLE: [(BodyWave, f64, Face, f64, f64, f64); 60] = [
     (P, 0.0, Lysmer, 0.0, 0.0, 0.0),
     (P, 0.0, Stiffer, 0.047619, 0.0, 0.00226757),
     (P, 0.0, Free, 1.0, 0.0, 1.0),
@@ -113,22 +113,22 @@ fn plane_waves_return_as_tabulated() {
         };
         let angle = f64::to_radians(degrees);
         let returned = reflection(&medium, &coefficients, wave, angle, frequency).unwrap();
-        let place = format!("{wave:?} at {degrees} degrees on {face:?}");
+        let case = format!("{wave:?} at {degrees} degrees on {face:?}");
         let agrees = |found: f64, printed: f64| (found - printed).abs() < 1e-5 * printed + 1e-14;
         assert!(
             agrees(returned.p.norm(), p),
-            "{place}: {} {p}",
+            "{case}: {} {p}",
             returned.p.norm()
         );
         assert!(
             agrees(returned.sv.norm(), sv),
-            "{place}: {} {sv}",
+            "{case}: {} {sv}",
             returned.sv.norm()
         );
         let returned_energy = returned.energy(&medium, wave, angle);
         assert!(
             agrees(returned_energy, energy),
-            "{place}: {returned_energy} {energy}"
+            "{case}: {returned_energy} {energy}"
         );
     }
 }

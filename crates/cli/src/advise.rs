@@ -8,7 +8,7 @@ use powerhouse_study::{advise_boundary, advise_box};
 use crate::terminal::say_on;
 use crate::{Outcome, WARNED, read};
 
-/// A share such as `5%` or `0.05`.
+/// Reads a relative error above 0 and up to 1, such as `5%` or `0.05`.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.strip_suffix('%') {
         Some(number) => (number, 0.01),
@@ -20,21 +20,21 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Names the boundary that a scene needs; the exit status is 1 if none is good enough.
+/// Prints the comparison of absorbing boundaries; the exit status is 1 if none meets the permitted error.
 pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
     let advice = advise_boundary(&read(path, case)?, error)?;
     say_on!("{advice}");
-    Ok(match advice.named() {
+    Ok(match advice.recommended() {
         Some(_) => ExitCode::SUCCESS,
         None => ExitCode::from(WARNED),
     })
 }
 
-/// Says how near faces may come; the exit status is 1 if they are too near already.
+/// Prints the smallest box of ground; the exit status is 1 if the present one already exceeds the permitted error.
 pub(crate) fn ground(path: &Path, case: Option<&str>, error: f64) -> Outcome {
     let advice = advise_box(&read(path, case)?, error)?;
     say_on!("{advice}");
-    Ok(match advice.as_it_stands <= advice.error {
+    Ok(match advice.unchanged <= advice.error {
         true => ExitCode::SUCCESS,
         false => ExitCode::from(WARNED),
     })
@@ -44,7 +44,7 @@ pub(crate) fn ground(path: &Path, case: Option<&str>, error: f64) -> Outcome {
 mod tests {
     use super::share;
 
-    /// Shares come as numbers or in per cent; anything else is refused.
+    /// Shares are numbers or percentages; other text is an error.
     #[test]
     fn shares_are_read() {
         assert_eq!(share("0.05"), Ok(0.05));

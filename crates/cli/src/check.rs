@@ -12,7 +12,7 @@ use crate::progress::Display;
 use crate::terminal::say;
 use crate::{INTERRUPTED, Outcome, WARNED, read, report, stop};
 
-/// Looks at a scene; the exit status is 1 if there are warnings.
+/// Checks a scene and prints the report; the exit status is 1 if there are warnings.
 pub(crate) fn check(path: &Path, case: Option<&str>) -> Outcome {
     let found = powerhouse_study::check(read(path, case)?)?;
     report::check(&found);
@@ -23,8 +23,7 @@ pub(crate) fn check(path: &Path, case: Option<&str>) -> Outcome {
     })
 }
 
-/// Compares the scene's box without the structure with its field; the exit status is 2 if the
-/// error is above the scene's own limit.
+/// Runs the free-field check of a scene; the exit status is 2 if the error is above the scene's limit.
 pub(crate) fn free_field(path: &Path, case: Option<&str>) -> Outcome {
     let scene = read(path, case)?;
     let limit = scene.self_check();
@@ -39,18 +38,16 @@ pub(crate) fn free_field(path: &Path, case: Option<&str>) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs a comparison and says what it found; nothing if it was interrupted.
+/// Runs a free-field check and prints its report; `None` if it was interrupted.
 pub(crate) fn compare(
     check: FreeFieldCheck,
     step: f64,
     stop: &Arc<AtomicBool>,
 ) -> Result<Option<FreeFieldReport>, StudyError> {
     let display = Display::new("free field");
-    let hooks = RunHooks {
-        progress: Some(display.hook()),
-        stop: Some(stop.clone()),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+        .with_progress(display.hook())
+        .with_stop(stop.clone());
     let found = check.run(step, hooks);
     display.clear();
     match found {
@@ -59,7 +56,7 @@ pub(crate) fn compare(
             Ok(Some(found))
         }
         Err(StudyError::Interrupted) => {
-            say!("interrupted while the free field was checked: nothing was run");
+            say!("interrupted during the free-field check: nothing was run");
             Ok(None)
         }
         Err(error) => Err(error),

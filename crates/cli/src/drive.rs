@@ -9,7 +9,7 @@ use powerhouse::{Material, PointPath, Registry};
 use crate::Outcome;
 use crate::terminal::say;
 
-/// Leads a point of a material along a path, and writes its table and curve.
+/// Runs a material test at one integration point along a path, and writes its table and curve.
 pub(crate) fn drive(
     law: &Path,
     path: &Path,
@@ -17,27 +17,27 @@ pub(crate) fn drive(
     out: Option<PathBuf>,
 ) -> Outcome {
     let material = Material::from_file(law, material, &Registry::default())?;
-    let driven = PointPath::from_file(path)?.drive(&material)?;
-    say!("{}: {} steps", driven.law, driven.records.len() - 1);
-    for doubt in material.doubts() {
-        say!("warning: {doubt}");
+    let test = PointPath::from_file(path)?.drive(&material)?;
+    say!("{}: {} steps", test.law, test.records.len() - 1);
+    for warning in material.warnings() {
+        say!("warning: {warning}");
     }
-    let (component, [least, greatest]) = driven.extremes();
+    let (component, [least, greatest]) = test.extremes();
     say!("stress {component} from {least:.4e} to {greatest:.4e} Pa");
-    if let Some(last) = driven.records.last() {
+    if let Some(last) = test.records.last() {
         say!("work {:.4e} J/m3", last.work);
-        for (variable, value) in driven.variables.iter().zip(&last.history) {
+        for (variable, value) in test.variables.iter().zip(&last.history) {
             if variable.kind != HistoryKind::Component {
                 say!("{} {value:.4e}", variable.name);
             }
         }
     }
-    let named = || {
+    let default = || {
         let stem = path.file_stem().unwrap_or("point".as_ref());
         Path::new("results").join(stem)
     };
     say!("\nfiles");
-    for file in driven.write(&out.unwrap_or_else(named))? {
+    for file in test.write(&out.unwrap_or_else(default))? {
         say!("  {}", file.display());
     }
     Ok(ExitCode::SUCCESS)

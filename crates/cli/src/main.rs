@@ -1,8 +1,8 @@
-//! The command `powerhouse`: run and check scenes, drive points of their materials.
+//! The command `powerhouse`: runs and checks scenes, sweeps and trade studies, and tests materials at a point.
 //!
-//! Exit status: 0 if all is well, 1 if a check warns, advice finds nothing or a report lacks something, 2 if
-//! something is refused or fails, 130 if a run was interrupted, by Ctrl-C, SIGTERM or SIGHUP (its output is
-//! complete up to there). A reader of the output that goes away changes neither files nor status.
+//! Exit status: 0 on success, 1 if a check has warnings, no choice meets a permitted error or a report has gaps, 2 if
+//! an input is invalid or a run fails, 130 if a run was interrupted by Ctrl-C, SIGTERM or SIGHUP (its output is complete
+//! up to then). A closed standard output changes neither files nor status.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod advise;
@@ -28,7 +28,7 @@ use powerhouse::{Error, Scene};
 use powerhouse_study::StudyError;
 use terminal::{say, warn_aside};
 
-/// Explicit dynamic analysis of underground structures under waves that arrive at an angle.
+/// Explicit dynamic analysis of underground structures under obliquely incident waves.
 #[derive(Parser)]
 #[command(
     version,
@@ -44,79 +44,77 @@ enum Command {
     /// Run a scene and write its results.
     #[command(after_help = AFTER_A_KILL)]
     Run {
-        /// The scene file.
+        /// Scene file.
         scene: PathBuf,
-        /// The folder for results, in place of the scene's own.
+        /// Folder of the results, in place of the scene's own.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// The case of the scene, in place of the scene itself.
+        /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
     },
-    /// Tell what a run of a scene would be, without running it.
+    /// Check a scene without running it: mesh, resolved frequencies, stable step, predicted cost, warnings.
     Check {
-        /// The scene file.
+        /// Scene file.
         scene: PathBuf,
-        /// Compute the scene's box without the structure and compare it with the field that comes
-        /// in.
+        /// Run the scene's box without the structure and compare it with the incident field.
         #[arg(long)]
         free_field: bool,
-        /// The case of the scene, in place of the scene itself.
+        /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
     },
-    /// Say which choice a scene needs for a stated error.
+    /// Recommend an absorbing boundary or an extent of the mesh for a permitted error.
     Advise {
         #[command(subcommand)]
         choice: Choice,
     },
-    /// Lead one point of a material along a path of strain and stress.
+    /// Run a material test at a single integration point along a path of strains and stresses.
     Drive {
-        /// A file with a `[[material]]` table, such as a scene.
+        /// File with a `[[material]]` table, such as a scene.
         law: PathBuf,
-        /// The file of the path.
+        /// File of the path.
         path: PathBuf,
-        /// The material's name, where the file has several.
+        /// Name of the material, if the file has several.
         #[arg(long, value_name = "NAME")]
         material: Option<String>,
-        /// The folder for `point.csv` and `point.svg`; `results/` and the path's name by default.
+        /// Folder of `point.csv` and `point.svg`; by default `results/` followed by the name of the path.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
-    /// Make the mesh of a machine bay and write it for Gmsh and ParaView.
+    /// Generate the mesh of a machine bay and write it for Gmsh and ParaView.
     Mesh {
-        /// The file of the bay: its size and dimensions.
+        /// File of the bay with its mesh density and dimensions.
         bay: PathBuf,
-        /// The Gmsh file, beside which a VTU file and a picture come; by default the bay's name in the
-        /// working directory.
+        /// Gmsh file, beside which a VTU file and a picture are written; by default named after the bay, in the working
+        /// directory.
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Run the cases of a scene, one after the other or side by side; cases that are finished are not run
-    /// again.
+    /// Run the cases of a scene, sequentially or in parallel; finished cases are not run again.
     Sweep {
-        /// The scene file with its `[[case]]` tables.
+        /// Scene file with `[[case]]` tables.
         scene: PathBuf,
-        /// The folder for results, in place of the scene's own; each case has a folder in it.
+        /// Folder of the results, in place of the scene's own, with a folder for each case.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Run only this case, or these: the option may stand several times.
+        /// Name of a case to run, in place of all cases; may be repeated.
         #[arg(long = "case", value_name = "NAME")]
         cases: Vec<String>,
-        /// The duration of every case (s), in place of the scene's.
+        /// Duration of every case (s), in place of the scene's.
         #[arg(long, value_name = "SECONDS", value_parser = seconds)]
         duration: Option<f64>,
-        /// How many cases run at once, each with its share of the cores and the memory of one.
+        /// Number of cases that run in parallel; the cores are divided among them, and their memory adds up.
         #[arg(long, value_name = "CASES", default_value = "1")]
         jobs: NonZeroUsize,
     },
-    /// Find what accuracy costs a scene: run a window of it over kernels, precisions, steps, boundaries
-    /// and what else it leaves to choose, and write the scene of the choice that meets a goal.
-    Trade(trade::Wishes),
-    /// Write one HTML page of the results of a sweep or a run; of a sweep, print what its cases say to the
-    /// conclusions of Wang, Chen & Xiao (2019) and what single choices do.
+    /// Measure cost and error of a scene's numerical options: run a window of it with different kernels, number formats,
+    /// steps, boundaries and other options, and write the scene of the combination that meets a goal.
+    Trade(trade::TradeArguments),
+    /// Write an HTML report of a sweep or a run; for a sweep, also print the test of the conclusions of Wang, Chen & Xiao
+    /// (2019) and the sensitivity to single parameters.
     Report {
-        /// The folder of the results.
+        /// Folder of the results.
         folder: PathBuf,
     },
     /// Print the JSON schema of scene files, for editors.
@@ -125,53 +123,54 @@ enum Command {
 
 #[derive(Subcommand)]
 enum Choice {
-    /// The cheapest absorbing boundary, with its predicted error and cost, and the table for the scene.
+    /// Recommend the cheapest absorbing boundary, with predicted errors and costs and its table for the scene.
     Boundary {
-        /// The scene file.
+        /// Scene file.
         scene: PathBuf,
-        /// The permitted error: of displacement and velocity, over the run, at the worst place.
+        /// Permitted relative error of displacement and velocity over the run, at the worst recorded point.
         #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = advise::share)]
         error: f64,
-        /// The case of the scene, in place of the scene itself.
+        /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
     },
-    /// How near the absorbing faces may come, with the predicted error, and the key for the scene.
+    /// Recommend the smallest box of ground, with its predicted error and its key for the scene.
     Box {
-        /// The scene file.
+        /// Scene file.
         scene: PathBuf,
-        /// The permitted error: of displacement and velocity, over the run, at the worst place.
+        /// Permitted relative error of displacement and velocity over the run, at the worst recorded point.
         #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = advise::share)]
         error: f64,
-        /// The case of the scene, in place of the scene itself.
+        /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
     },
 }
 
-/// What the exit status says, as `--help` shows it.
+/// Explanation of the exit status in `--help`.
 const EXIT_STATUS: &str = "\
 Exit status:
-  0    all is well; also if the reader of the output has gone away, as in `powerhouse run ... | head -1`
-  1    a check warns, advice finds nothing, a trade finds no run that meets the goal, or a report lacks results
-  2    refused or failed; `check`, `advise` and `schema` also if what they print cannot be written (full disk)
-  130  interrupted by Ctrl-C, SIGTERM or SIGHUP: output is complete up to there; a second signal ends at once";
+  0    success; also if the standard output was closed, as in `powerhouse run ... | head -1`
+  1    a check has warnings, no boundary or box meets the permitted error, no run of a trade study meets the goal, or a
+       report has missing results
+  2    invalid input or failed run; `check`, `advise` and `schema` also if their output cannot be written (full disk)
+  130  interrupted by Ctrl-C, SIGTERM or SIGHUP: output is complete up to then; a second signal ends at once";
 
-/// What a kill leaves behind, as `run --help` shows it.
+/// Explanation of the files of a killed run in `run --help`.
 const AFTER_A_KILL: &str = "\
-Files are written whole or not at all. Snapshots and stages are written as they come, everything else when the
-run ends: of a run that is killed (SIGKILL, power failure) snapshots and stages stay, without histories, section
-forces, energies, envelopes and pictures, and there is no summary.json that says `completed`. A run cannot go on from
-there; a sweep keeps its finished cases. Interrupt a run (Ctrl-C, SIGTERM) to have all files up to there.";
+Each file is written atomically. Snapshots and stages are written during the run, all other files at its end: a run that
+is killed (SIGKILL, power failure) leaves snapshots and stages, without histories, section forces, energies, envelopes
+and pictures, and without a summary.json that states `completed`. Such a run cannot be continued; a sweep keeps its
+finished cases. Interrupt a run (Ctrl-C, SIGTERM) to obtain all files up to then.";
 
-/// What a command ends with.
+/// Result of a command: its exit status or an error.
 type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
 
-/// The exit status of a check that warns.
+/// Exit status of a check with warnings.
 const WARNED: u8 = 1;
-/// The exit status of what is refused or fails.
+/// Exit status of an invalid input or a failed run.
 const FAILED: u8 = 2;
-/// The exit status of an interrupted run.
+/// Exit status of an interrupted run.
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
@@ -211,7 +210,7 @@ fn main() -> ExitCode {
             duration,
             jobs,
         } => sweep::sweep(&scene, out, &cases, duration, jobs),
-        Command::Trade(wishes) => trade::trade(wishes),
+        Command::Trade(arguments) => trade::trade(arguments),
         Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Schema => {
@@ -226,7 +225,7 @@ fn main() -> ExitCode {
     terminal::settle(status, only_prints)
 }
 
-/// A time that can be run: finite and above zero.
+/// Reads a duration (s), finite and above zero.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
@@ -243,7 +242,7 @@ fn read(path: &Path, case: Option<&str>) -> Result<Scene, Error> {
     }
 }
 
-/// A fault of a scene file with the lines that it points at, any other error in one line.
+/// The text of an error: for a fault of a scene file with the lines concerned, otherwise in one line.
 fn explain(error: &(dyn std::error::Error + 'static)) -> String {
     let own = match error.downcast_ref::<StudyError>() {
         Some(StudyError::Scene(error)) => Some(error),

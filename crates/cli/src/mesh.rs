@@ -9,13 +9,14 @@ use powerhouse_study::bay::Bay;
 use crate::Outcome;
 use crate::terminal::{say, say_on};
 
-/// Makes the mesh of a machine bay, tells its counts and shapes, and writes it for Gmsh and ParaView,
-/// with a picture of its section.
+/// Generates the mesh of a machine bay, prints its report, and writes it for Gmsh and ParaView with a picture of its
+/// section.
 pub(crate) fn mesh(file: &Path, out: Option<PathBuf>) -> Outcome {
     let bay = Bay::from_file(file)?.mesh()?;
     say_on!("{}", bay.report);
-    let named = || PathBuf::from(file.file_stem().unwrap_or("bay".as_ref())).with_extension("msh");
-    let gmsh = out.unwrap_or_else(named);
+    let default =
+        || PathBuf::from(file.file_stem().unwrap_or("bay".as_ref())).with_extension("msh");
+    let gmsh = out.unwrap_or_else(default);
     let (vtu, picture) = (gmsh.with_extension("vtu"), gmsh.with_extension("png"));
     write_gmsh(&gmsh, &bay.mesh)?;
     let numbers = bay.part_numbers()?;

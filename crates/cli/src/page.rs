@@ -10,13 +10,13 @@ use powerhouse_study::{
 use crate::terminal::say;
 use crate::{Outcome, WARNED};
 
-/// Writes the page of a folder of results; of a sweep it also prints what became of the conclusions of the
-/// paper, and what single choices do. The exit status is 1 if cases or files are missing.
+/// Writes the report of a result folder; for a sweep also prints the test of the conclusions of the paper and the
+/// sensitivity to single parameters. The exit status is 1 if cases or files are missing.
 pub(crate) fn page(folder: &Path) -> Outcome {
     say!("{}", write_report(folder)?.display());
     let outcomes = read_outcomes(folder)?;
     let claims = conclusions(&outcomes);
-    // Of a sweep of something else there is nothing to say.
+    // A sweep of another scene has none of the paper's cases.
     let is_open = |claim: &Conclusion| matches!(claim.verdict, Verdict::Missing(_));
     if !claims.iter().all(is_open) {
         claims.iter().for_each(|claim| say!("{claim}"));
@@ -25,14 +25,14 @@ pub(crate) fn page(folder: &Path) -> Outcome {
         let figures = found.figures.iter().map(ToString::to_string);
         let figures: Vec<String> = figures.collect();
         say!(
-            "sensitivity.{} = {}, against {}: {}",
+            "sensitivity.{} = {}, compared with {}: {}",
             found.case,
             found.varies,
             found.base,
             figures.join("; ")
         );
     }
-    // The page has them too; who only looks at the status must not take it for a whole one.
+    // Printed, too, so that an incomplete report is noticed without reading the page.
     let gaps = report_gaps(folder)?;
     for gap in &gaps {
         say!("warning: {gap}");

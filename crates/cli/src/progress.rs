@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, a line now and then elsewhere.
+//! Progress display: a bar on a terminal, lines at intervals elsewhere.
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -8,15 +8,15 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
 use powerhouse::engine::{Progress, StaticProgress};
 
-/// The bar is drawn anew after so many steps, and the clock looked at.
+/// Number of steps between updates of the display.
 const STEPS_PER_TICK: u64 = 32;
-/// Least time between lines where there is no terminal, and what it is of the time since the start: a run of
-/// hours has some hundred lines.
+/// Least time between lines without a terminal, and inverse of its least share of the time since the start, so that a
+/// run of hours has some hundred lines.
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 const SHARE_BETWEEN_LINES: u32 = 20;
 const TEMPLATE: &str = "{prefix} {bar:32} {percent:>3} %  {msg}  {per_sec}  {eta} left";
 
-/// Shows on the error stream how far a run is, with its rate and the time that is left.
+/// Progress of a run on the error stream, with its rate and the remaining time.
 pub(crate) enum Display {
     Bar(ProgressBar),
     Lines(String),
@@ -27,7 +27,7 @@ impl Display {
         Self::among(&MultiProgress::new(), prefix)
     }
 
-    /// One of several at a time.
+    /// One of several simultaneous displays.
     pub(crate) fn among(bars: &MultiProgress, prefix: &str) -> Self {
         if !std::io::stderr().is_terminal() {
             return Self::Lines(prefix.into());
@@ -35,12 +35,12 @@ impl Display {
         let bar = bars.add(ProgressBar::new(0).with_prefix(prefix.to_owned()));
         Self::Bar(match ProgressStyle::with_template(TEMPLATE) {
             Ok(style) => bar.with_style(style),
-            // Only a fault of the template itself leads here; the plain bar tells the same.
+            // Only an invalid template leads here; the plain bar shows the same.
             Err(_) => bar,
         })
     }
 
-    /// Moves with a run.
+    /// The progress hook of a run.
     pub(crate) fn hook(&self) -> ProgressHook<'static> {
         match self {
             Self::Bar(bar) => {
@@ -54,17 +54,17 @@ impl Display {
                 })
             }
             Self::Lines(prefix) => {
-                let (prefix, mut beat) = (prefix.clone(), Beat::start());
+                let (prefix, mut timer) = (prefix.clone(), LineTimer::start());
                 Box::new(move |progress| {
-                    if is_tick(&progress) && beat.is_due() {
-                        warn_aside!("{}", line(&prefix, &progress, beat.started.elapsed()));
+                    if is_tick(&progress) && timer.is_due() {
+                        warn_aside!("{}", line(&prefix, &progress, timer.started.elapsed()));
                     }
                 })
             }
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(crate) fn clear(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
@@ -72,30 +72,30 @@ impl Display {
     }
 }
 
-/// Shows on the error stream how far the static solution of a stage is.
-pub(crate) struct Resting {
+/// Progress of the static solution of a stage on the error stream.
+pub(crate) struct StaticDisplay {
     prefix: String,
     bars: MultiProgress,
-    /// On a terminal, while a stage goes on.
+    /// The bar on a terminal during a stage.
     bar: Option<ProgressBar>,
-    beat: Beat,
+    timer: LineTimer,
 }
 
-impl Resting {
-    /// One among other bars; the prefix tells cases side by side apart, and may be empty.
+impl StaticDisplay {
+    /// A display among other bars; the prefix distinguishes parallel cases and may be empty.
     pub(crate) fn among(bars: &MultiProgress, prefix: &str) -> Self {
         Self {
             prefix: prefix.into(),
             bars: bars.clone(),
             bar: None,
-            beat: Beat::start(),
+            timer: LineTimer::start(),
         }
     }
 
-    /// Tells how far a stage is.
-    pub(crate) fn tell(&mut self, stage: &str, now: &StaticProgress) {
+    /// Updates the display of a stage.
+    pub(crate) fn update(&mut self, stage: &str, now: &StaticProgress) {
         let text = format!(
-            "{}stage '{stage}': {:.1} % of its load, iteration {}, {:.1e} out of balance",
+            "{}stage '{stage}': {:.1} % of its load, correction {}, residual {:.1e} of the load",
             self.prefix,
             100.0 * now.share,
             now.correction,
@@ -106,12 +106,12 @@ impl Resting {
             let bar = self.bar.get_or_insert_with(new);
             bar.set_message(text);
             bar.tick();
-        } else if self.beat.is_due() {
+        } else if self.timer.is_due() {
             warn_aside!("{text}");
         }
     }
 
-    /// Takes the bar away until another stage tells.
+    /// Removes the bar until the next update.
     pub(crate) fn clear(&mut self) {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
@@ -119,19 +119,19 @@ impl Resting {
     }
 }
 
-impl Drop for Resting {
+impl Drop for StaticDisplay {
     fn drop(&mut self) {
         self.clear();
     }
 }
 
-/// Says when the next line is due.
-struct Beat {
+/// Timer of the lines.
+struct LineTimer {
     started: Instant,
     next: Duration,
 }
 
-impl Beat {
+impl LineTimer {
     fn start() -> Self {
         Self {
             started: Instant::now(),

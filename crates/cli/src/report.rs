@@ -1,4 +1,4 @@
-//! What is printed.
+//! Printed reports.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,10 +7,12 @@ use crate::terminal::say;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh};
 use powerhouse::{
-    CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic, together,
+    CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic,
+    merge_messages,
 };
 use powerhouse_study::{CheckReport, FreeFieldReport, PointError, StaticCost, Warning};
 
+/// Prints size, remarks, warnings and stable step of a simulation before its run.
 pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
     let mesh = simulation.mesh().clone();
     say!("{}", simulation.title());
@@ -19,10 +21,10 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
         mesh.node_count(),
         mesh.element_count()
     );
-    // Some remarks need the step.
+    // Some remarks are made only when the step is known.
     simulation.step()?;
     remarks(simulation.remarks());
-    for warning in together(warnings.iter().map(Warning::doubt)) {
+    for warning in merge_messages(warnings.iter().map(Warning::message)) {
         say!("warning: {}", warning.text);
     }
     let stable = simulation.stable_step()?;
@@ -30,20 +32,22 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
     Ok(())
 }
 
+/// Prints remarks, then those with the rank of warnings.
 fn remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) {
-    let (doubts, facts): (Vec<&Remark>, Vec<&Remark>) =
+    let (warnings, facts): (Vec<&Remark>, Vec<&Remark>) =
         remarks.into_iter().partition(|remark| remark.is_warning());
-    for fact in together(facts.into_iter().map(Remark::doubt)) {
+    for fact in merge_messages(facts.into_iter().map(Remark::message)) {
         say!("{}", fact.text);
     }
-    for doubt in together(doubts.into_iter().map(Remark::doubt)) {
-        say!("warning: {}", doubt.text);
+    for warning in merge_messages(warnings.into_iter().map(Remark::message)) {
+        say!("warning: {}", warning.text);
     }
 }
 
+/// Prints the time step and the limit of the stable step.
 fn step(stable: &StableStep, step: f64) {
     say!(
-        "step {step:.4e} s; stable up to {:.4e} s, limited by the {} of element {} in '{}' ({} alike)",
+        "step {step:.4e} s; stable up to {:.4e} s, limited by the {} of element {} in '{}' ({} elements with a similar limit)",
         stable.step,
         match stable.term {
             LimitingTerm::Stiffness => "size and stiffness",
@@ -55,27 +59,29 @@ fn step(stable: &StableStep, step: f64) {
     );
     if let Some(next) = stable.next_set_bound {
         say!(
-            "without its worst elements in '{}' the step could grow {:.2} times",
+            "without the limiting elements in '{}' the step could be {:.2} times as long",
             stable.set,
             next / stable.element_bound
         );
     }
 }
 
+/// Prints the report of a free-field check.
 pub(crate) fn free_field(report: &FreeFieldReport) {
     let [x, y, z] = report.cells;
     say!(
-        "free field without the structure: {x} x {y} x {z} bricks, step {:.3e} s, {:.2} s computed",
+        "free field without the structure: {x} x {y} x {z} hexahedra, step {:.3e} s, {:.2} s computed",
         report.step,
         report.window
     );
     errors(&report.points);
     if let Some(points) = &report.damped {
-        say!("the same with the damping of the ground, which the free field does not have:");
+        say!("with the damping of the ground, which the free field does not have:");
         errors(points);
     }
 }
 
+/// Prints the errors at the points of a free-field check.
 fn errors(points: &[PointError]) {
     for point in points {
         let p = point.position;
@@ -91,13 +97,14 @@ fn errors(points: &[PointError]) {
     }
 }
 
+/// Prints the report of a check.
 pub(crate) fn check(report: &CheckReport) {
     let quality = &report.quality;
     say!("{}", report.title);
     say!("\nmesh");
     say!("  {} nodes, {} elements", report.nodes, report.elements);
     say!(
-        "  edges {:.3} to {:.3} m, longest to shortest in one element at most {:.2}",
+        "  edges {:.3} to {:.3} m, aspect ratio of an element at most {:.2}",
         quality.shortest_edge,
         quality.longest_edge,
         quality.largest_aspect
@@ -107,10 +114,10 @@ pub(crate) fn check(report: &CheckReport) {
         quality.least_scaled_jacobian,
         quality.worst_element
     );
-    say!("\nfrequencies carried with ten elements per wavelength of shear waves");
+    say!("\nresolved frequencies, with ten elements per shear wavelength");
     for part in &report.resolution {
         say!(
-            "  {:<16} {:>7.2} Hz  ({:.0} m/s, edges up to {:.2} m)",
+            "  {:<16} {:>7.2} Hz  (shear wave speed {:.0} m/s, edges up to {:.2} m)",
             part.set,
             part.frequency,
             part.s_speed,
@@ -123,7 +130,7 @@ pub(crate) fn check(report: &CheckReport) {
     for joint in &report.joints {
         let [first, second] = joint.worst_nodes;
         say!(
-            "  {:<16} {}, {} pairs on {:.2} m2, nodes at most {:.2e} m apart ({first} and {second})",
+            "  {:<16} {}, {} node pairs on {:.2} m2, paired nodes at most {:.2e} m apart ({first} and {second})",
             joint.name,
             joint.law,
             joint.pairs,
@@ -131,7 +138,7 @@ pub(crate) fn check(report: &CheckReport) {
             joint.worst_gap
         );
         say!(
-            "  {:<16} edges from {:.3} m on: slip and opening are small up to about {:.3} m",
+            "  {:<16} shortest edge {:.3} m: slip and opening are small up to about {:.3} m",
             "",
             joint.shortest_edge,
             Results::SMALL_SLIP * joint.shortest_edge
@@ -150,7 +157,7 @@ pub(crate) fn check(report: &CheckReport) {
     let cost = &report.cost;
     step(&report.stable, cost.step);
     say!(
-        "{} steps, about {} of wall time",
+        "{} steps, about {} wall time",
         cost.steps,
         duration(cost.wall_time)
     );
@@ -158,10 +165,13 @@ pub(crate) fn check(report: &CheckReport) {
         static_cost(stages);
     }
     if let Some(time) = cost.self_check {
-        say!("about {} before it to check the free field", duration(time));
+        say!(
+            "about {} wall time for the free-field check before the run",
+            duration(time)
+        );
     }
     say!(
-        "about {} of memory, at most {} of files",
+        "about {} memory, at most {} of result files",
         bytes(cost.memory),
         bytes(cost.output)
     );
@@ -169,12 +179,15 @@ pub(crate) fn check(report: &CheckReport) {
         say!("{format}");
     }
     if !report.savings.is_empty() {
-        say!("\nwhat would save most");
+        say!("\nchanges that save most");
     }
     for saving in &report.savings {
         say!("  {saving}");
     }
-    let warnings = together(report.warnings.iter().map(Warning::doubt));
+    for change in &report.refused {
+        say!("  {change}");
+    }
+    let warnings = merge_messages(report.warnings.iter().map(Warning::message));
     match warnings.len() {
         0 => say!("\nno warnings"),
         count => say!("\n{count} warning(s)"),
@@ -184,72 +197,72 @@ pub(crate) fn check(report: &CheckReport) {
     }
 }
 
-/// What stages will cost.
+/// Prints the predicted cost of the stages.
 fn static_cost(stages: &StaticCost) {
     let (time, taken) = (duration(stages.wall_time), stages.timed);
     if stages.uncertainty > 1.0 {
         say!(
-            "about {time} before it for the stages, within a factor of {} ({} corrections expected, of which {taken} were timed)",
+            "about {time} wall time for the stages before the run, within a factor of {} ({} corrections predicted, {taken} of them timed)",
             stages.uncertainty,
             stages.corrections
         );
     } else {
-        say!("{time} before it for the stages, which took {taken} corrections");
+        say!("{time} wall time for the stages before the run, which took {taken} corrections");
     }
     for stage in &stages.unknown {
-        say!("  without '{stage}', whose relaxation takes an unknown number of steps");
+        say!("  without '{stage}', whose dynamic relaxation takes an unknown number of steps");
     }
-    say!("about {} of memory meanwhile", bytes(stages.memory));
+    say!("about {} memory during the stages", bytes(stages.memory));
 }
 
-/// The stages before a run.
+/// Prints the stages before a run.
 fn stages(stages: &[StageOverview]) {
     if !stages.is_empty() {
         say!("\nstages");
     }
     for stage in stages {
-        let mut does = Vec::new();
+        let mut actions = Vec::new();
         let mut count = |number: usize, what: &str| {
             if number > 0 {
-                does.push(format!("{number} {what}"));
+                actions.push(format!("{number} {what}"));
             }
         };
         count(stage.excavated, "elements excavated");
         count(stage.cast, "elements cast");
         count(stage.supports, "supports");
         count(stage.loads, "loads");
-        count(stage.removed_loads, "loads taken off");
+        count(stage.removed_loads, "loads removed");
         for (name, number) in &stage.bolts {
             count(*number, &format!("bolts of '{name}'"));
         }
         for (set, law) in &stage.materials {
-            does.push(format!("'{set}' of another material ({law})"));
+            actions.push(format!("new material of '{set}' ({law})"));
         }
-        does.extend(stage.tied.iter().map(|joint| format!("'{joint}' tied")));
-        does.extend(
+        actions.extend(stage.tied.iter().map(|joint| format!("'{joint}' tied")));
+        actions.extend(
             stage
                 .bonded
                 .iter()
-                .map(|joint| format!("'{joint}' bonded anew")),
+                .map(|joint| format!("bond of '{joint}' renewed")),
         );
         if stage.options.release < 1.0 {
-            does.push(format!("{} % released", 100.0 * stage.options.release));
+            actions.push(format!("{} % released", 100.0 * stage.options.release));
         }
         if stage.options.increments > 1 {
-            does.push(format!("{} increments", stage.options.increments));
+            actions.push(format!("{} increments", stage.options.increments));
         }
-        if does.is_empty() {
-            does.push("comes to rest".into());
+        if actions.is_empty() {
+            actions.push("static equilibrium".into());
         }
-        say!("  {:<16} {}", stage.name, does.join(", "));
+        say!("  {:<16} {}", stage.name, actions.join(", "));
     }
 }
 
-/// What a stage came to.
+/// Prints the result of a stage.
 pub(crate) fn stage(stage: &CompletedStage) {
     let (report, solution) = (stage.report, &stage.report.solution);
     say!(
-        "stage {} of {}, '{}': {} increments, {} corrections, {:.1e} of the load out of balance, moved by {:.3e} m at node {}",
+        "stage {} of {}, '{}': {} increments, {} corrections, residual {:.1e} of the load, largest displacement {:.3e} m at node {}",
         stage.index + 1,
         stage.count,
         report.name,
@@ -261,7 +274,7 @@ pub(crate) fn stage(stage: &CompletedStage) {
     );
 }
 
-/// How a run ended.
+/// Prints how a run ended, with its wall time.
 pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
     let run = &results.run;
     let how = match &run.ended {
@@ -279,23 +292,23 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
     );
 }
 
-/// What a run found and wrote.
+/// Prints the results of a run and its files.
 pub(crate) fn results(mesh: &Mesh, results: &Results, (notes, files): (&RunNotes, &[PathBuf])) {
     say!("\npeaks\n{}", results.peaks(mesh));
-    let doubts = notes.remarks.iter().filter(|remark| remark.is_warning());
-    // Beside the figures that they are about, once more.
-    remarks(doubts.filter(|doubt| doubt.topic() == Topic::Sections));
+    let warnings = notes.remarks.iter().filter(|remark| remark.is_warning());
+    // Repeated next to the results that they concern.
+    remarks(warnings.filter(|warning| warning.topic() == Topic::Sections));
     energies(results);
     joints(mesh, results);
     bolts(results);
-    remarks(&results.doubts(mesh));
+    remarks(&results.warnings(mesh));
     say!("\nfiles");
     for file in files {
         say!("  {}", file.display());
     }
 }
 
-/// What bolts bear.
+/// Prints the bolt forces at the end.
 fn bolts(results: &Results) {
     if !results.bolts.is_empty() {
         say!("\nbolts");
@@ -304,14 +317,14 @@ fn bolts(results: &Results) {
         if let Some((bolt, force)) = forces.greatest() {
             let name = &forces.name;
             say!(
-                "  {name:<20} at most {force:.3e} N at the end, in bolt {}",
+                "  {name:<20} greatest axial force {force:.3e} N at the end, in bolt {}",
                 bolt + 1
             );
         }
     }
 }
 
-/// Final contact state and peak values of joints.
+/// Prints final contact state and peak values of the joints.
 fn joints(mesh: &Mesh, results: &Results) {
     let outcomes = &results.joint_outcomes;
     if !outcomes.is_empty() {
@@ -339,15 +352,15 @@ fn joints(mesh: &Mesh, results: &Results) {
             None => format!("none {what}"),
         };
         let most = |what: &str, (value, pair): (f64, usize)| {
-            let place = if value > 0.0 { at(pair) } else { String::new() };
-            format!("{what} {value:.3e} m {place}")
+            let location = if value > 0.0 { at(pair) } else { String::new() };
+            format!("{what} {value:.3e} m {location}")
                 .trim_end()
                 .to_owned()
         };
         say!(
             "  {:<20} {}; {}",
             outcome.name,
-            began("slid", outcome.slipped, outcome.first_slip),
+            began("slipped", outcome.slipped, outcome.first_slip),
             most("slip", outcome.slip),
         );
         say!(
@@ -357,7 +370,7 @@ fn joints(mesh: &Mesh, results: &Results) {
             most("opening", outcome.peak_opening),
         );
         say!(
-            "  {:<20} bond broken on {:.1} %, none ever on {:.1} %; friction {:.3e} J, bond {:.3e} J, impact {:.3e} J",
+            "  {:<20} bond broken on {:.1} %, never bonded on {:.1} %; friction {:.3e} J, bond {:.3e} J, impact {:.3e} J",
             "",
             100.0 * outcome.broken,
             100.0 * outcome.never_bonded,
@@ -368,7 +381,7 @@ fn joints(mesh: &Mesh, results: &Results) {
     }
     for joint in results.joints.iter().filter(|joint| joint.most_sweeps > 0) {
         say!(
-            "  pairs of '{}' that share nodes took {} sweeps at most, the last one changed motion by {:.1e} at most",
+            "  pairs of '{}' with shared nodes took at most {} sweeps, with a relative change of motion of at most {:.1e} in the last",
             joint.name,
             joint.most_sweeps,
             joint.worst_residual
@@ -376,7 +389,7 @@ fn joints(mesh: &Mesh, results: &Results) {
     }
 }
 
-/// The energies that were ever other than zero, and what the balance leaves.
+/// Prints all energies that were not always zero, and the residual of the balance.
 fn energies(results: &Results) {
     let Some(residual) = results.energy_residual() else {
         return;
@@ -396,7 +409,7 @@ fn energies(results: &Results) {
     );
 }
 
-/// A time in seconds, minutes or hours.
+/// A duration as text in seconds, minutes or hours.
 fn duration(time: Duration) -> String {
     match time.as_secs_f64() {
         s if s < 120.0 => format!("{s:.1} s"),
@@ -405,7 +418,7 @@ fn duration(time: Duration) -> String {
     }
 }
 
-/// A number of bytes.
+/// A number of bytes as text.
 fn bytes(count: u64) -> String {
     match count as f64 {
         b if b < 1e6 => format!("{:.0} kB", b / 1e3),

@@ -9,42 +9,41 @@ use powerhouse::{CompletedStage, Error, ResultFolder, RunHooks, RunNotes, StageS
 use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
-use crate::progress::{Display, Resting};
+use crate::progress::{Display, StaticDisplay};
 use crate::terminal::{say, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
-/// Tells of stages what their files hold in full, around the bars of what runs.
+/// Stage sink that prints a line per stage, shows the progress of its solution, and forwards to the writer of files.
 pub(crate) struct Stages {
     files: Box<dyn StageSink>,
     bars: MultiProgress,
-    resting: Resting,
+    display: StaticDisplay,
 }
 
 impl Stages {
-    /// The prefix tells cases side by side apart, and may be empty.
+    /// Creates the sink; the prefix distinguishes parallel cases and may be empty.
     pub(crate) fn new(files: Box<dyn StageSink>, bars: &MultiProgress, prefix: &str) -> Self {
         Self {
             files,
             bars: bars.clone(),
-            resting: Resting::among(bars, prefix),
+            display: StaticDisplay::among(bars, prefix),
         }
     }
 }
 
 impl StageSink for Stages {
     fn progress(&mut self, stage: &str, progress: StaticProgress) {
-        self.resting.tell(stage, &progress);
+        self.display.update(stage, &progress);
         self.files.progress(stage, progress);
     }
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
-        self.resting.clear();
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+        self.display.clear();
         self.bars.suspend(|| report::stage(stage));
-        self.files.at_rest(stage)
+        self.files.completed(stage)
     }
 }
 
-/// Checks the free field if the scene asks for it, runs, and writes what was found, even if the
-/// run fails on its way.
+/// Runs the free-field check if the scene requests it, runs the scene, and writes the results, also of a failed run.
 pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outcome {
     let scene = read(path, case)?;
     let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
@@ -55,14 +54,14 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         None => None,
     };
     let mut warnings = powerhouse_study::warnings(&scene)?;
-    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::is_doubtful) {
+    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::needs_warning) {
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
     report::before_run(&mut simulation, &warnings)?;
-    // All that the end of the run needs is tried before its first step.
+    // Everything that the end of the run needs is tested before its first step.
     let lock = folder.lock()?;
     if let Some(remark) = lock.remark() {
         say!("{remark}");
@@ -78,44 +77,40 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
     }
     folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    let notes = RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        warnings: warnings.iter().map(Warning::doubt).collect(),
-    };
+    let notes = RunNotes::new(simulation.remarks().to_vec())
+        .with_warnings(warnings.iter().map(Warning::message).collect());
     let bars = MultiProgress::new();
     let display = Display::among(&bars, "run");
-    let hooks = RunHooks {
-        progress: Some(display.hook()),
-        stop: Some(stop),
-        snapshots: Some(folder.snapshots(&simulation)?),
-        stages: Some(Box::new(Stages::new(
+    let hooks = RunHooks::default()
+        .with_progress(display.hook())
+        .with_stop(stop)
+        .with_snapshots(folder.snapshots(&simulation)?)
+        .with_stages(Box::new(Stages::new(
             folder.stages(&simulation)?,
             &bars,
             "",
-        ))),
-        ..RunHooks::default()
-    };
+        )));
     let outcome = simulation.run(hooks);
     display.clear();
     let (results, failure) = match outcome {
         Ok(results) => (results, None),
         Err(Error::Failed { error, results }) => (*results, Some(error)),
         Err(Error::Interrupted { stage }) => {
-            say!("interrupted in the stage '{stage}': the body has not moved");
+            say!("interrupted in the stage '{stage}': the dynamic run has not begun");
             return Ok(ExitCode::from(INTERRUPTED));
         }
         Err(error) => return Err(error.into()),
     };
     report::end_of_run(&mesh, &results);
-    let is_ours = lock.is_held();
+    let is_held = lock.is_held();
     let written = folder.write((&title, &mesh), &results, &notes, text.as_deref());
     if let (Err(_), Some(failure)) = (&written, &failure) {
-        // Both failures are told, that of the run first.
+        // Both errors are printed, that of the run first.
         warn_aside!("error: {failure}");
     }
     report::results(&mesh, &results, (&notes, &written?));
-    // After all files are there: what the run still had is not lost with the folder.
-    if !is_ours {
+    // Released after all files are written, so that no results are lost.
+    if !is_held {
         lock.release()?;
     }
     match (failure, results.run.ended) {

@@ -1,4 +1,4 @@
-//! Ctrl-C and the signals that ask a program to end.
+//! Cancellation by Ctrl-C and termination signals.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::INTERRUPTED;
 use crate::terminal::warn_aside;
 
-/// A flag that the first signal raises, so that what runs can end in order; the second signal ends
-/// the program at once.
+/// The cancellation flag, which the first signal sets so that a run ends in order; the second signal ends the program
+/// at once.
 ///
 /// # Errors
-/// If signals cannot be listened to.
+/// A signal handler that cannot be installed.
 pub(crate) fn flag() -> Result<Arc<AtomicBool>, ctrlc::Error> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = flag.clone();
@@ -18,7 +18,7 @@ pub(crate) fn flag() -> Result<Arc<AtomicBool>, ctrlc::Error> {
         if raised.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        warn_aside!("ending in order; once more to end at once");
+        warn_aside!("stopping the run and writing its results; press again to end at once");
     })?;
     Ok(flag)
 }

@@ -17,24 +17,24 @@ use crate::run::Stages;
 use crate::terminal::say;
 use crate::{INTERRUPTED, Outcome, stop};
 
-/// Tells on the terminal how a sweep goes.
+/// Progress output of a sweep on the terminal.
 #[derive(Default)]
-struct Told {
+struct SweepOutput {
     bars: MultiProgress,
-    /// By case.
+    /// Progress displays by case.
     displays: BTreeMap<String, Display>,
-    /// Whether cases run side by side.
+    /// Whether several cases run in parallel.
     several: bool,
-    /// What was warned of before.
+    /// Warnings that were printed before.
     warned: BTreeSet<String>,
 }
 
-impl Told {
+impl SweepOutput {
     /// Prints around the bars.
     fn say(&self, text: &str) {
         self.bars.suspend(|| say!("{text}"));
     }
-    /// Takes the bar of a case away.
+    /// Removes the progress bar of a case.
     fn clear(&mut self, case: &str) {
         if let Some(display) = self.displays.remove(case) {
             display.clear();
@@ -42,11 +42,11 @@ impl Told {
     }
 }
 
-impl SweepWatch for Told {
-    fn begins(&mut self, case: &str, place: usize, of: usize) {
-        self.say(&format!("case {place} of {of}: {case}"));
+impl SweepWatch for SweepOutput {
+    fn begins(&mut self, case: &str, number: usize, of: usize) {
+        self.say(&format!("case {number} of {of}: {case}"));
     }
-    fn kept(&mut self, case: &str) {
+    fn reused(&mut self, case: &str) {
         self.say(&format!("  {case}: finished before"));
     }
     fn warns(&mut self, case: &str, notes: &RunNotes, lock: Option<&str>) {
@@ -54,18 +54,20 @@ impl SweepWatch for Told {
             self.say(&format!("  {case}: {remark}"));
         }
         let remarks = notes.remarks.iter().filter(|remark| remark.is_warning());
-        let doubts = remarks.map(Remark::doubt).chain(notes.warnings.clone());
-        for doubt in doubts {
-            // Most cases of a sweep share theirs.
-            if self.warned.insert(doubt.text.clone()) {
-                self.say(&format!("  {case}: warning: {}", doubt.text));
+        let warnings = remarks.map(Remark::message).chain(notes.warnings.clone());
+        for warning in warnings {
+            // Most cases of a sweep have the same warnings.
+            if self.warned.insert(warning.text.clone()) {
+                self.say(&format!("  {case}: warning: {}", warning.text));
             }
         }
     }
     fn self_check(&mut self, case: &str, error: f64) {
-        self.say(&format!("  {case}: the free field errs by {error:.4}"));
+        self.say(&format!(
+            "  {case}: relative error {error:.4} of the free field"
+        ));
     }
-    fn at_rest(&mut self, case: &str, took: Duration) {
+    fn equilibrated(&mut self, case: &str, took: Duration) {
         self.say(&format!(
             "  {case}: stages took {:.1} s",
             took.as_secs_f64()
@@ -87,7 +89,7 @@ impl SweepWatch for Told {
     }
     fn ends(&mut self, outcome: &CaseOutcome) {
         self.clear(&outcome.name);
-        self.say(&told(outcome));
+        self.say(&summary(outcome));
     }
     fn fails(&mut self, case: &str, error: &StudyError) {
         self.clear(case);
@@ -95,21 +97,29 @@ impl SweepWatch for Told {
     }
 }
 
-/// An outcome in some lines.
-fn told(outcome: &CaseOutcome) -> String {
+/// The summary of an outcome in several lines.
+fn summary(outcome: &CaseOutcome) -> String {
     let mut text = format!(
         "  {}: {} steps of {:.4e} s in {:.1} s",
         outcome.name, outcome.steps, outcome.step, outcome.wall_time
     );
     line(
         &mut text,
-        "principal stress",
-        (&outcome.stresses, 1e-6, "MPa"),
+        &PeakLine {
+            heading: "principal stress",
+            peaks: &outcome.stresses,
+            scale: 1e-6,
+            unit: "MPa",
+        },
     );
     line(
         &mut text,
-        "relative displacement",
-        (&outcome.relative, 1e3, "mm"),
+        &PeakLine {
+            heading: "relative displacement",
+            peaks: &outcome.relative,
+            scale: 1e3,
+            unit: "mm",
+        },
     );
     for damage in &outcome.damage {
         let _ = write!(
@@ -132,18 +142,31 @@ fn told(outcome: &CaseOutcome) -> String {
     text
 }
 
-/// Adds peaks with their scale and unit in a line.
-fn line(text: &mut String, what: &str, (peaks, scale, unit): (&[Peak], f64, &str)) {
-    let peaks = peaks.iter();
-    let peaks: Vec<String> = peaks
+/// Peaks under a heading, in a unit that is `scale` times the SI unit.
+struct PeakLine<'a> {
+    heading: &'a str,
+    peaks: &'a [Peak],
+    scale: f64,
+    unit: &'a str,
+}
+
+/// Adds peaks in a line.
+fn line(text: &mut String, line: &PeakLine) {
+    let PeakLine {
+        heading,
+        scale,
+        unit,
+        ..
+    } = line;
+    let peaks: Vec<String> = (line.peaks.iter())
         .map(|peak| format!("{} {:.3}", peak.name, scale * peak.value))
         .collect();
     if !peaks.is_empty() {
-        let _ = write!(text, "\n  {what} ({unit}): {}", peaks.join(", "));
+        let _ = write!(text, "\n  {heading} ({unit}): {}", peaks.join(", "));
     }
 }
 
-/// Runs the cases of a scene.
+/// Runs the cases of a scene, a number of them in parallel.
 pub(crate) fn sweep(
     scene: &Path,
     out: Option<PathBuf>,
@@ -156,16 +179,16 @@ pub(crate) fn sweep(
         sweep = sweep.only(cases)?;
     }
     if let Some(duration) = duration {
-        sweep = sweep.lasting(duration)?;
+        sweep = sweep.with_duration(duration)?;
     }
     let sweep = sweep.side_by_side(at_once);
     let started = Instant::now();
-    let mut told = Told {
+    let mut output = SweepOutput {
         several: at_once > NonZeroUsize::MIN,
-        ..Told::default()
+        ..SweepOutput::default()
     };
-    let done = sweep.run(Some(&stop::flag()?), &mut told);
-    told.displays.values().for_each(Display::clear);
+    let done = sweep.run(Some(&stop::flag()?), &mut output);
+    output.displays.values().for_each(Display::clear);
     match done {
         Ok(outcomes) => {
             say!(
@@ -177,7 +200,7 @@ pub(crate) fn sweep(
             Ok(ExitCode::SUCCESS)
         }
         Err(StudyError::Interrupted) => {
-            say!("interrupted: what is finished stays, another sweep goes on from there");
+            say!("interrupted: finished cases are kept, and another sweep continues from there");
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(error) => Err(error.into()),

@@ -1,10 +1,10 @@
-//! The one place that writes to the standard streams.
+//! Output to the standard streams; no other module writes to them.
 //!
 //! # Why so
-//! A reader may go away while a run computes (`powerhouse run scene.toml | head -1`), and a stream may be a
-//! full disk. No text on a stream is worth a computation: what cannot be written is dropped, the files of
-//! results are written all the same, and [`settle`] says at the end what became of the output. The macros of
-//! the standard library panic instead, and are forbidden in this crate by lints.
+//! The standard output may be closed during a run (`powerhouse run scene.toml | head -1`), or its disk may be full. This
+//! must not abort a computation: text that cannot be written is dropped, the result files are written nevertheless, and
+//! [`settle`] reports lost output at the end. The macros of the standard library panic instead, and are forbidden in
+//! this crate by lints.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::FAILED;
 
-/// Why the standard output took no more, if it did not: the first reason.
+/// First error of the standard output, if there was one.
 static LOST: Mutex<Option<(ErrorKind, String)>> = Mutex::new(None);
 
 /// Writes a line to the standard output; see [`say`].
@@ -30,7 +30,7 @@ macro_rules! warn_aside {
 }
 pub(crate) use {say, say_on, warn_aside};
 
-/// Writes text to the standard output, as a line if wanted. Once it could not, nothing more is tried.
+/// Writes text to the standard output, with a line break if `line`; after an error nothing more is written.
 pub(crate) fn write_out(text: Arguments, line: bool) {
     let mut lost = LOST.lock().unwrap_or_else(PoisonError::into_inner);
     if lost.is_some() {
@@ -44,15 +44,15 @@ pub(crate) fn write_out(text: Arguments, line: bool) {
     }
 }
 
-/// Writes a line to the error stream; one that cannot be written is dropped, there is nowhere else to say
-/// it.
+/// Writes a line to the error stream; a line that cannot be written is dropped.
 pub(crate) fn aside(text: Arguments) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// The exit status of a command after all its output. A reader that went away changes nothing. Output that
-/// could not be written for another reason, such as a full disk, is said on the error stream, and fails the
-/// command if that output is its only product.
+/// The exit status of a command after all its output.
+///
+/// A closed standard output has no effect. Output that was lost for another reason, such as a full disk, is reported on
+/// the error stream, and the command fails if that output is its only product.
 pub(crate) fn settle(status: ExitCode, only_prints: bool) -> ExitCode {
     let lost = LOST.lock().unwrap_or_else(PoisonError::into_inner);
     match &*lost {

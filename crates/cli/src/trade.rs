@@ -8,53 +8,54 @@ use clap::{Args, ValueEnum};
 use powerhouse::ProgressHook;
 use powerhouse_study::StudyError;
 use powerhouse_study::trade::{
-    Goal, MeshError, Quantity, Reference, Trade, TradeCase, TradeReport, TradeWatch, Unrepeated,
+    Goal, MeshError, Quantity, Reference, SensitiveHistory, Trade, TradeCase, TradeReport,
+    TradeWatch,
 };
 
 use crate::progress::Display;
 use crate::terminal::say;
 use crate::{INTERRUPTED, Outcome, WARNED, stop};
 
-/// What is wished of a trade.
+/// Arguments of `powerhouse trade`.
 #[derive(Args)]
-pub(crate) struct Wishes {
-    /// The scene file.
+pub(crate) struct TradeArguments {
+    /// Scene file.
     scene: PathBuf,
-    /// What errors are measured against.
-    #[arg(long, value_enum, default_value_t = Against::Finest)]
-    reference: Against,
-    /// The wall time that a whole run may take, such as 2min: the most accurate choice is written.
+    /// Reference of the errors.
+    #[arg(long, value_enum, default_value_t = ReferenceArgument::Finest)]
+    reference: ReferenceArgument,
+    /// Permitted wall time of a whole run, such as 2min: the scene of the most accurate combination is written.
     #[arg(long, value_name = "TIME", value_parser = budget, conflicts_with = "error")]
     budget: Option<f64>,
-    /// The relative error that is permitted, such as 1%: the cheapest choice is written.
+    /// Permitted relative error, such as 1%: the scene of the cheapest combination is written.
     #[arg(long, value_name = "SHARE", value_parser = error)]
     error: Option<f64>,
-    /// The first seconds that are run, in place of those until half of the records has come.
+    /// Duration of the runs (s); by default they contain half of the intensity of the records.
     #[arg(long, value_name = "SECONDS", value_parser = crate::seconds)]
     window: Option<f64>,
-    /// The histories whose errors count, such as displacement,relative; all that the scene records by default.
+    /// Quantities whose errors count, such as displacement,relative; by default all that the scene records.
     #[arg(long = "of", value_name = "QUANTITY", value_parser = quantity, value_delimiter = ',')]
     quantities: Vec<Quantity>,
-    /// Count all of these histories. By default those are left out, and named, that waves larger by a
-    /// millionth change by half of the error that is asked for: no choice repeats them.
+    /// Count all histories. By default histories that change by more than half of the permitted error under waves larger
+    /// by a millionth are excluded and named, since they depend sensitively on the input.
     #[arg(long)]
     every_history: bool,
-    /// The factors that are left to choose, such as kernel,precision; the scene decides on the others.
+    /// Factors that are varied, such as kernel,precision; the others keep the scene's own level.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     factors: Vec<String>,
-    /// Run every combination of all levels, in place of those that promise most.
+    /// Run every combination of all levels, in place of the most promising ones.
     #[arg(long)]
     every_combination: bool,
-    /// Also run the reference on elements half the size, which tells the error of the mesh and takes sixteen
+    /// Also run the reference with elements of half the size, which estimates the error of the mesh and takes sixteen
     /// times as long.
     #[arg(long)]
     mesh: bool,
-    /// The folder for results, in place of `trade` in the scene's own.
+    /// Folder of the results, in place of `trade` in the scene's own.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-impl Wishes {
+impl TradeArguments {
     fn goal(&self) -> Goal {
         match (self.error, self.budget) {
             (Some(error), _) => Goal::Error(error),
@@ -65,10 +66,10 @@ impl Wishes {
 
     fn trade(self) -> Result<Trade, StudyError> {
         let reference = match self.reference {
-            Against::Finest => Reference::Finest,
-            Against::ClosedForm => Reference::ClosedForm,
+            ReferenceArgument::Finest => Reference::Finest,
+            ReferenceArgument::ClosedForm => Reference::ClosedForm,
         };
-        let mut trade = Trade::of_file(&self.scene, self.out)?.against(reference);
+        let mut trade = Trade::of_file(&self.scene, self.out)?.with_reference(reference);
         if let Some(window) = self.window {
             trade = trade.window(window);
         }
@@ -91,22 +92,22 @@ impl Wishes {
     }
 }
 
-/// What the errors of a trade are measured against.
+/// Reference of the errors of a trade study.
 #[derive(Clone, Copy, ValueEnum)]
-enum Against {
-    /// The most accurate of the runs.
+enum ReferenceArgument {
+    /// The most accurate run.
     Finest,
-    /// The field that comes in: for ground without a structure.
+    /// The incident field, for ground without a structure.
     ClosedForm,
 }
 
-/// Tells on the terminal how a trade goes.
-struct Told {
+/// Progress output of a trade study on the terminal.
+struct TradeOutput {
     display: Option<Display>,
 }
 
-impl Told {
-    /// Takes away what shows the progress of a run.
+impl TradeOutput {
+    /// Removes the progress display of a run.
     fn clear(&mut self) {
         if let Some(display) = self.display.take() {
             display.clear();
@@ -114,18 +115,18 @@ impl Told {
     }
 }
 
-impl TradeWatch for Told {
+impl TradeWatch for TradeOutput {
     fn before(&mut self, runs: usize, window: f64, at_most: Duration) {
         say!(
-            "at most {runs} runs of {window} s, {} in all, stages aside",
+            "at most {runs} runs of {window} s, together at most {} without stages",
             time(at_most.as_secs_f64())
         );
     }
-    fn begins(&mut self, name: &str, place: usize) {
+    fn begins(&mut self, name: &str, number: usize) {
         self.clear();
-        say!("run {place}: {name}");
+        say!("run {number}: {name}");
     }
-    fn kept(&mut self, _name: &str) {
+    fn reused(&mut self, _name: &str) {
         say!("  finished before");
     }
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
@@ -134,11 +135,11 @@ impl TradeWatch for Told {
         self.display = Some(display);
         Some(hook)
     }
-    fn sets_aside(&mut self, unrepeated: &[Unrepeated]) {
+    fn sensitive_histories(&mut self, sensitive: &[SensitiveHistory]) {
         self.clear();
-        match unrepeated {
-            [] => say!("  repeats all histories"),
-            several => say!("  {}", left_out(several)),
+        match sensitive {
+            [] => say!("  no history depends sensitively on the input"),
+            several => say!("  {}", excluded(several)),
         }
     }
     fn fails(&mut self, _name: &str, error: &StudyError) {
@@ -158,28 +159,28 @@ impl TradeWatch for Told {
             cost.time_of_step
         );
     }
-    fn tells_mesh(&mut self, mesh: &MeshError) {
+    fn mesh_error(&mut self, mesh: &MeshError) {
         self.clear();
         say!(
-            "  the mesh errs by about {:.2e} ({})",
+            "  estimated error of the mesh {:.2e} ({})",
             mesh.error,
             mesh.worst
         );
     }
 }
 
-/// Says which histories count nowhere, and why.
-fn left_out(unrepeated: &[Unrepeated]) -> String {
-    let named = unrepeated
+/// The line on the excluded histories, with the reason.
+fn excluded(sensitive: &[SensitiveHistory]) -> String {
+    let named = sensitive
         .iter()
         .map(|other| format!("{} {:.2} %", other.history, 100.0 * other.change));
     format!(
-        "left out, since waves larger by a millionth change them so much that no choice repeats them: {}",
+        "excluded for sensitive dependence on the input, with their changes under waves larger by a millionth: {}",
         named.collect::<Vec<String>>().join(", ")
     )
 }
 
-/// A time (s) in the unit that suits it.
+/// A duration (s) as text in a suitable unit.
 fn time(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.1} s"),
@@ -198,7 +199,7 @@ fn budget(text: &str) -> Result<f64, String> {
     positive(number, scale).ok_or_else(|| "a time such as 90s, 2min or 1.5h".into())
 }
 
-/// Reads the name of what histories are of.
+/// Reads the name of a quantity.
 fn quantity(text: &str) -> Result<Quantity, String> {
     let known = Quantity::ALL
         .into_iter()
@@ -206,7 +207,7 @@ fn quantity(text: &str) -> Result<Quantity, String> {
     known.ok_or_else(|| format!("one of {}", Quantity::ALL.map(Quantity::keyword).join(", ")))
 }
 
-/// Reads an error, such as `2%` or `0.02`.
+/// Reads a relative error, such as `2%` or `0.02`.
 fn error(text: &str) -> Result<f64, String> {
     let (number, scale) = match text.strip_suffix('%') {
         Some(number) => (number, 0.01),
@@ -220,10 +221,10 @@ fn positive(number: &str, scale: f64) -> Option<f64> {
     (value.is_finite() && value > 0.0).then_some(value)
 }
 
-/// Runs a scene over what it leaves to choose; the exit status is 1 if no run meets the goal.
-pub(crate) fn trade(wishes: Wishes) -> Outcome {
-    let goal = wishes.goal();
-    let mut trade = wishes.trade()?;
+/// Runs the trade study of a scene; the exit status is 1 if no run meets the goal.
+pub(crate) fn trade(arguments: TradeArguments) -> Outcome {
+    let goal = arguments.goal();
+    let mut trade = arguments.trade()?;
     for factor in trade.factors() {
         let names: Vec<&str> = factor
             .levels
@@ -232,31 +233,34 @@ pub(crate) fn trade(wishes: Wishes) -> Outcome {
             .collect();
         say!("{}: {}", factor.name, names.join(" | "));
     }
-    let mut told = Told { display: None };
-    let found = trade.run(goal, Some(&stop::flag()?), &mut told);
-    told.clear();
+    let mut output = TradeOutput { display: None };
+    let found = trade.run(goal, Some(&stop::flag()?), &mut output);
+    output.clear();
     match found {
         Ok(report) => {
-            tell(&report);
+            print(&report);
             Ok(if goal != Goal::Front && report.chosen.is_none() {
-                say!("no run meets what was asked for");
+                say!("no run meets the goal");
                 ExitCode::from(WARNED)
             } else {
                 ExitCode::SUCCESS
             })
         }
         Err(StudyError::Interrupted) => {
-            say!("interrupted: what is finished stays, another trade goes on from there");
+            say!(
+                "interrupted: finished runs are kept, and another trade study continues from there"
+            );
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(error) => Err(error.into()),
     }
 }
 
-fn tell(report: &TradeReport) {
-    say!("\nfront, the cheapest first");
-    for &place in &report.front {
-        let case = &report.cases[place];
+/// Prints the results of a trade study.
+fn print(report: &TradeReport) {
+    say!("\nPareto front, the cheapest first");
+    for &index in &report.front {
+        let case = &report.cases[index];
         say!(
             "  {:>9}  error {:.2e}  {:5.0} MB  {}",
             time(case.cost.wall_time()),
@@ -266,25 +270,25 @@ fn tell(report: &TradeReport) {
         );
     }
     match report.reference_error {
-        Some(error) => say!("error of the reference {error:.1e}, on this mesh"),
-        None => say!("error of the reference unknown: no other step was run"),
+        Some(error) => say!("error of the reference {error:.1e}, without that of the mesh"),
+        None => say!("error of the reference unknown: no other time step was run"),
     }
     if let Some(mesh) = &report.mesh {
         say!(
-            "error of the mesh about {:.1e} ({})",
+            "estimated error of the mesh {:.1e} ({})",
             mesh.error,
             mesh.worst
         );
     }
-    if !report.unrepeated.is_empty() {
-        say!("{}", left_out(&report.unrepeated));
+    if !report.sensitive.is_empty() {
+        say!("{}", excluded(&report.sensitive));
     }
-    if let Some(window) = report.foreseen {
+    if let Some(window) = report.partial_window {
         say!(
-            "errors are those of the first {window} s: what yields, cracks or slips later may err by more"
+            "errors are those of the first {window} s: later yielding, cracking or slip may increase them"
         );
     }
-    if let Some(case) = report.chosen.map(|place| &report.cases[place]) {
+    if let Some(case) = report.chosen.map(|index| &report.cases[index]) {
         say!("chosen: {}", case.name);
     }
     say!("\nfiles");
@@ -297,7 +301,7 @@ fn tell(report: &TradeReport) {
 mod tests {
     use super::*;
 
-    /// Budgets and errors are read with their units; what is none is refused.
+    /// Budgets and errors are read with their units; other text is an error.
     #[test]
     fn budgets_and_errors_have_units() {
         assert_eq!(budget("2min"), Ok(120.0));

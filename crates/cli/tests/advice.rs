@@ -19,25 +19,25 @@ fn advise(scene: &str, error: &str) -> Output {
         .unwrap()
 }
 
-/// Advice names a boundary with its table and status 0, or says why none is good enough with status 1;
-/// an error that is no share is refused.
+/// The advice recommends a boundary with its table and status 0, or states why none meets the permitted error with
+/// status 1; an invalid error is a usage error.
 #[test]
 fn advice_ends_with_a_table_or_a_reason() {
     let generous = advise("cavern_small.toml", "90%");
-    let told = String::from_utf8(generous.stdout).unwrap();
-    assert_eq!(generous.status.code(), Some(0), "{told}");
+    let printed = String::from_utf8(generous.stdout).unwrap();
+    assert_eq!(generous.status.code(), Some(0), "{printed}");
     for wanted in [
         "Lined cavern under El Centro",
         "SV wave at 30.0 degrees",
         "predicted by a circular opening in plane strain",
-        "named: ",
+        "recommended: ",
         "\n[boundary]\nkind = \"visco",
         "faces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]",
     ] {
-        assert!(told.contains(wanted), "{wanted}: {told}");
+        assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     let refused = advise("cavern_small.toml", "five");
     assert_eq!(refused.status.code(), Some(2));
-    let said = String::from_utf8(refused.stderr).unwrap();
-    assert!(said.contains("a share above 0 and up to 1"), "{said}");
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(message.contains("a share above 0 and up to 1"), "{message}");
 }

@@ -1,4 +1,4 @@
-//! Folders of results: one run at a time, tried before the first step, not lost in silence.
+//! Result folders: one run at a time, tested before the first step, losses reported.
 
 mod block;
 
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use block::{Block, text};
 
-/// A block that runs until it is told to end, with snapshots on its way.
+/// A block that runs until it is interrupted, with snapshots.
 fn long(name: &str) -> Block {
     Block::new(name, |scene| {
         scene
@@ -44,8 +44,8 @@ fn signal(run: &std::process::Child, signal: &str) {
     );
 }
 
-/// A second run into the folder of another one is refused before its first step and names it; the first run
-/// is not disturbed. A run that was killed hinders nobody, and is named. Status 2 and 0.
+/// A second run into the folder of a running one is an error before its first step, which names it; the first run is not
+/// disturbed. A killed run does not prevent another, which names it. Status 2 and 0.
 #[cfg(unix)]
 #[test]
 fn a_folder_has_one_run() {
@@ -62,17 +62,17 @@ fn a_folder_has_one_run() {
     first.wait_with_output().unwrap();
     assert!(!block.out().join("summary.json").exists());
     let taken = run(&other, &block.out_text());
-    let told = text(&taken.stdout);
+    let printed = text(&taken.stdout);
     assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));
     assert!(
-        told.contains("taken over from a run that ended without finishing (process"),
-        "{told}"
+        printed.contains("taken over from a run that ended without finishing (process"),
+        "{printed}"
     );
     assert!(!block.out().join(".powerhouse-lock").exists());
 }
 
-/// A folder that is removed while a run goes on is an error, status 2, that says what may be missing; what
-/// the run still holds is written there anew, and the collection of snapshots names those that are there.
+/// A folder that is removed during a run is an error, status 2, that states what may be missing; the remaining results are
+/// written there anew, and the collection of snapshots lists the existing ones.
 #[cfg(unix)]
 #[test]
 fn a_folder_that_vanishes_is_an_error() {
@@ -105,21 +105,23 @@ fn a_folder_that_vanishes_is_an_error() {
     }
 }
 
-/// What the end of a run needs is tried before its first step: a folder in the way of a file, a path that is
-/// too long for the system, and files that have no room on the disk are refused at once, status 2, and
-/// nothing is left behind.
+/// Everything that the end of a run needs is tested before its first step: a folder with the name of a file, a path that is
+/// too long for the system, and files without space on the disk are errors at once, status 2, and leave no files.
 #[test]
-fn what_the_end_needs_is_tried_first() {
+fn writing_is_tested_before_the_first_step() {
     let block = Block::new("tried", |scene| scene);
     let refused = |block: &Block, wanted: &str| {
         let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
-        let (told, errors) = (text(&ended.stdout), text(&ended.stderr));
+        let (printed, errors) = (text(&ended.stdout), text(&ended.stderr));
         assert_eq!(ended.status.code(), Some(2), "{errors}");
         assert!(errors.contains(wanted), "{errors}");
-        assert!(!told.contains("completed"), "{told}");
+        assert!(!printed.contains("completed"), "{printed}");
     };
     std::fs::create_dir_all(block.out().join("histories.csv")).unwrap();
-    refused(&block, "a folder stands where the run writes this file");
+    refused(
+        &block,
+        "there is a folder of this name, which a result file needs",
+    );
     std::fs::remove_dir(block.out().join("histories.csv")).unwrap();
     // As much as it may be before the ending of a plot.
     let name = "x".repeat(252);
@@ -145,24 +147,24 @@ fn what_the_end_needs_is_tried_first() {
     }
 }
 
-/// Everything that a run warns of is in its summary and in its report; the summary says that it is completed
-/// when all files that it names are there, and a report that misses some says so, status 1.
+/// All warnings of a run are in its summary and in its report; the summary states that the run is completed when all its
+/// files exist, and a report with missing files warns, status 1.
 #[test]
 fn warnings_and_files_are_in_summary_and_report() {
-    let block = Block::new("told", |scene| {
+    let block = Block::new("printed", |scene| {
         // A side that is forgotten, and a fast pulse on a coarse mesh.
         scene
             .replace("\"left\", \"right\", ", "\"left\", ")
             .replace("duration = 0.25 }", "duration = 0.04 }")
     });
     let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
-    let told = text(&ended.stdout);
+    let printed = text(&ended.stdout);
     assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
-    let warned: Vec<&str> = told
+    let warned: Vec<&str> = printed
         .lines()
         .filter_map(|line| line.strip_prefix("warning: "))
         .collect();
-    assert!(warned.len() >= 2, "{told}");
+    assert!(warned.len() >= 2, "{printed}");
     let read = |file: &str| std::fs::read_to_string(block.out().join(file)).unwrap();
     let summary = read("summary.json");
     let report = block.powerhouse(&["report", &block.out_text()]);
@@ -188,23 +190,22 @@ fn warnings_and_files_are_in_summary_and_report() {
     assert!(read("report.html").contains("histories.csv is gone"));
 }
 
-/// A peak that is no motion but rounding is shown as zero beside the others, in the terminal, and marked in the
-/// summary.
+/// A peak of rounding errors is printed as zero beside the others, and marked in the summary.
 #[test]
 fn rounding_is_no_peak() {
     let block = Block::new("rounding", |scene| scene);
     let ended = block.powerhouse(&["run", &block.scene(), "--out", &block.out_text()]);
-    let told = text(&ended.stdout);
+    let printed = text(&ended.stdout);
     let line = |name: &str| {
-        let mut lines = told.lines();
+        let mut lines = printed.lines();
         lines
             .find(|line| line.starts_with(name))
-            .unwrap_or_else(|| panic!("{told}"))
+            .unwrap_or_else(|| panic!("{printed}"))
     };
     // The wave travels along x: y stands still.
     assert!(
         line("inside.uy").contains(" 0 m      below rounding"),
-        "{told}"
+        "{printed}"
     );
     assert!(!line("inside.ux").contains("below rounding"));
     let summary = std::fs::read_to_string(block.out().join("summary.json")).unwrap();
@@ -215,9 +216,9 @@ fn rounding_is_no_peak() {
     );
 }
 
-/// Durations that are none are refused wherever they are given, before anything is read.
+/// Invalid durations are errors in every option, before anything is read.
 #[test]
-fn durations_are_refused() {
+fn invalid_durations_are_errors() {
     for duration in ["nan", "inf", "-1", "0", "ten"] {
         for arguments in [
             ["sweep", "none.toml", "--duration"],

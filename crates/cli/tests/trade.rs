@@ -38,30 +38,29 @@ impl Drop for Folder {
     }
 }
 
-/// A trade says what it offers and what it will cost, prints its front and writes the scene that it chose,
-/// which is one; nothing is run twice; a wish that no run grants ends with status 1, one that is none
-/// with status 2.
+/// A trade study prints its factors and its predicted cost, prints the Pareto front and writes a valid scene of the chosen
+/// run; nothing is run twice; a goal that no run meets ends with status 1, an invalid goal with status 2.
 #[test]
-fn trade_writes_the_scene_that_meets_a_wish() {
+fn trade_writes_the_scene_that_meets_a_goal() {
     let folder = Folder::new();
     let (scene, out) = (folder.path("scene.toml"), folder.path("out"));
-    let trade = |wish: &[&str]| {
+    let trade = |goal: &[&str]| {
         let fixed = ["trade", &scene, "--window", "0.15", "--out", &out];
-        powerhouse(&[&fixed, wish].concat())
+        powerhouse(&[&fixed, goal].concat())
     };
     let done = trade(&["--budget", "100h"]);
-    let (told, errors) = (text(&done.stdout), text(&done.stderr));
-    assert_eq!(done.status.code(), Some(0), "{told} {errors}");
+    let (printed, errors) = (text(&done.stdout), text(&done.stderr));
+    assert_eq!(done.status.code(), Some(0), "{printed} {errors}");
     for passage in [
         "kernel: hex8-full | hex8-full and hex8-one-point | hex8-one-point",
         "precision: f64 | mixed | f32",
         "runs of 0.15 s",
         "run 1: reference",
-        "front, the cheapest first",
+        "Pareto front, the cheapest first",
         "chosen: reference",
         "trade.svg",
     ] {
-        assert!(told.contains(passage), "{passage}: {told}");
+        assert!(printed.contains(passage), "{passage}: {printed}");
     }
     let chosen = folder.path("scene_trade.toml");
     let written = std::fs::read_to_string(&chosen).unwrap();
@@ -71,7 +70,7 @@ fn trade_writes_the_scene_that_meets_a_wish() {
 
     let again = trade(&["--error", "1e-9"]);
     assert_eq!(again.status.code(), Some(1), "{}", text(&again.stderr));
-    let told = text(&again.stdout);
-    assert!(told.contains("finished before") && told.contains("no run meets what was asked for"));
+    let printed = text(&again.stdout);
+    assert!(printed.contains("finished before") && printed.contains("no run meets the goal"));
     assert_eq!(trade(&["--error", "-2%"]).status.code(), Some(2));
 }

@@ -1,8 +1,8 @@
-//! Which pairs share nodes.
+//! Sets of pairs that share nodes.
 
 use std::collections::BTreeMap;
 
-/// The sets of nodes that pairs connect, each in rising order.
+/// Sets of nodes that pairs connect, each in rising order.
 pub(crate) fn connected_nodes(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut neighbours: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for &[i, j] in pairs {
@@ -25,17 +25,17 @@ pub(crate) fn connected_nodes(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
     groups
 }
 
-/// The places of pairs that nodes connect, in the order of their first.
+/// Indices of pairs that nodes connect, set by set, in the order of the first pair of each.
 pub(crate) fn connected_pairs(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut group_of = BTreeMap::new();
     for (group, nodes) in connected_nodes(pairs).iter().enumerate() {
         group_of.extend(nodes.iter().map(|&node| (node, group)));
     }
-    let mut place = BTreeMap::new();
+    let mut index_of = BTreeMap::new();
     let mut groups: Vec<Vec<u32>> = Vec::new();
     for (pair, [first, _]) in pairs.iter().enumerate() {
         let next = groups.len();
-        let group = *place.entry(group_of[first]).or_insert(next);
+        let group = *index_of.entry(group_of[first]).or_insert(next);
         if group == next {
             groups.push(Vec::new());
         }

@@ -3,65 +3,66 @@
 use powerhouse_model::ModelError;
 use thiserror::Error;
 
-/// A joint that cannot be made. Numbers of nodes are the user's, except where an index is said.
+/// Error in the definition of a joint. Node and element numbers are those of the mesh file, except where
+/// an index is stated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ContactError {
-    /// A tolerance that is not a positive length.
+    /// Pairing tolerance that is not a positive length.
     #[error("the pairing tolerance {tolerance} m is not a positive length")]
     Tolerance {
-        /// What was given (m).
+        /// The tolerance (m).
         tolerance: f64,
     },
-    /// A node without a counterpart on the other side.
+    /// Node without a partner on the other side.
     #[error(
         "node {node} has no partner within {tolerance:.3e} m on the other side of the joint; \
          the nearest node, {nearest}, is {distance:.3e} m away"
     )]
     NoPartner {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// The number of the nearest node of the other side.
+        /// Number of the nearest node of the other side.
         nearest: u64,
-        /// Its distance (m).
+        /// Distance of that node (m).
         distance: f64,
         /// The permitted distance (m).
         tolerance: f64,
     },
-    /// A node with more than one counterpart.
+    /// Node with more than one partner.
     #[error(
         "node {node} has two partners within {tolerance:.3e} m on the other side of the joint: \
          {first} and {second}"
     )]
     Ambiguous {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// The number of one candidate.
+        /// Number of one candidate.
         first: u64,
-        /// The number of the other.
+        /// Number of the other candidate.
         second: u64,
         /// The permitted distance (m).
         tolerance: f64,
     },
-    /// A facet without a counterpart on the other side; of several the one that is farthest off.
+    /// Facet without a partner on the other side; of several that with the farthest nearest facet.
     #[error(
         "a facet of element {element} has no partner within {tolerance:.3e} m on the other side of \
          the joint; the nearest, of element {nearest}, has its centre {distance:.3e} m away"
     )]
     Unmatched {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The number of the element with the nearest facet.
+        /// Number of the element with the nearest facet.
         nearest: u64,
         /// Distance of the centres (m).
         distance: f64,
         /// The permitted distance of corners (m).
         tolerance: f64,
     },
-    /// A side, or a list of pairs, without nodes.
+    /// Side, or list of pairs, without nodes.
     #[error("the joint has no pairs")]
     Empty,
-    /// A pair whose directions are no unit vectors at right angles, or whose area is not positive.
+    /// Pair whose directions are no unit vectors at right angles, or whose area is not positive.
     #[error(
         "the pair of the nodes with indices {first} and {second} (area {area} m2) needs a positive \
          area and unit vectors at right angles"
@@ -74,7 +75,7 @@ pub enum ContactError {
         /// The area (m2).
         area: f64,
     },
-    /// A static traction that the law does not admit.
+    /// Preload that the law does not admit.
     #[error(
         "the law does not admit the initial traction of the pair of the nodes with indices {first} \
          and {second}: {normal:.4e} Pa across the joint (positive in tension), {shear:.4e} Pa along \
@@ -90,7 +91,7 @@ pub enum ContactError {
         /// Shear traction (Pa).
         shear: f64,
     },
-    /// An initial distance that cannot be.
+    /// Initial gap that is negative, or at a pair with a bond that cannot be removed or a preload.
     #[error(
         "the pair of the nodes with indices {first} and {second} cannot have an initial gap of {gap} \
          m: it must not be negative, nor bonded or preloaded across"
@@ -100,12 +101,12 @@ pub enum ContactError {
         first: u32,
         /// Mesh index of the other.
         second: u32,
-        /// The distance (m).
+        /// The gap (m).
         gap: f64,
     },
-    /// A pair whose bond cannot be taken.
+    /// Pair without a bond that could be removed.
     #[error(
-        "the pair of the nodes with indices {first} and {second} has no bond that could be taken from it"
+        "the pair of the nodes with indices {first} and {second} has no bond that could be removed"
     )]
     NoBond {
         /// Mesh index of one node.
@@ -113,13 +114,13 @@ pub enum ContactError {
         /// Mesh index of the other.
         second: u32,
     },
-    /// Two joints of one name.
+    /// Name of two joints.
     #[error("two joints are named '{name}'")]
     SameName {
         /// The name.
         name: String,
     },
-    /// A pair of a node with itself.
+    /// Pair of a node with itself.
     #[error("the node with index {node} is paired with itself")]
     SelfPair {
         /// Mesh index of the node.
@@ -128,7 +129,7 @@ pub enum ContactError {
 }
 
 impl ContactError {
-    /// The mesh indices of the pair that it concerns, if it concerns one.
+    /// Mesh indices of the nodes of the pair that the error concerns, if any.
     pub fn pair(&self) -> Option<[u32; 2]> {
         match *self {
             Self::Pair { first, second, .. }

@@ -1,4 +1,4 @@
-//! Which node faces which.
+//! Pairing of the nodes of two sides.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,22 +6,21 @@ use powerhouse_model::{Mesh, Vec3};
 
 use crate::ContactError;
 
-/// The node pairs of a joint.
+/// Node pairs of two sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pairing {
-    /// Mesh indices, the first side's node first; in the order of the first side.
+    /// Mesh indices of each pair, the node of the first side first; in the order of the first side.
     pub pairs: Vec<[u32; 2]>,
-    /// The largest distance between the nodes of a pair (m).
+    /// Largest distance between the nodes of a pair (m).
     pub worst_gap: f64,
-    /// The pair with that distance.
+    /// Pair with that distance (mesh indices).
     pub worst_pair: [u32; 2],
 }
 
-/// Pairs each node of one side with the node of the other side at the same place.
+/// Pairs each node of one side (mesh indices) with the coincident node of the other side.
 ///
 /// `tolerance` (m) bounds the distance of a pair. Both sides must pair completely: a node left
-/// over would be a hole in the joint. A node that stands on both sides (the tip of a joint) is
-/// one node already and makes no pair.
+/// over would be a hole in the joint. A node of both sides (the tip of a joint) makes no pair.
 ///
 /// # Errors
 /// [`ContactError::NoPartner`], [`ContactError::Ambiguous`], [`ContactError::Empty`] or
@@ -58,14 +57,14 @@ pub fn pair_nodes(
     })
 }
 
-/// The nodes that do not also stand on the other side.
+/// Nodes that are not on the other side too.
 fn without(nodes: &[u32], other: &[u32]) -> Vec<u32> {
     let other: HashSet<u32> = other.iter().copied().collect();
     let own = nodes.iter().copied();
     own.filter(|node| !other.contains(node)).collect()
 }
 
-/// The one candidate within the tolerance of each node.
+/// Pairs of each node with the only candidate within the tolerance.
 fn partners(
     mesh: &Mesh,
     nodes: &[u32],

@@ -1,4 +1,4 @@
-//! From the facets of a joint to its pairs.
+//! Node pairs from the facets of the two sides of a joint.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -7,33 +7,33 @@ use powerhouse_model::{Facet, FacetGeometry, JointPair, Mesh, ParameterError, Ve
 use crate::ContactError;
 use crate::pairing::neighbours;
 
-/// How the facets of the two sides become pairs.
+/// Options for making node pairs of the facets of two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceOptions {
-    /// Largest distance of nodes that face each other (m).
+    /// Largest distance between the nodes of a pair (m).
     pub tolerance: f64,
     /// Largest angle (rad) between the normals of facets that count as one smooth patch.
     ///
     /// An averaged normal tilts every facet by half the angle between neighbours, so that a share
     /// `sin(angle/2)` of the pressure acts along the facet; a pair for each facet lets neither be
-    /// left nor entered, which locks slip across the edge. The first is right for a curved face made
+    /// opened nor penetrated, which locks slip across the edge. The first is right for a curved face made
     /// of plane facets, the second for a true corner. A ring of ten facets has 36 degrees between
     /// neighbours, a corner mostly 90: the default is 40 degrees.
     pub corner_angle: f64,
 }
 
 impl SurfaceOptions {
-    /// The angle that is used unless another one is given (rad), 40 degrees.
+    /// Default of the corner angle (rad), 40 degrees.
     pub const CORNER_ANGLE: f64 = 40.0 * core::f64::consts::PI / 180.0;
 
-    /// Options with a tolerance (m).
+    /// Options with a tolerance (m) and the default corner angle.
     ///
     /// # Errors
     /// A tolerance that is not positive.
     pub fn within(tolerance: f64) -> Result<Self, ParameterError> {
         Self::new(tolerance, Self::CORNER_ANGLE)
     }
-    /// Options with a tolerance (m) and an angle (rad) between 0 and a right angle.
+    /// Options with a tolerance (m) and a corner angle (rad) between 0 and a right angle.
     ///
     /// # Errors
     /// Whichever is out of range.
@@ -48,33 +48,33 @@ impl SurfaceOptions {
     }
 }
 
-/// A facet of a joint.
+/// Facet of a joint with the pairs at its corners.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFacet {
-    /// The facet as a side of the first part.
+    /// The facet as a face of an element of the first side.
     pub first: Facet,
-    /// Its nodes (mesh indices), counter-clockwise seen from the second side.
+    /// Nodes of the facet (mesh indices), counter-clockwise seen from the second side.
     pub nodes: Vec<u32>,
-    /// The pair at each of the nodes; none at a tip, where both sides share the node.
+    /// Index of the pair at each node; none at a tip, where both sides share the node.
     pub pairs: Vec<Option<u32>>,
 }
 
-/// The two sides of a joint, matched.
+/// Matched sides of a joint: node pairs and facets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointSurface {
-    /// Pairs in rising order of their nodes. Nodes on an edge of the joint have one pair for each
+    /// Node pairs in rising order of their nodes. Nodes on an edge of the joint have one pair for each
     /// smooth patch that meets there; areas add up to that of the facets, tips left out.
     pub pairs: Vec<JointPair>,
-    /// The facets, in the order of the first side.
+    /// Facets, in the order of the first side.
     pub facets: Vec<JointFacet>,
-    /// The largest distance between the nodes of a pair (m).
+    /// Largest distance between the nodes of a pair (m).
     pub worst_gap: f64,
-    /// The user's numbers of those nodes.
+    /// Numbers of those nodes in the mesh file.
     pub worst_nodes: [u64; 2],
 }
 
 impl JointSurface {
-    /// Matches each facet of one side with the one of the other side at the same place, corner by
+    /// Matches each facet of one side with the coincident one of the other side, corner by
     /// corner, and makes pairs of their nodes: normals are those of the first side, averaged with
     /// the second, areas what the facets give to their nodes.
     ///
@@ -111,13 +111,12 @@ impl JointSurface {
         };
         let mut pair_of = HashMap::new();
         for (&nodes, corners) in &patches {
+            let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
             for (patch, (vector, area)) in corners.sums() {
                 pair_of.insert((nodes, patch), surface.pairs.len() as u32);
-                surface
-                    .pairs
-                    .push(JointPair::of_facets(nodes, vector, area));
+                let pair = JointPair::of_facets(nodes, vector, area);
+                surface.pairs.push(pair.with_position((a + b) * 0.5));
             }
-            let [a, b] = nodes.map(|node| mesh.positions()[node as usize]);
             let gap = (b - a).norm();
             if gap >= surface.worst_gap {
                 surface.worst_gap = gap;
@@ -127,14 +126,14 @@ impl JointSurface {
         if surface.pairs.is_empty() {
             return Err(ContactError::Empty);
         }
-        for (place, (facet, own)) in first.iter().zip(&own).enumerate() {
+        for (index, (facet, own)) in first.iter().zip(&own).enumerate() {
             let pairs = own
                 .nodes
                 .iter()
-                .zip(&partners[place].corners)
+                .zip(&partners[index].corners)
                 .map(|(&node, &corner)| {
-                    let nodes = [node, other[partners[place].facet].nodes[corner]];
-                    let patch = patches.get(&nodes)?.patch_of(place)?;
+                    let nodes = [node, other[partners[index].facet].nodes[corner]];
+                    let patch = patches.get(&nodes)?.patch_of(index)?;
                     pair_of.get(&(nodes, patch)).copied()
                 });
             surface.facets.push(JointFacet {
@@ -146,47 +145,47 @@ impl JointSurface {
         Ok(surface)
     }
 
-    /// The surface of a body some nodes of which move as one, as on periodic faces: pairs of the same
-    /// nodes, and of one smooth patch, are one pair of all their area. `lead` tells which of the nodes
-    /// that move as one stands for all of them.
+    /// Surface in a body some nodes of which share one motion, as on periodic faces: pairs of the same
+    /// nodes, and of one smooth patch, become one pair of the sum of their areas. `lead` returns the node
+    /// that represents all nodes of one motion (mesh indices).
     #[must_use]
     pub fn united(self, lead: impl Fn(u32) -> u32) -> Self {
         let least = SurfaceOptions::CORNER_ANGLE.cos();
         let mut kept: Vec<(JointPair, Vec<[u32; 2]>)> = Vec::with_capacity(self.pairs.len());
         let mut at: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
-        let place_of: Vec<usize> = (self.pairs.iter())
+        let index_of: Vec<usize> = (self.pairs.iter())
             .map(|pair| {
                 let nodes = pair.nodes.map(&lead);
                 let same = at.entry(nodes).or_default();
-                let along = |place: &usize| kept[*place].0.normal.dot(&pair.normal);
-                let joins = |place: &&usize| {
-                    along(place) >= least && !kept[**place].1.contains(&pair.nodes)
+                let along = |index: &usize| kept[*index].0.normal.dot(&pair.normal);
+                let joins = |index: &&usize| {
+                    along(index) >= least && !kept[**index].1.contains(&pair.nodes)
                 };
                 let found = same.iter().filter(joins);
                 match found.max_by(|a, b| along(a).total_cmp(&along(b))).copied() {
-                    Some(place) => {
-                        let (one, of) = &mut kept[place];
+                    Some(index) => {
+                        let (one, of) = &mut kept[index];
                         let vector = |pair: &JointPair| pair.normal * pair.projected_area;
                         let (sum, area) = (vector(one) + vector(pair), one.area + pair.area);
-                        *one = JointPair::of_facets(nodes, sum, area);
+                        *one = JointPair::of_facets(nodes, sum, area).with_position(one.position);
                         of.push(pair.nodes);
-                        place
+                        index
                     }
                     None => {
                         same.push(kept.len());
-                        kept.push((JointPair { nodes, ..*pair }, vec![pair.nodes]));
+                        kept.push((pair.with_nodes(nodes), vec![pair.nodes]));
                         kept.len() - 1
                     }
                 }
             })
             .collect();
         let mut order: Vec<usize> = (0..kept.len()).collect();
-        order.sort_by_key(|&place| kept[place].0.nodes);
+        order.sort_by_key(|&index| kept[index].0.nodes);
         let mut rank = vec![0; kept.len()];
         for (new, &old) in order.iter().enumerate() {
             rank[old] = new as u32;
         }
-        let renumbered = |pair: u32| rank[place_of[pair as usize]];
+        let renumbered = |pair: u32| rank[index_of[pair as usize]];
         let facets = self.facets.into_iter().map(|facet| JointFacet {
             pairs: (facet.pairs.iter())
                 .map(|pair| pair.map(renumbered))
@@ -195,16 +194,16 @@ impl JointSurface {
         });
         Self {
             facets: facets.collect(),
-            pairs: order.iter().map(|&place| kept[place].0).collect(),
+            pairs: order.iter().map(|&index| kept[index].0).collect(),
             worst_gap: self.worst_gap,
             worst_nodes: self.worst_nodes,
         }
     }
 
-    /// The shortest edge of its facets (m).
+    /// Shortest edge of its facets (m).
     ///
     /// # Panics
-    /// If it is of another mesh.
+    /// If the surface belongs to another mesh.
     pub fn shortest_edge(&self, mesh: &Mesh) -> f64 {
         let at = |node: u32| mesh.positions()[node as usize];
         let edges = self.facets.iter().flat_map(|facet| {
@@ -214,13 +213,13 @@ impl JointSurface {
         edges.fold(f64::INFINITY, f64::min)
     }
 
-    /// The area of all pairs (m2).
+    /// Area of all pairs (m2).
     pub fn area(&self) -> f64 {
         self.pairs.iter().map(|pair| pair.area).sum()
     }
 }
 
-/// The facet of the other side, and its corner at each corner.
+/// Partner of a facet: index of the facet of the other side, and its corner at each corner.
 struct Partner {
     facet: usize,
     corners: Vec<usize>,
@@ -228,7 +227,7 @@ struct Partner {
 
 type Side<'a> = (&'a [Facet], &'a [FacetGeometry]);
 
-/// The partner of each facet of the first side; those of the second side must all be taken.
+/// Partner of each facet of the first side; all facets of the second side must be partners.
 fn match_facets(
     mesh: &Mesh,
     first: Side,
@@ -255,11 +254,11 @@ fn partners(
     // Cells as wide as the tolerance: whatever is close enough lies in one of 27.
     let cell = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x / tolerance).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    for (place, candidate) in candidates.iter().enumerate() {
+    for (index, candidate) in candidates.iter().enumerate() {
         cells
             .entry(cell(&candidate.centroid))
             .or_default()
-            .push(place);
+            .push(index);
     }
     let mut partners = Vec::with_capacity(own.len());
     let mut worst: Option<ContactError> = None;
@@ -268,10 +267,10 @@ fn partners(
         let near = neighbours(cell(&geometry.centroid))
             .filter_map(|c| cells.get(&c))
             .flatten();
-        let found = near.copied().find_map(|place| {
-            let corners = corners(mesh, geometry, &candidates[place], tolerance)?;
+        let found = near.copied().find_map(|index| {
+            let corners = corners(mesh, geometry, &candidates[index], tolerance)?;
             Some(Partner {
-                facet: place,
+                facet: index,
                 corners,
             })
         });
@@ -279,7 +278,7 @@ fn partners(
             partners.push(partner);
             continue;
         }
-        let distance = |place: &usize| (candidates[*place].centroid - geometry.centroid).norm();
+        let distance = |index: &usize| (candidates[*index].centroid - geometry.centroid).norm();
         let nearest = (0..candidates.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let Some(nearest) = nearest else {
             return Err(ContactError::Empty);
@@ -298,7 +297,7 @@ fn partners(
     worst.map_or(Ok(partners), Err)
 }
 
-/// For each corner of a facet the corner of another one within the tolerance; all must be there.
+/// For each corner of a facet the corner of another one within the tolerance; none unless all have one.
 fn corners(
     mesh: &Mesh,
     facet: &FacetGeometry,
@@ -323,19 +322,19 @@ fn corners(
     Some(found)
 }
 
-/// The facets at one pair of nodes.
+/// Facets at one pair of nodes.
 #[derive(Default)]
 struct Corners {
-    /// Place of the facet, its unit normal, and what it gives to the pair.
+    /// Index of each facet, its unit normal, and its share of vector area and area (m2).
     facets: Vec<(usize, Vec3, Vec3, f64)>,
-    /// The patch of each.
+    /// Patch of each facet.
     patch: Vec<usize>,
 }
 
 impl Corners {
     fn patch_of(&self, facet: usize) -> Option<usize> {
-        let place = self.facets.iter().position(|(other, ..)| *other == facet)?;
-        Some(self.patch[place])
+        let index = self.facets.iter().position(|(other, ..)| *other == facet)?;
+        Some(self.patch[index])
     }
     /// Vector area and area (m2) of each patch.
     fn sums(&self) -> BTreeMap<usize, (Vec3, f64)> {
@@ -349,8 +348,8 @@ impl Corners {
     }
 }
 
-/// The facets at every pair of nodes, in smooth patches: those whose normals differ by no more than
-/// the angle belong together, and so do those that others connect.
+/// Facets at every pair of nodes, in smooth patches: facets whose normals differ by no more than
+/// the angle are in one patch, and so are those that others connect.
 fn patches(
     own: &[FacetGeometry],
     other: &[FacetGeometry],
@@ -358,7 +357,7 @@ fn patches(
     angle: f64,
 ) -> BTreeMap<[u32; 2], Corners> {
     let mut all: BTreeMap<[u32; 2], Corners> = BTreeMap::new();
-    for (place, (facet, partner)) in own.iter().zip(partners).enumerate() {
+    for (index, (facet, partner)) in own.iter().zip(partners).enumerate() {
         let opposite = &other[partner.facet];
         for (corner, &facing) in partner.corners.iter().enumerate() {
             let nodes = [facet.nodes[corner], opposite.nodes[facing]];
@@ -369,10 +368,10 @@ fn patches(
             let area = (facet.areas[corner] + opposite.areas[facing]) * 0.5;
             let corners = all.entry(nodes).or_default();
             corners.patch.push(corners.facets.len());
-            corners.facets.push((place, facet.normal(), vector, area));
+            corners.facets.push((index, facet.normal(), vector, area));
         }
     }
-    // Rounding does not part what lies at the angle.
+    // Rounding does not separate facets at the very angle.
     let least = angle.cos() - 1e-9;
     for Corners { facets, patch } in all.values_mut() {
         for i in 0..facets.len() {

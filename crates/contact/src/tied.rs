@@ -1,4 +1,4 @@
-//! Nodes that move as one.
+//! Ties: groups of nodes with a common motion.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use powerhouse_model::{
 use crate::ContactError;
 use crate::connected::connected_nodes;
 
-/// Holds the nodes of each pair together.
+/// Constraint that holds the nodes of each pair together.
 ///
 /// Pairs that share nodes form a group. With the effective masses `A_i` of its nodes a group
 /// takes the velocity `(sum A_i)^-1 sum A_i v_i*`, and its nodes the displacement that the same
@@ -18,24 +18,24 @@ use crate::connected::connected_nodes;
 /// (nodes that started equal stay so to the last bit), and the sum of `A_i v_i` is kept.
 ///
 /// A node held by a support in a direction (its inverse mass is zero there) holds its group; where
-/// supports hold two nodes of a group, the first one listed rules.
+/// supports hold two nodes of a group, that of the first one listed is taken.
 ///
-/// Displacements are tied, not positions: a small initial distance of a pair stays.
+/// Displacements are tied, not positions: a small initial distance of a pair remains.
 #[derive(Clone, Debug)]
 pub struct TiedPairs {
     name: String,
     nodes: Vec<u32>,
-    /// Positions in `nodes`, group after group.
+    /// Indices in `nodes`, group after group.
     members: Vec<u32>,
-    /// Where each group ends in `members`.
+    /// End of each group in `members`.
     ends: Vec<u32>,
 }
 
 impl TiedPairs {
-    /// Ties the nodes of each pair (mesh indices), and all nodes that pairs connect.
+    /// Ties between the nodes of each pair (mesh indices), and so between all nodes that pairs connect.
     ///
     /// # Errors
-    /// [`ContactError::Empty`] or [`ContactError::SelfPair`], as the refusal of a model's part.
+    /// [`ContactError::Empty`] or [`ContactError::SelfPair`], as a [`ModelError::Refused`].
     pub fn new(name: impl Into<String>, pairs: &[[u32; 2]]) -> Result<Self, ModelError> {
         if pairs.is_empty() {
             return Err(ContactError::Empty.into());
@@ -46,8 +46,8 @@ impl TiedPairs {
         let groups = connected_nodes(pairs);
         let mut nodes: Vec<u32> = groups.iter().flatten().copied().collect();
         nodes.sort_unstable();
-        let place: BTreeMap<u32, u32> = nodes.iter().copied().zip(0..).collect();
-        let members: Vec<u32> = groups.iter().flatten().map(|node| place[node]).collect();
+        let index: BTreeMap<u32, u32> = nodes.iter().copied().zip(0..).collect();
+        let members: Vec<u32> = groups.iter().flatten().map(|node| index[node]).collect();
         let ends = groups.iter().scan(0, |end, group| {
             *end += group.len() as u32;
             Some(*end)
@@ -60,7 +60,7 @@ impl TiedPairs {
         })
     }
 
-    /// How many groups of nodes move as one.
+    /// Number of groups of nodes with a common motion.
     pub fn group_count(&self) -> usize {
         self.ends.len()
     }
@@ -92,10 +92,7 @@ impl Constraint for TiedPairs {
             impact += join(&self.members[start..end as usize], &mut motion);
             start = end as usize;
         }
-        Ok(ConstraintWork {
-            impact,
-            ..ConstraintWork::default()
-        })
+        Ok(ConstraintWork::default().with_impact(impact))
     }
 }
 
@@ -146,14 +143,14 @@ fn mean_motion<B: InverseMass>(members: &[u32], motion: &PredictedMotion) -> (Ve
     (velocity, displacement)
 }
 
-/// An inverse effective mass, or a weight made of such: a matrix, or the diagonal of one.
+/// Inverse effective mass, or a weight made of such: a matrix, or the diagonal of one.
 trait InverseMass: Sized {
     fn from_matrix(matrix: &Mat3) -> Self;
     fn apply(&self, vector: &Vec3) -> Vec3;
     fn times(&self, other: &Self) -> Self;
-    /// The weights of the mean of two velocities by effective mass: with inverse masses `B1`,
+    /// Weights of the mean of two velocities by effective mass: with inverse masses `B1`,
     /// `B2` and `W = B1 + B2` they are `B2 W^-1` and `B1 W^-1`. Where neither can move the first
-    /// rules.
+    /// is taken.
     fn mean_weights(&self, other: &Self) -> [Self; 2];
 }
 
@@ -199,11 +196,11 @@ impl InverseMass for Mat3 {
     }
 }
 
-/// The work that the impulses `p_i = A_i (v_i+ - v_i*)` of a group take from the body,
+/// Work that the impulses `p_i = A_i (v_i+ - v_i*)` of a group take from the body,
 /// `-sum p_i . (v_i- + v_i+)/2` (J).
 ///
-/// The impulses add up to nothing, so motion may be taken relative to the member that is hardest
-/// to move: if a support holds it, its own impulse is not known and not needed.
+/// The impulses add up to zero, so motion may be taken relative to the member of the greatest
+/// mass: if a support holds it, its own impulse is not known and not needed.
 fn lost_energy(members: &[u32], motion: &PredictedMotion, after: impl Fn(usize) -> Vec3) -> f64 {
     let mobility = |member: &usize| motion.inverse_mass[*member].trace();
     let mean = |member: usize| 0.5 * (motion.previous[member] + after(member));
@@ -222,11 +219,10 @@ fn lost_energy(members: &[u32], motion: &PredictedMotion, after: impl Fn(usize) 
 fn is_diagonal(matrix: &Mat3) -> bool {
     [(0, 1), (1, 2), (0, 2)]
         .iter()
-        .all(|&place| matrix[place] == 0.0)
+        .all(|&entry| matrix[entry] == 0.0)
 }
 
-/// The inverse of a symmetric positive semi-definite matrix on its range, and the projector on
-/// the rest.
+/// Pseudo-inverse of a symmetric positive semi-definite matrix, and the projector on its null space.
 fn pseudo_inverse(matrix: &Mat3) -> (Mat3, Mat3) {
     // One factorisation where it can be had; only held directions need eigenvectors.
     if let Some(inverse) = matrix.try_inverse()
@@ -256,8 +252,9 @@ fn pseudo_inverse(matrix: &Mat3) -> (Mat3, Mat3) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use powerhouse_model::StepTime;
 
-    /// A group of nodes with all that a constraint sees of them.
+    /// Group of nodes with all input of a constraint.
     #[derive(Clone)]
     struct Nodes {
         displacement: Vec<Vec3>,
@@ -286,7 +283,11 @@ mod tests {
         }
         fn correct(&mut self, tie: &mut TiedPairs, step: f64) -> ConstraintWork {
             tie.correct(PredictedMotion::new(
-                (0, 0.0, step),
+                StepTime {
+                    number: 0,
+                    time: 0.0,
+                    step,
+                },
                 &self.displacement,
                 &self.previous,
                 &mut self.velocity,
@@ -311,7 +312,7 @@ mod tests {
         masses.iter().map(|&m| m * Mat3::identity()).collect()
     }
 
-    /// A mass of 2 kg whose dashpot stands at an angle.
+    /// A mass of 2 kg whose dashpot is at an angle.
     fn oblique() -> Mat3 {
         let normal = Vec3::new(1.0, 2.0, -0.5).normalize();
         2.0 * Mat3::identity() + 11.0 * normal * normal.transpose()
@@ -426,9 +427,9 @@ mod tests {
         assert_eq!(nodes.velocity, [moved; 2]);
     }
 
-    /// Two masses that meet lose `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, and the loss is booked.
+    /// Two masses that meet lose `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, and the loss is reported.
     #[test]
-    fn the_loss_of_an_impact_is_booked() {
+    fn the_loss_of_an_impact_is_reported() {
         let masses = isotropic(&[2.0, 6.0]);
         let mut nodes = Nodes::moving(&masses);
         nodes.displacement[1] = nodes.displacement[0];

@@ -1,7 +1,7 @@
-//! Loads as the engine applies them: evaluated side by side, summed in a fixed order.
+//! Applied nodal loads: evaluated in parallel, summed in a fixed order.
 //!
-//! Loads that do not change with time are evaluated, summed and written once; their work follows from
-//! the displacement when somebody asks for it. The weight of a body at rest costs its steps nothing.
+//! Constant loads are evaluated, summed and written once; their work follows from
+//! the displacement and is computed on demand, so that a constant weight costs no time per step.
 
 use powerhouse_model::{NodalLoad, Quad, Vec3};
 use rayon::prelude::*;
@@ -9,16 +9,17 @@ use rayon::prelude::*;
 use crate::gather::CHUNK;
 use crate::nodes::Storage;
 
-/// Places of forces that act on the same key (node or group), in rising order of keys and loads.
+/// Indices of the forces that act on the same key (node or group), as offsets and a flat list, in rising order of
+/// keys and loads.
 #[derive(Default)]
-struct Places {
+struct ForceTable {
     keys: Vec<u32>,
     offsets: Vec<u32>,
-    places: Vec<u32>,
+    indices: Vec<u32>,
 }
 
-impl Places {
-    /// From pairs of key and place; with `all` keys from zero to it, else those that occur.
+impl ForceTable {
+    /// From pairs of key and force index; with `all` the keys from zero to it, else those that occur.
     fn new(mut pairs: Vec<(u32, u32)>, all: Option<u32>) -> Self {
         pairs.sort_unstable();
         let keys = match all {
@@ -35,47 +36,47 @@ impl Places {
         Self {
             keys,
             offsets,
-            places: pairs.into_iter().map(|(_, place)| place).collect(),
+            indices: pairs.into_iter().map(|(_, index)| index).collect(),
         }
     }
     #[inline]
-    fn of(&self, key_place: usize) -> &[u32] {
-        &self.places[self.offsets[key_place] as usize..self.offsets[key_place + 1] as usize]
+    fn of(&self, key: usize) -> &[u32] {
+        &self.indices[self.offsets[key] as usize..self.offsets[key + 1] as usize]
     }
     #[inline]
-    fn sum(&self, key_place: usize, forces: &[Vec3]) -> Vec3 {
-        let places = self.of(key_place).iter();
-        places.fold(Vec3::zeros(), |sum, &place| sum + forces[place as usize])
+    fn sum(&self, key: usize, forces: &[Vec3]) -> Vec3 {
+        let indices = self.of(key).iter();
+        indices.fold(Vec3::zeros(), |sum, &index| sum + forces[index as usize])
     }
 }
 
-/// All loads of a model.
+/// All applied loads of a model, with the forces carried over from a static solution.
 #[derive(Default)]
 pub(crate) struct AppliedLoads {
     loads: Vec<Box<dyn NodalLoad>>,
-    /// How many of them are the model's own; boundaries bring the others.
+    /// Number of loads that do not belong to absorbing boundaries; these come first.
     own: usize,
     /// Nodal forces (N) carried over from a static solution, one per engine node; empty if there are none.
-    standing: Vec<Vec3>,
+    carried: Vec<Vec3>,
     pub(crate) sums: LoadSums,
 }
 
-/// Forces of all loads, one load behind the other, and what they act on.
+/// Forces of all loads, load by load, with the nodes and groups on which they act.
 #[derive(Default)]
 pub(crate) struct LoadSums {
     /// Engine node of each force.
     nodes: Vec<u32>,
     /// Forces (N) at the time of the last evaluation.
     forces: Vec<Vec3>,
-    /// How many forces each load has, the standing ones last.
+    /// Number of forces of each load; the carried forces count as the last load.
     lengths: Vec<usize>,
-    /// Whether these are the same at all times.
+    /// Whether each load is constant in time.
     constant: Vec<bool>,
-    plain: Places,
-    grouped: Places,
-    /// Which keys of `plain` have forces that change.
+    plain: ForceTable,
+    grouped: ForceTable,
+    /// Indices into the keys of `plain` with forces that change in time.
     changing: Vec<u32>,
-    /// Whether the forces of constant loads are known.
+    /// Whether the forces of constant loads have been evaluated.
     known: bool,
     /// Whether all sums at plain nodes have been written.
     written: bool,
@@ -98,24 +99,24 @@ impl AppliedLoads {
         Self {
             loads: loads.into_iter().map(|(load, _)| load).collect(),
             own,
-            standing: Vec::new(),
+            carried: Vec::new(),
             sums: LoadSums::new(nodes, lengths, constant, (group_of, group_count)),
         }
     }
 
-    /// Whether there are loads or forces beside them.
+    /// Whether there are loads or carried forces.
     pub(crate) fn any(&self) -> bool {
-        !(self.loads.is_empty() && self.standing.is_empty())
+        !(self.loads.is_empty() && self.carried.is_empty())
     }
 
-    /// Forces (N) that act beside the loads, one per engine node; empty if there are none.
-    pub(crate) fn standing(&self) -> &[Vec3] {
-        &self.standing
+    /// Forces (N) carried over from a static solution, one per engine node; empty if there are none.
+    pub(crate) fn carried(&self) -> &[Vec3] {
+        &self.carried
     }
 
-    /// Sets the nodal forces (N) that are carried over from a static solution, reactions and residual, and
-    /// act beside the loads from now on.
-    pub(crate) fn set_standing(
+    /// Sets the nodal forces (N) carried over from a static solution (reactions and residual), which are
+    /// applied in addition to the loads.
+    pub(crate) fn set_carried(
         &mut self,
         forces: Vec<Vec3>,
         group_of: &[Option<u32>],
@@ -135,12 +136,12 @@ impl AppliedLoads {
         lengths.push(held.len());
         let constant = core::mem::take(&mut self.sums.constant);
         self.sums = LoadSums::new(nodes, lengths, constant, (group_of, group_count));
-        self.standing = forces;
-        self.sums.put_standing(&self.standing);
+        self.carried = forces;
+        self.sums.put_carried(&self.carried);
     }
 
-    /// The model's own loads (N) at a time (s), added by engine node; neither those of boundaries nor
-    /// the standing forces.
+    /// Adds the loads (N) at a time (s) by engine node, without those of absorbing boundaries and without the
+    /// carried forces.
     pub(crate) fn add_own(&mut self, time: f64, forces: &mut [Vec3]) {
         self.evaluate(time);
         let count: usize = self.sums.lengths[..self.own].iter().sum();
@@ -150,18 +151,18 @@ impl AppliedLoads {
         }
     }
 
-    /// The loads (N) at a time (s), added by engine node, without the standing forces.
+    /// Adds the loads (N) at a time (s) by engine node, without the carried forces.
     pub(crate) fn add_all(&mut self, time: f64, forces: &mut [Vec3]) {
         self.evaluate(time);
-        let standing = self.sums.lengths.last().copied().unwrap_or(0);
-        let count = self.sums.nodes.len() - standing;
+        let carried = self.sums.lengths.last().copied().unwrap_or(0);
+        let count = self.sums.nodes.len() - carried;
         let all = self.sums.nodes[..count].iter().zip(&self.sums.forces);
         for (&node, force) in all {
             forces[node as usize] += force;
         }
     }
 
-    /// Evaluates the loads at a time (s): those that change, and the others if they are not known yet.
+    /// Evaluates the loads at a time (s): those that change in time, and at the first call the constant ones.
     pub(crate) fn evaluate(&mut self, time: f64) {
         let all = !core::mem::replace(&mut self.sums.known, true);
         let constant = &self.sums.constant;
@@ -189,13 +190,13 @@ impl LoadSums {
         (group_of, group_count): (&[Option<u32>], usize),
     ) -> Self {
         let (mut plain, mut grouped) = (Vec::new(), Vec::new());
-        for (place, &node) in nodes.iter().enumerate() {
+        for (index, &node) in nodes.iter().enumerate() {
             match group_of[node as usize] {
-                Some(group) => grouped.push((group, place as u32)),
-                None => plain.push((node, place as u32)),
+                Some(group) => grouped.push((group, index as u32)),
+                None => plain.push((node, index as u32)),
             }
         }
-        let plain = Places::new(plain, None);
+        let plain = ForceTable::new(plain, None);
         let of_load = (constant.iter().zip(&lengths))
             .flat_map(|(&constant, &length)| core::iter::repeat_n(!constant, length));
         let changes: Vec<bool> = of_load.collect();
@@ -208,19 +209,19 @@ impl LoadSums {
             lengths,
             constant,
             plain,
-            grouped: Places::new(grouped, Some(group_count as u32)),
+            grouped: ForceTable::new(grouped, Some(group_count as u32)),
             changing,
             known: false,
             written: false,
         }
     }
 
-    /// Takes over the standing forces; evaluating the loads leaves them as they are.
-    fn put_standing(&mut self, standing: &[Vec3]) {
+    /// Stores the carried forces; evaluating the loads does not change them.
+    fn put_carried(&mut self, carried: &[Vec3]) {
         let count = self.lengths.last().copied().unwrap_or(0);
         let first = self.nodes.len() - count;
         for (force, &node) in self.forces[first..].iter_mut().zip(&self.nodes[first..]) {
-            *force = standing[node as usize];
+            *force = carried[node as usize];
         }
     }
 
@@ -229,7 +230,7 @@ impl LoadSums {
         !self.plain.keys.is_empty()
     }
 
-    /// Writes the sums at plain nodes; those that stay as they are were written by the first call.
+    /// Writes the sums at plain nodes: all at the first call, then those that change in time.
     pub(crate) fn write_plain<S: Storage>(&mut self, external: &mut [Quad<S>]) {
         let every: Vec<u32>;
         let wanted = if core::mem::replace(&mut self.written, true) {
@@ -255,25 +256,24 @@ impl LoadSums {
             });
     }
 
-    /// The sum on a group (N).
+    /// The sum of forces on a group (N).
     #[inline]
     pub(crate) fn on_group(&self, group: usize) -> Vec3 {
         self.grouped.sum(group, &self.forces)
     }
 
-    /// The power (W) of the loads that change, at velocities (m/s), summed in a fixed order.
+    /// Power (W) of the time-dependent loads at velocities (m/s), summed in a fixed order.
     pub(crate) fn power(&self, velocity: impl Fn(usize) -> Vec3 + Sync) -> f64 {
         self.product(false, velocity)
     }
 
-    /// What the constant loads would do (J) over displacements (m): the difference of two of these is
-    /// their work between.
+    /// Product (J) of the constant loads with displacements (m); the difference between two times is the work of
+    /// these loads.
     pub(crate) fn potential(&self, displacement: impl Fn(usize) -> Vec3 + Sync) -> f64 {
         self.product(true, displacement)
     }
 
-    /// The product of the forces of loads that are constant, or of those that are not, with vectors at
-    /// their nodes.
+    /// Product of the forces of the constant loads, or of the time-dependent ones, with vectors at their nodes.
     fn product(&self, constant: bool, vector: impl Fn(usize) -> Vec3 + Sync) -> f64 {
         let (mut sum, mut start) = (0.0, 0);
         for (&length, &is_constant) in self.lengths.iter().zip(&self.constant) {
@@ -295,7 +295,7 @@ impl LoadSums {
     }
 }
 
-/// Cuts a buffer into consecutive pieces.
+/// Divides a buffer into consecutive parts of given lengths.
 pub(crate) fn split<'a, T>(buffer: &'a mut [T], lengths: &[usize]) -> Vec<&'a mut [T]> {
     let mut rest = buffer;
     lengths

@@ -1,73 +1,73 @@
-//! How element sets become blocks.
+//! Factories of element blocks, and their options.
 
 use powerhouse_model::{ElementBlock, ElementKind, Mesh, ModelError, Numbering};
 
-/// The number format of nodes and of element arithmetic.
+/// Number format of nodal values and element arithmetic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Nodes and elements in double precision.
+    /// Double precision of nodal values and element arithmetic.
     #[default]
     F64,
-    /// Nodes in double precision, element arithmetic in single precision on displacement
-    /// differences that are formed in double precision; double precision where the natural
-    /// frequency of an element is far above that of the body, since rounding excites such elements
+    /// Mixed precision: nodal values in double precision, element arithmetic in single precision on displacement
+    /// differences that are formed in double precision. Elements with a natural
+    /// frequency far above that of the body are computed in double precision, since rounding excites them
     /// most.
     Mixed,
-    /// Displacements of nodes in double precision as their differences, velocities and forces of nodes in
-    /// single precision, elements as in [`Mixed`](Self::Mixed).
+    /// Single precision of nodal velocities and forces; displacements and their differences in double precision, element
+    /// arithmetic as in [`Mixed`](Self::Mixed).
     F32,
 }
 
-/// How many elements are computed with at once.
+/// Number of elements computed at once by SIMD instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LaneWidth {
-    /// As many as the processor takes.
+    /// As many elements at once as the widest SIMD registers of the processor hold.
     #[default]
     Native,
-    /// One: the oracle of the wide lanes, and the reference of their bits.
+    /// One element at a time: the scalar reference of the wide lanes, with bitwise equal results.
     One,
 }
 
-/// Rayleigh damping of a set: `C = mass * M + stiffness * K0`.
+/// Rayleigh damping of an element set: `C = mass * M + stiffness * K0`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rayleigh {
-    /// Mass coefficient (1/s).
+    /// Mass-proportional coefficient (1/s).
     pub mass: f64,
-    /// Stiffness coefficient (s), on the initial stiffness.
+    /// Stiffness-proportional coefficient (s), applied to the initial elastic stiffness `K0`.
     pub stiffness: f64,
 }
 
-/// What all blocks of a set share.
+/// Options of all blocks of an element set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BlockOptions {
-    /// Number format.
+    /// Number format of nodes and elements.
     pub precision: Precision,
-    /// Elements at once.
+    /// Number of elements computed at once.
     pub lanes: LaneWidth,
-    /// Damping.
+    /// Rayleigh damping.
     pub damping: Rayleigh,
 }
 
-/// A part of a set that becomes one block.
+/// Part of an element set that forms one block: its elements and nodes.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct BlockPart<'a> {
-    /// The mesh.
+    /// The mesh of the model.
     pub mesh: &'a Mesh,
     /// Mesh indices of the part's elements, in the order of computation.
     pub elements: &'a [u32],
-    /// Engine numbers of all nodes.
+    /// Engine numbering of all nodes.
     pub numbering: &'a Numbering,
-    /// Engine numbers of the nodes that the part touches: those that it owns first, in rising
-    /// order, then those of other blocks. Forces are written in this order.
+    /// Engine numbers of the part's nodes: owned nodes first, in rising
+    /// order, then those owned by other blocks. Forces are written in this order.
     pub nodes: &'a [u32],
-    /// Whether element arithmetic is to be in double precision whatever the options say.
+    /// Whether element arithmetic is in double precision regardless of the options.
     pub double: bool,
 }
 
 impl<'a> BlockPart<'a> {
-    /// A part, for engines and tests.
+    /// A part of given elements and nodes, for engines and tests.
     pub fn new(
         mesh: &'a Mesh,
         elements: &'a [u32],
@@ -82,7 +82,7 @@ impl<'a> BlockPart<'a> {
             double: false,
         }
     }
-    /// The same with element arithmetic in double precision, if so, whatever the options say.
+    /// The same part with the flag for element arithmetic in double precision.
     #[must_use]
     pub fn in_double(mut self, double: bool) -> Self {
         self.double = double;
@@ -90,7 +90,7 @@ impl<'a> BlockPart<'a> {
     }
 }
 
-/// Factory of the blocks of one element set; implemented by engines, and by users only to wrap the factory of
+/// Factory of the element blocks of one set; implemented by engines, and by users only to wrap the factory of
 /// an engine.
 ///
 /// [`solid`](crate::solid) makes one from any kernel and law; there is no central list. A factory that wraps
@@ -111,15 +111,15 @@ impl<'a> BlockPart<'a> {
 /// }
 /// ```
 pub trait BlockFactory: Send + Sync {
-    /// The set's name.
+    /// Name of the element set.
     fn label(&self) -> &str;
-    /// The kind of element that the factory takes.
+    /// Kind of element that the factory supports.
     fn kind(&self) -> ElementKind;
-    /// What the blocks will share.
+    /// Options of all blocks.
     fn options(&self) -> BlockOptions;
-    /// Makes one block.
+    /// Builds one block.
     ///
     /// # Errors
-    /// If an element's shape does not suit the kernel, with the user's number.
+    /// If the shape of an element is invalid for the kernel or law, with the user's number of the element.
     fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError>;
 }

@@ -1,18 +1,18 @@
-//! Nodes of constraints, most of which have nothing but a mass. This is hot code.
+//! Velocity update of the nodes of constraints, most of which have a scalar mass only. This is hot code.
 
 use core::ops::Range;
 
 use powerhouse_model::{MassDampingRule, Quad, Vec3};
 
 use crate::gather::SlotTable;
-use crate::groups::Group;
+use crate::groups::NodeGroup;
 use crate::nodes::{NodalArrays, Storage};
 
-/// Nodes that are gathered at once: one value of all after the other, in loops so short that many
-/// loads are under way at a time.
+/// Nodes per tile: each quantity is gathered for all nodes of a tile in one short loop, so that many
+/// memory loads overlap.
 pub(crate) const TILE: usize = 64;
 
-/// The motion of some nodes of constraints, in their order.
+/// Displacement and velocities of some nodes of constraints, in their order.
 pub(crate) struct ConstrainedMotion<'a> {
     /// Displacement (m) at the step's start.
     pub(crate) displacement: &'a mut [Vec3],
@@ -22,12 +22,13 @@ pub(crate) struct ConstrainedMotion<'a> {
     pub(crate) next: &'a mut [Vec3],
 }
 
-/// What the kick of a node takes if it has nothing but a mass, as on the sides of a joint.
+/// Coefficients of the velocity update of a node with a scalar mass only (no dashpot, spring, support or tie),
+/// as on the sides of a joint.
 #[derive(Clone, Copy, Debug, Default)]
-struct Bare {
+struct ScalarKick {
     /// New velocity per old velocity.
     carry: f64,
-    /// Velocity per force (m/s/N); zero where there is more than a mass.
+    /// Velocity per force (m/s/N); zero at nodes that need the matrices of their group.
     response: f64,
 }
 
@@ -37,67 +38,67 @@ pub(crate) struct ConstrainedNodes {
     nodes: Vec<u32>,
     /// The first slot of each node.
     slots: Vec<u32>,
-    /// Place in its tile and slot of all further ones.
+    /// All further slots: index of the node in its tile, and slot.
     further: Vec<(u32, u32)>,
     /// Further slots of each tile.
     tiles: Vec<Range<u32>>,
-    /// What nodes with nothing but a mass need.
-    bare: Vec<Bare>,
-    /// Effective masses (kg) of those.
+    /// Coefficients of nodes with a scalar mass only.
+    scalar: Vec<ScalarKick>,
+    /// Effective masses (kg) of these nodes.
     masses: Vec<Option<f64>>,
 }
 
 impl ConstrainedNodes {
-    /// Engine nodes whose groups are the first ones.
-    pub(crate) fn new(nodes: &[u32], groups: &[Group], slots: &SlotTable) -> Self {
+    /// From the engine nodes of all constraints, whose groups are the first ones.
+    pub(crate) fn new(nodes: &[u32], groups: &[NodeGroup], slots: &SlotTable) -> Self {
         let (mut further, mut tiles) = (Vec::new(), Vec::new());
         for tile in nodes.chunks(TILE) {
             let start = further.len() as u32;
-            for (place, &node) in tile.iter().enumerate() {
+            for (index, &node) in tile.iter().enumerate() {
                 let others = &slots.of(node as usize)[1..];
-                further.extend(others.iter().map(|&slot| (place as u32, slot)));
+                further.extend(others.iter().map(|&slot| (index as u32, slot)));
             }
             tiles.push(start..further.len() as u32);
         }
         let first = nodes.iter().map(|&node| slots.of(node as usize)[0]);
         let own = groups.iter().take(nodes.len());
-        let masses = own.map(|group| group.is_bare().then_some(0.0));
+        let masses = own.map(|group| group.has_scalar_mass().then_some(0.0));
         Self {
             nodes: nodes.to_vec(),
             slots: first.collect(),
             further,
             tiles,
             masses: masses.collect(),
-            bare: vec![Bare::default(); nodes.len()],
+            scalar: vec![ScalarKick::default(); nodes.len()],
         }
     }
 
-    /// How many there are.
+    /// Number of nodes.
     pub(crate) fn count(&self) -> usize {
         self.nodes.len()
     }
 
-    /// The effective mass (kg) of a node that has nothing but a mass.
+    /// Effective mass (kg) of a node with a scalar mass only; none for other nodes.
     #[inline]
-    pub(crate) fn bare_mass(&self, group: usize) -> Option<f64> {
+    pub(crate) fn scalar_mass(&self, group: usize) -> Option<f64> {
         *self.masses.get(group)?
     }
 
-    /// Takes what depends on the step.
-    pub(crate) fn prepare(&mut self, groups: &[Group], rule: MassDampingRule, step: f64) {
-        for ((known, bare), group) in self.masses.iter_mut().zip(&mut self.bare).zip(groups) {
+    /// Computes the coefficients for a length of step (s).
+    pub(crate) fn prepare(&mut self, groups: &[NodeGroup], rule: MassDampingRule, step: f64) {
+        for ((known, scalar), group) in self.masses.iter_mut().zip(&mut self.scalar).zip(groups) {
             if let Some(known) = known {
                 let (mass, old) = group.effective_mass(rule, step);
                 let (carry, response) = (old / mass, step / mass);
-                (*known, *bare) = (mass, Bare { carry, response });
+                (*known, *scalar) = (mass, ScalarKick { carry, response });
             }
         }
     }
 
-    /// Predicts the velocity of the nodes of a tile, those with nothing but a mass from the forces on
-    /// them, the others by `kicked`, which gives the velocities before and after first. If the nodes have
-    /// `moved` by a step (s) since the last kick, with `motion.previous`, there is no need to look
-    /// where they are.
+    /// Predicts the velocity of the nodes of a tile: nodes with a scalar mass from the forces on
+    /// them, the others by `kicked`, which returns the velocities before and after first. If the nodes have
+    /// `moved` by a step (s) since the last kick with the velocity `motion.previous`, their displacement follows
+    /// from it and is not gathered.
     pub(crate) fn kick<S: Storage>(
         &self,
         (tile, moved): (usize, Option<f64>),
@@ -126,19 +127,19 @@ impl ConstrainedNodes {
             *sum = arrays.forces[slot as usize];
         }
         let further = &self.tiles[tile];
-        for &(place, slot) in &self.further[further.start as usize..further.end as usize] {
+        for &(index, slot) in &self.further[further.start as usize..further.end as usize] {
             let add = &arrays.forces[slot as usize].values;
-            let sum = &mut sums[place as usize].values;
+            let sum = &mut sums[index as usize].values;
             for c in 0..4 {
                 sum[c] = sum[c] + add[c];
             }
         }
         for i in 0..count {
             let g = start + i;
-            let bare = &self.bare[g];
-            if bare.response > 0.0 {
+            let scalar = &self.scalar[g];
+            if scalar.response > 0.0 {
                 let force = applied(g) - sums[i].to_vector();
-                motion.next[i] = motion.previous[i] * bare.carry + force * bare.response;
+                motion.next[i] = motion.previous[i] * scalar.carry + force * scalar.response;
             } else {
                 [motion.previous[i], motion.next[i], _] = kicked(g);
             }

@@ -1,4 +1,4 @@
-//! Rayleigh coefficients from what engineers know.
+//! Rayleigh coefficients from a damping ratio at two frequencies.
 
 use core::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use powerhouse_model::ParameterError;
 use crate::Rayleigh;
 
 impl Rayleigh {
-    /// The damping that has the same ratio to critical at two frequencies.
+    /// Rayleigh coefficients for a damping ratio (fraction of critical) that is the same at two frequencies (Hz).
     ///
     /// The ratio at an angular frequency `w` is `(mass / w + stiffness w) / 2` (Rayleigh 1877), so
     /// `mass = 2 ratio w1 w2 / (w1 + w2)` and `stiffness = 2 ratio / (w1 + w2)`. Between the two

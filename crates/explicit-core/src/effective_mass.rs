@@ -1,13 +1,12 @@
-//! The inverse of a mass with dashpots and springs that may far outweigh it.
+//! Inverse of the effective mass of a node with dashpots and springs, which may exceed the mass by many orders.
 
 use powerhouse_model::{Mat3, Vec3};
 
-/// The inverse of `m I + D` (1/kg) for a mass (kg) and a symmetric positive semi-definite matrix (kg).
+/// Inverse of the effective mass `m I + D` (1/kg), for a mass (kg) and a symmetric positive semi-definite matrix (kg).
 ///
-/// By the eigenvectors of `D` alone: in the sum the mass is lost to rounding where `D` far outweighs
-/// it, and an inversion by cofactors loses twice as many digits, all of them from `D/m` of about 1e8
-/// on. Eigenvalues below the rounding of the greatest are those of a dashpot along one direction:
-/// zero.
+/// It is computed from the eigenvectors of `D` alone: in the sum the mass is lost to rounding where `D` is much
+/// larger, and an inversion by cofactors loses twice as many digits, all of them from `D/m` of about 1e8
+/// on. Eigenvalues below the rounding of the greatest belong to directions without a dashpot and count as zero.
 pub(crate) fn inverse(mass: f64, added: &Mat3) -> Mat3 {
     if *added == Mat3::from_diagonal(&added.diagonal()) {
         return Mat3::from_diagonal(&added.diagonal().map(|d| 1.0 / (mass + d)));

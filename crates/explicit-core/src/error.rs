@@ -1,256 +1,261 @@
-//! What makes a model impossible to compute with.
+//! Errors of model assembly.
 
 use powerhouse_model::{ModelError, ParameterError};
 use thiserror::Error;
 
-/// A model that the engine refuses before the run. Nodes and elements are named by the user's
+/// An invalid model, refused before the run. Nodes and elements are named by the user's
 /// numbers.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EngineError {
-    /// A parameter outside its range.
+    /// A parameter outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A set that does not exist, or a mesh fault.
+    /// A set that does not exist, or a fault of the mesh.
     #[error(transparent)]
     Mesh(#[from] powerhouse_model::MeshError),
-    /// No element set was given.
+    /// A model without elements.
     #[error("the model has no elements")]
     NoElements,
-    /// An element that two sets claim.
-    #[error("element {element} is computed by both '{first}' and '{second}'")]
+    /// An element that belongs to two element sets of the model.
+    #[error("element {element} belongs to both sets '{first}' and '{second}' of the model")]
     ElementTwice {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// One set.
+        /// Name of the first set.
         first: String,
-        /// The other.
+        /// Name of the second set.
         second: String,
     },
-    /// Elements that nothing computes.
-    #[error("element {element} is computed by no set ({count} such elements)")]
+    /// Elements that belong to no element set of the model.
+    #[error("element {element} belongs to no set of the model ({count} such elements)")]
     ElementUnassigned {
-        /// The first such element's number.
+        /// Number of the first such element.
         element: u64,
-        /// How many there are.
+        /// Number of such elements.
         count: usize,
     },
-    /// An element of a kind that the set's kernel does not take.
+    /// An element of a kind that the kernel of its set does not support.
     #[error("element {element} of set '{set}' is a {found}; its kernel takes {expected}")]
     ElementKind {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// What it is.
+        /// Kind of the element.
         found: &'static str,
-        /// What the kernel takes.
+        /// Kind that the kernel supports.
         expected: &'static str,
     },
-    /// A point of an element that stands for no volume.
+    /// An integration point of an element without positive volume.
     #[error(
         "element {element} of set '{set}' has the volume {volume:.3e} m3 at an integration point"
     )]
     NoVolume {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// The point's volume (m3).
+        /// Volume of the integration point (m3).
         volume: f64,
     },
-    /// An element of a width that its law refuses.
+    /// An element with an extent outside the range that its law permits, such as a crack band width.
     #[error(
         "element {element} of set '{set}', {size:.4} m wide along its {extent} extent: {reason}"
     )]
     ElementSize {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// Along which of its extents.
+        /// The extent in question.
         extent: ElementExtent,
-        /// The element's width along it (m).
+        /// Extent of the element (m).
         size: f64,
-        /// What the law says, with the widths that it permits.
+        /// Message of the law, with the permitted range.
         reason: String,
     },
-    /// An element that leaves a node without mass.
+    /// An element with a lumped nodal mass that is not positive.
     #[error("element {element} of set '{set}' lumps the mass {mass:.3e} kg at its node {node}")]
     NoLumpedMass {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// The mass (kg).
+        /// The lumped mass (kg).
         mass: f64,
     },
-    /// A part of a set that does not list a node of its element.
-    #[error("element {element} of set '{set}' uses node {node}, which its part does not list")]
+    /// A block part whose node list lacks a node of one of its elements.
+    #[error(
+        "element {element} of set '{set}' uses node {node}, which its block part does not list"
+    )]
     UnlistedNode {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// Sets that store their nodes differently.
-    #[error("set '{first}' keeps its nodes in double precision, '{second}' in single")]
+    /// Element sets with nodes in different precision.
+    #[error(
+        "set '{first}' stores nodal values in double precision, set '{second}' in single precision"
+    )]
     MixedNodes {
-        /// A set in double precision.
+        /// Name of a set in double precision.
         first: String,
-        /// A set in single precision.
+        /// Name of a set in single precision.
         second: String,
     },
-    /// A block that names a node which does not exist.
+    /// A block with an engine node that does not exist.
     #[error("a block of set '{set}' names engine node {node}, which does not exist")]
     BlockNode {
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// The engine number.
+        /// Engine number of the node.
         node: u32,
     },
-    /// A node that no element gives mass to.
+    /// A node without positive mass.
     #[error("node {node} has mass {mass} kg; every node needs a positive, finite mass")]
     NodeWithoutMass {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// Its mass (kg).
+        /// Lumped mass of the node (kg).
         mass: f64,
     },
-    /// Something that acts on a node which does not exist.
+    /// A boundary condition, load or constraint on a node that does not exist.
     #[error("{part} acts on node index {node}; the mesh has {count} nodes")]
     UnknownNode {
-        /// What acts.
+        /// The boundary condition, load or constraint.
         part: String,
-        /// The index.
+        /// Mesh index of the node.
         node: u32,
-        /// How many nodes the mesh has.
+        /// Number of nodes of the mesh.
         count: usize,
     },
-    /// A node that something names twice.
+    /// A load or constraint that lists a node twice.
     #[error("{part} names node {node} twice")]
     NodeTwice {
-        /// What names it.
+        /// The load or constraint.
         part: String,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// A direction without length.
-    #[error("{part} has the direction ({x}, {y}, {z}), which is none")]
+    /// A direction vector of length zero, or with a component that is not finite.
+    #[error("the direction ({x}, {y}, {z}) of {part} must have a finite length above zero")]
     NoDirection {
-        /// What has it.
+        /// The boundary condition or bolt with this direction.
         part: String,
-        /// Its components.
+        /// Component along x.
         x: f64,
-        /// Its components.
+        /// Component along y.
         y: f64,
-        /// Its components.
+        /// Component along z.
         z: f64,
     },
-    /// Two conditions that contradict each other.
+    /// A prescribed motion along a direction that is already fixed or prescribed.
     #[error(
-        "node {node} has a prescribed motion in a direction that is already held or prescribed"
+        "node {node} has a prescribed motion in a direction that is already fixed or prescribed"
     )]
     SupportConflict {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// A load on both sides of a facet: a pressure cancels, a traction counts twice.
-    #[error("the loaded facets hold both sides of the face between elements {element} and {other}")]
+    /// A load on both sides of a face: a pressure cancels, a traction counts twice.
+    #[error(
+        "the loaded facets include both sides of the face between elements {element} and {other}"
+    )]
     BothSides {
-        /// The number of the element on one side.
+        /// Number of the element on one side.
         element: u64,
-        /// The number of the element on the other.
+        /// Number of the element on the other side.
         other: u64,
     },
-    /// Spring or dashpot that is not symmetric and positive semi-definite.
+    /// A boundary spring or dashpot that is not symmetric and positive semi-definite.
     #[error("the boundary {what} at node {node} is not symmetric and positive semi-definite")]
     Impedance {
         /// `spring` or `dashpot`.
         what: &'static str,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// A node that two constraints correct.
-    #[error("node {node} is corrected by both '{first}' and '{second}'")]
+    /// A node that belongs to two constraints.
+    #[error("node {node} belongs to both constraints '{first}' and '{second}'")]
     ConstrainedTwice {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// One constraint.
+        /// Name of the first constraint.
         first: String,
-        /// The other.
+        /// Name of the second constraint.
         second: String,
     },
-    /// Faces that cannot be tied as a periodic pair.
+    /// Two faces whose nodes do not match as periodic pairs.
     #[error(
         "periodic faces of {from} and {to} nodes do not match: node {node} lies {distance:.3e} m from its partner (tolerance {tolerance:.1e} m)"
     )]
     PeriodicMismatch {
-        /// Nodes of one face.
+        /// Number of nodes of the first face.
         from: usize,
-        /// Nodes of the other.
+        /// Number of nodes of the second face.
         to: usize,
-        /// The number of the node that matches worst.
+        /// Number of the node farthest from its partner.
         node: u64,
-        /// How far it is from its partner (m).
+        /// Distance of that node from its partner, after the translation (m).
         distance: f64,
-        /// The permitted distance (m).
+        /// Largest permitted distance (m).
         tolerance: f64,
     },
-    /// Tied nodes that start with different velocities.
-    #[error("node {node} is tied to node {partner} but starts with another velocity")]
+    /// Tied nodes with different initial velocities.
+    #[error("node {node} is tied to node {partner} but has another initial velocity")]
     TiedVelocity {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// Its partner's number.
+        /// Number of the node to which it is tied.
         partner: u64,
     },
-    /// A state or an initial motion of the wrong length or with numbers that are not finite.
+    /// A state or initial motion of the wrong length, or with numbers that are not finite.
     #[error(
         "the {what} has {found} entries instead of {expected}, or holds a number that is not finite"
     )]
     State {
         /// `displacement`, `velocity` or `initial stress`.
         what: &'static str,
-        /// Entries given.
+        /// Number of entries given.
         found: usize,
-        /// Entries wanted.
+        /// Number of entries required.
         expected: usize,
     },
-    /// A motion that leaves the range of numbers in single precision, in which elements are computed:
-    /// it would be lost, or become infinite.
+    /// An initial motion whose forces would underflow or overflow in single precision.
     #[error(
-        "the {what} of {largest:.3e} at most is outside [{least:e}, {most:e}], which is left in single precision once it is multiplied by moduli and areas"
+        "the largest component {largest:.3e} of the initial {what} is outside [{least:e}, {most:e}]: forces would leave the range of single precision"
     )]
     SinglePrecision {
         /// `displacement` or `velocity`.
         what: &'static str,
         /// The largest component (m or m/s).
         largest: f64,
-        /// The least permitted largest component other than zero of a body that nothing drives.
+        /// Least permitted value of the largest component, unless it is zero; 0 with loads or prescribed motion.
         least: f64,
-        /// The greatest permitted component.
+        /// Greatest permitted component.
         most: f64,
     },
-    /// A state of a joint that the model does not have, or has with other pairs.
-    #[error("the model has no joint '{name}' of {pairs} pairs, of which the state tells")]
+    /// A joint of the state that the model lacks, or has with another number of pairs.
+    #[error("the state has a joint '{name}' of {pairs} pairs, which the model does not have")]
     UnknownJoint {
-        /// The joint's name.
+        /// Name of the joint.
         name: String,
-        /// How many pairs the state tells of.
+        /// Number of its pairs in the state.
         pairs: usize,
     },
-    /// A state of a body with other elements than the model's.
-    #[error("the state lacks other elements than the model, or had others cast later")]
+    /// A state whose absent or cast elements differ from those of the model.
+    #[error("the absent or cast elements of the state differ from those of the model")]
     OtherElements,
-    /// A number of threads that the system refuses.
-    #[error("{threads} threads could not be started")]
+    /// A number of threads outside 1 to 4096, or one that the operating system cannot start.
+    #[error("{threads} threads could not be started (permitted: 1 to 4096)")]
     Threads {
-        /// How many were wanted.
+        /// Number of threads requested.
         threads: usize,
     },
 }
@@ -265,12 +270,12 @@ impl From<EngineError> for ModelError {
     }
 }
 
-/// The direction in which an element is widest or narrowest.
+/// Extent of an element: its greatest or its least one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementExtent {
-    /// The widest one.
+    /// The greatest extent.
     Greatest,
-    /// The narrowest one.
+    /// The least extent.
     Least,
 }
 

@@ -1,4 +1,4 @@
-//! The sum of the blocks' forces at nodes, in a fixed order.
+//! Assembly of nodal forces: the sum of the blocks' forces at each node, in a fixed order.
 
 use core::ops::Range;
 
@@ -6,9 +6,9 @@ use powerhouse_model::Quad;
 
 use crate::nodes::Storage;
 
-/// Nodes per unit of parallel work in a pass over nodes.
+/// Nodes per parallel task in a pass over nodes.
 pub(crate) const CHUNK: usize = 1024;
-/// Nodes that are summed at once; their sums stay in the first-level cache.
+/// Nodes per tile; the sums of a tile stay in the first-level cache.
 pub(crate) const TILE: usize = 64;
 
 /// Consecutive nodes whose first slots are consecutive too.
@@ -19,10 +19,10 @@ struct Tile {
     further: Range<u32>,
 }
 
-/// Where the forces of each node lie in the concatenated buffers of the blocks.
+/// Gather table: positions (slots) of the forces of each node in the concatenated buffers of the blocks, by tiles.
 ///
 /// The first slot of a node is that of the block which owns it; the others follow in the order of
-/// the blocks. The sum runs in that order, whatever the number of threads.
+/// the blocks. The sum is taken in that order for any number of threads.
 pub(crate) struct Gather {
     tiles: Vec<Tile>,
     /// Tiles of each chunk of nodes.
@@ -119,9 +119,9 @@ impl SlotTable {
         let mut next = offsets.clone();
         let mut slots = vec![0u32; offsets[node_count] as usize];
         for (slot, &node) in blocks.flatten().enumerate() {
-            let place = &mut next[node as usize];
-            slots[*place as usize] = slot as u32;
-            *place += 1;
+            let end = &mut next[node as usize];
+            slots[*end as usize] = slot as u32;
+            *end += 1;
         }
         Self { offsets, slots }
     }
@@ -133,7 +133,7 @@ impl SlotTable {
     pub(crate) fn of(&self, node: usize) -> &[u32] {
         &self.slots[self.offsets[node] as usize..self.offsets[node + 1] as usize]
     }
-    /// How many slots there are.
+    /// Number of slots.
     pub(crate) fn len(&self) -> usize {
         self.slots.len()
     }

@@ -1,5 +1,17 @@
-//! Constrained nodes: those with boundary impedance, supports, prescribed motion, ties or constraints, in groups
-//! that move as one.
+//! Groups of constrained nodes: nodes with boundary impedance, supports, prescribed motion, ties or constraints;
+//! the nodes of a group have one common motion.
+//!
+//! # Order of the groups
+//! Groups are stored in one list, in three consecutive ranges:
+//! 1. the nodes of constraints (joints), constraint by constraint in the order of the constraint's nodes, so that
+//!    each constraint takes its velocities as one slice; there are [`ConstrainedNodes::count`] of them;
+//! 2. all other groups in rising order of their lead nodes;
+//! 3. roller nodes (one node fixed along coordinate axes, with a mass only), in rising order.
+//!
+//! Groups of the first two ranges have their velocity updated here, before the pass over all nodes; their number is
+//! [`Groups::kicked`], which is the length of [`GroupMotion::next`] and [`GroupMotion::previous`]. Roller nodes are
+//! updated by the pass itself ([`RollerNodes`]) and have no entry there. [`GroupMotion`]'s `displacement` covers
+//! the first range, its `stretch` the second. The order is made by `GroupPlan::finish`.
 
 use core::ops::Range;
 
@@ -17,10 +29,10 @@ use crate::support::Condition;
 /// Pseudo-mass of an orphan node (one without active elements), over the least mass of a node of the model.
 const ORPHAN_MASS: f64 = 1e-12;
 
-/// What a group of nodes that move as one has. Most groups have one member.
+/// A group of nodes with one common motion: mass, impedance and boundary conditions. Most groups have one member.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Group {
-    /// Engine nodes, the lead first.
+pub(crate) struct NodeGroup {
+    /// Engine nodes; the first one is the lead, which carries the group's values in nodal vectors.
     pub(crate) members: Vec<u32>,
     /// Mass (kg).
     pub(crate) mass: f64,
@@ -30,24 +42,24 @@ pub(crate) struct Group {
     pub(crate) dashpot: Mat3,
     /// Spring to the ground (N/m).
     pub(crate) spring: Mat3,
-    /// Directions in which the motion is held or prescribed.
+    /// Fixed and prescribed directions.
     pub(crate) condition: Condition,
 }
 
-/// The matrices of one step, `A = M + dt/2 C + dt^2/4 K`.
+/// Matrices of the velocity update in one step, with the effective mass `A = M + dt/2 C + dt^2/4 K`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coefficients {
     /// New velocity per old velocity: `P (M - dt/2 C + dt^2/4 K)`.
     pub(crate) carry: Mat3,
-    /// `P`, the inverse of `A` in the free directions, zero in the held ones (1/kg).
+    /// `P`, the inverse of `A` in the free directions, zero in the fixed ones (1/kg).
     pub(crate) inverse: Mat3,
-    /// Velocity along the condition's directions to the velocity of the node.
+    /// Map from the prescribed velocities along the condition's directions to the velocity of the node.
     pub(crate) lift: Mat3,
 }
 
-impl Group {
-    /// The impulse (N s) that takes a node from one velocity (m/s) to another against all but its
-    /// forces, `A v+ - (M - dt/2 C + dt^2/4 K) v-`.
+impl NodeGroup {
+    /// Impulse (N s) of inertia, dashpot and spring in a step between two velocities (m/s),
+    /// `A v+ - (M - dt/2 C + dt^2/4 K) v-`.
     pub(crate) fn impulse(
         &self,
         (rule, step): (MassDampingRule, f64),
@@ -60,37 +72,34 @@ impl Group {
         after * mass - before * old + dashpot + spring
     }
 
-    /// The impulse (N s) that changes a predicted velocity by so much (m/s), `A` times it.
+    /// Impulse (N s) `A dv` that changes a predicted velocity by `change` (m/s).
     pub(crate) fn correction(&self, (rule, step): (MassDampingRule, f64), change: &Vec3) -> Vec3 {
         self.impulse((rule, step), &Vec3::zeros(), change)
     }
 
-    /// What mass and mass damping make of `A`, and of the factor of the old velocity (kg).
+    /// Contributions (kg) of mass and mass damping to `A` and to the factor of the old velocity.
     pub(crate) fn effective_mass(&self, rule: MassDampingRule, step: f64) -> (f64, f64) {
         let damping = self.mass_damping * step;
-        match rule {
-            MassDampingRule::Implicit => (self.mass + 0.5 * damping, self.mass - 0.5 * damping),
-            MassDampingRule::Lagged => (self.mass, self.mass - damping),
-        }
+        rule.effective_mass(self.mass, damping)
     }
 
-    /// What constraints find in place of [`Coefficients::inverse`] if the group has lost its elements: next
-    /// to nothing in the directions that are free, so that it follows what it is joined to and bears
-    /// nothing. The least mass of a node of the model is `least` (kg).
-    pub(crate) fn ghost(&self, least: f64) -> Option<Mat3> {
+    /// Inverse pseudo-mass (1/kg) of a group of orphan nodes, which constraints use in place of
+    /// [`Coefficients::inverse`]; none for a group with mass. The pseudo-mass is negligible beside `least` (kg), the
+    /// least mass of a node of the model, so that the node follows its partner and carries no force.
+    pub(crate) fn orphan_inverse(&self, least: f64) -> Option<Mat3> {
         let nothing = || Mat3::identity() / (ORPHAN_MASS * least);
         (self.mass <= 0.0).then(|| self.condition.project(&nothing()).0)
     }
 
-    /// Whether it is one node with nothing but a mass, and with one.
-    pub(crate) fn is_bare(&self) -> bool {
+    /// Whether the group is one node with a positive mass and no fixed direction, dashpot or spring.
+    pub(crate) fn has_scalar_mass(&self) -> bool {
         let free = self.condition.directions().is_empty();
         let alone = self.members.len() == 1 && self.mass > 0.0;
         alone && free && self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros()
     }
 
-    /// The axes along which it is held, if it is one node that is held along axes, or not at all, and
-    /// has nothing else but a mass.
+    /// The coordinate axes along which the group is fixed, if it is one node with a mass only that is fixed along
+    /// coordinate axes or not at all; none for any other group.
     pub(crate) fn held_axes(&self) -> Option<[bool; 3]> {
         let free = self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros();
         if self.members.len() != 1 || !free || !self.condition.prescribed.is_empty() {
@@ -109,7 +118,7 @@ impl Group {
 
     fn coefficients(&self, rule: MassDampingRule, step: f64) -> Coefficients {
         if self.mass <= 0.0 {
-            // A node that lost its elements; what it may still have is not worth an account.
+            // An orphan node: dashpots and springs that it may have are ignored.
             let zeros = Mat3::zeros();
             let (carry, inverse) = (zeros, zeros);
             let lift = self.condition.project(&inverse).1;
@@ -134,34 +143,33 @@ impl Group {
     }
 }
 
-/// What the pass over all nodes needs to know of the groups. The last groups may be roller nodes, which it
-/// moves by itself; the others are kicked before it.
+/// Motion of the groups, input of the pass over all nodes; see the order of groups above.
 #[derive(Default)]
 pub(crate) struct GroupMotion {
-    /// Node and group, in rising order of nodes.
+    /// Node and group of all members, in rising order of nodes.
     members: Vec<(u32, u32)>,
-    /// Members in each chunk of nodes.
+    /// Range of the members in each chunk of nodes.
     chunks: Vec<Range<u32>>,
-    /// The nodes that are held along axes and have nothing else.
+    /// The roller nodes.
     pub(crate) roller_nodes: RollerNodes,
     /// Displacement (m) of the nodes of constraints, by group.
     displacement: Vec<Vec3>,
-    /// The length (s) of the last step, if nodes have moved by it and by nothing else since: their
-    /// velocity is then `next`, and `displacement` with it that of the present.
+    /// Length (s) of the last step, if `displacement` plus this step times `next` is the present displacement; none if
+    /// nodes have been moved otherwise.
     moved: Option<f64>,
-    /// Velocity before the step (m/s), by group.
+    /// Velocity before the step (m/s), by group without roller nodes.
     pub(crate) previous: Vec<Vec3>,
-    /// Velocity after the step (m/s), by group.
+    /// Velocity after the step (m/s), by group without roller nodes.
     pub(crate) next: Vec<Vec3>,
-    /// How far the springs of the groups behind those of constraints are stretched (m).
+    /// Elongation (m) of the springs of the groups after those of constraints.
     stretch: Vec<Vec3>,
 }
 
 impl GroupMotion {
-    fn new(groups: &[Group], constrained: usize, node_count: usize) -> Self {
-        let slides = |group: &Group| group.held_axes().is_some();
+    fn new(groups: &[NodeGroup], constrained: usize, node_count: usize) -> Self {
+        let is_roller = |group: &NodeGroup| group.held_axes().is_some();
         let others = &groups[constrained..];
-        let kicked = constrained + others.iter().take_while(|group| !slides(group)).count();
+        let kicked = constrained + others.iter().take_while(|group| !is_roller(group)).count();
         let roller_nodes = (groups[kicked..].iter())
             .filter_map(|group| {
                 let (node, held) = (group.members[0], group.held_axes()?);
@@ -197,17 +205,17 @@ impl GroupMotion {
         &self.members[range.start as usize..range.end as usize]
     }
 
-    /// Takes note that all nodes have moved by a step (s) with the velocity after it, exactly.
+    /// Records that all nodes have moved by exactly a step (s) with the velocity after it.
     pub(crate) fn has_moved(&mut self, step: f64) {
         self.moved = Some(step);
     }
 
-    /// Takes note that nodes have been moved otherwise.
-    pub(crate) fn forget(&mut self) {
+    /// Marks the stored displacement as outdated, because nodes have been moved otherwise.
+    pub(crate) fn invalidate(&mut self) {
         self.moved = None;
     }
 
-    /// The motion of the groups of a constraint.
+    /// Displacement and velocities of the groups of a constraint.
     pub(crate) fn of(&mut self, groups: Range<usize>) -> ConstrainedMotion<'_> {
         ConstrainedMotion {
             displacement: &mut self.displacement[groups.clone()],
@@ -217,14 +225,14 @@ impl GroupMotion {
     }
 }
 
-/// Coefficients of a group of one node whose matrices are all diagonal, as on the faces of a box: two lines of
-/// cache instead of eight.
+/// Diagonal form of the coefficients of a group of one node, valid where all its matrices are diagonal, as on the
+/// faces of a box; it takes two cache lines instead of eight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DiagonalGroup {
     lead: u32,
     is_diagonal: bool,
-    /// Whether it has a prescribed motion.
-    driven: bool,
+    /// Whether the group has a prescribed motion.
+    is_prescribed: bool,
     carry: Vec3,
     /// `P` times the step (s/kg).
     response: Vec3,
@@ -235,7 +243,7 @@ pub(crate) struct DiagonalGroup {
 }
 
 impl DiagonalGroup {
-    fn new(group: &Group, matrices: &Coefficients, step: f64) -> Self {
+    fn new(group: &NodeGroup, matrices: &Coefficients, step: f64) -> Self {
         let is_diagonal = |m: &Mat3| *m == Mat3::from_diagonal(&m.diagonal());
         let all = [
             &matrices.carry,
@@ -251,49 +259,48 @@ impl DiagonalGroup {
             spring: group.spring.diagonal(),
             dashpot: group.dashpot.diagonal(),
             mass_damping: group.mass_damping,
-            driven: !group.condition.prescribed.is_empty(),
+            is_prescribed: !group.condition.prescribed.is_empty(),
         }
     }
 }
 
-/// All groups of a model, with the matrices of the step in use.
+/// All groups of a model, with the matrices of the present length of step.
 #[derive(Default)]
 pub(crate) struct Groups {
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Vec<NodeGroup>,
     pub(crate) motion: GroupMotion,
     pub(crate) coefficients: Vec<Coefficients>,
     diagonal: Vec<DiagonalGroup>,
-    /// The nodes of constraints; their groups come first.
+    /// Nodes of constraints; their groups come first.
     constrained: ConstrainedNodes,
     /// Displacement (m) from which the springs are measured.
     pub(crate) origin: Vec<Vec3>,
-    /// Groups with a prescribed motion.
-    pub(crate) driven: Vec<u32>,
+    /// Indices of the groups with a prescribed motion.
+    pub(crate) prescribed: Vec<u32>,
 }
 
 impl Groups {
-    /// Groups of a body; the first ones are those of the nodes of constraints, in the same order, the
-    /// last ones those of roller nodes in rising order of nodes.
-    pub(crate) fn new(groups: Vec<Group>, constrained: &[u32], slots: &SlotTable) -> Self {
+    /// Groups in the order that the module page states; `constrained` are the engine nodes of constraints.
+    pub(crate) fn new(groups: Vec<NodeGroup>, constrained: &[u32], slots: &SlotTable) -> Self {
         Self {
             motion: GroupMotion::new(&groups, constrained.len(), slots.node_count()),
             constrained: ConstrainedNodes::new(constrained, &groups, slots),
             coefficients: Vec::new(),
             diagonal: Vec::new(),
             origin: vec![Vec3::zeros(); groups.len()],
-            driven: (0..groups.len() as u32)
+            prescribed: (0..groups.len() as u32)
                 .filter(|&g| !groups[g as usize].condition.prescribed.is_empty())
                 .collect(),
             groups,
         }
     }
 
-    /// How many groups are kicked before the pass over the nodes: all but the roller nodes.
+    /// Number of groups whose velocity is updated before the pass over the nodes: all but the roller nodes.
     pub(crate) fn kicked(&self) -> usize {
         self.motion.next.len()
     }
 
-    /// The group of each node that is kicked with one.
+    /// The group of each node, without roller nodes.
     pub(crate) fn kicked_of(&self, group_of: &[Option<u32>]) -> Vec<Option<u32>> {
         group_of
             .iter()
@@ -301,13 +308,13 @@ impl Groups {
             .collect()
     }
 
-    /// Nodes have a group only if it is kicked.
+    /// The group, unless it is that of a roller node.
     #[inline]
     pub(crate) fn if_kicked(&self, group: Option<u32>) -> Option<u32> {
         group.filter(|&group| (group as usize) < self.kicked())
     }
 
-    /// Prepares the matrices of a step.
+    /// Computes the matrices for a length of step (s).
     pub(crate) fn prepare(&mut self, rule: MassDampingRule, step: f64) {
         self.coefficients = self.groups[..self.kicked()]
             .par_iter()
@@ -319,19 +326,19 @@ impl Groups {
         self.constrained.prepare(&self.groups, rule, step);
     }
 
-    /// What a group needs that belongs to no constraint, follows no prescribed motion and acts along each
-    /// axis by itself, and how far its spring was stretched at the last kick (m).
+    /// Diagonal coefficients of a group without constraint and prescribed motion, and the elongation (m) of its spring
+    /// at the last velocity update; none if its matrices are not diagonal.
     #[inline]
     pub(crate) fn diagonal_group(&self, group: usize) -> Option<(&DiagonalGroup, &Vec3)> {
         let stretch = &self.motion.stretch[group.checked_sub(self.constrained.count())?];
         let group = &self.diagonal[group];
-        (group.is_diagonal && !group.driven).then_some((group, stretch))
+        (group.is_diagonal && !group.is_prescribed).then_some((group, stretch))
     }
 
-    /// The effective mass (kg) of the group of a constraint's node that has nothing but a mass.
+    /// Effective mass (kg) of a group of a constraint with a scalar mass only; none for other groups.
     #[inline]
-    pub(crate) fn bare_mass(&self, group: usize) -> Option<f64> {
-        self.constrained.bare_mass(group)
+    pub(crate) fn scalar_mass(&self, group: usize) -> Option<f64> {
+        self.constrained.scalar_mass(group)
     }
 
     /// Predicts the velocity of every group from the forces on it.
@@ -351,7 +358,7 @@ impl Groups {
             origin,
             ..
         } = self;
-        // Velocity before and after the step, and how far the spring is stretched.
+        // Velocity before and after the step, and elongation of the spring.
         let kicked = |g: usize| -> [Vec3; 3] {
             let group = &diagonal[g];
             let lead = group.lead as usize;
@@ -404,15 +411,15 @@ impl Groups {
             });
     }
 
-    /// Adds the prescribed motion: `displacement` gives the value of each motion (m) at the end
-    /// of the step, `present` the displacement of a node now.
-    pub(crate) fn drive(
+    /// Adds the prescribed velocities: `displacement` is the value of each motion (m) at the end
+    /// of the step, `present` the present displacement of a node (m).
+    pub(crate) fn prescribe(
         &mut self,
         displacement: &[f64],
         present: impl Fn(usize) -> Vec3,
         step: f64,
     ) {
-        for &g in &self.driven {
+        for &g in &self.prescribed {
             let group = &self.groups[g as usize];
             let here = present(group.members[0] as usize);
             let velocities: Vec<f64> = group
@@ -442,11 +449,11 @@ mod tests {
         let (mass, step) = (3.0, 1e-3);
         let rule = MassDampingRule::Implicit;
         for ratio in [1e-3, 1.0, 1e4, 1e8, 1e12] {
-            let group = Group {
+            let group = NodeGroup {
                 members: vec![0],
                 mass,
                 dashpot: along * (2.0 * ratio * mass / step),
-                ..Group::default()
+                ..NodeGroup::default()
             };
             let found = group.coefficients(rule, step);
             let inverse = (across + along / (1.0 + ratio)) / mass;
@@ -483,31 +490,31 @@ mod tests {
             let normal = Vec3::new(x, y, z).normalize();
             normal * normal.transpose()
         };
-        let mut group = Group {
+        let mut group = NodeGroup {
             members: vec![0],
             mass: 2.0,
             mass_damping: 7.0,
             dashpot: axis(1.0, 2.0, -0.5) * 300.0 + axis(0.3, -0.2, 1.0) * 90.0,
             spring: axis(0.2, 1.0, 0.7) * 4e4,
-            ..Group::default()
+            ..NodeGroup::default()
         };
-        let (held, driven) = (
+        let (held, prescribed) = (
             Vec3::new(0.6, 0.0, 0.8),
             Vec3::new(1.0, 1.0, -1.0).normalize(),
         );
         group.condition.hold(held);
-        assert!(group.condition.prescribe(driven, 0));
+        assert!(group.condition.prescribe(prescribed, 0));
         let step = 1e-2;
-        let before = held.cross(&driven) * 0.7 + group.condition.along(&[0.3]);
+        let before = held.cross(&prescribed) * 0.7 + group.condition.along(&[0.3]);
         let force = Vec3::new(5.0, -11.0, 3.0);
         for rule in [MassDampingRule::Implicit, MassDampingRule::Lagged] {
             let found = group.coefficients(rule, step);
             let target = found.lift * group.condition.target(&[-0.4]);
             let after = found.carry * before + found.inverse * force * step + target;
             assert!(after.dot(&held).abs() < 1e-15);
-            assert!((after.dot(&driven) + 0.4).abs() < 1e-15);
-            let lacking = group.impulse((rule, step), &before, &after) - force * step;
-            assert!(group.condition.free(lacking).norm() < 1e-14, "{lacking}");
+            assert!((after.dot(&prescribed) + 0.4).abs() < 1e-15);
+            let residual = group.impulse((rule, step), &before, &after) - force * step;
+            assert!(group.condition.free(residual).norm() < 1e-14, "{residual}");
         }
     }
 }

@@ -1,34 +1,35 @@
-//! What hourglass resistance takes of the internal work of a set.
+//! Share of hourglass resistance in the internal work of an element set.
 
 use powerhouse_model::{BlockContext, BlockEnergy, StepTime};
 
 use crate::Model;
 use crate::nodes::{Storage, with_nodes};
 
-/// Below this share of the largest internal work of all sets, the work of a set is rounding.
-const NOTHING: f64 = 1.0e-9;
+/// Share of the largest internal work of all sets below which the work of a set is rounding.
+const ROUNDING: f64 = 1.0e-9;
 
-/// The work of hourglass resistance in a set of elements, beside the internal work.
+/// Work of hourglass resistance and internal work of an element set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HourglassShare {
-    /// The set.
+    /// Name of the element set.
     pub set: String,
-    /// Largest work of hourglass resistance (J), held or taken.
+    /// Largest work of hourglass resistance (J), stored and dissipated.
     pub hourglass: f64,
-    /// Largest internal work (J), hourglass included: of a run all that elements hold and take, of a
-    /// stage what they hold.
+    /// Largest internal work (J), hourglass included: stored and dissipated energy in a run, stored energy in a
+    /// stage.
     pub internal: f64,
 }
 
 impl HourglassShare {
-    /// Above this share displacements and stresses of a set are the hourglass resistance's as much as
-    /// the material's.
+    /// Largest acceptable share of hourglass work in internal work; above it the stiffness of a set depends
+    /// on the hourglass resistance as much as on the material.
     ///
-    /// Around a hole in associated rock of 42 degrees, meshed to twenty radii, the wall closes to less than half
-    /// where the share of the whole ring is 1.5 %: far elements hold most of the work.
+    /// Around a circular hole in rock with associated flow and 42 degrees of friction, meshed to twenty radii, the
+    /// closure of the wall falls to less than half where the share of the whole ring is 1.5 %, because distant
+    /// elements store most of the work.
     pub const LIMIT: f64 = 0.01;
 
-    /// The one over the other.
+    /// Hourglass work over internal work; zero without internal work.
     pub fn share(&self) -> f64 {
         if self.internal > 0.0 {
             self.hourglass / self.internal
@@ -37,25 +38,25 @@ impl HourglassShare {
         }
     }
 
-    /// Takes the energies (J) of the set at another time.
-    pub(crate) fn see(&mut self, hourglass: f64, internal: f64) {
+    /// Updates the maxima with the energies (J) of the set at another time.
+    pub(crate) fn update(&mut self, hourglass: f64, internal: f64) {
         self.hourglass = self.hourglass.max(hourglass.abs());
         self.internal = self.internal.max(internal.abs()).max(self.hourglass);
     }
 
-    /// Those whose work is more than rounding.
+    /// The sets whose work exceeds rounding.
     pub(crate) fn above_rounding(sets: impl Iterator<Item = Self>) -> Vec<Self> {
         let sets: Vec<Self> = sets.collect();
         let most = sets
             .iter()
             .fold(0.0_f64, |most, set| most.max(set.internal));
-        let counts = |set: &Self| set.internal > NOTHING * most;
+        let counts = |set: &Self| set.internal > ROUNDING * most;
         sets.into_iter().filter(counts).collect()
     }
 }
 
 impl Model {
-    /// What hourglass resistance holds in each set at the present time.
+    /// Stored hourglass and internal energy of each set at the present time.
     pub(crate) fn hourglass_shares(&self) -> Vec<HourglassShare> {
         let of_blocks: Vec<BlockEnergy> = with_nodes!(&self.nodes, arrays => {
             let when = StepTime {
@@ -82,7 +83,7 @@ impl Model {
                 set: label.into(),
                 ..HourglassShare::default()
             };
-            share.see(energy.hourglass, energy.elastic.abs() + energy.hourglass);
+            share.update(energy.hourglass, energy.elastic.abs() + energy.hourglass);
             share
         });
         HourglassShare::above_rounding(shares)

@@ -1,21 +1,21 @@
-//! Explicit schemes.
+//! Explicit time integration schemes.
 
 use powerhouse_model::{
     Dynamics, ForceTerms, FrequencyLimits, HistoryUpdate, MassDampingRule, RunError, TimeIntegrator,
 };
 
-/// The central difference in leapfrog form: velocities half a step apart from displacements.
+/// The central difference method in leapfrog form: velocities at half steps, displacements at full steps.
 ///
 /// `M (v+ - v-)/dt + C (v+ + v-)/2 + f(u, v-) = F(t)`, `u+ = u + dt v+` (Newmark 1959, beta = 0;
 /// Hughes 1987, section 9.1). Mass damping and dashpots are implicit in the nodal diagonal and
-/// cost no step; nodal springs act by average acceleration. Stiffness damping is lagged, which
-/// gives the limit
+/// do not reduce the stable step; nodal springs are integrated by average acceleration. Stiffness damping is
+/// lagged (explicit), which gives the limit
 ///
 /// `dt <= (2/w) (sqrt(1 + z^2) - z)`, `z = b w / 2`
 ///
-/// for the highest frequency `w` (rad/s) and the stiffness damping coefficient `b` (s). Mass damping
-/// would permit any step, but a free mass that it slows down by `(2 - a dt) / (2 + a dt)` turns around
-/// in every step, hardly slower, where `a dt > 2`: far beyond critical damping steps are `2 / a` at most.
+/// for the highest frequency `w` (rad/s) and the stiffness damping coefficient `b` (s). Mass damping `a` (1/s)
+/// is stable at any step, but it multiplies the velocity of a free mass by `(2 - a dt) / (2 + a dt)`, which changes
+/// sign in every step where `a dt > 2`; the step is therefore limited to `2 / a` too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Leapfrog;
 
@@ -34,7 +34,7 @@ impl TimeIntegrator for Leapfrog {
         let limit = self.stable_step(limits)?;
         let of_mass = limit * limits.most_mass_damping >= 2.0;
         let reason = match of_mass {
-            true => "mass damping that turns velocities around in every step",
+            true => "mass damping that would reverse velocities in every step",
             false => "the highest frequency and its stiffness damping",
         };
         refuse_above(self.name(), limit, step, reason)
@@ -49,17 +49,17 @@ impl TimeIntegrator for Leapfrog {
     }
 }
 
-/// The scheme of Wang, Chen & Xiao (2019), Eqs. (14)-(17), with its one-sided velocity.
+/// The time integration scheme of Wang, Chen & Xiao (2019), Eqs. (14)-(17), with a one-sided velocity difference.
 ///
 /// Eliminating the velocity of Eq. (15) gives the leapfrog with lagged mass damping and the
 /// stiffness damping coefficient reduced by half a step, which is how it is computed here. With
 /// `q = (a + b w^2) dt` (mass coefficient `a`, stiffness coefficient `b`) a mode is stable if and
-/// only if `w^2 dt^2 / 2 <= q <= 2`: without damping it grows at *every* step. So each set needs
+/// only if `w^2 dt^2 / 2 <= q <= 2`: without damping it is unstable at *every* step. So each set needs
 /// `b >= dt/2`; its effective stiffness damping is `b - dt/2`.
 ///
-/// Velocities and displacements stand half a step apart, as in [`Leapfrog`]; the paper's own
-/// velocity at time `t` is their mean. A load acts at the time of the displacement, where the
-/// paper's acts on average half a step later. Dashpots and springs of boundaries stay implicit.
+/// Velocities are half a step apart from displacements, as in [`Leapfrog`]; the publication's
+/// velocity at time `t` is their mean. A load is applied at the time of the displacement, in the
+/// publication on average half a step later. Dashpots and springs of boundaries stay implicit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OneSided;
 
@@ -105,7 +105,7 @@ impl TimeIntegrator for OneSided {
 }
 
 fn refuse_above(scheme: &'static str, limit: f64, step: f64, reason: &str) -> Result<(), RunError> {
-    // The limit itself passes, rounding included.
+    // A step equal to the limit is accepted, rounding included.
     if step > 0.0 && step <= limit * (1.0 + 1e-12) {
         return Ok(());
     }

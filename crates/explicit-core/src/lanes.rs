@@ -1,9 +1,9 @@
-//! Wide lanes: one element per SIMD lane, over the instruction sets that the processor has.
+//! SIMD lanes: one element per lane, for the instruction sets of the processor.
 //!
-//! [`Lanes`] holds the instruction set, picked at run time, and runs a [`BatchOperation`] with the lane
-//! that belongs to it. Everything below must be `#[inline(always)]`: a function that is called
+//! [`Lanes`] is the instruction set, chosen at run time, and runs a [`BatchOperation`] with its lane
+//! type. Every function called by an operation must be `#[inline(always)]`: a function that is called
 //! instead of inlined is compiled for the oldest processor and costs fifty times as much. Functions
-//! of the standard library that take a closure, such as `array::map`, are not: write loops. One
+//! of the standard library that take a closure, such as `array::map`, are not inlined: write loops. One
 //! `map` over three vectors of lanes took a step of equal bricks from 26 to 76 ns per element.
 
 use core::marker::PhantomData;
@@ -21,8 +21,8 @@ use development::Arch;
 #[cfg(not(all(debug_assertions, target_arch = "x86_64")))]
 use pulp::Arch;
 
-/// What builds with debug assertions know of the processor: nothing wider than AVX2, which halves
-/// the time of their compilation. The width of lanes changes no bit of a result.
+/// Instruction sets of builds with debug assertions: AVX2 at most, which halves
+/// their compilation time. Results are bitwise independent of the width of lanes.
 #[cfg(all(debug_assertions, target_arch = "x86_64"))]
 mod development {
     use pulp::{Scalar, Simd, WithSimd, x86::V3};
@@ -47,17 +47,17 @@ mod development {
     }
 }
 
-/// More lanes than any instruction set has.
+/// Largest number of lanes of any instruction set.
 pub(crate) const MOST_LANES: usize = 16;
 
-/// Four numbers for each element of a batch: what is read from and written to nodes.
+/// Four numbers for each element of a batch, as nodal values are stored.
 pub(crate) type Rows<S> = [[S; 4]; MOST_LANES];
 
-/// A lane that turns rows of nodal values into components, one element per lane, and back.
+/// A lane type that transposes rows of nodal values into components, one element per lane, and back.
 ///
-/// Turning may permute: element `j` of a batch sits in lane `l` with `positions(..)[l] == j`.
+/// The transposition may permute: element `j` of a batch is in lane `l` with `positions(..)[l] == j`.
 pub(crate) trait BatchLane: Lane {
-    /// The element of the batch that sits in each lane.
+    /// The element of the batch in each lane.
     fn positions(token: Self::Token) -> [usize; MOST_LANES];
     /// The first three components of the first `WIDTH` rows.
     fn components(token: Self::Token, rows: &Rows<Self::Scalar>) -> [Self; 3];
@@ -93,9 +93,9 @@ pub(crate) trait BatchLane: Lane {
     }
 }
 
-/// A scalar that elements are computed in.
+/// Number format of element arithmetic.
 pub(crate) trait BatchScalar: NodalScalar + BatchLane<Scalar = Self, Token = ()> {
-    /// Its lanes under an instruction set.
+    /// Lane type of this format for an instruction set.
     type Wide<T: Simd>: BatchLane<Scalar = Self, Token = T>;
 }
 
@@ -268,8 +268,8 @@ macro_rules! wide_lane {
                 }
                 Self::load(token, &lanes)
             }
-            // Of two numbers one of which is none the instructions of this family, unlike those of
-            // others, take the second, as `Lane` wants it.
+            // If one of two numbers is NaN, the instructions of this family, unlike those of
+            // others, return the second, as `Lane` requires.
             #[cfg(target_arch = "x86_64")]
             #[inline(always)]
             fn min(self, other: Self) -> Self {
@@ -315,12 +315,12 @@ macro_rules! wide_lane {
             #[inline(always)]
             fn write_rows([x, y, z]: [Self; 3], rows: &mut Rows<$scalar>) {
                 let zero = x.token.$splat(0.0);
-                let turned = x
+                let transposed = x
                     .token
                     .$interleave([x.register, y.register, z.register, zero]);
                 let registers = T::$as_mut_simd(rows[..Self::WIDTH].as_flattened_mut()).0;
                 for i in 0..4 {
-                    registers[i] = turned[i];
+                    registers[i] = transposed[i];
                 }
             }
         }
@@ -328,7 +328,7 @@ macro_rules! wide_lane {
 }
 
 wide_lane! {
-    /// Double precision, as many numbers as a register holds.
+    /// A SIMD register in double precision.
     WideF64, f64, f64s, m64s, F64_LANES,
     splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, neg_f64s, mul_add_f64s,
     sqrt_f64s, abs_f64s, less_than_f64s, select_f64s, first_true_m64s,
@@ -337,7 +337,7 @@ wide_lane! {
 }
 
 wide_lane! {
-    /// Single precision, as many numbers as a register holds.
+    /// A SIMD register in single precision.
     WideF32, f32, f32s, m32s, F32_LANES,
     splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, neg_f32s, mul_add_f32s,
     sqrt_f32s, abs_f32s, less_than_f32s, select_f32s, first_true_m32s,
@@ -345,7 +345,7 @@ wide_lane! {
     min_f32s, max_f32s, exponents_of_f32s
 }
 
-/// Powers of two with the whole numbers in the last bits of some registers as exponents.
+/// Powers of two whose exponents are the integers in the last bits of a register.
 #[inline(always)]
 fn exponents_of_f32s<T: Simd>(token: T, shifted: T::f32s) -> T::f32s {
     let digits = token.splat_u32s(f32::MANTISSA_DIGITS - 1);
@@ -354,8 +354,8 @@ fn exponents_of_f32s<T: Simd>(token: T, shifted: T::f32s) -> T::f32s {
     token.transmute_f32s_u32s(bits)
 }
 
-/// The same in double precision, of which the exponents stand in the upper halves: the lower ones move
-/// there, and what follows them is cut off.
+/// The same in double precision, where the exponent is in the upper half of the bits: the lower half is moved
+/// there, and the rest is masked.
 #[inline(always)]
 fn exponents_of_f64s<T: Simd>(token: T, shifted: T::f64s) -> T::f64s {
     let halves: T::u32s = pulp::bytemuck::cast(token.transmute_u64s_f64s(shifted));
@@ -368,11 +368,11 @@ fn exponents_of_f64s<T: Simd>(token: T, shifted: T::f64s) -> T::f64s {
     token.transmute_f64s_u64s(bits)
 }
 
-/// Work on batches, generic over the lane.
+/// An operation on batches of elements, generic over the lane type.
 pub(crate) trait BatchOperation<S: BatchScalar> {
     /// Its result.
     type Output;
-    /// Does it; implementations are `#[inline(always)]`.
+    /// Runs the operation; implementations are `#[inline(always)]`.
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Self::Output;
 }
 
@@ -381,7 +381,7 @@ pub(crate) trait BatchOperation<S: BatchScalar> {
 pub(crate) struct Lanes(Arch);
 
 impl Lanes {
-    /// The lanes of this processor, or one.
+    /// The widest lanes of this processor, or one lane.
     pub(crate) fn new(width: LaneWidth) -> Self {
         match width {
             LaneWidth::Native => Self(Arch::new()),
@@ -396,7 +396,7 @@ impl Lanes {
             scalar: PhantomData::<S>,
         })
     }
-    /// How many elements are computed at once in a scalar, and which sits in each lane.
+    /// Number of elements per batch in a number format, and their lanes.
     pub(crate) fn arrangement<S: BatchScalar>(self) -> Arrangement {
         struct Arrange;
         impl<S: BatchScalar> BatchOperation<S> for Arrange {
@@ -436,10 +436,10 @@ impl<S: BatchScalar, O: BatchOperation<S>> WithSimd for Dispatched<S, O> {
     }
 }
 
-/// Where the elements of a batch sit.
+/// Arrangement of the elements of a batch in lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrangement {
-    /// Elements at once.
+    /// Number of elements per batch.
     pub(crate) width: usize,
     /// The element of the batch in each lane.
     pub(crate) element_in: [usize; MOST_LANES],
@@ -448,7 +448,7 @@ pub(crate) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Where number `index` of `count` per element is stored for an element of a block.
+    /// Storage index of number `index` of `count` per element, for an element of a block.
     pub(crate) fn place(&self, element: usize, index: usize, count: usize) -> usize {
         let (batch, j) = (element / self.width, element % self.width);
         (batch * count + index) * self.width + self.lane_of[j]
@@ -492,19 +492,19 @@ mod tests {
         ];
         let mut numbers = [0.0; 2 * MOST_LANES];
         for turn in 0..special.len() {
-            for (place, number) in numbers.iter_mut().enumerate() {
-                let turn = turn * (place / MOST_LANES);
-                *number = special[(place + turn) % special.len()];
+            for (index, number) in numbers.iter_mut().enumerate() {
+                let turn = turn * (index / MOST_LANES);
+                *number = special[(index + turn) % special.len()];
             }
             let wide = |lanes: Lanes| {
                 let width = lanes.arrangement::<S>().width;
                 let found = lanes.dispatch::<S, _>(Pick(numbers));
-                // By place, whatever the width.
+                // In the order of the input, whatever the width.
                 let mut ordered = vec![0_u64; found.len()];
                 for (index, number) in found.iter().enumerate() {
                     let (pack, rest) = (index / (5 * width), index % (5 * width));
-                    let place = rest / width * MOST_LANES + pack * width + rest % width;
-                    ordered[place] = number.to_bits();
+                    let position = rest / width * MOST_LANES + pack * width + rest % width;
+                    ordered[position] = number.to_bits();
                 }
                 ordered
             };
@@ -516,8 +516,8 @@ mod tests {
         }
     }
 
-    /// The least and the greatest of two numbers, whole numbers and powers of two have the bits of one
-    /// lane in wide ones, numbers that are none included.
+    /// The least and the greatest of two numbers, whole numbers and powers of two are bitwise the same in wide lanes
+    /// as in one, NaN included.
     #[test]
     fn operations_of_packs_have_the_bits_of_scalars() {
         same_bits::<f64>();

@@ -1,17 +1,18 @@
-//! The engine: element kernels, blocks of lanes, explicit integrators, stable step, energy ledger.
+//! Explicit finite element engine: element kernels, vectorised element blocks, time integrators, stable
+//! time step, energy balance, static equilibrium and construction stages.
 //!
 //! A [`Model`] is built from a mesh, from factories that make blocks of its element sets
-//! ([`solid`] makes one from any kernel and law), and from what acts on it: supports, periodic
-//! pairs, prescribed motion, loads, boundaries, constraints. [`run`] steps it by a
-//! [`TimeIntegrator`](powerhouse_model::TimeIntegrator), [`Leapfrog`] or [`OneSided`], and shows
-//! each step to observers (see [`observe`]).
+//! ([`solid`] makes one from any kernel and law), and from its boundary conditions: supports, periodic
+//! pairs, prescribed motion, loads, absorbing boundaries, constraints. [`run`] integrates it in time by a
+//! [`TimeIntegrator`](powerhouse_model::TimeIntegrator), [`Leapfrog`] or [`OneSided`], and calls
+//! observers in each step (see [`observe`]).
 //!
-//! What happened before is a list of [`Stage`]s, brought to rest one after another by
-//! [`run_stages`]: an initial stress ([`StressField`]), elements that go and come, [bolts](BoltSet).
-//! A dynamic model starts from their last state ([`ModelBuilder::start`]) and is handed over
-//! ([`Model::hand_over`]): without input it stays still.
+//! The static history before the dynamic run is a list of construction [`Stage`]s, each brought into
+//! static equilibrium by [`run_stages`]: an initial stress ([`StressField`]), death and birth of elements,
+//! [bolts](BoltSet). A dynamic model starts from their last state ([`ModelBuilder::start`],
+//! [`Model::hand_over`]): without input it stays at rest.
 //!
-//! A block of rock falls on rollers for a while:
+//! A block of rock guided by rollers falls under its weight:
 //! ```
 //! use powerhouse_explicit_core::*;
 //! use powerhouse_model::*;
@@ -42,73 +43,74 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What the engine cannot do it refuses before the run, as an [`EngineError`] that names the node,
-//! element or set: a node without mass, an element that no set computes or that two claim, a load
-//! on a node that does not exist, a dashpot that would feed energy in. What goes wrong on the way
+//! A model that cannot be computed is refused before the run by an [`EngineError`] that names the node,
+//! element or set: a node without mass, an element that belongs to no set or to two, a load
+//! on a node that does not exist, a dashpot that would add energy. A failure during the run
 //! is a [`RunError`](powerhouse_model::RunError) with step, time, element and set.
 //!
 //! # Why so
-//! *Bits do not depend on threads.* A block writes the forces of its nodes to a buffer of its own,
-//! and each node sums its slots in a fixed order. No atomics (54 ns per element where this costs
-//! nothing), no colours (they lose the cache on large meshes). Blocks are cut by size, never by the
-//! number of threads.
+//! *Results are bitwise independent of the number of threads.* A block writes its nodal forces to a buffer
+//! of its own, and the entries (slots) of each node are summed in a fixed order. Atomic additions cost 54 ns
+//! per element where this costs nothing, and colouring loses cache locality on large meshes. The partition
+//! depends on the block size, never on the number of threads.
 //!
-//! *Blocks are compact, their inside is banded.* Sets are bisected into compact blocks, because
+//! *Blocks are compact in space and banded inside.* Sets are bisected into compact blocks, because
 //! every node between blocks costs a slot: 1.2 slots per node at 2048 elements, where cutting along
-//! the reverse Cuthill-McKee order costs 2.0. Larger meshes get larger blocks. Inside a block elements and nodes keep that order, so
-//! that the elements of one batch of lanes read neighbouring nodes.
+//! the reverse Cuthill-McKee order costs 2.0. Larger meshes get larger blocks. Inside a block elements and
+//! nodes keep that order, so that the elements of one SIMD batch read neighbouring nodes.
 //!
-//! *Kick and drift share a pass.* The kick of the nodes that have nothing but a mass waits for the
-//! drift: forces, velocity and displacement go through the cache once. Whoever looks between the
-//! two (observers, the ledger) gets what the pass is going to compute, from the same function.
+//! *Velocity update (kick) and displacement update (drift) share a pass over the nodes.* The kick of nodes
+//! with a mass only is deferred to the drift, so that forces, velocity and displacement go through the cache
+//! once. Observers and the energy balance, which are evaluated between the two, take the new velocity from the
+//! same function as the pass.
 //!
-//! *Nodes that need more form groups.* Impedances, supports, prescribed motion, ties and
-//! constraints act in short lists on `A = M + dt/2 C + dt^2/4 K`, a 3 x 3 matrix where it must be
-//! one. The pass over all nodes knows none of this. Dashpots and springs in `A` cost no time step;
-//! lagged dashpots would halve it (a box of cubes with dashpots on five faces: `dt c_p / h` of 0.42
-//! instead of 0.95).
+//! *Constrained nodes form groups.* Impedances, supports, prescribed motion, ties and
+//! constraints act on the effective mass `A = M + dt/2 C + dt^2/4 K` of a few nodes, a 3 x 3 matrix where
+//! directions are coupled; the pass over all nodes does not involve them. Dashpots and springs in `A` do not
+//! reduce the stable step; lagged dashpots would halve it (a box of cubes with dashpots on five faces:
+//! `dt c_p / h` of 0.42 instead of 0.95).
 //!
-//! *The state shown lies between kick and drift*, where displacement, mean velocity, acceleration
-//! and stress belong to one time. A run of `n` steps shows `n` states; one that goes on shows
-//! each once.
+//! *Output is taken between kick and drift*, where displacement, mean velocity, acceleration
+//! and stress belong to one time. A run of `n` steps has `n` output states; a continued run repeats none.
 //!
 //! *The stable step is that of the assembled model* (Lanczos), 1.2 to 1.7 times that of its
-//! worst element. It is found once, from some tens of force evaluations; the bounds of the elements
-//! name the culprit. Impedances are left out because they are implicit, joints because bonding
-//! never raises a frequency.
+//! worst element. It is found once, from some tens of force evaluations; the element bounds
+//! identify the limiting element. Impedances are left out because they are implicit, joints because a tie
+//! never raises the highest frequency.
 //!
-//! *The ledger asks the elements what they hold*, instead of summing the work of nodal forces: such
-//! a sum balances whatever the elements do. Nodal work is booked in halves, before and after the
-//! time of the force, with `1/2 v- . M v+`; everything else closes to the order of the step only.
+//! *The energy balance takes internal energy from stresses and strains of the elements*, instead of the work of
+//! nodal forces: such a sum balances identically and detects no error. The work of a nodal force is accounted
+//! for in two halves, with the velocities before and after its time, and kinetic energy as `1/2 v- . M v+`; any
+//! other form closes to the order of the step only.
 //!
-//! *A body comes to rest by its elastic operator* ([`Model::equilibrate`]): conjugate gradients need
-//! nothing but the blocks' products, no matrix is ever assembled. Laws that yield take more
-//! corrections of the same kind, each combined with the last ones, instead of tangents that few laws
-//! have and that need not be symmetric. The feature `direct` adds a Cholesky factor of the assembled
-//! operator for those who solve often and have the memory; Cholesky, not an `LU`, because the elastic
+//! *Static equilibrium is found with the elastic operator* ([`Model::equilibrate`]): conjugate gradients need
+//! matrix-vector products of the blocks alone, and no matrix is assembled. Nonlinear laws take more
+//! corrections of the same kind, accelerated by Anderson mixing, instead of consistent tangents, which few laws
+//! have and which need not be symmetric. The feature `direct` adds a Cholesky factor of the assembled
+//! operator, for repeated solutions where memory permits; Cholesky, not an `LU`, because the elastic
 //! operator is symmetric and its factor serves all corrections, so that tangents are worth it only
 //! where they are symmetric too.
 //!
-//! *The direct solver cuts space, not the graph*: elements are compact and meshes fill space, so that
-//! a plane through the middle is a separator as good as a partitioner's, found by sorting.
+//! *Nested dissection of the direct solver bisects space, not the graph*: elements are compact and meshes fill
+//! space, so that a plane through the middle is a separator as good as a graph partitioner's, found by sorting.
 //!
-//! *Joints relax in steps, laws in one*: which pairs slide or open first decides what the others
-//! bear, so they are asked step by step, by the very corrections that they make in a dynamic run.
-//! Elements answer for an increment as a whole, as in the other methods, and come to the same rest;
-//! if their history went along with the steps, swings that no load made would leave their traces.
+//! *In dynamic relaxation joints are evaluated in every step, constitutive laws once per increment*: which pairs
+//! slide or open first determines the load of the others, so joint laws are evaluated step by step, as
+//! in a dynamic run. Constitutive laws return the stress of the whole increment from the last committed history, as
+//! in the other methods, and reach the same equilibrium; a history committed in every step would contain
+//! oscillations that no load caused.
 //!
-//! *A stage is a new model of the same mesh and state*, not a list of switches: whatever changes
-//! between stages, numbering and blocks are made for what is there. Nothing is lost on the way,
-//! because what holds a body at rest is computed anew by the model that goes on, its kernels,
-//! lanes and digits, and stays on as standing forces. They are compared with those of the stage
-//! before, so that a load that was forgotten is an error and not a hidden force.
+//! *A stage is a new model of the same mesh and state*, not a list of switches: numbering and blocks are made
+//! for the active elements. The forces that hold a body in static equilibrium are recomputed by the model of the
+//! next stage, with its kernels, lanes and precision, and are kept as carried forces. They are compared with
+//! those of the stage before, so that an omitted load is an error and not a hidden force.
 //!
-//! *Displacements go on, and so do the references of strain.* The static strain stays in the
-//! strain; observers and springs see what was added since the stage began. Elements that are cast
-//! later count their strain from where they were cast.
+//! *Displacements and reference configurations continue through the stages.* The static strain is part of the
+//! strain; observers and boundary springs take the displacement since the start of the stage. Elements that are
+//! cast later have their own stress-free reference configuration.
 //!
-//! *The paper's scheme is a leapfrog* with less damping, see [`OneSided`]; it is computed as such,
-//! and refused where it would grow.
+//! *The one-sided scheme of Wang, Chen & Xiao (2019) is a leapfrog* with less damping, see [`OneSided`]; it is
+//! computed as such, and refused where it is unstable.
 
 mod applied;
 mod assembly;

@@ -1,4 +1,4 @@
-//! Motion and forces at nodes, and the pass that moves them. This is hot code.
+//! Nodal arrays (displacement, velocity, forces) and the pass that updates them. This is hot code.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -10,7 +10,7 @@ use crate::gather::{CHUNK, Gather, SlotTable};
 use crate::groups::GroupMotion;
 use crate::roller_nodes::hold;
 
-/// A number format that nodes can be kept in.
+/// Number format of nodal values.
 pub(crate) trait Storage:
     NodalScalar + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
@@ -18,7 +18,7 @@ pub(crate) trait Storage:
     fn view_mut(values: &mut [Quad<Self>]) -> NodalViewMut<'_>;
     /// Whether `-limit <= self <= limit`; false for NaN.
     fn within(self, limit: Self) -> bool;
-    /// The largest limit that still tells infinity from a number.
+    /// Largest finite number of the format, the largest bound that excludes infinity.
     const MOST: f64;
 }
 
@@ -42,30 +42,30 @@ macro_rules! storage {
 storage!(f64, F64);
 storage!(f32, F32);
 
-/// All values at nodes, in engine numbering.
+/// Nodal arrays in one number format, in engine numbering.
 pub(crate) struct NodalArrays<S: Storage> {
     /// Displacement (m) at the present time, in double precision whatever the format: it is a sum over all
     /// steps, and strains are small differences of it.
     pub(crate) displacement: Vec<Quad<f64>>,
-    /// Velocity (m/s) half a step before it.
+    /// Velocity (m/s) half a step before the displacement.
     pub(crate) velocity: Vec<Quad<S>>,
-    /// Internal forces (N) of the blocks, one buffer behind the other.
+    /// Internal forces (N) of the blocks, their buffers concatenated.
     pub(crate) forces: Vec<Quad<S>>,
-    /// Applied forces (N) at plain nodes; empty if there are none.
+    /// Applied forces (N) at plain nodes (those without a group); empty if there are none.
     pub(crate) external: Vec<Quad<S>>,
-    /// Velocity per force, `dt / (m + dt c / 2)` (m/s/N); zero at grouped nodes.
+    /// Velocity per force, `dt / (m + dt c / 2)` (m/s/N); zero at nodes of groups.
     gain: Vec<S>,
-    /// Velocity per old velocity; empty if it is one everywhere.
+    /// New velocity per old velocity; empty if it is one everywhere.
     decay: Vec<S>,
 }
 
-/// Either format.
+/// Nodal arrays in double or single precision.
 pub(crate) enum Nodes {
     F64(NodalArrays<f64>),
     F32(NodalArrays<f32>),
 }
 
-/// Runs an expression on the arrays of either format.
+/// Evaluates an expression on the arrays of either format.
 macro_rules! with_nodes {
     ($nodes:expr, $arrays:ident => $body:expr) => {
         match $nodes {
@@ -113,14 +113,14 @@ impl<S: Storage> NodalArrays<S> {
         }
     }
 
-    /// Sets what the plain nodes are moved with: gain (m/s/N), and decay if it differs from one.
+    /// Sets the coefficients of the velocity update of plain nodes: gain (m/s/N), and decay if it differs from one.
     pub(crate) fn set_coefficients(&mut self, gain: &[f64], decay: &[f64]) {
         self.gain = gain.iter().map(|&g| S::from_f64(g)).collect();
         self.decay = decay.iter().map(|&d| S::from_f64(d)).collect();
     }
 
-    /// Kicks the plain nodes and gives the grouped ones their new velocity; with `DRIFT`, moves
-    /// all of them. Returns whether every component of velocity is within `limit` (m/s).
+    /// Updates the velocity of plain nodes (kick) and copies that of the groups; with `DRIFT`, updates the displacement
+    /// of all nodes too. Returns whether every component of velocity is within `limit` (m/s).
     pub(crate) fn advance<const DRIFT: bool>(
         &mut self,
         gather: &Gather,
@@ -163,15 +163,15 @@ impl<S: Storage> NodalArrays<S> {
             .reduce(|| true, |a, b| a && b)
     }
 
-    /// Moves all nodes with the velocity they have.
+    /// Updates the displacement of all nodes with their present velocity.
     pub(crate) fn drift(&mut self, step: f64) {
         self.displacement
             .par_chunks_mut(CHUNK)
             .zip(self.velocity.par_chunks(CHUNK))
             .for_each(|(displacement, velocity)| {
-                for (place, velocity) in displacement.iter_mut().zip(velocity) {
+                for (displacement, velocity) in displacement.iter_mut().zip(velocity) {
                     for c in 0..4 {
-                        place.values[c] += step * velocity.values[c].to_f64();
+                        displacement.values[c] += step * velocity.values[c].to_f64();
                     }
                 }
             });
@@ -226,7 +226,7 @@ impl<S: Storage> NodalArrays<S> {
         slots.sum(node, &self.forces).to_vector()
     }
 
-    /// The velocity that a plain node will have after the step, same bits as [`Self::advance`].
+    /// Velocity of a plain node after the step, bitwise that of [`Self::advance`].
     pub(crate) fn next_velocity(
         &self,
         slots: &SlotTable,
@@ -251,7 +251,7 @@ impl<S: Storage> NodalArrays<S> {
     }
 }
 
-/// What a pass over the nodes reads.
+/// Input of a pass over the nodes.
 struct Pass<'a, S: Storage> {
     gather: &'a Gather,
     groups: &'a GroupMotion,
@@ -263,8 +263,8 @@ struct Pass<'a, S: Storage> {
     limit: S,
 }
 
-/// The pass over one chunk. A type of its own, since a closure handed to the dispatch may end up in
-/// a function that knows nothing of the processor.
+/// The pass over one chunk of nodes. A type of its own, since a closure passed to the dispatch may end up in
+/// a function compiled without the processor's wide instructions.
 struct ChunkPass<'a, S: Storage, const DRIFT: bool> {
     pass: &'a Pass<'a, S>,
     chunk: usize,
@@ -282,7 +282,7 @@ impl<S: Storage, const DRIFT: bool> NullaryFnOnce for ChunkPass<'_, S, DRIFT> {
 }
 
 impl<S: Storage> Pass<'_, S> {
-    /// Advances one chunk; whether its velocities are within the limit.
+    /// Updates one chunk; returns whether its velocities are within the limit.
     #[inline(always)]
     fn advance<const DRIFT: bool>(
         &self,
@@ -292,7 +292,7 @@ impl<S: Storage> Pass<'_, S> {
     ) -> bool {
         let start = chunk * CHUNK;
         let mut beyond = [false; 4];
-        // A grouped node has no gain: the loop below hands its velocity on as it is.
+        // The gain of a node of a group is zero: the loop below leaves its velocity unchanged.
         for &(node, group) in self.groups.members_in(chunk) {
             velocity[node as usize - start] = Quad::from_vector(&self.groups.next[group as usize]);
         }
@@ -315,8 +315,8 @@ impl<S: Storage> Pass<'_, S> {
                     velocity[i].values = new;
                     for c in 0..4 {
                         if DRIFT {
-                            let place = &mut displacement[i].values[c];
-                            *place += self.step * new[c].to_f64();
+                            let value = &mut displacement[i].values[c];
+                            *value += self.step * new[c].to_f64();
                         }
                         beyond[c] |= !new[c].within(self.limit);
                     }

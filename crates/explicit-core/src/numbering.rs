@@ -2,7 +2,7 @@
 
 use powerhouse_model::Mesh;
 
-/// For each node the elements around it, as offsets and a flat list.
+/// Node-to-element incidence, as offsets and a flat list.
 pub(crate) struct Incidence {
     offsets: Vec<u32>,
     elements: Vec<u32>,
@@ -23,9 +23,9 @@ impl Incidence {
         let mut elements = vec![0u32; offsets[mesh.node_count()] as usize];
         for element in 0..mesh.element_count() as u32 {
             for &node in mesh.nodes_of(element) {
-                let place = &mut next[node as usize];
-                elements[*place as usize] = element;
-                *place += 1;
+                let end = &mut next[node as usize];
+                elements[*end as usize] = element;
+                *end += 1;
             }
         }
         Self { offsets, elements }
@@ -59,11 +59,11 @@ pub(crate) fn reverse_cuthill_mckee(mesh: &Mesh, incidence: &Incidence) -> Vec<u
             continue;
         }
         let start = search.far_end(seed);
-        let part = search.levels(start).0;
-        for &node in &part {
+        let component = search.levels(start).0;
+        for &node in &component {
             numbered[node as usize] = true;
         }
-        order.extend_from_slice(&part);
+        order.extend_from_slice(&component);
     }
     order.reverse();
     order
@@ -108,7 +108,7 @@ impl Search<'_> {
         (order, depth, level)
     }
 
-    /// A node at the end of a longest path, nearly (George & Liu 1979).
+    /// A pseudo-peripheral node (George & Liu 1979).
     fn far_end(&mut self, seed: u32) -> u32 {
         let mut start = seed;
         let (mut order, mut depth, mut level) = self.levels(start);

@@ -1,13 +1,13 @@
-//! How sets are cut into blocks, and nodes numbered so that each block owns a contiguous run.
+//! Partition of element sets into blocks, and numbering of nodes so that each block owns a contiguous range.
 
 use powerhouse_model::{Mesh, Numbering, Vec3};
 
 use crate::EngineError;
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
-/// The elements of one future block.
+/// A part of the partition: the elements and nodes of one block.
 pub(crate) struct Part {
-    /// Which set of the model.
+    /// Index of the element set.
     pub(crate) set: usize,
     /// Mesh indices of its elements in the order of computation.
     pub(crate) elements: Vec<u32>,
@@ -15,7 +15,7 @@ pub(crate) struct Part {
     pub(crate) nodes: Vec<u32>,
 }
 
-/// Numbering and parts of a mesh.
+/// Node numbering and partition of a mesh into blocks.
 pub(crate) struct Partition {
     pub(crate) numbering: Numbering,
     pub(crate) parts: Vec<Part>,
@@ -23,13 +23,13 @@ pub(crate) struct Partition {
     pub(crate) orphans: Vec<u32>,
 }
 
-/// Cuts sets into parts of at most `size` elements, and numbers the nodes.
+/// Divides element sets into parts of at most `size` elements, and numbers the nodes.
 ///
-/// A set is halved across its longest extent until its parts are small: compact parts share few
+/// A set is bisected across its longest extent until its parts are small: compact parts share few
 /// nodes with others, and each shared node costs a slot. Within a part, elements and nodes are in
-/// reverse Cuthill-McKee order, so that the elements of a batch of lanes lie side by side. A node
-/// belongs to the first part that touches it, and nodes are numbered part by part, so a part owns
-/// a contiguous run. Nodes of absent elements alone belong to the last part. Nothing here depends
+/// reverse Cuthill-McKee order, so that the elements of a SIMD batch are neighbours. A node
+/// is owned by the first part that has it, and nodes are numbered part by part, so a part owns
+/// a contiguous range. Nodes whose elements are all absent belong to the last part. Nothing here depends
 /// on the number of threads.
 pub(crate) fn partition(
     mesh: &Mesh,
@@ -50,16 +50,16 @@ pub(crate) fn partition(
     };
     let mut parts: Vec<((u32, u32), Part)> = Vec::new();
     for (set, elements) in sets.iter().enumerate() {
-        let mut placed: Vec<Placed> = (elements.iter())
-            .map(|&element| Placed {
+        let mut sorted: Vec<SortedElement> = (elements.iter())
+            .map(|&element| SortedElement {
                 centroid: mesh.centroid(element),
                 key: key(element),
                 element,
             })
             .collect();
-        bisect(&mut placed, elements.len().div_ceil(size), &mut |part| {
-            part.sort_unstable_by_key(|placed| (placed.key, placed.element));
-            let elements = part.iter().map(|placed| placed.element).collect();
+        bisect(&mut sorted, elements.len().div_ceil(size), &mut |part| {
+            part.sort_unstable_by_key(|entry| (entry.key, entry.element));
+            let elements = part.iter().map(|entry| entry.element).collect();
             let nodes = Vec::new();
             parts.push((
                 part[0].key,
@@ -81,17 +81,21 @@ pub(crate) fn partition(
     })
 }
 
-/// An element with what it is sorted by.
+/// An element with its sort keys.
 #[derive(Clone, Copy)]
-struct Placed {
+struct SortedElement {
     centroid: Vec3,
     /// Least and greatest rank of its nodes.
     key: (u32, u32),
     element: u32,
 }
 
-/// Cuts elements into a number of nearly equal parts, each cut across the longest extent.
-fn bisect(elements: &mut [Placed], parts: usize, emit: &mut impl FnMut(&mut [Placed])) {
+/// Divides elements into nearly equal parts by recursive bisection across the longest extent.
+fn bisect(
+    elements: &mut [SortedElement],
+    parts: usize,
+    emit: &mut impl FnMut(&mut [SortedElement]),
+) {
     if elements.is_empty() {
         return;
     }
@@ -100,8 +104,8 @@ fn bisect(elements: &mut [Placed], parts: usize, emit: &mut impl FnMut(&mut [Pla
         return;
     }
     let first = elements[0].centroid;
-    let (low, high) = elements.iter().fold((first, first), |(low, high), placed| {
-        (low.inf(&placed.centroid), high.sup(&placed.centroid))
+    let (low, high) = elements.iter().fold((first, first), |(low, high), entry| {
+        (low.inf(&entry.centroid), high.sup(&entry.centroid))
     });
     let axis = (high - low).imax();
     let half = parts / 2;
@@ -130,27 +134,27 @@ fn check_cover(
     let mut owner = vec![FREE; mesh.element_count()];
     for (set, elements) in sets.iter().enumerate() {
         for &element in *elements {
-            let place = owner.get_mut(element as usize).ok_or_else(|| {
+            let set_of = owner.get_mut(element as usize).ok_or_else(|| {
                 powerhouse_model::MeshError::SetOutOfRange {
                     what: "element",
                     name: labels[set].into(),
                     number: u64::from(element),
                 }
             })?;
-            if *place != FREE {
+            if *set_of != FREE {
                 return Err(EngineError::ElementTwice {
                     element: mesh.element_tags()[element as usize],
-                    first: labels[*place as usize].into(),
+                    first: labels[*set_of as usize].into(),
                     second: labels[set].into(),
                 });
             }
-            *place = set as u32;
+            *set_of = set as u32;
         }
     }
-    // Bars that nothing computes are lines of the mesh, not a hole in the body.
+    // Bars without a set are lines of the mesh, not a gap in the body.
     let left_out = |element: &u32| {
-        let place = *element as usize;
-        owner[place] == FREE && !absent[place] && mesh.kind(*element).is_solid()
+        let index = *element as usize;
+        owner[index] == FREE && !absent[index] && mesh.kind(*element).is_solid()
     };
     let mut unassigned = (0..mesh.element_count() as u32).filter(left_out);
     match unassigned.next() {
@@ -162,7 +166,7 @@ fn check_cover(
     }
 }
 
-/// The numbering, and the engine numbers of nodes whose elements are all absent.
+/// Node numbering, and engine numbers of orphan nodes (all their elements are absent).
 fn number_by_owner(
     mesh: &Mesh,
     rank: &[u32],

@@ -1,4 +1,4 @@
-//! Faces that move as one.
+//! Periodic boundary conditions.
 
 use std::collections::HashMap;
 
@@ -6,22 +6,22 @@ use powerhouse_model::{Mesh, ParameterError, Vec3};
 
 use crate::EngineError;
 
-/// Pairs of nodes that move as one: they share their mass and the sum of their forces.
+/// Periodic boundary conditions: pairs of tied nodes, with a common motion under the sum of their masses and forces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PeriodicPairs {
-    /// Mesh indices of the nodes of each pair.
+    /// The node pairs, by mesh index.
     pub pairs: Vec<(u32, u32)>,
 }
 
 impl PeriodicPairs {
-    /// Matches the nodes of two faces that differ by a translation.
+    /// Pairs of matching nodes of two faces (mesh indices) that differ by a translation, to a `tolerance` (m).
     ///
-    /// The translation is that of the lowest corners of the boxes around the two faces. Where a joint cuts
-    /// the faces, several nodes are at one place: each goes with the one whose elements lie on the same
+    /// The translation is that of the lowest corners of the bounding boxes of the two faces. Where a joint crosses
+    /// the faces several nodes coincide: each is paired with the one whose elements lie on the same
     /// side of it.
     ///
     /// # Errors
-    /// [`EngineError::PeriodicMismatch`] names the node that lies farthest from its partner.
+    /// [`EngineError::PeriodicMismatch`] with the node farthest from its partner; [`EngineError::UnknownNode`].
     pub fn by_translation(
         mesh: &Mesh,
         from: &[u32],
@@ -69,8 +69,8 @@ impl PeriodicPairs {
         })
     }
 
-    /// Which nodes move as one under some ties: for each tied node, the lowest of those that it moves
-    /// with (mesh indices).
+    /// Lead node of each tied node (mesh indices): the lowest index among the nodes that some periodic pairs connect with
+    /// it, itself included.
     pub fn leads<'p>(ties: impl IntoIterator<Item = &'p Self>) -> HashMap<u32, u32> {
         fn root(leads: &HashMap<u32, u32>, mut node: u32) -> u32 {
             while let Some(&lead) = leads.get(&node).filter(|&&lead| lead != node) {
@@ -99,7 +99,7 @@ fn is_one_to_one(partners: &[u32]) -> bool {
     sorted.len() == partners.len()
 }
 
-/// The partner of each node, and the node that is farthest from its own with that distance.
+/// The partner of each node, and the node farthest from its partner with that distance (m).
 fn nearest(mesh: &Mesh, from: &[u32], to: &[u32], translation: Vec3) -> (Vec<u32>, (u32, f64)) {
     let position = |node: u32| mesh.positions()[node as usize];
     let extent = to.iter().fold(
@@ -134,8 +134,8 @@ fn nearest(mesh: &Mesh, from: &[u32], to: &[u32], translation: Vec3) -> (Vec<u32
     (partners, worst)
 }
 
-/// The partner of each node among those as near as the nearest one: that whose elements lie most
-/// nearly where its own do.
+/// The partner of each node among coincident candidates: the one whose elements lie most
+/// nearly on the same side.
 fn on_the_same_side(
     mesh: &Mesh,
     from: &[u32],
@@ -144,7 +144,7 @@ fn on_the_same_side(
 ) -> Vec<u32> {
     let position = |node: u32| mesh.positions()[node as usize];
     let axis = translation.try_normalize(0.0).unwrap_or_default();
-    // The middle of the elements of a node seen from it, across the translation.
+    // Mean direction from a node to its elements, across the translation.
     let mut sides: HashMap<u32, (Vec3, f64)> = HashMap::new();
     sides.extend(
         from.iter()
@@ -176,8 +176,8 @@ fn on_the_same_side(
             .copied()
             .take_while(|&n| position(n)[along] <= target[along] + reach)
             .filter(|&n| (position(n) - target).norm() <= reach);
-        let apart = |n: u32| (side(n) - side(node)).norm();
-        near.min_by(|&a, &b| apart(a).total_cmp(&apart(b)))
+        let difference = |n: u32| (side(n) - side(node)).norm();
+        near.min_by(|&a, &b| difference(a).total_cmp(&difference(b)))
             .unwrap_or(node)
     };
     from.iter().map(partner).collect()

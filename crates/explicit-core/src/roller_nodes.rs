@@ -1,9 +1,10 @@
-//! Nodes that slide along axes: plain ones, but for components in which they do not move. This is
+//! Roller-supported nodes along coordinate axes: plain nodes with some velocity components fixed at zero. This is
 //! hot code.
 //!
-//! Why so: rollers on the faces of a box, and on both sides of a slice, are most of all supports. As
-//! groups they would cost several plain nodes each; as plain nodes whose forces along the held axes
-//! are left out they cost next to nothing, and move with the same bits.
+//! # Why so
+//! Rollers on the faces of a box, and on both sides of a slice, are most of all supports. As
+//! groups each would cost as much as several plain nodes; as plain nodes whose forces along the fixed axes
+//! are left out they cost next to nothing, with bitwise equal results.
 
 use core::ops::Range;
 
@@ -12,18 +13,18 @@ use powerhouse_model::Quad;
 use crate::gather::CHUNK;
 use crate::nodes::Storage;
 
-/// A node and the axes along which it is held.
+/// A node and the coordinate axes along which it is fixed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RollerNode {
     pub(crate) node: u32,
     pub(crate) held: [bool; 3],
 }
 
-/// All of them, in rising order of nodes.
+/// All roller nodes of a model, in rising order of nodes.
 #[derive(Default)]
 pub(crate) struct RollerNodes {
     all: Vec<RollerNode>,
-    /// Those in each chunk of nodes.
+    /// Range of the roller nodes in each chunk of nodes.
     chunks: Vec<Range<u32>>,
 }
 
@@ -37,20 +38,20 @@ impl RollerNodes {
         Self { all, chunks }
     }
 
-    /// Those in a chunk of nodes.
+    /// The roller nodes in a chunk of nodes.
     #[inline]
     pub(crate) fn in_chunk(&self, chunk: usize) -> &[RollerNode] {
         let range = &self.chunks[chunk];
         &self.all[range.start as usize..range.end as usize]
     }
 
-    /// The roller_node that a node is, if it is one.
+    /// The roller node of a node, as a slice of one; empty if the node has no roller.
     pub(crate) fn of(&self, node: usize) -> &[RollerNode] {
-        let place = self.all.binary_search_by_key(&(node as u32), |s| s.node);
-        place.map_or(&[], |place| &self.all[place..=place])
+        let index = self.all.binary_search_by_key(&(node as u32), |s| s.node);
+        index.map_or(&[], |index| &self.all[index..=index])
     }
 
-    /// Takes the velocities (m/s) along held axes away.
+    /// Sets the velocities (m/s) along fixed axes to zero.
     pub(crate) fn stop<S: Storage>(&self, velocity: &mut [Quad<S>]) {
         for roller_node in &self.all {
             let velocity = &mut velocity[roller_node.node as usize].values;
@@ -65,8 +66,8 @@ impl RollerNodes {
     }
 }
 
-/// Leaves nothing of the forces along held axes: the internal ones there, of consecutive nodes from
-/// `first` on, become the applied ones. Returns the roller nodes that lie behind these nodes.
+/// Makes the net force along fixed axes zero: there the internal forces of consecutive nodes from
+/// `first` on are replaced by the applied ones. Returns the roller nodes after these nodes.
 #[inline(always)]
 pub(crate) fn hold<'a, S: Storage>(
     roller_nodes: &'a [RollerNode],

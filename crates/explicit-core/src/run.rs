@@ -1,4 +1,4 @@
-//! The run: steps, observers, and what ends it.
+//! Dynamic runs: time loop, observers, energy check, termination.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,46 +11,47 @@ use powerhouse_model::{
 use crate::view::View;
 use crate::{HourglassShare, Model, Precision, StableStep};
 
-/// How long a run lasts.
+/// Duration of a run, as time or number of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
-    /// Until the first step at or past this time (s) after the run's start has been shown.
+    /// Duration (s); the last output state is the first one at or past this time after the start of the run.
     Seconds(f64),
-    /// So many steps.
+    /// Number of time steps.
     Steps(u64),
 }
 
-/// Which step a run takes.
+/// Choice of the time step of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum StepChoice {
-    /// The stable step of the model.
+    /// The stable step of the model (with a safety factor of 0.98).
     #[default]
     Stable,
-    /// This step (s); refused if it is above the stable one.
+    /// A given step (s); refused if it is above the stability limit.
     Fixed(f64),
-    /// This step (s), stable or not; for studies of stability.
+    /// A given step (s) without a check of stability, for studies of stability.
     Unchecked(f64),
 }
 
-/// A check of the energy ledger while the run goes on.
+/// Check of the energy balance during a run.
 ///
-/// The ledger costs time at every step: the blocks account for their dissipation, and with
-/// `by_set` each set's nodal work is booked.
+/// The balance costs time in every step: the blocks integrate their dissipation, and with
+/// `by_set` the nodal work of each element set is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EnergyCheck {
-    /// Steps between two readings.
+    /// Number of steps between two readings.
     pub every: u64,
-    /// Largest permitted residual over the largest energy held or put in so far; by default 1e-7
+    /// Largest permitted residual, relative to the largest stored energy or external work so far; by default 1e-7
     /// in double precision, 1e-4 in mixed, 1e-2 in single.
     pub limit: Option<f64>,
-    /// Whether each set's balance is kept, so that a fault names its set with certainty; without,
-    /// it names the set whose energy changed most.
+    /// Whether each element set has its own balance, so that an error names the set that causes it; otherwise
+    /// the error names the set whose energy changed most.
     pub by_set: bool,
 }
 
 impl EnergyCheck {
-    /// A reading every so many steps, with balances by set and the default limit.
+    /// A check every `steps` steps, with balances by set and the default limit.
     pub fn every(steps: u64) -> Self {
         Self {
             every: steps,
@@ -58,33 +59,45 @@ impl EnergyCheck {
             by_set: true,
         }
     }
+    /// The same with a largest permitted residual over the largest energy held or put in so far.
+    #[must_use]
+    pub fn with_limit(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
+        self
+    }
+    /// The same with or without a balance of each set.
+    #[must_use]
+    pub fn with_by_set(mut self, by_set: bool) -> Self {
+        self.by_set = by_set;
+        self
+    }
 }
 
-/// What a run is to do.
+/// Options of a run: duration, time step, divergence bound, energy check, cancellation.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RunOptions {
-    /// How long.
+    /// Duration of the run.
     pub length: Length,
-    /// The step.
+    /// Choice of the time step.
     pub step: StepChoice,
     /// Bound on each component of velocity (m/s), beyond which the motion counts as diverged. By
-    /// default the speed at which strains reach the order of one, far beyond any use of a theory
+    /// default the speed at which strains reach the order of one, far beyond the theory
     /// of small strains: the greatest product of half an element's frequency and its diagonal.
     pub speed_limit: Option<f64>,
-    /// Whether the energy ledger is checked on the way. It is kept without a check where an
-    /// observer asks for energies. It begins with the run.
+    /// Check of the energy balance, if any. The balance begins with the run; it is computed without a check
+    /// where an observer reads energies.
     pub energy: Option<EnergyCheck>,
-    /// Raised from outside, it ends the run after one more step; the output is complete.
+    /// Cancellation flag: once true, the run ends after one more step with complete output.
     pub stop: Option<Arc<AtomicBool>>,
 }
 
 impl RunOptions {
-    /// A run of some time (s) with the stable step.
+    /// Options of a run of a duration (s) with the stable step.
     pub fn seconds(duration: f64) -> Self {
         Self::of(Length::Seconds(duration))
     }
-    /// A run of so many steps with the stable step.
+    /// Options of a run of `count` steps with the stable step.
     pub fn steps(count: u64) -> Self {
         Self::of(Length::Steps(count))
     }
@@ -97,25 +110,25 @@ impl RunOptions {
             stop: None,
         }
     }
-    /// The same with a step.
+    /// The same options with another choice of the time step.
     #[must_use]
     pub fn with_step(mut self, step: StepChoice) -> Self {
         self.step = step;
         self
     }
-    /// The same with a bound on the speed (m/s).
+    /// The same options with a bound on each component of velocity (m/s).
     #[must_use]
     pub fn with_speed_limit(mut self, limit: f64) -> Self {
         self.speed_limit = Some(limit);
         self
     }
-    /// The same with a check of the energy ledger.
+    /// The same options with a check of the energy balance.
     #[must_use]
     pub fn with_energy(mut self, check: EnergyCheck) -> Self {
         self.energy = Some(check);
         self
     }
-    /// The same with a flag that ends the run.
+    /// The same options with a cancellation flag.
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
@@ -123,64 +136,64 @@ impl RunOptions {
     }
 }
 
-/// Where a run stands.
+/// Progress of a run, passed to the progress callback after every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Steps done in this run.
+    /// Number of steps done in this run.
     pub done: u64,
-    /// Steps that this run is to have.
+    /// Number of steps planned for this run.
     pub planned: u64,
-    /// Time of the displacement (s).
+    /// Present time (s), that of the displacement.
     pub time: f64,
 }
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// It was to end there.
+    /// All planned steps were done.
     Completed,
-    /// An observer of this name had seen enough.
+    /// The observer of this name returned [`Flow::Stop`].
     Observer(String),
-    /// It was stopped from outside.
+    /// The cancellation flag was set.
     Stopped,
-    /// An error with this message ended it; only reports of a [`RunFailure`] say so.
+    /// An error with this message ended the run; only in the report of a [`RunFailure`].
     Failed(String),
 }
 
-/// What a run did.
+/// Report of a run: steps, stable step, energies.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RunReport {
-    /// Steps done in this run.
+    /// Number of steps done in this run.
     pub steps: u64,
-    /// Their length (s).
+    /// Time step (s).
     pub step: f64,
     /// Time of the displacement at the end (s).
     pub time: f64,
-    /// The stable step, unless it was not asked for.
+    /// The stable step of the model; none for [`StepChoice::Unchecked`].
     pub stable: Option<StableStep>,
-    /// Why it ended.
+    /// Reason for the end of the run.
     pub ended: Ended,
-    /// The last reading of the energy ledger (J), by column; empty if none was kept.
+    /// Last reading of the energy balance (J), by column; empty if there was none.
     pub energies: Vec<(&'static str, f64)>,
-    /// The largest residual of the ledger over the largest energy held or put in until then.
+    /// Largest residual of the energy balance, relative to the largest stored energy or external work until then.
     pub energy_residual: f64,
-    /// What hourglass resistance took of the internal work of each set: where a ledger was kept at most
-    /// as far as it was read, else what is held at the end.
+    /// Hourglass and internal work of each element set: the maxima over the readings of the energy balance; without
+    /// readings the stored energies at the end.
     pub hourglass: Vec<HourglassShare>,
 }
 
-/// A run that an error ended.
+/// A failed run: the error, and the report of the steps before it.
 #[derive(Debug)]
 pub struct RunFailure {
-    /// What ended it.
+    /// The error that ended the run.
     pub error: RunError,
-    /// What was done until then; none if the run was refused before its first step.
+    /// Report of the steps until then; none if the run was refused before its first step.
     pub report: Option<Box<RunReport>>,
 }
 
-/// Steps a model as [`run`] does, and reports what was done even if it fails on its way.
+/// Integrates a model in time as [`run`] does; a failure comes with the report of the steps before it.
 ///
 /// # Errors
 /// As [`run`].
@@ -191,7 +204,7 @@ pub fn run_reporting(
     observers: &mut [Box<dyn Observer>],
     progress: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<RunReport, RunFailure> {
-    let outcome = model.in_pool(|model| steps(model, integrator, options, observers, progress));
+    let outcome = model.in_pool(|model| run_steps(model, integrator, options, observers, progress));
     let mut finished = Ok(());
     for observer in observers {
         let result = observer.finish();
@@ -203,8 +216,8 @@ pub fn run_reporting(
         error,
         report: None,
     };
-    let (mut report, played) = outcome.map_err(refused)?;
-    match played.and(finished) {
+    let (mut report, completed) = outcome.map_err(refused)?;
+    match completed.and(finished) {
         Ok(()) => Ok(report),
         Err(error) => {
             report.ended = Ended::Failed(error.to_string());
@@ -216,17 +229,18 @@ pub fn run_reporting(
     }
 }
 
-/// Steps a model, showing it to observers.
+/// Integrates a model in time and calls observers.
 ///
-/// A step from `t` to `t + dt` shows the state at `t`, when the velocities before and after are
-/// both known. The run therefore ends one step after the last state shown, and a run that goes on
-/// from there shows each state once. Observers are shown the last step whatever their cadence, and
-/// finished whatever happens.
+/// In a step from `t` to `t + dt` observers receive the state at `t`, when the velocities before and after are
+/// both known. The run therefore ends one step after the last output state, and a continued run
+/// repeats no state. Observers receive the last step whatever their cadence, and
+/// [`Observer::finish`] is called in every case.
 ///
 /// `progress` is called after every step.
 ///
 /// # Errors
-/// What refused the step before the run, or what ended it before its time.
+/// An option out of range or an unstable step, before the first step; a divergence, a failed element, constraint or
+/// observer, or an energy residual above its limit, during the run.
 pub fn run(
     model: &mut Model,
     integrator: &dyn TimeIntegrator,
@@ -245,8 +259,9 @@ fn failed(name: &str, step: u64, source: powerhouse_model::ModelError) -> RunErr
     }
 }
 
-/// Refuses a run, or gives the report of the steps that it had and what ended them too early.
-fn steps(
+/// The report of the steps done with the error that ended them early, if any; an error if the run is refused before
+/// its first step.
+fn run_steps(
     model: &mut Model,
     integrator: &dyn TimeIntegrator,
     options: &RunOptions,
@@ -262,7 +277,7 @@ fn steps(
     let (step, stable) = choose_step(model, integrator, options.step)?;
     let planned = match options.length {
         Length::Steps(count) => count,
-        // The last state shown is the first at or past the end.
+        // The last output state is the first at or past the end.
         Length::Seconds(duration) => (duration / step - 1e-6).ceil().max(0.0) as u64 + 1,
     };
     model.speed_limit = match options.speed_limit {
@@ -276,7 +291,7 @@ fn steps(
     if options.energy.is_some() || wanted {
         model.open_ledger(options.energy.is_some_and(|check| check.by_set));
     }
-    let mut stage = TimeLoop {
+    let mut time_loop = TimeLoop {
         observers,
         energy: options.energy,
         energies: Vec::new(),
@@ -288,7 +303,7 @@ fn steps(
         done: 0,
         model,
     };
-    let result = stage.play(integrator, options, step, planned, progress);
+    let result = time_loop.run(integrator, options, step, planned, progress);
     let TimeLoop {
         model,
         energies,
@@ -296,7 +311,7 @@ fn steps(
         mut hourglass,
         done,
         ..
-    } = stage;
+    } = time_loop;
     if model.ledger.is_none() {
         hourglass = model.hourglass_shares();
     }
@@ -311,8 +326,8 @@ fn steps(
         energy_residual: residual,
         hourglass,
     };
-    let played = result.map(|ended| report.ended = ended);
-    Ok((report, played))
+    let completed = result.map(|ended| report.ended = ended);
+    Ok((report, completed))
 }
 
 fn choose_step(
@@ -343,7 +358,7 @@ struct TimeLoop<'a> {
     model: &'a mut Model,
     observers: &'a mut [Box<dyn Observer>],
     energy: Option<EnergyCheck>,
-    /// The last reading of the ledger, and the worst residual so far.
+    /// Last reading of the energy ledger, and largest residual so far.
     energies: Vec<(&'static str, f64)>,
     residual: f64,
     hourglass: Vec<HourglassShare>,
@@ -354,8 +369,8 @@ struct TimeLoop<'a> {
 }
 
 impl TimeLoop<'_> {
-    /// All steps of a run, and why they ended.
-    fn play(
+    /// Takes all steps of a run; returns the reason for their end.
+    fn run(
         &mut self,
         integrator: &dyn TimeIntegrator,
         options: &RunOptions,
@@ -396,10 +411,10 @@ impl TimeLoop<'_> {
     }
 
     fn is_due(&self, cadence: Cadence, step: f64) -> bool {
-        self.last || is_due(cadence, self.model.number, self.model.time, step)
+        self.last || cadence.is_due(self.model.number, self.model.time, step)
     }
 
-    /// Whether the ledger is read in this step.
+    /// Whether the energy ledger is read in this step.
     fn reads_energies(&self, step: f64) -> bool {
         let check = self.energy.map(|check| Cadence::Steps(check.every));
         let of_observers = self.observers.iter().filter(|o| o.fields().energy);
@@ -408,12 +423,12 @@ impl TimeLoop<'_> {
     }
 
     /// Whether an observer is due in this step.
-    fn is_shown(&self, step: f64) -> bool {
+    fn is_observed(&self, step: f64) -> bool {
         let mut observers = self.observers.iter();
         observers.any(|observer| self.is_due(observer.cadence(), step))
     }
 
-    /// Reads the ledger if it is time.
+    /// Reads and checks the energy ledger if it is due.
     fn read_energies(&mut self, step: f64) -> Result<(), RunError> {
         if !self.reads_energies(step) {
             return Ok(());
@@ -443,7 +458,8 @@ impl TimeLoop<'_> {
         })
     }
 
-    fn show(&mut self, step: f64) -> Result<(), RunError> {
+    /// Calls the observers that are due; if one stops the run, the others receive the step as the last one.
+    fn observe(&mut self, step: f64) -> Result<(), RunError> {
         self.read_energies(step)?;
         let due: Vec<bool> = (self.observers.iter())
             .map(|observer| self.is_due(observer.cadence(), step))
@@ -452,7 +468,7 @@ impl TimeLoop<'_> {
             return Ok(());
         }
         let view = View::new(self.model, step, &self.energies);
-        // If one of those that are due ends the run, the step is the last for the others too.
+        // If an observer that is due stops the run, the step is the last one for the others too.
         for round in [true, false] {
             for (observer, _) in self
                 .observers
@@ -474,18 +490,6 @@ impl TimeLoop<'_> {
     }
 }
 
-/// Whether a cadence falls on a step: times count as reached a millionth of a step early.
-fn is_due(cadence: Cadence, number: u64, time: f64, step: f64) -> bool {
-    match cadence {
-        Cadence::Steps(every) => number.is_multiple_of(every.max(1)),
-        Cadence::Seconds(interval) if interval > step => {
-            let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
-            number == 0 || multiple(time) > multiple(time - step)
-        }
-        Cadence::Seconds(_) => true,
-    }
-}
-
 impl Dynamics for TimeLoop<'_> {
     fn time(&self) -> f64 {
         self.model.time()
@@ -494,7 +498,7 @@ impl Dynamics for TimeLoop<'_> {
         // Energies and stresses are computed from the committed history variables, which must not be
         // overwritten where they are required: in the first step, in which the energy balance begins, in steps
         // for observers, and in the last one, after which they may be read from the model.
-        let [first, shown] = [self.done == 0, self.is_shown(step)];
+        let [first, shown] = [self.done == 0, self.is_observed(step)];
         if first || self.last || shown || self.reads_energies(step) {
             terms.history_update = HistoryUpdate::Buffered;
         }
@@ -507,10 +511,10 @@ impl Dynamics for TimeLoop<'_> {
         self.model.constrain(step)
     }
     fn drift(&mut self, step: f64) {
-        match self.show(step) {
+        match self.observe(step) {
             Ok(()) => self.model.drift(step),
             Err(failure) => {
-                self.model.forget();
+                self.model.discard_kick();
                 self.failure = Some(failure);
             }
         }
@@ -528,7 +532,7 @@ mod tests {
         let mut time = 0.0;
         let mut due = Vec::new();
         for number in 0..21 {
-            if is_due(Cadence::Seconds(0.25), number, time, step) {
+            if Cadence::Seconds(0.25).is_due(number, time, step) {
                 due.push(number);
             }
             time += step;

@@ -1,4 +1,4 @@
-//! The highest frequency of the assembled model, by Lanczos.
+//! Highest natural frequency of the assembled model, by the Lanczos method.
 
 use powerhouse_model::{ElementBlock, Operator, Quad, Vec3};
 use rayon::prelude::*;
@@ -8,38 +8,38 @@ use crate::applied::split;
 use crate::gather::SlotTable;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
 
-/// Relative bound on the error of the highest eigenvalue at which Lanczos stops.
+/// Relative error bound of the highest eigenvalue at which the Lanczos method stops.
 const TOLERANCE: f64 = 5e-3;
-/// Products after which it gives up.
+/// Largest number of operator products.
 const MOST_PRODUCTS: usize = 300;
-/// Products between two looks at the eigenvalue.
-const LOOK: usize = 5;
+/// Number of products between two computations of the eigenvalue.
+const CHECK_INTERVAL: usize = 5;
 
-/// What Lanczos found.
+/// Result of the Lanczos method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HighestEigenvalue {
     /// The Ritz value (rad2/s2), from below.
     pub(crate) value: f64,
-    /// Bound on its distance to an eigenvalue.
+    /// Bound on the distance of the Ritz value from an eigenvalue (rad2/s2).
     pub(crate) residual: f64,
-    /// Operator products.
+    /// Number of operator products.
     pub(crate) products: usize,
     /// Whether the residual is below the tolerance.
     pub(crate) converged: bool,
 }
 
 impl Model {
-    /// The highest eigenvalue of `M^-1/2 K M^-1/2`, `K` the sum of the elastic operators of all
-    /// blocks times `weight(block)`, supports and ties respected, impedances left out (they are
-    /// implicit).
+    /// Highest eigenvalue of `M^-1/2 K M^-1/2` (rad2/s2) with supports and ties, where `K` is the sum of the elastic
+    /// operators of all blocks times `weight(block)`. Impedances are left out because they are
+    /// implicit.
     ///
-    /// Lanczos without reorthogonalisation (Paige 1972: the extreme Ritz values converge all the
-    /// same). The bound is `beta |s_k|`, `s_k` the last component of the Ritz vector.
+    /// Lanczos method without reorthogonalisation (Paige 1972: the extreme Ritz values converge
+    /// nevertheless). The error bound is `beta |s_k|`, `s_k` the last component of the Ritz vector.
     pub(crate) fn highest_eigenvalue(
         &mut self,
         weight: impl Fn(&dyn ElementBlock) -> f64 + Sync,
     ) -> HighestEigenvalue {
-        self.settle();
+        self.complete_kick();
         let count = self.mass.len();
         let scale = self.inverse_root_mass();
         let mut present = self.start_vector();
@@ -69,7 +69,7 @@ impl Model {
             off.push(beta);
             found.products += 1;
             let exhausted = beta <= 1e-12 * alpha.abs().max(found.value);
-            if exhausted || found.products.is_multiple_of(LOOK) {
+            if exhausted || found.products.is_multiple_of(CHECK_INTERVAL) {
                 let (value, last) = largest_ritz(&diagonal, &off);
                 found.value = value;
                 found.residual = beta * last;
@@ -84,22 +84,22 @@ impl Model {
         }
     }
 
-    /// `M^-1/2` of the free nodes; zero at nodes that follow a lead or have no mass.
+    /// `M^-1/2` of all nodes (kg^-1/2); zero at members of groups other than the lead, and without mass.
     fn inverse_root_mass(&self) -> Vec<f64> {
         (0..self.mass.len())
             .map(|node| match self.group_of[node] {
                 None => self.mass[node],
                 Some(g) => {
                     let group = &self.groups.groups[g as usize];
-                    let leads = group.members[0] as usize == node;
-                    if leads { group.mass } else { 0.0 }
+                    let is_lead = group.members[0] as usize == node;
+                    if is_lead { group.mass } else { 0.0 }
                 }
             })
             .map(|mass| if mass > 0.0 { 1.0 / mass.sqrt() } else { 0.0 })
             .collect()
     }
 
-    /// A vector without structure, so that it holds a share of every mode; the same each time.
+    /// A reproducible pseudo-random start vector with a share of every mode.
     fn start_vector(&self) -> Vec<Vec3> {
         let mut vector: Vec<Vec3> = (0..self.mass.len() as u64)
             .map(|node| Vec3::from_fn(|c, _| noise(3 * node + c as u64)))
@@ -108,7 +108,7 @@ impl Model {
         vector
     }
 
-    /// Restricts a vector to the leads and the free directions of the groups.
+    /// Restricts a vector to the lead nodes and the free directions of the groups.
     pub(crate) fn reduce(&self, vector: &mut [Vec3]) {
         for group in &self.groups.groups {
             for &member in &group.members[1..] {
@@ -126,7 +126,7 @@ impl Model {
         }
     }
 
-    /// Gives the members of groups the entry of their lead.
+    /// Copies the entry of each group's lead node to the other members.
     pub(crate) fn spread(&self, vector: &mut [Vec3]) {
         for group in &self.groups.groups {
             for &member in &group.members[1..] {
@@ -135,7 +135,7 @@ impl Model {
         }
     }
 
-    /// `M^-1/2 K M^-1/2` times a reduced vector.
+    /// Product of `M^-1/2 K M^-1/2` with a reduced vector.
     fn scaled_product(
         &mut self,
         scale: &[f64],
@@ -157,7 +157,7 @@ impl Model {
         product
     }
 
-    /// The elastic operators of all blocks, weighted, times a nodal vector.
+    /// Product of the weighted elastic operators of all blocks with a nodal vector.
     pub(crate) fn elastic_product(
         &mut self,
         vector: &[Vec3],
@@ -165,15 +165,17 @@ impl Model {
     ) -> Vec<Vec3> {
         let (blocks, lengths, slots) = (&self.blocks, &self.lengths, &self.slots);
         with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, vector, (blocks, lengths, slots), weight)
+            product(arrays, blocks, lengths, slots, vector, weight)
         })
     }
 }
 
 fn product<S: Storage>(
     arrays: &mut NodalArrays<S>,
+    blocks: &[Box<dyn ElementBlock>],
+    lengths: &[usize],
+    slots: &SlotTable,
     vector: &[Vec3],
-    (blocks, lengths, slots): (&[Box<dyn ElementBlock>], &[usize], &SlotTable),
     weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
 ) -> Vec<Vec3> {
     let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();
@@ -210,7 +212,7 @@ pub(crate) fn norm(a: &[Vec3]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// A number in [-1, 1) from an integer (the mixer of Steele, Lea & Flood 2014).
+/// A pseudo-random number in [-1, 1) from an integer (the mixer of Steele, Lea & Flood 2014).
 fn noise(index: u64) -> f64 {
     let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -218,8 +220,8 @@ fn noise(index: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// The largest eigenvalue of a symmetric tridiagonal matrix, and the size of the last component of
-/// its unit eigenvector. `off` has one entry more than the matrix needs.
+/// Largest eigenvalue of a symmetric tridiagonal matrix, and magnitude of the last component of
+/// its unit eigenvector. `off`, the off-diagonal, has one entry more than the matrix needs.
 fn largest_ritz(diagonal: &[f64], off: &[f64]) -> (f64, f64) {
     let size = diagonal.len();
     let matrix = nalgebra::DMatrix::from_fn(size, size, |i, j| match i.abs_diff(j) {
@@ -228,10 +230,10 @@ fn largest_ritz(diagonal: &[f64], off: &[f64]) -> (f64, f64) {
         _ => 0.0,
     });
     let eigen = matrix.symmetric_eigen();
-    let place = eigen.eigenvalues.imax();
+    let index = eigen.eigenvalues.imax();
     (
-        eigen.eigenvalues[place],
-        eigen.eigenvectors[(size - 1, place)].abs(),
+        eigen.eigenvalues[index],
+        eigen.eigenvectors[(size - 1, index)].abs(),
     )
 }
 

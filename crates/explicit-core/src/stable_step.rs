@@ -1,57 +1,57 @@
-//! The stable step, and who limits it.
+//! The stable time step, and the element that limits it.
 
 use powerhouse_model::{FrequencyLimits, LimitingTerm, RunError, TimeIntegrator};
 
 use crate::Model;
 
-/// The reported step is this share of the limit.
+/// Safety factor of the stable step on the stability limit.
 const SAFETY: f64 = 0.98;
 
-/// The stable step of a model under a scheme.
+/// The stable time step of a model under an integration scheme, and the element that limits it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StableStep {
-    /// The step to run with (s): 0.98 of the limit of the assembled model.
+    /// Stable step (s): 0.98 of the stability limit of the assembled model with damping.
     pub step: f64,
-    /// The limit of the assembled model without damping (s), `2 / w`.
+    /// Stability limit of the assembled model without damping (s), `2 / w` with the highest frequency `w` (rad/s).
     pub assembled_limit: f64,
-    /// The least bound that one element alone gives, damping included (s); infinite if no block
-    /// knows its elements' bounds.
+    /// Least stability bound of a single element, damping included (s); infinite if the blocks
+    /// report no element bounds.
     pub element_bound: f64,
-    /// The user's number of that element.
+    /// The user's number of the limiting element, which has the least bound.
     pub element: u64,
-    /// Its set.
+    /// Name of the limiting element's set.
     pub set: String,
-    /// What limits it: its stiffness damping coefficient counts if it is above half the bound,
-    /// mass damping if it alone permits no longer step.
+    /// Cause of the limit: stiffness damping if its coefficient exceeds half the bound,
+    /// mass damping if it alone permits no longer step, else the stiffness.
     pub term: LimitingTerm,
-    /// Elements whose bound is within 5 % of it.
+    /// Number of elements whose bound is within 5 % of the least one.
     pub similar_elements: usize,
-    /// The least bound (s) of all other sets, what removing this set's worst elements could buy at
-    /// most; none if there is no other set.
+    /// Least bound (s) of all other sets, the upper limit of the gain from coarsening this set;
+    /// none if there is no other set.
     pub next_set_bound: Option<f64>,
-    /// Operator products that Lanczos took.
+    /// Number of operator products of the Lanczos method.
     pub iterations: usize,
-    /// Whether Lanczos converged; if not, the element bound is used.
+    /// Whether the Lanczos method converged; if not, the element bound is used.
     pub converged: bool,
 }
 
-/// The spectrum of a model, found once.
+/// Highest frequency and damping of a model, computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Spectrum {
     /// Highest angular frequency of the assembled model (rad/s).
     highest: f64,
     iterations: usize,
     converged: bool,
-    /// Stiffness damping coefficient (s) that bounds the model's at the highest frequency.
+    /// Upper bound (s) of the effective stiffness damping coefficient at the highest frequency.
     stiffness_damping: f64,
     /// The speed (m/s) at which strains reach the order of one.
     pub(crate) reference_speed: f64,
 }
 
 impl Model {
-    /// The stable step of the model under a scheme, from the highest frequency of the assembled
-    /// elastic operator (joints open, impedances out), and the element that limits it.
+    /// The stable step of the model under an integration scheme, from the highest frequency of the assembled
+    /// elastic operator (joints open, without impedances), and the element that limits it.
     ///
     /// The first call costs some tens of force evaluations.
     ///
@@ -103,11 +103,12 @@ impl Model {
         Ok(report)
     }
 
-    /// What a scheme is told of the model. The highest frequency has the safety on it.
+    /// Highest frequency and damping of the model, input of the stability limit of a scheme. The highest frequency
+    /// includes the safety factor.
     ///
-    /// With different stiffness damping in different sets, the largest coefficient would be
-    /// charged to the highest frequency, though the damped set may not reach it. The coefficient
-    /// given is the least `b` with `b w^2 >=` the highest eigenvalue of `M^-1 D`, `D` the sum of
+    /// With different stiffness damping in different sets, the largest coefficient at the highest frequency would be
+    /// too strict, because the damped set may not reach that frequency. The coefficient
+    /// is the least `b` with `b w^2 >=` the highest eigenvalue of `M^-1 D`, `D` the sum of
     /// the damped operators: a bound for every scheme, because the highest eigenvalue of a sum is
     /// at most the sum of the highest ones.
     pub fn frequency_limits(&mut self) -> FrequencyLimits {
@@ -168,7 +169,7 @@ impl Model {
         spectrum
     }
 
-    /// The diagonal of the box around an element (m); zero for an additional element.
+    /// Diagonal of the bounding box of an element (m); zero for an additional element.
     fn element_size(&self, element: u32) -> f64 {
         if element as usize >= self.mesh.element_count() {
             return 0.0;

@@ -1,40 +1,40 @@
-//! Supports and prescribed motion.
+//! Supports (fixed and roller) and prescribed motion.
 
 use powerhouse_model::{Mat3, TimeFunction, Vec3};
 
 use crate::EngineError;
 
-/// Directions in which a support holds its nodes.
+/// Directions in which a support fixes its nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Held {
-    Everything,
+enum Fixity {
+    All,
     Direction(Vec3),
 }
 
-/// Nodes that do not move, at all or in one direction.
+/// A support: nodes whose displacement is fixed in all directions or along one.
 ///
-/// A support keeps a node where it is when the run begins. Several supports on a node add up:
+/// The displacement keeps the value that it has at the start of the run. Several supports on a node combine:
 /// two rollers with different normals leave it one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Support {
     nodes: Vec<u32>,
-    held: Held,
+    fixity: Fixity,
 }
 
 impl Support {
-    /// Nodes (mesh indices) that do not move at all.
+    /// A support of nodes (mesh indices) that are fixed in all directions.
     pub fn fixed(nodes: Vec<u32>) -> Self {
         Self {
             nodes,
-            held: Held::Everything,
+            fixity: Fixity::All,
         }
     }
-    /// Nodes (mesh indices) that do not move along `normal`, which may be oblique and of any
-    /// length; they slide freely across it.
+    /// A roller support: nodes (mesh indices) fixed along `normal`, which may be oblique and of any
+    /// length, and free across it.
     pub fn roller(nodes: Vec<u32>, normal: Vec3) -> Self {
         Self {
             nodes,
-            held: Held::Direction(normal),
+            fixity: Fixity::Direction(normal),
         }
     }
     /// The same support of other nodes (mesh indices).
@@ -42,36 +42,36 @@ impl Support {
     pub fn on(&self, nodes: Vec<u32>) -> Self {
         Self {
             nodes,
-            held: self.held,
+            fixity: self.fixity,
         }
     }
-    /// The nodes that are held (mesh indices).
+    /// The supported nodes (mesh indices).
     pub fn nodes(&self) -> &[u32] {
         &self.nodes
     }
-    /// The direction in which the nodes are held, of any length; none if they are held in all directions.
+    /// The direction along which the nodes are fixed, of any length; none if they are fixed in all directions.
     pub fn held_direction(&self) -> Option<Vec3> {
-        match self.held {
-            Held::Everything => None,
-            Held::Direction(normal) => Some(normal),
+        match self.fixity {
+            Fixity::All => None,
+            Fixity::Direction(normal) => Some(normal),
         }
     }
     pub(crate) fn directions(&self) -> Result<Vec<Vec3>, EngineError> {
-        match self.held {
-            Held::Everything => Ok(vec![Vec3::x(), Vec3::y(), Vec3::z()]),
-            Held::Direction(normal) => Ok(vec![unit("a roller", normal)?]),
+        match self.fixity {
+            Fixity::All => Ok(vec![Vec3::x(), Vec3::y(), Vec3::z()]),
+            Fixity::Direction(normal) => Ok(vec![unit("a roller", normal)?]),
         }
     }
 }
 
-/// Nodes whose displacement along one direction is a function of time.
+/// Prescribed motion: nodes whose displacement along one direction is a function of time.
 pub struct Prescribed {
     /// Mesh indices of the nodes.
     pub nodes: Vec<u32>,
-    /// The direction; of any length but zero.
+    /// Direction of the prescribed displacement; of any length but zero.
     pub direction: Vec3,
     /// Displacement along the direction (m) as a function of time (s). It should start from the
-    /// displacement that the nodes have: a jump is an impact.
+    /// initial displacement of the nodes: a jump acts as an impact.
     pub displacement: Box<dyn TimeFunction>,
 }
 
@@ -98,22 +98,22 @@ pub(crate) fn unit(part: &str, direction: Vec3) -> Result<Vec3, EngineError> {
     }
 }
 
-/// The directions in which one node is held or driven.
+/// Fixed and prescribed directions of one node.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Condition {
-    /// Orthonormal directions.
+    /// Orthonormal directions, fixed or prescribed.
     basis: Vec<Vec3>,
-    /// For each of them, its velocity as a combination of those of `prescribed`.
+    /// Velocity along each of them, as linear combination of the velocities of `prescribed`.
     targets: Vec<Vec<f64>>,
     /// Unit direction and index of the prescribed motion.
     pub(crate) prescribed: Vec<(Vec3, usize)>,
 }
 
-/// Directions closer than this (sine of the angle) count as one.
+/// Sine of the angle below which two directions count as parallel.
 const PARALLEL: f64 = 1e-8;
 
 impl Condition {
-    /// Holds a unit direction.
+    /// Fixes a unit direction.
     pub(crate) fn hold(&mut self, direction: Vec3) {
         let rest = self.rest(direction);
         if rest.norm() > PARALLEL {
@@ -122,7 +122,7 @@ impl Condition {
         }
     }
 
-    /// Drives a unit direction; false if it is not free.
+    /// Prescribes the motion along a unit direction; returns false if the direction is not free.
     pub(crate) fn prescribe(&mut self, direction: Vec3, motion: usize) -> bool {
         if self.prescribed.contains(&(direction, motion)) {
             return true;
@@ -155,14 +155,14 @@ impl Condition {
         self.basis.iter().fold(once, |r, q| r - q * q.dot(&r))
     }
 
-    /// Takes the components along held directions, not along driven ones, out of a vector.
+    /// Removes the components along fixed directions, but not along prescribed ones, from a vector.
     pub(crate) fn released(&self, vector: Vec3) -> Vec3 {
         let held = self.basis.iter().zip(&self.targets);
         held.filter(|(_, target)| target.iter().all(|&weight| weight == 0.0))
             .fold(vector, |rest, (q, _)| rest - q * q.dot(&rest))
     }
 
-    /// Takes the components along held and driven directions out of a vector.
+    /// Removes the components along fixed and prescribed directions from a vector.
     pub(crate) fn free(&self, vector: Vec3) -> Vec3 {
         if self.basis.len() == 3 {
             Vec3::zeros()
@@ -196,7 +196,7 @@ impl Condition {
         }
     }
 
-    /// The held and driven directions as columns, zeros after them.
+    /// The fixed and prescribed directions as columns, zeros after them.
     fn normals(&self) -> Mat3 {
         let mut normals = Mat3::zeros();
         for (i, q) in self.basis.iter().enumerate() {
@@ -205,17 +205,17 @@ impl Condition {
         normals
     }
 
-    /// What `P A` leaves of a velocity, `I - L N^T`: all of it but what lies in the held and driven
+    /// Projection `P A = I - L N^T` of a velocity, which removes its components along fixed and prescribed
     /// directions.
     pub(crate) fn kept(&self, lift: &Mat3) -> Mat3 {
         if self.prescribed.is_empty() || self.basis.len() == 3 {
-            // Nothing of a velocity lies in held directions.
+            // A velocity has no components along fixed directions.
             return Mat3::from_columns(&[Vec3::x(), Vec3::y(), Vec3::z()].map(|e| self.free(e)));
         }
         Mat3::identity() - lift * self.normals().transpose()
     }
 
-    /// The orthonormal directions that are held or driven.
+    /// The orthonormal fixed and prescribed directions.
     pub(crate) fn directions(&self) -> &[Vec3] {
         &self.basis
     }

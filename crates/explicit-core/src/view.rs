@@ -1,4 +1,4 @@
-//! A step as observers see it.
+//! Read access of observers to a model within a step.
 
 use std::cell::OnceCell;
 
@@ -7,12 +7,12 @@ use powerhouse_model::{ElementBlock, JointView, StepView, Stress, Vec3};
 use crate::Model;
 use crate::nodes::{Storage, with_nodes};
 
-/// Reads a model between its kick and its drift; nothing is computed before it is asked for.
+/// Read access to a model between its velocity and displacement update; values are computed on demand.
 pub(crate) struct View<'a> {
     model: &'a Model,
     step: f64,
     energies: &'a [(&'static str, f64)],
-    /// Stresses of each block, once asked for.
+    /// Mean element stresses of each block, computed at the first access.
     stresses: Vec<OnceCell<Vec<Stress>>>,
 }
 
@@ -54,7 +54,7 @@ impl StepView for View<'_> {
     }
     fn stress(&self, element: u32) -> Stress {
         let model = self.model;
-        let Some(&(block, place)) = model.place_of_element.get(element as usize) else {
+        let Some(&(block, index)) = model.block_of_element.get(element as usize) else {
             return Stress::default();
         };
         let Some(known) = self.stresses.get(block as usize) else {
@@ -62,7 +62,7 @@ impl StepView for View<'_> {
         };
         let stresses =
             known.get_or_init(|| model.stresses_of(model.blocks[block as usize].as_ref()));
-        let change = stresses[place as usize];
+        let change = stresses[index as usize];
         match model.initial_stress.get(element as usize) {
             Some(initial) => Stress(core::array::from_fn(|i| initial.0[i] + change.0[i])),
             None => change,
@@ -70,26 +70,26 @@ impl StepView for View<'_> {
     }
     fn element_forces(&self, element: u32, out: &mut [Vec3]) -> bool {
         let model = self.model;
-        let of_block = model.place_of_element.get(element as usize);
+        let of_block = model.block_of_element.get(element as usize);
         let known = of_block
-            .and_then(|&(block, place)| Some((model.blocks.get(block as usize)?, place as usize)));
-        let Some((block, place)) = known else {
+            .and_then(|&(block, index)| Some((model.blocks.get(block as usize)?, index as usize)));
+        let Some((block, index)) = known else {
             out.fill(Vec3::zeros());
             return true;
         };
         let initial = model.initial_stress.get(element as usize);
         let initial = initial.copied().unwrap_or_default();
         with_nodes!(&model.nodes, arrays => {
-            block.element_forces(place, Storage::view(&arrays.displacement), &initial, out)
+            block.element_forces(index, Storage::view(&arrays.displacement), &initial, out)
         })
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies
     }
     fn history(&self, element: u32, variable: &str) -> Option<f64> {
-        let &(block, place) = self.model.place_of_element.get(element as usize)?;
+        let &(block, index) = self.model.block_of_element.get(element as usize)?;
         let block = self.model.blocks.get(block as usize)?;
-        block.shown_history(place as usize, variable)
+        block.shown_history(index as usize, variable)
     }
     fn embedded(&self, block: &str, variable: &str) -> Option<Vec<f64>> {
         let name = format!("{block}/{variable}");
@@ -103,7 +103,7 @@ impl StepView for View<'_> {
 }
 
 impl Model {
-    /// The mean change of stress (Pa) of each element of a block.
+    /// Mean stress change (Pa) of each element of a block against its initial stress.
     pub(crate) fn stresses_of(&self, block: &dyn ElementBlock) -> Vec<Stress> {
         let mut out = vec![Stress::default(); block.elements().len()];
         with_nodes!(&self.nodes, arrays => {

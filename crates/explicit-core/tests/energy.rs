@@ -25,10 +25,12 @@ fn rock() -> Links {
 fn box_with_input(mesh: &Mesh, links: Links) -> ModelBuilder<'_> {
     let faces = ["x0", "x1", "y0", "y1", "z0"];
     let impedance = faces.iter().flat_map(|face| mesh.node_set(face).unwrap());
-    let impedance = impedance.map(|&node| NodalImpedance {
-        node,
-        spring: Mat3::new(3e7, 1e6, 0.0, 1e6, 2e7, 0.0, 0.0, 0.0, 1e7),
-        dashpot: Mat3::new(5e5, 1e5, 0.0, 1e5, 4e5, 0.0, 0.0, 0.0, 3e5),
+    let impedance = impedance.map(|&node| {
+        NodalImpedance::new(
+            node,
+            Mat3::new(3e7, 1e6, 0.0, 1e6, 2e7, 0.0, 0.0, 0.0, 1e7),
+            Mat3::new(5e5, 1e5, 0.0, 1e5, 4e5, 0.0, 0.0, 0.0, 3e5),
+        )
     });
     let pulse = |t: f64| (200.0 * t).sin();
     let top = mesh.node_set("z1").unwrap().to_vec();
@@ -39,10 +41,7 @@ fn box_with_input(mesh: &Mesh, links: Links) -> ModelBuilder<'_> {
             Vec3::new(1e4, 2e3, -3e4),
             Box::new(pulse),
         )))
-        .boundary(BoundaryParts {
-            impedance: impedance.collect(),
-            ..BoundaryParts::default()
-        })
+        .boundary(BoundaryParts::default().with_impedance(impedance))
 }
 
 fn go(
@@ -63,7 +62,7 @@ fn column(report: &RunReport, name: &str) -> f64 {
 }
 
 /// Over 1e5 steps of a box with input, dashpots and springs the ledger closes to 1e-12 of the
-/// input work, far below the 1e-9 that is asked for.
+/// input work, far below the required 1e-9.
 #[test]
 fn an_elastic_box_with_input_and_dashpots_closes() {
     let mesh = hex_box([2, 2, 2], 1.0, 0.2);
@@ -76,7 +75,7 @@ fn an_elastic_box_with_input_and_dashpots_closes() {
 }
 
 /// Mass damping (implicit and lagged), stiffness damping, supports along an axis and oblique to it, a
-/// tie-free prescribed motion and a load on plain nodes are all booked: the ledger closes under both
+/// tie-free prescribed motion and a load on plain nodes are all accounted for: the ledger closes under both
 /// schemes.
 #[test]
 fn every_nodal_term_is_booked() {
@@ -122,7 +121,7 @@ fn every_nodal_term_is_booked() {
 }
 
 /// Holds two nodes together, without loss but the impact of their velocities, or with friction
-/// that is booked wrongly.
+/// that is accounted for wrongly.
 struct Glue {
     nodes: [u32; 2],
     wrong: f64,
@@ -143,15 +142,12 @@ impl Constraint for Glue {
         let before = motion.previous[1] - motion.previous[0];
         let after = motion.velocity[1] - motion.velocity[0];
         let impact = 0.5 * impulse.dot(&(before + after));
-        Ok(ConstraintWork {
-            impact: impact * self.wrong,
-            ..ConstraintWork::default()
-        })
+        Ok(ConstraintWork::default().with_impact(impact * self.wrong))
     }
 }
 
-/// Two bodies that meet and stay together lose what their constraint books as impact; if it books
-/// wrongly, the run is stopped.
+/// Two bodies that meet and stay together lose what their constraint reports as impact; if it reports
+/// a wrong loss, the run is stopped.
 #[test]
 fn the_loss_of_an_impact_is_booked() {
     let mesh = hex_box([3, 2, 2], 1.0, 0.2);
@@ -194,11 +190,11 @@ fn single_precision_closes_to_its_own_rounding() {
     assert!(report.energy_residual < 1e-3, "{}", report.energy_residual);
 }
 
-/// The same pull on every node, and how often it was asked for.
+/// The same pull on every node, and how often it was evaluated.
 struct Pull {
     nodes: Vec<u32>,
     constant: bool,
-    asked: Arc<AtomicUsize>,
+    evaluated: Arc<AtomicUsize>,
 }
 impl NodalLoad for Pull {
     fn name(&self) -> &str {
@@ -208,7 +204,7 @@ impl NodalLoad for Pull {
         &self.nodes
     }
     fn add_forces(&mut self, _time: f64, forces: &mut [Vec3]) {
-        self.asked.fetch_add(1, Ordering::Relaxed);
+        self.evaluated.fetch_add(1, Ordering::Relaxed);
         for force in forces {
             *force += Vec3::new(40.0, -70.0, 11.0);
         }
@@ -218,13 +214,13 @@ impl NodalLoad for Pull {
     }
 }
 
-/// Loads that say that they do not change are asked for once, move the body as those that do not, and
+/// Constant loads are evaluated once, move the body as those that do not, and
 /// their work is the same: of the displacement, not of the velocities step by step.
 #[test]
 fn the_work_of_constant_loads_is_that_of_their_displacement() {
     let mesh = hex_box([3, 3, 3], 1.0, 0.2);
     let moved = |precision: Precision, constant: bool| {
-        let asked = Arc::new(AtomicUsize::new(0));
+        let evaluated = Arc::new(AtomicUsize::new(0));
         let weight: Box<dyn TimeFunction> = if constant {
             Box::new(Constant(0.7))
         } else {
@@ -235,14 +231,21 @@ fn the_work_of_constant_loads_is_that_of_their_displacement() {
             .load(Box::new(Pull {
                 nodes: (10..40).collect(),
                 constant,
-                asked: asked.clone(),
+                evaluated: evaluated.clone(),
             }))
             .build()
             .unwrap();
         let options = RunOptions::steps(600).with_energy(EnergyCheck::every(50));
         let report = go(&mut model, &Leapfrog, &options).unwrap();
-        let asked = asked.load(Ordering::Relaxed);
-        assert!(if constant { asked == 1 } else { asked >= 600 }, "{asked}");
+        let evaluated = evaluated.load(Ordering::Relaxed);
+        assert!(
+            if constant {
+                evaluated == 1
+            } else {
+                evaluated >= 600
+            },
+            "{evaluated}"
+        );
         (model.state(), report)
     };
     for (precision, close, balance) in [
@@ -388,7 +391,7 @@ impl ElementBlock for CheatBlock {
 }
 
 /// Kinetic energy is never negative, at whatever step a run ends and near the limit of stability too, where
-/// the product of the velocities before and after a turning point is; the account closes all the same.
+/// the product of the velocities before and after a turning point is; the balance closes all the same.
 #[test]
 fn kinetic_energy_is_never_negative() {
     let mesh = hex_box([2, 2, 2], 1.0, 0.2);

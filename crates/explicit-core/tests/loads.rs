@@ -114,14 +114,13 @@ fn springs_are_measured_from_the_start_of_the_stage() {
                 Vec3::new(force, 0.0, 0.0),
                 Box::new(|_: f64| 1.0),
             )))
-            .boundary(BoundaryParts {
-                impedance: vec![NodalImpedance {
-                    node: 0,
-                    spring: Mat3::identity() * stiffness,
-                    dashpot: Mat3::zeros(),
-                }],
-                ..BoundaryParts::default()
-            })
+            .boundary(
+                BoundaryParts::default().with_impedance(vec![NodalImpedance::new(
+                    0,
+                    Mat3::identity() * stiffness,
+                    Mat3::zeros(),
+                )]),
+            )
             .build()
             .unwrap()
     };
@@ -241,13 +240,11 @@ fn additional_blocks_extend_the_body() {
     };
     let build = || {
         // At the right end two blocks in a row, whose second end is loaded; at the left end one.
-        let right = BoundaryParts {
-            blocks: vec![tail(6, 7.0), tail(7, 8.0)],
-            loads: vec![Box::new(force(8))],
-            ..BoundaryParts::default()
-        };
-        let left = BoundaryParts {
-            blocks: vec![ExtraBlock {
+        let right = BoundaryParts::default()
+            .with_blocks(vec![tail(6, 7.0), tail(7, 8.0)])
+            .with_loads(vec![Box::new(force(8))]);
+        let left = BoundaryParts::default()
+            .with_blocks(vec![ExtraBlock {
                 nodes: vec![Vec3::new(-1.0, 0.0, 0.0)],
                 build: Box::new(move |numbering| {
                     Box::new(Tail {
@@ -256,10 +253,8 @@ fn additional_blocks_extend_the_body() {
                         mass: density,
                     })
                 }),
-            }],
-            loads: vec![Box::new(force(7))],
-            ..BoundaryParts::default()
-        };
+            }])
+            .with_loads(vec![Box::new(force(7))]);
         Model::builder(&short_mesh)
             .elements("bar", links())
             .boundary(right)

@@ -140,11 +140,7 @@ fn a_matched_dashpot_absorbs_a_wave_in_a_bar() {
     let c = (young / density).sqrt();
     let mesh = chain(count, h);
     let dashpot = Mat3::identity() * (density * c);
-    let impedance = vec![NodalImpedance {
-        node: count as u32,
-        spring: Mat3::zeros(),
-        dashpot,
-    }];
+    let impedance = vec![NodalImpedance::new(count as u32, Mat3::zeros(), dashpot)];
     let pulse = |t: f64| {
         if t < 0.01 {
             1e3 * (std::f64::consts::PI * t / 0.01).sin().powi(2)
@@ -162,10 +158,7 @@ fn a_matched_dashpot_absorbs_a_wave_in_a_bar() {
             Vec3::x(),
             Box::new(pulse),
         )))
-        .boundary(powerhouse_model::BoundaryParts {
-            impedance,
-            ..Default::default()
-        })
+        .boundary(powerhouse_model::BoundaryParts::default().with_impedance(impedance))
         .build()
         .unwrap();
     // Just below the limit: the lumped end of the bar is not the exact radiation condition of the
@@ -229,7 +222,7 @@ fn everything(threads: usize, precision: Precision) -> State {
     let mesh = hex_box([9, 8, 7], 1.0, 0.2);
     let mut model = with_everything(&mesh, precision)
         .threads(threads)
-        .part_size(32)
+        .block_size(32)
         .build()
         .unwrap();
     let count = mesh.node_count();
@@ -255,10 +248,12 @@ fn with_everything(
     precision: Precision,
 ) -> powerhouse_explicit_core::ModelBuilder<'_> {
     let set = |name| mesh.node_set(name).unwrap().to_vec();
-    let impedance = set("x0").into_iter().map(|node| NodalImpedance {
-        node,
-        spring: Mat3::new(3e8, 1e7, 0.0, 1e7, 2e8, 0.0, 0.0, 0.0, 1e8),
-        dashpot: Mat3::from_diagonal(&Vec3::new(5e6, 3e6, 3e6)),
+    let impedance = set("x0").into_iter().map(|node| {
+        NodalImpedance::new(
+            node,
+            Mat3::new(3e8, 1e7, 0.0, 1e7, 2e8, 0.0, 0.0, 0.0, 1e8),
+            Mat3::from_diagonal(&Vec3::new(5e6, 3e6, 3e6)),
+        )
     });
     Model::builder(mesh)
         .elements(
@@ -271,10 +266,7 @@ fn with_everything(
             Vec3::new(0.1, 0.0, -1.0),
             Box::new(|t: f64| (50.0 * t).sin()),
         )
-        .boundary(powerhouse_model::BoundaryParts {
-            impedance: impedance.collect(),
-            ..Default::default()
-        })
+        .boundary(powerhouse_model::BoundaryParts::default().with_impedance(impedance))
 }
 
 /// A run that is interrupted, exported and continued in another model has the bits of one that was
@@ -284,7 +276,7 @@ fn a_continued_run_has_the_same_bits() {
     let mesh = hex_box([6, 4, 4], 1.0, 0.2);
     let build = || {
         with_everything(&mesh, Precision::F64)
-            .part_size(16)
+            .block_size(16)
             .build()
             .unwrap()
     };
@@ -387,10 +379,7 @@ fn rollers_along_axes_move_as_other_supports_do() {
     let mesh = hex_box([6, 4, 4], 1.0, 0.2);
     let set = |name| mesh.node_set(name).unwrap().to_vec();
     let build = |impedance: Vec<NodalImpedance>| {
-        let boundary = powerhouse_model::BoundaryParts {
-            impedance,
-            ..Default::default()
-        };
+        let boundary = powerhouse_model::BoundaryParts::default().with_impedance(impedance);
         let weight = Vec3::new(3.0, 1.0, -9.0);
         Model::builder(&mesh)
             .elements("rock", rock().damped(20.0, 0.0).boxed())
@@ -408,11 +397,9 @@ fn rollers_along_axes_move_as_other_supports_do() {
     let mut felt = felt;
     felt.sort_unstable();
     felt.dedup();
-    let impedance = felt.into_iter().map(|node| NodalImpedance {
-        node,
-        spring: Mat3::zeros(),
-        dashpot,
-    });
+    let impedance = felt
+        .into_iter()
+        .map(|node| NodalImpedance::new(node, Mat3::zeros(), dashpot));
     let (mut lean, mut other) = (build(Vec::new()), build(impedance.collect()));
     let corner = set("z0")[3];
     let mut state = lean.state();

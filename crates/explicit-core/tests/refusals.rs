@@ -188,14 +188,11 @@ fn active_impedances_are_refused() {
         Mat3::new(1.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         Mat3::repeat(f64::NAN),
     ] {
-        let parts = BoundaryParts {
-            impedance: vec![NodalImpedance {
-                node: 2,
-                spring: Mat3::zeros(),
-                dashpot: matrix,
-            }],
-            ..BoundaryParts::default()
-        };
+        let parts = BoundaryParts::default().with_impedance(vec![NodalImpedance::new(
+            2,
+            Mat3::zeros(),
+            matrix,
+        )]);
         let error = refusal(model(&mesh).boundary(parts));
         assert_eq!(
             error,

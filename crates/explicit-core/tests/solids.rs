@@ -120,11 +120,9 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
         stiffness: 2e-5,
     };
     let nodes = |set: &str| mesh.nodes_of_facets(mesh.facet_set(set).unwrap());
-    let impedance = nodes("bottom").into_iter().map(|node| NodalImpedance {
-        node,
-        spring: Mat3::identity() * 1e8,
-        dashpot: Mat3::identity() * 1e6,
-    });
+    let impedance = nodes("bottom")
+        .into_iter()
+        .map(|node| NodalImpedance::new(node, Mat3::identity() * 1e8, Mat3::identity() * 1e6));
     let mut model = Model::builder(mesh)
         .elements(
             "rock",
@@ -135,12 +133,9 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
             Vec3::new(0.0, 1.0, -9.81),
             Box::new(|t: f64| (300.0 * t).sin()),
         )
-        .boundary(BoundaryParts {
-            impedance: impedance.collect(),
-            ..BoundaryParts::default()
-        })
+        .boundary(BoundaryParts::default().with_impedance(impedance))
         .threads(threads)
-        .part_size(40)
+        .block_size(40)
         .build()
         .unwrap();
     let count = mesh.node_count();
@@ -283,7 +278,7 @@ fn history_is_committed_once_per_step() {
             BlockOptions::default(),
         );
         let builder = Model::builder(&mesh).elements("rock", factory);
-        builder.part_size(part).build().unwrap()
+        builder.block_size(part).build().unwrap()
     };
     let options = RunOptions::steps(7).with_step(StepChoice::Unchecked(5e-5));
     let go = |model: &mut Model| run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();

@@ -1,15 +1,15 @@
-//! Files that are there whole or not at all.
+//! Atomic writing of files.
 
 use std::fs;
 use std::path::Path;
 
 use crate::IoError;
 
-/// Writes a file under a temporary name beside it and then renames it, so that a run that is cut
-/// short leaves no half file. Makes the folder if it does not exist.
+/// Writes a file atomically: under a temporary name beside it, which is then renamed, so that an
+/// interrupted run leaves no incomplete file. Creates the folder if it does not exist.
 ///
 /// # Errors
-/// [`IoError::File`] with the path.
+/// [`IoError::File`], with the path.
 pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
     if let Some(folder) = file
         .parent()
@@ -22,17 +22,17 @@ pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
     let part = file.with_file_name(name);
     let written = fs::write(&part, content).and_then(|()| fs::rename(&part, file));
     if written.is_err() {
-        // The first failure is the one to tell; the remnant is removed if it can be.
+        // The first error is returned; the temporary file is removed if possible.
         let _ = fs::remove_file(&part);
     }
     written.map_err(IoError::file(file))
 }
 
-/// Bytes that are free for files in a folder that exists; none where the system does not tell.
+/// Free space for files in an existing folder (bytes); `None` if the system does not report it.
 #[cfg(unix)]
 pub fn free_space(folder: &Path) -> Option<u64> {
     let found = nix::sys::statvfs::statvfs(folder).ok()?;
-    // Types of both differ from system to system.
+    // The types of both differ between systems.
     #[allow(clippy::unnecessary_cast)]
     let [blocks, size] = [
         found.blocks_available() as u64,
@@ -41,7 +41,7 @@ pub fn free_space(folder: &Path) -> Option<u64> {
     Some(blocks.saturating_mul(size))
 }
 
-/// Bytes that are free for files in a folder that exists; none where the system does not tell.
+/// Free space for files in an existing folder (bytes); `None` if the system does not report it.
 #[cfg(not(unix))]
 pub fn free_space(_folder: &Path) -> Option<u64> {
     None
@@ -51,7 +51,7 @@ pub fn free_space(_folder: &Path) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// A folder that does not exist is made; nothing but the file is left in it.
+    /// A folder that does not exist is created; only the file is left in it.
     #[test]
     fn a_file_is_written_whole() {
         let folder = std::env::temp_dir().join(format!("powerhouse-atomic-{}", std::process::id()));
@@ -69,7 +69,7 @@ mod tests {
         let folder =
             std::env::temp_dir().join(format!("powerhouse-atomic-e-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let error = write_whole(&folder, b"a folder stands in the way").unwrap_err();
+        let error = write_whole(&folder, b"a folder has this name").unwrap_err();
         assert!(
             error.to_string().contains("powerhouse-atomic-e-"),
             "{error}"

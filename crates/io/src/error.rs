@@ -1,113 +1,113 @@
-//! What can go wrong with files other than meshes.
+//! Errors of files other than meshes and accelerograms.
 
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// A file that could not be read or written.
+/// Errors of reading and writing files.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IoError {
-    /// The operating system refused.
+    /// The operating system returned an error.
     #[error("{}: {source}", file.display())]
     File {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A number that is not finite where results are written.
-    #[error("{}: '{what}' has the value {value} at place {place}, which is not finite", file.display())]
+    /// A number that is to be written is not finite.
+    #[error("{}: '{what}' has the value {value} at index {index}, which is not finite", file.display())]
     NotFinite {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The column or field.
+        /// Name of the column or field.
         what: String,
-        /// Its place, from 0.
-        place: usize,
-        /// The value.
+        /// Index of the number, from 0.
+        index: usize,
+        /// Value of the number.
         value: f64,
     },
-    /// A number that should be a whole one of 32 bits.
-    #[error("{}: '{what}' has the value {value} at place {place}, which is not a whole number of 32 bits", file.display())]
+    /// A number of an integer field is not an integer of 32 bits.
+    #[error("{}: '{what}' has the value {value} at index {index}, which is not a 32-bit integer", file.display())]
     NotWhole {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The field.
+        /// Name of the field.
         what: String,
-        /// Its place, from 0.
-        place: usize,
-        /// The value.
+        /// Index of the number, from 0.
+        index: usize,
+        /// Value of the number.
         value: f64,
     },
-    /// A field or column whose length does not fit.
+    /// A field or column has the wrong number of values.
     #[error("{}: '{what}' has {found} values instead of {expected}", file.display())]
     Length {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The column or field.
+        /// Name of the column or field.
         what: String,
-        /// Values given.
+        /// Number of values given.
         found: usize,
-        /// Values wanted.
+        /// Number of values required.
         expected: usize,
     },
-    /// A facet of a picture with fewer than three corners, or one that is not there.
-    #[error("{}: facet {facet} needs three corners or more among the {corners} given", file.display())]
+    /// A facet of a picture has fewer than three corners, or a corner that does not exist.
+    #[error("{}: facet {facet} needs at least three corners, all among the {corners} given", file.display())]
     Facet {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Its place, from 0.
+        /// Index of the facet, from 0.
         facet: usize,
-        /// Corners given.
+        /// Number of corners given.
         corners: usize,
     },
-    /// A name that the format cannot hold.
+    /// The file format cannot represent a name.
     #[error("{}: the name {name:?} cannot be written", file.display())]
     Name {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The name.
+        /// Name that cannot be written.
         name: String,
     },
-    /// A plot without points, or a picture without elements in sight.
+    /// A plot has no points, or a picture shows no element.
     #[error("{}: there is nothing to draw", file.display())]
     NothingToDraw {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
-    /// A setting outside its range.
+    /// A setting is outside its permitted range.
     #[error("{}: {source}", file.display())]
     Setting {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Which, and what is permitted.
+        /// Name, value and permitted range of the setting.
         source: powerhouse_model::ParameterError,
     },
-    /// A summary that cannot be written as JSON.
+    /// A summary cannot be represented as JSON.
     #[error("{}: {source}", file.display())]
     Json {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Why.
+        /// Error of the JSON writer.
         source: serde_json::Error,
     },
-    /// A value that is missing or not finite in a summary.
-    #[error("{}: the value at {place} is missing or not finite", file.display())]
+    /// A value of a summary is missing or not finite.
+    #[error("{}: the value at {path} is missing or not finite", file.display())]
     Null {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Its path in the summary.
-        place: String,
+        /// Path of the value in the summary, such as `.peaks[2].value`.
+        path: String,
     },
-    /// A table that cannot be read back.
+    /// A line of a table cannot be read.
     #[error("{}:{line}: {reason}", file.display())]
     Table {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// Why.
+        /// Reason in words.
         reason: String,
     },
 }

@@ -1,14 +1,14 @@
-//! Files in and out.
+//! Reading and writing of files: meshes, accelerograms, tables, VTU results, plots and pictures.
 //!
-//! | in | out |
+//! | read | written |
 //! |---|---|
 //! | Gmsh meshes, [`read_gmsh`] | Gmsh meshes, [`write_gmsh`] |
 //! | accelerograms, [`read_record`] | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
 //! | tables, [`read_table`] | fields for ParaView, [`VtuWriter`] and [`PvdCollection`] |
-//! | | curves as SVG, [`write_plot`]; the body as PNG, [`write_picture`] |
+//! | | curves as SVG, [`write_plot`]; the mesh as PNG, [`write_picture`] |
 //!
-//! Nothing here knows what a scene, a wave or an engine is: samples, meshes and columns of numbers
-//! go in and out, with their units.
+//! The crate is independent of scenes, waves and engines: it reads and writes samples, meshes and
+//! columns of numbers, with their units.
 //!
 //! ```
 //! use powerhouse_io::{AccelerationUnit, RecordOptions, parse_record};
@@ -19,26 +19,26 @@
 //! let record = parse_record(b"time,a\n0.00,0.1\n0.02,-0.3\n0.04,0.2\n", &options)?;
 //! assert_eq!((record.step, record.samples), (0.02, vec![0.1, -0.3, 0.2]));
 //!
-//! // What is no number is refused with its line and column.
+//! // What is not a number is an error with its line and column.
 //! let error = parse_record(b"0.00 0.1\n0.02 nan\n", &options).unwrap_err();
 //! assert_eq!(error.to_string(), "2:6: \"nan\" is not finite");
 //! # Ok::<(), powerhouse_io::RecordError>(())
 //! ```
 //!
 //! # Why so
-//! *Everything that is read is checked before it is believed*: files come from other programs, other
-//! people and broken disks. A fault names file, line or byte, value and what is permitted. Memory
-//! is taken in proportion to the bytes that are there, never to a count that a file claims.
+//! *All input is validated*: files come from other programs, other people and damaged disks. An error
+//! states file, line or byte, value and permitted range. Memory is allocated in proportion to the size
+//! of the file, never to a count that the file states.
 //!
-//! *A file is whole or not there.* Each is written beside its place and moved into it when it is
-//! complete ([`write_whole`]); a collection of snapshots is valid after each of them, so that a run
-//! that is interrupted leaves output that opens.
+//! *Files are written atomically.* Each is written under a temporary name and renamed when it is
+//! complete ([`write_whole`]); a collection of snapshots is valid after each of them, so that an
+//! interrupted run leaves readable output.
 //!
-//! *Units are told, not guessed.* A text record does not say whether it holds g or m/s2; who reads
-//! it must.
+//! *Units are declared, not guessed.* A text record may not state whether it is in g or m/s2; the
+//! caller must.
 //!
-//! *Pictures and plots without another program.* They serve to see at a glance whether a result can
-//! be right, on any machine. For more there are ParaView and the CSV files.
+//! *Pictures and plots without another program.* They show quickly whether a result is plausible, on
+//! any machine. For more there are ParaView and the CSV files.
 
 mod atomic;
 mod error;

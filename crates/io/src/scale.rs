@@ -1,13 +1,12 @@
-//! Round numbers along an axis.
+//! Axes with round numbers.
 
-/// The widest range of exponents of ten in which round steps are sought; what is smaller is drawn
-/// as zero.
+/// Least exponent of ten of a round step; smaller ranges are drawn as zero.
 const LEAST_EXPONENT: i32 = -290;
 
-/// An axis from `low` to `high`, with round marks.
+/// Axis from `low` to `high` with round marks.
 ///
 /// Its numbers are those of the data divided by `10^exponent`, a multiple of three, so that marks
-/// keep few digits.
+/// have few digits.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scale {
     pub(crate) low: f64,
@@ -18,7 +17,7 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// A scale over data from `least` to `greatest` with about `wanted` marks; with `room`, its
+    /// Axis over data from `least` to `greatest` with about `wanted` marks; with `room`, its
     /// ends are marks at or past the data.
     pub(crate) fn new(least: f64, greatest: f64, wanted: usize, room: bool) -> Self {
         let largest = least.abs().max(greatest.abs());
@@ -67,14 +66,14 @@ impl Scale {
             decimals: decimals.max(0) as usize,
         }
     }
-    /// Where a number of the data stands: 0 at the low end, 1 at the high end.
+    /// Position of a number of the data: 0 at the low end, 1 at the high end.
     pub(crate) fn share(&self, value: f64) -> f64 {
         self.share_of_mark(over(value, self.exponent))
     }
     pub(crate) fn share_of_mark(&self, mark: f64) -> f64 {
         (mark - self.low) / (self.high - self.low)
     }
-    /// A mark as text, with the digits that its step needs.
+    /// Text of a mark, with the digits that its step needs.
     pub(crate) fn text(&self, mark: f64) -> String {
         let text = format!("{mark:.*}", self.decimals);
         if text.trim_start_matches(['-', '0', '.']).is_empty() {
@@ -95,7 +94,7 @@ fn over(value: f64, exponent: i32) -> f64 {
 mod tests {
     use super::*;
 
-    /// Marks are one, two or five times a power of ten, cover the data, and keep few digits.
+    /// Marks are one, two or five times a power of ten, cover the data, and have few digits.
     #[test]
     fn marks_are_round() {
         for (least, greatest, exponent, marks) in [
@@ -118,7 +117,7 @@ mod tests {
         }
     }
 
-    /// Every pair of finite numbers gives an axis with ends apart and some marks, not too many.
+    /// Every pair of finite numbers gives an axis with different ends and some marks, not too many.
     #[test]
     fn every_range_has_an_axis() {
         let values = [

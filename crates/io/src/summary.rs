@@ -7,10 +7,10 @@ use serde_json::Value;
 
 use crate::{IoError, write_whole};
 
-/// Writes anything serialisable as indented JSON, keys in the order of its fields.
+/// Writes a serialisable summary as indented JSON, with keys in the order of its fields.
 ///
-/// JSON has no numbers that are not finite; they would become `null`. So a summary must not hold
-/// any `null`: leave absent values out (`skip_serializing_if`).
+/// JSON has no numbers that are not finite; they would become `null`. So a summary must not have
+/// any `null`: absent values are left out (`skip_serializing_if`).
 ///
 /// # Errors
 /// [`IoError::Null`] with the path of the value, or the operating system's error.
@@ -20,10 +20,10 @@ pub fn write_summary(file: &Path, summary: &impl Serialize) -> Result<(), IoErro
         source,
     };
     let value = serde_json::to_value(summary).map_err(json)?;
-    if let Some(place) = first_null(&value) {
+    if let Some(path) = first_null(&value) {
         return Err(IoError::Null {
             file: file.into(),
-            place,
+            path,
         });
     }
     let mut text = serde_json::to_vec_pretty(summary).map_err(json)?;
@@ -31,7 +31,7 @@ pub fn write_summary(file: &Path, summary: &impl Serialize) -> Result<(), IoErro
     write_whole(file, &text)
 }
 
-/// The path of the first `null`, such as `.peaks[2].value`.
+/// Path of the first `null`, such as `.peaks[2].value`.
 fn first_null(value: &Value) -> Option<String> {
     match value {
         Value::Null => Some(String::new()),
@@ -61,7 +61,7 @@ mod tests {
         peaks: Vec<Peak>,
     }
 
-    /// Keys keep their order; a value that is not finite is refused by its path.
+    /// Keys keep their order; a value that is not finite is an error with its path.
     #[test]
     fn a_summary_holds_only_finite_numbers() {
         let file = std::env::temp_dir().join(format!("powerhouse-{}-sum.json", std::process::id()));

@@ -1,4 +1,4 @@
-//! Histories as comma-separated columns.
+//! Tables as comma-separated columns.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -6,19 +6,19 @@ use std::path::Path;
 
 use crate::{IoError, write_whole};
 
-/// One named column of a table.
+/// Column of a table, with name and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableColumn {
-    /// Its name, without line breaks and other control characters.
+    /// Name, without line breaks and other control characters.
     pub name: String,
-    /// Its unit, `1` if it has none.
+    /// Unit, `1` for a dimensionless quantity.
     pub unit: String,
     /// One number per row.
     pub values: Vec<f64>,
 }
 
 impl TableColumn {
-    /// A column from its parts.
+    /// Column of a name, a unit and its values.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
         Self {
             name: name.into(),
@@ -28,19 +28,18 @@ impl TableColumn {
     }
 }
 
-/// Writes columns side by side: a header `name [unit]` per column, then a row per line, each
-/// number with as many digits as it takes to read the same double back.
+/// Writes a table as CSV: a header `name [unit]` per column, then one line per row, each
+/// number with as many digits as reproduce the double.
 ///
 /// # Errors
-/// Columns of unequal length, names that the format cannot hold, numbers that are not finite, or
-/// the operating system's error.
+/// If the columns have unequal lengths, a name has control characters, a number is not finite, or the
+/// file cannot be written.
 pub fn write_table(file: &Path, columns: &[TableColumn]) -> Result<(), IoError> {
     write_noted_table(file, &[], columns)
 }
 
-/// Writes a table below notes: lines that begin with `#` and stand above the header, for what must not be
-/// overlooked, such as a doubt about its numbers. [`read_table`] passes over them, and most programs can be
-/// told to (`comment='#'` in pandas).
+/// Writes a table as CSV with notes: lines above the header that begin with `#`, such as a warning about
+/// the numbers. [`read_table`] skips them, as most programs can (`comment='#'` in pandas).
 ///
 /// # Errors
 /// As [`write_table`].
@@ -71,12 +70,12 @@ pub fn write_noted_table(
                 });
             }
         }
-        if let Some(place) = column.values.iter().position(|value| !value.is_finite()) {
+        if let Some(index) = column.values.iter().position(|value| !value.is_finite()) {
             return Err(IoError::NotFinite {
                 file: file.into(),
                 what: column.name.clone(),
-                place,
-                value: column.values[place],
+                index,
+                value: column.values[index],
             });
         }
         let separator = if index == 0 { "" } else { "," };
@@ -94,7 +93,7 @@ pub fn write_noted_table(
     write_whole(file, text.as_bytes())
 }
 
-/// A cell of a CSV file: in quotes, with quotes doubled, if it holds a comma, a quote or a line break
+/// Cell of a CSV file: in quotes, with quotes doubled, if it has a comma, a quote or a line break
 /// (RFC 4180).
 ///
 /// ```
@@ -109,7 +108,7 @@ pub fn csv_cell(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The cells of a line of a CSV file, without their quotes.
+/// Cells of a line of a CSV file, without their quotes.
 fn cells_of(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let (mut quoted, mut characters) = (false, line.chars().peekable());
@@ -131,8 +130,8 @@ fn cells_of(line: &str) -> Vec<String> {
 /// Reads a table that [`write_table`] wrote.
 ///
 /// # Errors
-/// [`IoError::Table`] names the line: a column header without unit, a row with another number of
-/// columns, or a number that cannot be read.
+/// [`IoError::Table`], with the line: a column header without unit, a row with another number of
+/// columns, or a number that cannot be parsed.
 pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
     let text = std::fs::read_to_string(file).map_err(IoError::file(file))?;
     let fault = |line: usize, reason: String| IoError::Table {
@@ -166,7 +165,7 @@ pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
         for (column, cell) in columns.iter_mut().zip(cells) {
             let value = cell
                 .parse()
-                .map_err(|_| fault(index + 1, format!("{cell:?} is no number")))?;
+                .map_err(|_| fault(index + 1, format!("{cell:?} is not a number")))?;
             column.values.push(value);
         }
     }
@@ -181,7 +180,7 @@ mod tests {
         std::env::temp_dir().join(format!("powerhouse-{}-{name}", std::process::id()))
     }
 
-    /// What is written is read back bit for bit.
+    /// A table is read back bit for bit.
     #[test]
     fn a_table_survives_the_round_trip() {
         let file = temporary("table.csv");
@@ -198,7 +197,7 @@ mod tests {
         std::fs::remove_file(file).unwrap();
     }
 
-    /// Names with commas, quotes and brackets are quoted as RFC 4180 says, and read back as they were; plain
+    /// Names with commas, quotes and brackets are quoted by RFC 4180, and read back unchanged; plain
     /// names are written without quotes.
     #[test]
     fn names_are_quoted() {
@@ -213,14 +212,14 @@ mod tests {
         std::fs::remove_file(file).unwrap();
     }
 
-    /// A number that is not finite, a short column and an impossible name are refused by name.
+    /// A number that is not finite, a short column and an invalid name are errors with their name.
     #[test]
     fn faults_are_named() {
         let file = temporary("bad.csv");
         let nan = [TableColumn::new("uz", "m", vec![0.0, f64::NAN])];
         let message = write_table(&file, &nan).unwrap_err().to_string();
         assert!(
-            message.contains("'uz'") && message.contains("place 1"),
+            message.contains("'uz'") && message.contains("index 1"),
             "{message}"
         );
         let short = [

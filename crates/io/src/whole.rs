@@ -1,4 +1,4 @@
-//! Files read whole, up to a size.
+//! Reading of complete files up to a size.
 
 use std::fs::File;
 use std::io::{Error, Read};
@@ -6,30 +6,30 @@ use std::path::Path;
 
 use thiserror::Error as ThisError;
 
-/// A file that is not read.
+/// Reason for which a file is not read.
 #[derive(Clone, Debug, PartialEq, Eq, ThisError)]
 #[non_exhaustive]
 pub enum Unread {
-    /// A folder, a device, a pipe: what has no end that is known beforehand.
-    #[error("is no regular file")]
+    /// The file is not a regular file but a folder, a device or a pipe, without a known end.
+    #[error("is not a regular file")]
     NotRegular,
-    /// A file that is larger than what it should be can be.
-    #[error("has {size} bytes, more than the {most} that such a file may have")]
+    /// The file is larger than permitted.
+    #[error("has {size} bytes, more than the permitted {most}")]
     TooLarge {
-        /// Its size (bytes).
+        /// Size of the file (bytes).
         size: u64,
-        /// The largest permitted size (bytes).
+        /// Greatest permitted size (bytes).
         most: u64,
     },
 }
 
-/// Reads a regular file whole.
+/// Reads a regular file completely.
 ///
 /// # Errors
-/// What the operating system refuses; [`Unread`], as the inner error, for what is no regular file, or is
-/// larger than `most` bytes, before anything is read of it.
+/// The operating system's error, or [`Unread`] as the inner error if the file is not regular or is
+/// larger than `most` bytes, before any of it is read.
 pub fn read_whole(file: &Path, most: u64) -> Result<Vec<u8>, Error> {
-    // A pipe would keep whoever opens it waiting.
+    // Opening a pipe would block.
     if !std::fs::metadata(file)?.is_file() {
         return Err(Error::other(Unread::NotRegular));
     }
@@ -51,21 +51,21 @@ pub fn read_whole(file: &Path, most: u64) -> Result<Vec<u8>, Error> {
 mod tests {
     use super::*;
 
-    /// A file above the permitted size is refused by its size, without being read.
+    /// A file above the permitted size is an error with its size, without being read.
     #[test]
     fn a_file_has_a_largest_size() {
         let name = format!("powerhouse-whole-{}", std::process::id());
         let path = std::env::temp_dir().join(name);
         let file = File::create(&path).unwrap();
         file.set_len(1 << 40).unwrap();
-        let told = read_whole(&path, 1 << 20).unwrap_err().to_string();
-        assert!(told.contains("1099511627776 bytes"), "{told}");
+        let message = read_whole(&path, 1 << 20).unwrap_err().to_string();
+        assert!(message.contains("1099511627776 bytes"), "{message}");
         file.set_len(1 << 10).unwrap();
         assert_eq!(read_whole(&path, 1 << 10).unwrap().len(), 1 << 10);
         std::fs::remove_file(path).unwrap();
     }
 
-    /// What is no regular file is refused, a folder and a device without an end.
+    /// What is not a regular file is an error: a folder, and a device without an end.
     #[test]
     fn only_regular_files_are_read() {
         let mut refused = vec![std::env::temp_dir()];
@@ -73,8 +73,8 @@ mod tests {
             refused.push("/dev/zero".into());
         }
         for path in refused {
-            let told = read_whole(&path, 1 << 20).unwrap_err().to_string();
-            assert_eq!(told, "is no regular file");
+            let message = read_whole(&path, 1 << 20).unwrap_err().to_string();
+            assert_eq!(message, "is not a regular file");
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Text inside XML.
+//! Escaping of text in XML.
 
-/// A name as text or as an attribute in double quotes; characters that XML 1.0 cannot hold are
-/// replaced.
+/// Escaped name for use as text or as an attribute in double quotes; characters that XML 1.0 cannot
+/// represent are replaced.
 pub(crate) fn escaped(name: &str) -> String {
     let mut out = String::with_capacity(name.len());
     for c in name.chars() {

@@ -1,4 +1,4 @@
-//! Plots and pictures show what they are given.
+//! Plots and pictures of given data.
 
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ fn middle(picture: &Picture, name: &str) -> [u8; 3] {
         (width, height),
         (picture.width as usize, picture.height as usize)
     );
-    // The body stands left of the scale of colours.
+    // The body is left of the colour scale.
     pixels[height * 11 / 20 * width + (width - 130) * 11 / 20]
 }
 
@@ -51,7 +51,7 @@ fn pixels(picture: &Picture, name: &str) -> (usize, Vec<[u8; 3]>) {
     (width, pixels)
 }
 
-/// The colours of what is drawn along a line through its middle, without those of its rims.
+/// Colours along a line through the middle of the picture, without those of edges of facets.
 fn colours(picture: &Picture, name: &str) -> Vec<[u8; 3]> {
     let (width, pixels) = pixels(picture, name);
     let row = &pixels[picture.height as usize * 11 / 20 * width..][..width - 130];
@@ -81,7 +81,7 @@ fn from_front<'a>(mesh: &'a Mesh, field: PictureField<'a>) -> Picture<'a> {
     picture
 }
 
-/// A section shows the elements behind it, and only those.
+/// A section shows only the elements behind it.
 #[test]
 fn a_section_opens_the_body() {
     let mesh = cube();
@@ -122,7 +122,7 @@ fn a_slice_cut_in_its_middle_is_drawn_whole() {
     }
 }
 
-/// Numbers at nodes are interpolated, and the colours run from the least to the greatest in sight.
+/// Numbers at nodes are interpolated, and the colours range from the least to the greatest visible number.
 #[test]
 fn nodal_numbers_are_interpolated() {
     let mesh = cube();
@@ -198,10 +198,10 @@ fn squares() -> FacetField {
     }
 }
 
-/// Facets of their own are drawn in place of the body, with the numbers of their own corners; a
-/// section leaves out those before it, and wrong ones are refused.
+/// Separate facets are drawn instead of the body, with the numbers of their own corners; a
+/// section removes those in front of it, and invalid ones are refused.
 #[test]
-fn facets_are_drawn_in_place_of_the_body() {
+fn facets_are_drawn_instead_of_the_body() {
     let mesh = cube();
     let field = squares();
     let mut picture = from_front(&mesh, PictureField::Facets(&field));
@@ -244,8 +244,8 @@ fn facets_are_drawn_in_place_of_the_body() {
     assert!(matches!(error, IoError::Length { .. }), "{error}");
 }
 
-/// Numbers with names have one colour each, without others between them, and stand beside their
-/// names in place of a scale.
+/// Categories have one colour each, without others between them, in a legend with their
+/// names instead of a scale.
 #[test]
 fn kinds_have_a_colour_each() {
     let mesh = cube();
@@ -302,7 +302,7 @@ fn faulty_pictures_are_refused() {
     let nan = Picture::new(&mesh, PictureField::Nodal(&values), "speed");
     let message = write_picture(&file, &nan).unwrap_err().to_string();
     assert!(
-        message.contains("'speed'") && message.contains("place 13"),
+        message.contains("'speed'") && message.contains("index 13"),
         "{message}"
     );
     let sound = Picture::new(&mesh, PictureField::Sets, "");
@@ -333,7 +333,7 @@ fn table() -> Vec<TableColumn> {
     ]
 }
 
-/// A plot has a panel per unit, names every curve and unit, and is sound XML.
+/// A plot has a panel per unit, names every curve and unit, and is valid XML.
 #[test]
 fn a_plot_names_what_it_shows() {
     let folder = folder("plot");
@@ -361,9 +361,9 @@ fn a_plot_names_what_it_shows() {
     assert!(!text.contains("NaN") && !text.contains("inf"));
 }
 
-/// The last point of a curve stands where the axes say.
+/// The last point of a curve agrees with the axes.
 #[test]
-fn a_curve_stands_where_the_axes_say() {
+fn a_curve_agrees_with_the_axes() {
     let folder = folder("line");
     let file = folder.join("line.svg");
     let table = [
@@ -404,7 +404,7 @@ fn faulty_plots_are_refused() {
         .unwrap_err()
         .to_string();
     assert!(
-        message.contains("'floor'") && message.contains("place 7"),
+        message.contains("'floor'") && message.contains("index 7"),
         "{message}"
     );
     let mut short = table();
@@ -421,10 +421,10 @@ fn faulty_plots_are_refused() {
     assert!(!file.exists());
 }
 
-/// A picture shows the elements that are there and nothing of the others: neither their place, nor their
-/// numbers, nor these in its scale.
+/// A picture shows the active elements and nothing of the others: neither their position, nor their
+/// numbers, nor these in its colour scale.
 #[test]
-fn what_is_not_there_is_not_drawn() {
+fn inactive_elements_are_not_drawn() {
     let mesh = cube();
     let present: Vec<bool> = (0..8)
         .map(|e| mesh.centroid(e).z < 1.0 || mesh.centroid(e).x < 1.0)

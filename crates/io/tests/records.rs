@@ -1,4 +1,4 @@
-//! Accelerograms in many layouts, whole and damaged.
+//! Accelerograms in many layouts, valid and damaged.
 
 use std::path::Path;
 
@@ -59,7 +59,7 @@ fn at2_layouts() {
             "{variant}"
         );
     }
-    // The count may stand on line 7, lines may end in CR LF, numbers may touch, words may follow.
+    // The count may be on line 7, lines may end in CR LF, numbers may touch, words may follow.
     let later = AT2.replace("ACCELERATION TIME", "a\nb\nc\nACCELERATION TIME");
     assert_eq!(parse(&later).unwrap().samples, expected.samples);
     assert_eq!(parse(&AT2.replace('\n', "\r\n")).unwrap(), expected);
@@ -203,7 +203,7 @@ fn damaged_columns() {
     assert_eq!(fault(parse("0 1\n1 2\n")).1, RecordFault::NoUnit);
 }
 
-/// The record that comes with the project is read whole.
+/// The record of the project is read completely.
 #[test]
 fn el_centro() {
     let file =
@@ -234,7 +234,7 @@ fn a_missing_file_is_named() {
     assert!(error.to_string().contains("record.at2"));
 }
 
-/// Components are brought to one length, and must share their step.
+/// Components are brought to a common length, and must have the same step.
 #[test]
 fn components_of_unequal_length() {
     let record = |count: usize, step: f64| Record {
@@ -288,10 +288,10 @@ fn damaged_bytes_never_panic() {
     }
 }
 
-/// A unit that names or comments above columns declare is held against the one of the caller: another is
-/// refused, the same or none is taken.
+/// A unit that names or comments above columns declare is compared with that of the caller: another is
+/// refused, the same or none is accepted.
 #[test]
-fn units_above_columns_are_held_against_the_declared_one() {
+fn units_above_columns_are_compared_with_the_declared_one() {
     use AccelerationUnit::{Gal, Gravity, MetrePerSecondSquared};
     let rows = "0,1\n0.01,2\n0.02,1\n";
     for (above, unit, line) in [

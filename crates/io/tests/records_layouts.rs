@@ -1,4 +1,4 @@
-//! Layouts and faults of accelerograms beyond the plain ones.
+//! Rare layouts and faults of accelerograms.
 
 use powerhouse_io::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, parse_record,
@@ -44,7 +44,7 @@ fn units_are_read_as_headers_spell_them() {
     }
 }
 
-/// Velocities are never taken for accelerations, whatever the caller declares.
+/// Velocities are never read as accelerations, whatever the caller declares.
 #[test]
 fn a_file_of_velocities_is_refused() {
     let text = at2("VELOCITY TIME SERIES IN UNITS OF CM/S", "1 2 3 4\n");
@@ -55,7 +55,7 @@ fn a_file_of_velocities_is_refused() {
     }
 }
 
-/// An exponent of three digits, which Fortran writes without a letter, is no number of its own.
+/// An exponent of three digits, which Fortran writes without a letter, is not a separate number.
 #[test]
 fn an_exponent_without_letter_is_read() {
     let text = at2("UNITS OF G", ".1-101 .2 -.3-102-.4\n");
@@ -67,7 +67,7 @@ fn an_exponent_without_letter_is_read() {
 
 /// Numbers that touch without a sign between them are refused, never guessed.
 #[test]
-fn numbers_that_cannot_be_told_apart_are_refused() {
+fn numbers_without_a_separator_are_refused() {
     for rows in ["0.12E-020.34E-03 .5 .6", "0.123.456 .5 .6"] {
         let text = at2("UNITS OF G", rows);
         let (line, column, _) = place(parse_record(text.as_bytes(), &RecordOptions::default()));
@@ -75,9 +75,9 @@ fn numbers_that_cannot_be_told_apart_are_refused() {
     }
 }
 
-/// A trailer does not keep a record with too few samples from being taken as found.
+/// A trailer does not prevent a record with too few samples from being read as found.
 #[test]
-fn a_short_record_with_a_trailer_is_taken_as_found() {
+fn a_short_record_with_a_trailer_is_read_as_found() {
     let text = at2("UNITS OF G", ".1 .2 .3\nEND OF RECORD\n");
     let found = RecordOptions {
         count: CountRule::AsFound,
@@ -91,7 +91,7 @@ fn a_short_record_with_a_trailer_is_taken_as_found() {
     assert_eq!(place(parse_record(text.as_bytes(), &found)).0, 6);
 }
 
-/// A mark of UTF-8 on top, old line ends and the end mark of old systems change nothing.
+/// A UTF-8 byte order mark, old line ends and the end-of-file mark of old systems change nothing.
 #[test]
 fn encodings_of_text_change_nothing() {
     let plain = at2("UNITS OF G", ".1 .2 .3 .4\n");
@@ -155,7 +155,7 @@ fn decimal_commas_are_refused() {
     }
 }
 
-/// An empty cell is a missing sample, not a separator that stands twice.
+/// An empty cell is a missing sample, not a doubled separator.
 #[test]
 fn an_empty_cell_is_refused() {
     for text in ["0.0,1.0\n0.1,\n0.2,3.0\n", "0.0;1.0\n;2.0\n0.2;3.0\n"] {

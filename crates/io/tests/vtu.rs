@@ -1,4 +1,4 @@
-//! VTU files hold what was written, read back by a decoder of their own.
+//! VTU files, read back by an independent decoder.
 
 use std::io::Read as _;
 use std::path::PathBuf;
@@ -68,7 +68,7 @@ fn doubles(bytes: &[u8]) -> Vec<f64> {
         .collect()
 }
 
-/// Positions, cells, tags and fields come back, over more than one block, in double precision to
+/// Positions, cells, tags and fields are read back, over more than one block, in double precision to
 /// the bit and in single precision rounded.
 #[test]
 fn what_is_written_is_read_back() {
@@ -154,7 +154,7 @@ fn a_collection_is_complete_after_every_instant() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Whole numbers come back as integers, whatever the precision of the file; what is not one is refused
+/// Integers are read back as integers, whatever the precision of the file; other numbers are refused
 /// by name.
 #[test]
 fn whole_numbers_are_integers() {
@@ -189,7 +189,7 @@ fn whole_numbers_are_integers() {
         faulty[7] = value;
         assert!(matches!(
             writer.write(&file, 0.0, &[], &field(&faulty)),
-            Err(IoError::NotWhole { what, place: 7, .. }) if what == "yield_state"
+            Err(IoError::NotWhole { what, index: 7, .. }) if what == "yield_state"
         ));
     }
     std::fs::remove_dir_all(folder).unwrap();
@@ -224,16 +224,16 @@ fn faulty_fields_are_refused() {
     }];
     assert!(matches!(
         writer.write(&file, 0.0, &infinite, &[]),
-        Err(IoError::NotFinite { what, place: 5, .. }) if what == "speed"
+        Err(IoError::NotFinite { what, index: 5, .. }) if what == "speed"
     ));
     assert!(!file.exists());
 }
 
-/// Of a body whose elements are not all there a file says which are, and shows nothing of the others: reals are
-/// NaN, whole numbers -1, vectors of nodes that only they have zero. Units and the order of components stand in
+/// With inactive elements a file has the field of active ones, and no values of the others: reals are
+/// NaN, integers -1, vectors of nodes that only they have zero. Units and the order of components are in
 /// the file.
 #[test]
-fn what_is_not_there_is_not_shown() {
+fn inactive_elements_have_no_values() {
     let mesh = small_box();
     let folder = folder("present");
     let file = folder.join("one.vtu");

@@ -1,4 +1,4 @@
-//! The cost of a law at one point in double precision, one point after the other: within the
+//! Cost of a law at one point in double precision, one point after the other: inside the
 //! surface, and flowing by a hundredth of the strain in a step.
 //!
 //! `cargo bench -p powerhouse-material-damage`; the inverse of the throughput is the time per point.

@@ -1,4 +1,4 @@
-//! What a material's numbers say about each other.
+//! Consistency checks of material parameters against each other.
 
 use core::fmt;
 
@@ -6,56 +6,56 @@ use powerhouse_model::ElasticMedium;
 
 use crate::{DruckerPrager, HoekBrown, LeeFenves, MohrCoulomb, TwoSurface, YieldSurface};
 
-/// Strengths that differ by more than this share are told.
+/// Relative difference of strengths above which it is reported.
 const NOTABLE: f64 = 0.05;
-/// Poisson's ratio above which elements lock and the stable step falls.
+/// Poisson's ratio above which volumetric locking is reported.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
 
-/// Something that a user should know of a valid material.
+/// Inconsistency or unusual value in the parameters of a valid material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// The tension cut-off lies beyond the apex and has no effect.
+    /// The tension cut-off is beyond the apex and has no effect.
     InactiveCutOff {
-        /// The listed tensile strength (Pa).
+        /// Tensile strength as listed (Pa).
         listed: f64,
-        /// The apex `c cot(phi)` (Pa).
+        /// Mean stress at the apex, `c cot(phi)` (Pa).
         apex: f64,
-        /// The uniaxial tensile stress at which the surface yields (Pa).
+        /// Uniaxial tensile stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// Uniaxial tension does not yield at the listed tensile strength, though no cut-off is inactive.
+    /// Uniaxial tension yields at another stress than the listed strength, though the cut-off is active.
     TensileStrength {
-        /// The listed strength (Pa).
+        /// Tensile strength as listed (Pa).
         listed: f64,
-        /// The uniaxial tensile stress at which the surface yields (Pa).
+        /// Uniaxial tensile stress at which the surface yields (Pa).
         in_force: f64,
     },
     /// The surface has another uniaxial compressive strength than the listed one.
     CompressiveStrength {
-        /// The listed strength (Pa).
+        /// Compressive strength as listed (Pa).
         listed: f64,
-        /// The uniaxial compressive stress at which the surface yields (Pa).
+        /// Uniaxial compressive stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// The listed cohesion bears less under confinement than the listed strength does without.
+    /// The listed cohesion is below the least one that is consistent with the compressive strength.
     Cohesion {
-        /// The listed cohesion (Pa).
+        /// Cohesion as listed (Pa).
         listed: f64,
-        /// The cohesion in force under confinement (Pa).
+        /// Cohesion of the surface under confinement (Pa).
         in_force: f64,
     },
-    /// Crushing hardens before its peak: flow that spreads over a wide body before it localises takes
-    /// energy that depends on the mesh.
+    /// Crushing hardens before its peak: flow over a wide body before localisation dissipates an energy
+    /// that depends on the mesh.
     Hardening {
-        /// The uniaxial compressive stress at first flow (Pa).
+        /// Uniaxial compressive stress at first flow (Pa).
         limit: f64,
-        /// The uniaxial compressive strength (Pa).
+        /// Uniaxial compressive strength (Pa).
         strength: f64,
     },
-    /// Poisson's ratio is so near 0.5 that elements lock and the stable step falls.
+    /// Poisson's ratio is so near 0.5 that elements lock and the stable step decreases.
     NearlyIncompressible {
-        /// Poisson's ratio.
+        /// Poisson's ratio (1).
         poisson: f64,
     },
 }
@@ -69,7 +69,7 @@ impl fmt::Display for Finding {
                 in_force,
             } => write!(
                 f,
-                "the tensile strength of {listed:.4e} Pa lies beyond the apex c cot(phi) = \
+                "the tensile strength of {listed:.4e} Pa is beyond the apex c cot(phi) = \
                  {apex:.4e} Pa and is without effect: uniaxial tension yields at {in_force:.4e} Pa"
             ),
             Self::TensileStrength { listed, in_force } => write!(
@@ -83,25 +83,25 @@ impl fmt::Display for Finding {
             ),
             Self::Cohesion { listed, in_force } => write!(
                 f,
-                "the compressive strength demands a cohesion of {in_force:.4e} Pa under \
+                "the compressive strength requires a cohesion of {in_force:.4e} Pa under \
                  confinement, not the listed {listed:.4e} Pa"
             ),
             Self::Hardening { limit, strength } => write!(
                 f,
                 "crushing begins at {limit:.4e} Pa and hardens up to {strength:.4e} Pa: the energy \
-                 that it takes depends on the mesh"
+                 that it dissipates depends on the mesh"
             ),
             Self::NearlyIncompressible { poisson } => write!(
                 f,
-                "Poisson's ratio {poisson} is nearly 0.5: elements lock and the stable step falls"
+                "Poisson's ratio {poisson} is nearly 0.5: elements lock and the stable step decreases"
             ),
         }
     }
 }
 
 impl MohrCoulomb {
-    /// What does not fit together, given the compressive strength that the material is listed
-    /// with (Pa), if one is.
+    /// Inconsistencies of the parameters, given the uniaxial compressive strength that the material is
+    /// listed with (Pa), if there is one.
     ///
     /// ```
     /// use powerhouse_material_damage::{MohrCoulomb, presets};
@@ -135,7 +135,7 @@ impl MohrCoulomb {
 }
 
 impl TwoSurface {
-    /// What does not fit together.
+    /// Inconsistencies of the parameters.
     ///
     /// ```
     /// use powerhouse_material_damage::{TwoSurface, presets};
@@ -156,16 +156,16 @@ impl TwoSurface {
 }
 
 impl DruckerPrager {
-    /// What does not fit together, given the strengths in uniaxial tension and compression that the
-    /// material is listed with (Pa), as far as they are.
+    /// Inconsistencies of the parameters, given the strengths in uniaxial tension and compression that
+    /// the material is listed with (Pa), if there are any.
     pub fn findings(&self, listed: [Option<f64>; 2]) -> Vec<Finding> {
         of_strengths(self, listed)
     }
 }
 
 impl HoekBrown {
-    /// What does not fit together, given the strengths in uniaxial tension and compression that the
-    /// rock mass is listed with (Pa), as far as they are.
+    /// Inconsistencies of the parameters, given the strengths in uniaxial tension and compression that
+    /// the rock mass is listed with (Pa), if there are any.
     ///
     /// ```
     /// use powerhouse_material_damage::{HoekBrown, HoekBrownParameters, media};
@@ -178,7 +178,7 @@ impl HoekBrown {
     ///     disturbance: 0.0,
     ///     dilation_share: 0.0,
     /// })?;
-    /// // The surface gives the rock mass 4.8 MPa, not what its pieces bear.
+    /// // The rock mass has a strength of 4.8 MPa, not that of the intact rock.
     /// println!("{}", rock.findings([None, Some(60.0e6)])[0]);
     /// # Ok::<(), powerhouse_material_damage::MaterialError>(())
     /// ```
@@ -188,7 +188,7 @@ impl HoekBrown {
 }
 
 impl LeeFenves {
-    /// What a user should know of the parameters.
+    /// Inconsistencies of the parameters.
     pub fn findings(&self) -> Vec<Finding> {
         let (limit, strength) = {
             let p = self.parameters();
@@ -203,7 +203,7 @@ impl LeeFenves {
     }
 }
 
-/// What a surface says to listed strengths in tension and compression (Pa), and of its medium.
+/// Inconsistencies of a surface with listed strengths in tension and compression (Pa), and of its medium.
 fn of_strengths(surface: &impl YieldSurface, listed: [Option<f64>; 2]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let in_force = surface.uniaxial_tension();
@@ -217,12 +217,12 @@ fn of_strengths(surface: &impl YieldSurface, listed: [Option<f64>; 2]) -> Vec<Fi
     findings
 }
 
-/// Whether a strength in force differs notably from the listed one (Pa).
+/// Whether the strength of the surface differs notably from the listed one (Pa).
 fn differ(listed: f64, in_force: f64) -> bool {
     (in_force - listed).abs() > NOTABLE * listed
 }
 
-/// What a surface says to a listed compressive strength (Pa), if there is one.
+/// Inconsistency of a surface with a listed compressive strength (Pa), if there is one.
 fn of_compression(surface: &impl YieldSurface, listed: Option<f64>) -> Option<Finding> {
     let in_force = surface.uniaxial_compression();
     let listed = listed.filter(|&listed| differ(listed, in_force))?;
@@ -230,7 +230,7 @@ fn of_compression(surface: &impl YieldSurface, listed: Option<f64>) -> Option<Fi
 }
 
 impl Finding {
-    /// What is unusual about an elastic medium.
+    /// Unusual value of an elastic medium, if there is one.
     pub fn of_medium(medium: &ElasticMedium) -> Option<Self> {
         let poisson = medium.poisson;
         (poisson > NEARLY_INCOMPRESSIBLE).then_some(Self::NearlyIncompressible { poisson })

@@ -1,4 +1,4 @@
-//! The cone of Drucker and Prager.
+//! Drucker-Prager yield surface.
 
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, Stress, each};
 
@@ -7,14 +7,14 @@ use crate::surface::{
     PrincipalReturn, StressReturn, YieldState, YieldSurface, check_frictional, far_lanes, stiffened,
 };
 
-/// To which stresses of Mohr and Coulomb the cone is fitted.
+/// Fit of a Drucker-Prager cone to a Mohr-Coulomb surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConeFit {
-    /// Touches all six faces from within: `a = sin / sqrt(9 + 3 sin^2)`, `k = 3 c cos / sqrt(9 +
+    /// Touches all six faces from inside: `a = sin / sqrt(9 + 3 sin^2)`, `k = 3 c cos / sqrt(9 +
     /// 3 sin^2)`.
     Inscribed,
     /// Through the edges of triaxial compression: `a = 2 sin / (sqrt 3 (3 - sin))`, `k = 6 c cos /
-    /// (sqrt 3 (3 - sin))`. Too strong elsewhere, in extension most of all.
+    /// (sqrt 3 (3 - sin))`. It overestimates the strength elsewhere, in extension most of all.
     Circumscribed,
     /// Fails in plane strain where Mohr-Coulomb does, whatever the dilation: with `b` of the flow,
     /// `a = (sin / 3) / w`, `k = c cos / w`, `w = sqrt(1 - 3 b^2) + b sin`. Associated, it is the
@@ -22,27 +22,27 @@ pub enum ConeFit {
     PlaneStrain,
 }
 
-/// What a [`DruckerPrager`] cone is made of.
+/// Parameters of a [`DruckerPrager`] surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DruckerPragerParameters {
-    /// The elastic medium.
+    /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Friction angle of Mohr-Coulomb (degrees), 0 to 75.
+    /// Mohr-Coulomb friction angle phi (degrees), 0 to 75.
     pub friction: f64,
-    /// Dilation angle (degrees), 0 to the friction angle.
+    /// Dilation angle psi (degrees), 0 to the friction angle.
     pub dilation: f64,
-    /// Cohesion (Pa), at least 0.
+    /// Cohesion c (Pa), at least 0.
     pub cohesion: f64,
-    /// The fit of cone and flow.
+    /// Fit of the cone and of the flow to Mohr-Coulomb.
     pub fit: ConeFit,
 }
 
-/// The cone of Drucker and Prager.
+/// Drucker-Prager yield surface with non-associated flow, a cone in stress space.
 ///
 /// `F = sqrt(J2) + a I1 - k <= 0`, flow along `sqrt(J2) + b I1`
 ///
 /// The return is exact: `2G`-scaled flow `g = F / (1 + 9 (K / G) a b)` lowers `sqrt(J2)` by `g`
-/// and the mean stress by `3 (K / G) b g`; where the deviator would change sign the stress comes
+/// and the mean stress by `3 (K / G) b g`; where the deviator would change sign the stress is returned
 /// to the apex `k / 3a`. Without friction it is the cylinder of von Mises. The coefficient `b` of
 /// the flow is the same function of the dilation as `a` of the friction (in plane strain: as in
 /// the inscribed cone, so that the dilation angle is that of plane strain).
@@ -52,19 +52,19 @@ pub struct DruckerPragerParameters {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DruckerPrager {
     parameters: DruckerPragerParameters,
-    /// `a`.
+    /// Coefficient `a` of the yield function.
     friction: f64,
-    /// `b`.
+    /// Coefficient `b` of the flow rule.
     dilation: f64,
-    /// `k` (Pa).
+    /// Strength `k` (Pa).
     strength: f64,
-    /// `K / G`.
+    /// Ratio of bulk to shear modulus, `K / G`.
     stiffness_ratio: f64,
 }
 
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
-/// Coefficient of the mean stress, and of `c cos phi`, of a cone through given edges or faces.
+/// Coefficient of the mean stress, and of `c cos phi`, of a cone fitted to edges or faces.
 fn cone(fit: ConeFit, sine: f64) -> (f64, f64) {
     match fit {
         ConeFit::Inscribed | ConeFit::PlaneStrain => {
@@ -79,10 +79,10 @@ fn cone(fit: ConeFit, sine: f64) -> (f64, f64) {
 }
 
 impl DruckerPrager {
-    /// The cone of the parameters.
+    /// Surface of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range; a dilation above the friction.
+    /// If a parameter is outside its range, or the dilation is above the friction.
     pub fn new(parameters: DruckerPragerParameters) -> Result<Self, MaterialError> {
         let DruckerPragerParameters {
             medium,
@@ -110,24 +110,24 @@ impl DruckerPrager {
         })
     }
 
-    /// What the cone was made of.
+    /// Parameters of the surface.
     pub fn parameters(&self) -> &DruckerPragerParameters {
         &self.parameters
     }
 
-    /// The coefficients `a`, `b` and `k` (Pa).
+    /// Coefficients `a` and `b` (1) and `k` (Pa) of yield function and flow rule.
     pub fn coefficients(&self) -> [f64; 3] {
         [self.friction, self.dilation, self.strength]
     }
 
-    /// The mean stress at the apex, `k / 3a` (Pa); infinite without friction.
+    /// Mean stress at the apex, `k / 3a` (Pa); infinite without friction.
     pub fn apex(&self) -> f64 {
         self.strength / (3.0 * self.friction)
     }
 
-    /// The return of mean stress and `sqrt(J2)` (Pa) outside.
+    /// Return of a trial of mean stress and `sqrt(J2)` (Pa) outside the surface.
     #[inline(always)]
-    fn back<L: Lane>(&self, mean: L, shear: L) -> Back<L> {
+    fn cone_return<L: Lane>(&self, mean: L, shear: L) -> ConeReturn<L> {
         let number = |value: f64| mean.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
         let ratio = self.stiffness_ratio;
@@ -135,7 +135,7 @@ impl DruckerPrager {
         let flow = self.yield_function(mean, shear) * number(1.0 / hardness);
         let lowered = number(3.0 * ratio * self.dilation) * flow;
         let returned = mean - lowered;
-        // On the cone exactly, whatever the rounding of the mean.
+        // Exactly on the cone, whatever the rounding of the mean.
         let radius = number(self.strength) - number(3.0 * self.friction) * returned;
         let divisor = shear.select(zero.less(shear), one);
         let left = radius.max(zero) / divisor;
@@ -147,7 +147,7 @@ impl DruckerPrager {
         };
         let to_apex = shear.less(flow);
         let [tension, sheared] = [YieldState::Tension, YieldState::Shear].map(YieldState::number);
-        Back {
+        ConeReturn {
             mean: [
                 apex.select(to_apex, returned),
                 (mean - apex).select(to_apex, lowered),
@@ -157,7 +157,7 @@ impl DruckerPrager {
         }
     }
 
-    /// The yield function of mean stress and `sqrt(J2)` (Pa).
+    /// Yield function of mean stress and `sqrt(J2)` (Pa).
     #[inline(always)]
     fn yield_function<L: Lane>(&self, mean: L, shear: L) -> L {
         let slope = mean.constant(3.0 * self.friction);
@@ -165,27 +165,27 @@ impl DruckerPrager {
     }
 }
 
-/// A deviator (Pa) times a share, and a mean stress (Pa).
+/// Stress of a scaled deviator (Pa) and a mean stress (Pa).
 #[inline(always)]
-fn along<L: Lane>(deviator: &[L; 6], share: L, mean: L) -> Stress<L> {
+fn stress_of<L: Lane>(deviator: &[L; 6], share: L, mean: L) -> Stress<L> {
     let [xx, yy, zz, xy, yz, zx] = each(deviator, |s| s * share);
     Stress([xx + mean, yy + mean, zz + mean, xy, yz, zx])
 }
 
-/// Mean and `sqrt(J2)` of principal stresses.
+/// Mean stress and `sqrt(J2)` of principal stresses (Pa).
 #[inline(always)]
 fn invariants<L: Lane>(&[s1, s2, s3]: &[L; 3]) -> (L, L) {
     let zero = s1.constant(0.0);
     Stress([s1, s2, s3, zero, zero, zero]).mean_and_shear()
 }
 
-/// The way back to the cone, or to its apex, along the deviator of the trial.
-struct Back<L> {
-    /// Mean stress after the return, and by how much it was lowered (Pa).
+/// Return to the cone or to its apex, in the direction of the trial's deviator.
+struct ConeReturn<L> {
+    /// Mean stress after the return, and its decrease (Pa).
     mean: [L; 2],
-    /// What is left of the deviator, and what is lost of it.
+    /// Shares of the trial's deviator that remain and that are removed.
     deviator: [L; 2],
-    /// The number of the [`YieldState`].
+    /// Number of the [`YieldState`] as stored in the history.
     state: L,
 }
 
@@ -218,18 +218,18 @@ impl YieldSurface for DruckerPrager {
     #[inline(always)]
     fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L> {
         let (mean, shear) = invariants(trial);
-        let Back {
+        let ConeReturn {
             mean: [returned, lowered],
             deviator: [left, lost],
             state,
-        } = self.back(mean, shear);
+        } = self.cone_return(mean, shear);
         PrincipalReturn {
             stress: each(trial, |s| (s - mean).mul_add(left, returned)),
             loss: each(trial, |s| (s - mean).mul_add(lost, lowered)),
             state,
         }
     }
-    /// The return goes along the deviator of the trial, so that no principal values are needed.
+    /// The return is along the deviator of the trial, so that no principal values are needed.
     #[inline(always)]
     fn return_stress<L: Lane>(&self, trial: &Stress<L>) -> Option<StressReturn<L>> {
         let (mean, shear) = trial.mean_and_shear();
@@ -238,20 +238,20 @@ impl YieldSurface for DruckerPrager {
         if !mean.any(outside) {
             return None;
         }
-        let Back {
+        let ConeReturn {
             mean: [returned, lowered],
             deviator: [left, lost],
             state,
-        } = self.back(mean, shear);
+        } = self.cone_return(mean, shear);
         let [xx, yy, zz, xy, yz, zx] = trial.0;
         let deviator = [xx - mean, yy - mean, zz - mean, xy, yz, zx];
         let trial_size = mean.abs().max(shear);
         let far = far_lanes(returned.abs().max(left * shear), trial_size);
         Some(StressReturn {
             outside,
-            loss: along(&deviator, lost, lowered),
+            loss: stress_of(&deviator, lost, lowered),
             far: match far {
-                Some(far) => Some((far, along(&deviator, left, returned))),
+                Some(far) => Some((far, stress_of(&deviator, left, returned))),
                 None => None,
             },
             state,

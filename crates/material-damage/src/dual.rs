@@ -1,11 +1,11 @@
-//! Numbers that carry their derivatives.
+//! Dual numbers, for automatic differentiation.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use powerhouse_model::Lane;
 
-/// A number and its derivatives with respect to three others: a law computed with it is
-/// differentiated along the way, without a difference quotient.
+/// Dual number: a value and its derivatives with respect to three variables. A law evaluated with
+/// dual numbers returns its derivatives too, without a difference quotient.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dual {
     pub(crate) value: f64,
@@ -13,13 +13,13 @@ pub(crate) struct Dual {
 }
 
 impl Dual {
-    /// The number of which the derivative at a place is one.
-    pub(crate) fn variable(value: f64, place: usize) -> Self {
-        let slope = core::array::from_fn(|i| f64::from(u8::from(i == place)));
+    /// Independent variable with the given index among the three.
+    pub(crate) fn variable(value: f64, index: usize) -> Self {
+        let slope = core::array::from_fn(|i| f64::from(u8::from(i == index)));
         Self { value, slope }
     }
 
-    /// A number that does not change.
+    /// Constant, whose derivatives are zero.
     pub(crate) fn fixed(value: f64) -> Self {
         Self {
             value,
@@ -27,7 +27,7 @@ impl Dual {
         }
     }
 
-    /// `f` of this number, with the derivative `f'`.
+    /// Value `f` of a function of this number, by the chain rule with its derivative `f'`.
     fn through(self, value: f64, derivative: f64) -> Self {
         Self {
             value,
@@ -35,7 +35,7 @@ impl Dual {
         }
     }
 
-    /// A function of two numbers, with its derivatives.
+    /// Value of a function of two numbers, by the chain rule with its two derivatives.
     fn combine(self, other: Self, value: f64, [first, second]: [f64; 2]) -> Self {
         let slope = core::array::from_fn(|i| first * self.slope[i] + second * other.slope[i]);
         Self { value, slope }
@@ -96,7 +96,7 @@ impl Lane for Dual {
     }
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        // At zero the slope is without bound; no direction is preferred there.
+        // At zero the slope is unbounded; no direction is preferred there.
         let derivative = if root > 0.0 { 0.5 / root } else { 0.0 };
         self.through(root, derivative)
     }
@@ -118,7 +118,7 @@ impl Lane for Dual {
     fn build(token: (), mut value: impl FnMut(usize) -> f64) -> Self {
         Self::splat(token, value(0))
     }
-    /// Whole numbers do not change.
+    /// The derivative of a rounded number is zero.
     fn round(self) -> Self {
         Self::fixed(Lane::round(self.value))
     }

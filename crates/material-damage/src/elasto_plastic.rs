@@ -1,4 +1,4 @@
-//! The elastic, perfectly plastic law of a yield surface.
+//! Elastic, perfectly plastic law of a yield surface.
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
@@ -27,20 +27,20 @@ const HISTORY: [HistoryVariable; 8] = {
     ]
 };
 
-/// Elasticity within a yield surface, plastic flow on it.
+/// Elastic, perfectly plastic law of a yield surface.
 ///
 /// `sigma = sigma0 + C (epsilon - epsilon_p)`, and the flow of a step is the implicit one of the
 /// surface: the stress is admissible at the end of every step, however large.
 ///
 /// History: the plastic strain (six components, engineering shears), the equivalent plastic
 /// strain, the sum of `sqrt(2/3 de_p : de_p)`, and the [`YieldState`](crate::YieldState) of the
-/// last step. An initial stress outside the surface flows back at the first step.
+/// last step. An initial stress outside the surface is returned to it in the first step.
 ///
-/// [`tangent`](ConstitutiveLaw::tangent) is the consistent one, the derivative of the return; at a
+/// [`tangent`](ConstitutiveLaw::tangent) is the consistent tangent, the derivative of the return; at a
 /// kink it is that of one side.
 ///
-/// A strain that is not finite, or whose stress is beyond the range of numbers, gives a stress
-/// that is not finite, which the engine and the [driver](crate::PointDriver) refuse.
+/// A strain that is not finite, or whose stress is outside the range of numbers, gives a stress
+/// that is not finite, for which the engine and the [driver](crate::PointDriver) return an error.
 ///
 /// ```
 /// use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
@@ -62,7 +62,7 @@ pub struct ElastoPlastic<S> {
 }
 
 impl<S: YieldSurface> ElastoPlastic<S> {
-    /// The law of a surface.
+    /// Law of the given yield surface.
     pub fn new(surface: S) -> Self {
         let medium = surface.medium();
         Self {
@@ -71,7 +71,7 @@ impl<S: YieldSurface> ElastoPlastic<S> {
             shear: medium.shear(),
         }
     }
-    /// The yield surface.
+    /// Yield surface of the law.
     pub fn surface(&self) -> &S {
         &self.surface
     }
@@ -96,10 +96,10 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         let lambda = first.constant(self.lambda);
         let change = Stress::elastic(lambda, first.constant(self.shear), &elastic);
         let trial = input.initial + change;
-        let mut now = history::taken::<L, { HISTORY.len() }>(old);
-        let Some(flow) = Flow::back(&self.surface, &trial) else {
+        let mut now = history::load::<L, { HISTORY.len() }>(old);
+        let Some(flow) = Flow::of_trial(&self.surface, &trial) else {
             now[YIELD_STATE] = first.constant(0.0);
-            history::put(&now, new_history);
+            history::store(&now, new_history);
             return change;
         };
         for i in 0..6 {
@@ -107,7 +107,7 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
         }
         now[EQUIVALENT] = now[EQUIVALENT] + flow.equivalent();
         now[YIELD_STATE] = flow.state;
-        history::put(&now, new_history);
+        history::store(&now, new_history);
         flow.stress_change(&change, &input.initial)
     }
     fn elastic_domain(&self) -> Option<ElasticDomain> {

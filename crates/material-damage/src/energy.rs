@@ -1,8 +1,8 @@
-//! Energies of points, for the ledger.
+//! Energies at integration points, for the energy ledger.
 
 use powerhouse_model::{ElasticMedium, Lane, LawEnergy, LawInput, Strain, Stress, array};
 
-/// `s : C^-1 : s / 2` (J/m3).
+/// Elastic energy density of a stress, `s : C^-1 : s / 2` (J/m3).
 #[inline(always)]
 pub(crate) fn elastic_energy<L: Lane>(medium: &ElasticMedium, stress: &Stress<L>) -> L {
     let (mean, shear) = stress.mean_and_shear();
@@ -11,23 +11,23 @@ pub(crate) fn elastic_energy<L: Lane>(medium: &ElasticMedium, stress: &Stress<L>
     volume + shape
 }
 
-/// A step of a material with elastic strain, plastic flow and scalar damage.
+/// Step of a material with elastic strain, plastic flow and scalar damage.
 pub(crate) struct Step<'a, L: Lane> {
-    /// The undamaged medium.
+    /// Undamaged medium.
     pub(crate) medium: &'a ElasticMedium,
-    /// What the law was told.
+    /// Input of the law in this step.
     pub(crate) input: &'a LawInput<'a, L>,
-    /// Elastic strain at the end, that of the initial stress aside.
+    /// Elastic strain at the end of the step, without that of the initial stress.
     pub(crate) elastic: Strain<L>,
-    /// Increment of plastic strain; none for laws without flow.
+    /// Increment of plastic strain; `None` for laws without flow.
     pub(crate) flowed: Option<Strain<L>>,
-    /// Damage before and after.
+    /// Damage before and after the step.
     pub(crate) damage: [L; 2],
 }
 
 impl<L: Lane> Step<'_, L> {
-    /// [`LawEnergy`] by its definition, written so that the energy of the initial stress does not
-    /// cancel where there is no damage.
+    /// [`LawEnergy`] of the step by its definition, in a form in which the energy of the initial stress
+    /// does not cancel where there is no damage.
     #[inline(always)]
     pub(crate) fn energy(&self) -> LawEnergy<L> {
         let Self {
@@ -54,8 +54,8 @@ impl<L: Lane> Step<'_, L> {
     }
 }
 
-/// [`LawEnergy`] of a step of plastic flow, whose strain begins the history, with the damage at a
-/// place of it, if there is any.
+/// [`LawEnergy`] of a step of plastic flow. The history begins with the plastic strain; `damage` is the
+/// index of the damage in it, if there is any.
 #[inline(always)]
 pub(crate) fn of_flow<L: Lane>(
     medium: &ElasticMedium,
@@ -64,7 +64,7 @@ pub(crate) fn of_flow<L: Lane>(
     damage: Option<usize>,
 ) -> LawEnergy<L> {
     let damage = match damage {
-        Some(place) => [input.history[place], new_history[place]],
+        Some(index) => [input.history[index], new_history[index]],
         None => [input.strain.0[0].constant(0.0); 2],
     };
     let step = Step {
@@ -77,7 +77,7 @@ pub(crate) fn of_flow<L: Lane>(
     step.energy()
 }
 
-/// The difference of two strains that begin at a place of a history.
+/// Difference of the strains at the start of two histories.
 #[inline(always)]
 pub(crate) fn difference<L: Lane>(after: &[L], before: &[L]) -> Strain<L> {
     Strain(array(|i| after[i] - before[i]))

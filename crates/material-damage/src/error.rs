@@ -1,16 +1,16 @@
-//! What a law or its driver refuses.
+//! Errors of laws and of the material point driver.
 
 use powerhouse_model::{ModelError, ParameterError};
 use thiserror::Error;
 
-/// A law that cannot be made, or a path that cannot be followed.
+/// Errors of building a law or of following a path with it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MaterialError {
-    /// A parameter outside its range.
+    /// A parameter is outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A law that dilates more than associated flow gains energy from nothing.
+    /// The dilation is above associated flow, so that plastic flow would generate energy.
     #[error("dilation = {dilation} degrees is above friction = {friction} degrees")]
     Dilation {
         /// Dilation angle (degrees).
@@ -18,70 +18,70 @@ pub enum MaterialError {
         /// Friction angle (degrees).
         friction: f64,
     },
-    /// Uniaxial strengths between which a plane of friction has no place.
-    #[error("f_c / f_t = {ratio} is not above N = {least} of the friction, or above 1e6")]
+    /// The ratio of the uniaxial strengths is too small, or too large, for a friction plane through both.
+    #[error("f_c / f_t = {ratio} is not above N = {least} of the friction angle, or is above 1e6")]
     StrengthRatio {
-        /// Compressive over tensile strength.
+        /// Ratio of compressive to tensile strength (1).
         ratio: f64,
-        /// `(1 + sin phi) / (1 - sin phi)`.
+        /// Least ratio N, `(1 + sin phi) / (1 - sin phi)` (1).
         least: f64,
     },
-    /// An element so wide that its elastic energy at the peak exceeds what the crack may take.
+    /// The element snaps back: its elastic energy at the peak exceeds the fracture energy.
     #[error(
         "an element of {size:.4} m snaps back in {}: the fracture energy there suffices for widths up to {largest:.4} m, this one needs more than {:.3} times as much",
-        of.words(),
+        of.name(),
         size / largest
     )]
     SnapBack {
-        /// The softening at which it does.
+        /// Softening in which the element snaps back.
         of: SofteningOf,
-        /// The width normal to the crack or the band (m).
+        /// Width of the element normal to the crack or the band (m).
         size: f64,
-        /// The largest permitted width (m).
+        /// Largest permitted width (m).
         largest: f64,
     },
-    /// Softening so slow that the stress rises after the first damage.
+    /// The softening is so slow that the stress would rise after first damage.
     #[error("B e0 = {product} is below 1: the stress would rise after first damage")]
     Hardening {
-        /// The softening rate times the threshold strain.
+        /// Softening rate times threshold strain, `B e0` (1).
         product: f64,
     },
-    /// A strain or a stress that is not finite.
+    /// A strain, a stress or a history variable is not finite.
     #[error("step {step}: the {what} is not finite")]
     NotFinite {
-        /// The step of the path, from 0.
+        /// Step of the path, from 0.
         step: usize,
-        /// Strain or stress.
+        /// Name of the quantity.
         what: &'static str,
     },
-    /// No strain gives the stress that the path asks for.
+    /// No strain was found whose stress is the target of the path.
     #[error(
         "step {step}: the stress misses its target by {residual} Pa (tolerance {tolerance} Pa)"
     )]
     Unreachable {
-        /// The step of the path, from 0.
+        /// Step of the path, from 0.
         step: usize,
-        /// Largest difference (Pa).
+        /// Largest difference from the target (Pa).
         residual: f64,
-        /// What was asked (Pa).
+        /// Permitted difference (Pa).
         tolerance: f64,
     },
 }
 
-/// Which softening of a law.
+/// Softening mode of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SofteningOf {
-    /// Cracking.
+    /// Cracking in tension.
     Tension,
-    /// Crushing.
+    /// Crushing in compression.
     Compression,
-    /// The loss of cohesion and friction along a shear band.
+    /// Loss of strength along a shear band.
     Shear,
 }
 
 impl SofteningOf {
-    fn words(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Tension => "tension",
             Self::Compression => "compression",

@@ -1,17 +1,17 @@
-//! The exponential function on lanes.
+//! Exponential and power functions on lanes.
 
 use powerhouse_model::{Lane, Scalar};
 
-/// The greatest argument: below `exp(-87)` single precision has no normal numbers.
+/// Greatest argument: below `exp(-87)` single precision has no normal numbers.
 const MOST: f64 = 87.0;
-/// `ln 2` in a part with nine bits, so that its multiples are exact, and the rest.
+/// `ln 2` as a part with nine bits, so that its multiples are exact, and the difference.
 const LN_2: [f64; 2] = [0.693_359_375, -2.121_944_400_546_905_8e-4];
-/// Parts of a power beyond the range of the exponential: `2 ln(1e308) / 87` and some.
+/// Number of factors of a power outside the range of the exponential: `2 ln(1e308) / 87` and some.
 const PARTS: usize = 20;
-/// The highest power of Taylor's series at `|y| < 0.35`, for a remainder below a rounding of doubles;
+/// Highest power of the Taylor series at `|y| < 0.35`, for a remainder below double rounding;
 /// half of it does for single precision.
 const TERMS: usize = 13;
-/// `1 / k!`.
+/// Taylor coefficients `1 / k!`.
 const INVERSE_FACTORIALS: [f64; TERMS + 1] = {
     let mut inverse = [1.0; TERMS + 1];
     let mut factorial = 1.0;
@@ -24,10 +24,10 @@ const INVERSE_FACTORIALS: [f64; TERMS + 1] = {
     inverse
 };
 
-/// `exp(-x)` for `x` above -87, to a few roundings; `exp(-87)` beyond 87.
+/// `exp(-x)` for `x` above -87, to a few rounding errors; `exp(-87)` beyond 87.
 ///
-/// `x = n ln 2 - y` with the nearest whole `n`: Taylor's series in `y`, even and odd powers apart, so
-/// that they need not wait for each other, and `2^-n`. The same operations in every lane.
+/// `x = n ln 2 - y` with the nearest integer `n`: Taylor series in `y`, even and odd powers separately,
+/// for instruction-level parallelism, and `2^-n`. The operations are the same in every lane.
 #[inline(always)]
 pub(crate) fn decay<L: Lane>(x: L) -> L {
     let number = |value: f64| x.constant(value);
@@ -51,14 +51,14 @@ pub(crate) fn decay<L: Lane>(x: L) -> L {
     y.mul_add(odd, even) * (-halvings).power_of_two()
 }
 
-/// The square root of a half, so that what is left of a number lies around one.
+/// Square root of a half: the reduced argument of the logarithm is around one.
 const LEAST: f64 = core::f64::consts::FRAC_1_SQRT_2;
-/// Terms of the series at `|z| < 0.172`, for a remainder below a rounding of doubles.
+/// Number of terms of the series at `|z| < 0.172`, for a remainder below double rounding.
 const LOGARITHM_TERMS: usize = 11;
 
-/// `ln x` for positive normal numbers, to a few roundings of itself or of one, the larger.
+/// `ln x` for positive normal numbers, to a few rounding errors of the value or of one, the larger.
 ///
-/// Powers of two are taken off bit by bit, then `ln m = 2 (z + z^3 / 3 + ...)` with `z = (m - 1) /
+/// Powers of two are removed bit by bit, then `ln m = 2 (z + z^3 / 3 + ...)` with `z = (m - 1) /
 /// (m + 1)`.
 #[inline(always)]
 fn logarithm<L: Lane>(x: L) -> L {
@@ -66,7 +66,7 @@ fn logarithm<L: Lane>(x: L) -> L {
     let mut rest = x;
     let mut doublings = number(0.0);
     for bit in [512, 256, 128, 64, 32, 16, 8, 4, 2, 1] {
-        // Single precision knows no such powers.
+        // Powers outside the range of single precision.
         if bit > 64 && L::Scalar::EPSILON > 1.0e-10 {
             continue;
         }
@@ -93,7 +93,7 @@ fn logarithm<L: Lane>(x: L) -> L {
     doublings.mul_add(number(LN_2[0]), fine)
 }
 
-/// `x^p` for `x >= 0` and a power `0 < p <= 2`, to a few roundings times the logarithm; zero at
+/// `x^p` for `x >= 0` and a power `0 < p <= 2`, to a few rounding errors times the logarithm; zero at
 /// zero, and below the normal numbers.
 #[inline(always)]
 pub(crate) fn power<L: Lane>(x: L, p: f64) -> L {
@@ -109,7 +109,7 @@ pub(crate) fn power<L: Lane>(x: L, p: f64) -> L {
     let is_small = exponent.less(zero);
     let size = decay(exponent.abs());
     let grown = size.select(is_small, one / size);
-    // Beyond the range of the exponential, in two halves.
+    // Outside the range of the exponential, as a product of two.
     let most = number(MOST);
     let beyond = most.less(exponent.abs());
     let halves = if zero.any(beyond) {
@@ -129,7 +129,7 @@ pub(crate) fn power<L: Lane>(x: L, p: f64) -> L {
 mod tests {
     use super::*;
 
-    /// The function is that of the standard library to four roundings, in both precisions.
+    /// The function agrees with the standard library to four rounding errors, in both precisions.
     #[test]
     fn decay_is_the_exponential() {
         for step in -860_000..=870_000 {
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(decay(1.0e300), decay(87.0));
     }
 
-    /// Powers are those of the standard library, to roundings of the exponent, in both precisions,
+    /// Powers agree with the standard library, to rounding errors of the exponent, in both precisions,
     /// over the whole range of numbers.
     #[test]
     fn powers_are_powers() {

@@ -1,4 +1,4 @@
-//! The surface of Hoek and Brown.
+//! Hoek-Brown yield surface.
 
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Scalar, Stress};
 
@@ -8,24 +8,24 @@ use crate::planes::ShearPlane;
 use crate::root::{Function, zero_between};
 use crate::surface::{PrincipalReturn, YieldState, YieldSurface, pick, stiffened};
 
-/// What a [`HoekBrown`] surface is made of.
+/// Parameters of a [`HoekBrown`] surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoekBrownParameters {
-    /// The elastic medium of the rock mass.
+    /// Elastic medium of the rock mass.
     pub medium: ElasticMedium,
     /// Uniaxial compressive strength of the intact rock `s_ci` (Pa).
     pub intact_strength: f64,
-    /// Constant of the intact rock `m_i`, 1 to 50.
+    /// Material constant of the intact rock `m_i` (1), 1 to 50.
     pub intact_constant: f64,
-    /// Geological strength index, 5 to 100.
+    /// Geological strength index GSI (1), 5 to 100.
     pub strength_index: f64,
-    /// Disturbance factor `D`, 0 (undisturbed) to 1.
+    /// Disturbance factor `D` (1), 0 (undisturbed) to 1.
     pub disturbance: f64,
-    /// Dilation as a share of that of associated flow, 0 to 1.
+    /// Dilation relative to that of associated flow (1), 0 to 1.
     pub dilation_share: f64,
 }
 
-/// The yield surface of Hoek and Brown for rock masses.
+/// Hoek-Brown yield surface of rock masses, with non-associated flow.
 ///
 /// With principal stresses `s1 >= s2 >= s3`, tension positive:
 ///
@@ -36,65 +36,65 @@ pub struct HoekBrownParameters {
 ///
 /// with flow along `(1 + x a m (s - m s1 / s_ci)^(a - 1)) s1 - s3` where `x` is the
 /// [`dilation_share`](HoekBrownParameters::dilation_share). The surface ends in the apex `s1 = s2 =
-/// s3 = s s_ci / m`, where any flow is possible that opens.
+/// s3 = s s_ci / m`, where any dilatant flow is possible.
 ///
 /// # Return
 /// The deviatoric flow keeps its axes, and on the face and on each edge the condition is one
 /// equation in one unknown: `y = (s - m s1 / s_ci)^a`. Face, both edges and the apex are computed;
-/// the one that violates sign of flow and order of stresses least is the solution. For associated
+/// the solution is the one that violates sign of flow and order of stresses least. For associated
 /// flow it is the closest point in the energy norm.
 ///
 /// # Valid range
-/// Perfectly plastic. The rock mass is isotropic; one family of joints is not.
+/// Perfectly plastic. The rock mass is isotropic; a single family of joints is not represented.
 ///
 /// # Why so
-/// *Dilation is a share of the associated one, not an angle*: the friction of this surface falls
-/// with pressure, and a fixed angle would exceed it at depth and gain energy. With a share of at
+/// *Dilation is relative to associated flow, not an angle*: the friction of this surface falls
+/// with pressure, and a fixed angle would exceed it at depth and generate energy. With a ratio of at
 /// most one, `stress : flow` is never negative.
 ///
 /// Source: Hoek, Carranza-Torres & Corkum (2002), *Proc. NARMS-TAC*, Eqs. (1)-(5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoekBrown {
     parameters: HoekBrownParameters,
-    /// `m`.
+    /// Constant `m` of the rock mass (1).
     slope: f64,
-    /// `s`.
+    /// Constant `s` of the rock mass (1).
     integrity: f64,
-    /// `a`.
+    /// Exponent `a` of the rock mass (1).
     exponent: f64,
-    /// Stress of uniaxial tension at yield (Pa).
+    /// Uniaxial tensile stress at yield (Pa).
     tension: f64,
-    /// `lambda / 2G`.
+    /// Ratio of the elastic constants, `lambda / 2G`.
     volumetric: f64,
 }
 
-/// Pressures over the intact strength where the chords of the elastic domain end.
+/// Pressures over the intact strength at the ends of the chords of the elastic domain.
 const CHORDS: [f64; 5] = [0.0, 0.02, 0.1, 0.4, 1.5];
 
-/// The return to the face or to an edge.
+/// Return to the face or to an edge.
 struct Branch<L> {
-    /// Greatest and least stress (Pa).
+    /// Greatest and least returned stress (Pa).
     greatest: L,
     least: L,
-    /// Common fall of all stresses (Pa).
-    swollen: L,
-    /// `2G`-scaled flow along `-s3` and `s1` (Pa).
+    /// Decrease of all stresses by the volumetric plastic strain (Pa).
+    dilated: L,
+    /// `2G`-scaled plastic flow along `-s3` and `s1` (Pa).
     flow: L,
     opening: L,
-    /// By how much no such return exists (Pa).
-    missed: L,
+    /// Measure of how far such a return is from being possible (Pa).
+    violation: L,
 }
 
-/// Flow of two trial stresses, as [`HoekBrown::branch`] has it.
-struct Along<'a, L> {
+/// Yield condition of [`HoekBrown::branch`] as a function of its one unknown.
+struct BranchCondition<'a, L> {
     surface: &'a HoekBrown,
     upper: L,
     apart: L,
     weights: [f64; 2],
 }
 
-impl<L: Lane> Along<'_, L> {
-    /// The greatest stress (Pa), and the opening and the shear flow that lead to it.
+impl<L: Lane> BranchCondition<'_, L> {
+    /// Greatest stress (Pa), and the opening and the shear flow that lead to it.
     #[inline(always)]
     fn flows(&self, y: L) -> (L, L, L) {
         let number = |value: f64| y.constant(value);
@@ -106,7 +106,7 @@ impl<L: Lane> Along<'_, L> {
         let per_depth = number(surface.parameters.intact_strength / surface.slope);
         let greatest = number(surface.apex()) - per_depth * depth;
         let fall = self.upper - greatest;
-        // Of the opening and of the shear flow, for a unit of fall.
+        // Opening and shear flow per unit decrease of the greatest stress.
         let [opening, shear] = if k > 0.0 {
             let opened = number(w1) * (width + number(k));
             let whole = opened + number(r * k);
@@ -118,7 +118,7 @@ impl<L: Lane> Along<'_, L> {
     }
 }
 
-impl<L: Lane> Function<L> for Along<'_, L> {
+impl<L: Lane> Function<L> for BranchCondition<'_, L> {
     #[inline(always)]
     fn at(&self, y: L) -> L {
         let number = |value: f64| y.constant(value);
@@ -130,10 +130,10 @@ impl<L: Lane> Function<L> for Along<'_, L> {
 }
 
 impl HoekBrown {
-    /// The surface of the parameters.
+    /// Surface of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range.
+    /// If a parameter is outside its range.
     pub fn new(parameters: HoekBrownParameters) -> Result<Self, MaterialError> {
         let p = &parameters;
         let medium = ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
@@ -170,35 +170,35 @@ impl HoekBrown {
         Ok(surface)
     }
 
-    /// What the surface was made of.
+    /// Parameters of the surface.
     pub fn parameters(&self) -> &HoekBrownParameters {
         &self.parameters
     }
 
-    /// The constants `m`, `s` and `a` of the rock mass.
+    /// Constants `m`, `s` and `a` of the rock mass (1).
     pub fn constants(&self) -> [f64; 3] {
         [self.slope, self.integrity, self.exponent]
     }
 
-    /// The stress at the apex, `s s_ci / m` (Pa).
+    /// Principal stress at the apex, `s s_ci / m` (Pa).
     pub fn apex(&self) -> f64 {
         self.integrity * self.parameters.intact_strength / self.slope
     }
 
-    /// `s - m s1 / s_ci`.
+    /// Depth below the apex in the units of the formula, `s - m s1 / s_ci` (1).
     #[inline(always)]
     fn depth<L: Lane>(&self, greatest: L) -> L {
         let number = |value: f64| greatest.constant(value);
         number(self.integrity) - number(self.slope / self.parameters.intact_strength) * greatest
     }
 
-    /// `x a m`, the opening flow at unit depth less one.
+    /// Opening flow at unit depth less one, `x a m`.
     fn dilation(&self) -> f64 {
         self.parameters.dilation_share * self.exponent * self.slope
     }
 
-    /// The return of two trial stresses of which the first falls by `w1 M g` and the second rises
-    /// by `w3 g`, beside the common fall by `r (M - 1) g`, with the opening flow `M` of the surface.
+    /// Return of two trial stresses of which the first falls by `w1 M g` and the second rises
+    /// by `w3 g`, in addition to the common decrease `r (M - 1) g`, with the opening flow `M` of the surface.
     ///
     /// With `u` the depth, `y = u^a`, `w = u / y` and `k = x a m`, `M = 1 + k / w`, so `g = w q` with
     /// `q (w1 (w + k) + r k) = upper - s1`, and the yield condition is `upper - lower - q (w1 (w + k)
@@ -209,37 +209,37 @@ impl HoekBrown {
         let zero = number(0.0);
         let r = self.volumetric;
         let intact = self.parameters.intact_strength;
-        let along = Along {
+        let condition = BranchCondition {
             surface: self,
             upper,
             apart: upper - lower,
             weights: [w1, w3],
         };
-        // No flow yet; and flow that brings the two together, whatever it opens.
+        // Bracket: no flow yet, and the flow that makes both stresses equal.
         let depth = self.depth(upper);
         let first = power(depth.max(zero), self.exponent);
-        let most = along.apart * number(self.slope / intact * (1.0 + r / w1));
+        let most = condition.apart * number(self.slope / intact * (1.0 + r / w1));
         let last = power((depth + most).max(zero), self.exponent).max(first);
-        let at_first = along.at(first);
-        let missed = (-at_first).max(zero);
+        let at_first = condition.at(first);
+        let violation = (-at_first).max(zero);
         let at_first = at_first.max(zero);
-        let at_last = along.at(last).min(zero);
+        let at_last = condition.at(last).min(zero);
         let size = upper.abs() + lower.abs() + number(self.apex());
         let tolerance = size * number(L::Scalar::EPSILON);
-        let y = zero_between([first, at_first], [last, at_last], tolerance, &along);
-        let (greatest, opening, flow) = along.flows(y);
+        let y = zero_between([first, at_first], [last, at_last], tolerance, &condition);
+        let (greatest, opening, flow) = condition.flows(y);
         Branch {
             greatest,
             least: greatest - number(intact) * y,
-            swollen: number(r) * (opening - flow),
+            dilated: number(r) * (opening - flow),
             flow,
             opening,
-            missed,
+            violation,
         }
     }
 }
 
-/// The face, edge or corner that violates the conditions least so far.
+/// Candidate among face, edges and apex with the least violation of the conditions so far.
 struct Best<L> {
     violation: L,
     stress: [L; 3],
@@ -282,14 +282,14 @@ impl YieldSurface for HoekBrown {
         let intact = self.parameters.intact_strength;
         let apart = shear * number(2.0 / intact);
         let share = 2.0 * (1.0 / self.exponent - 1.5);
-        // Not zero, so that no product with infinity is none.
+        // Not zero, so that its product with infinity is not NaN.
         let rest = (1.0 - share).max(f64::EPSILON);
         let curved = number(rest).mul_add(apart.sqrt(), number(share) * apart);
         let greatest = number(2.0 / 3.0_f64.sqrt()).mul_add(shear, mean);
         number(intact) * apart.mul_add(curved, -self.depth(greatest))
     }
 
-    /// Chords of the curved envelope lie inside it; beyond the last one strength no longer grows.
+    /// Chords of the curved envelope are inside it; beyond the last one strength no longer grows.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         let intact = self.parameters.intact_strength;
         let mut domain = ElasticDomain::EVERYTHING;
@@ -321,7 +321,7 @@ impl YieldSurface for HoekBrown {
         let over = [s1 - apex, s2 - apex, s3 - apex];
         let r = self.volumetric;
         let common = number(r / (1.0 + 3.0 * r)) * (over[0] + over[1] + over[2]);
-        // At the apex flow must open along all axes, or, without dilation, as a whole.
+        // At the apex the flow must be an opening along all axes or, without dilation, of the volume.
         let closing = if self.parameters.dilation_share > 0.0 {
             common - over[2]
         } else {
@@ -335,36 +335,36 @@ impl YieldSurface for HoekBrown {
         };
 
         let face = self.branch([s1, s3], [1.0, 1.0]);
-        let middle = s2 - face.swollen;
+        let middle = s2 - face.dilated;
         let violation = (middle - face.greatest).max(face.least - middle);
         best.offer(
             [face.greatest, middle, face.least],
             [
-                face.opening + face.swollen,
-                face.swollen,
-                face.swollen - face.flow,
+                face.opening + face.dilated,
+                face.dilated,
+                face.dilated - face.flow,
             ],
-            violation.max(-face.flow).max(face.missed),
+            violation.max(-face.flow).max(face.violation),
         );
 
         // Edge of equal greater stresses: x1 + x2 = M g, x1 - x2 = s1 - s2.
         let apart = half * (s1 - s2);
         let edge = self.branch([half * (s1 + s2), s3], [0.5, 1.0]);
-        let fallen = half * edge.opening + edge.swollen;
+        let fallen = half * edge.opening + edge.dilated;
         best.offer(
             [edge.greatest, edge.greatest, edge.least],
-            [fallen + apart, fallen - apart, edge.swollen - edge.flow],
-            (s1 - s2 - edge.opening).max(edge.missed),
+            [fallen + apart, fallen - apart, edge.dilated - edge.flow],
+            (s1 - s2 - edge.opening).max(edge.violation),
         );
 
         // Edge of equal lesser stresses: x2 + x3 = -g, x2 - x3 = s2 - s3.
         let apart = half * (s2 - s3);
         let edge = self.branch([s1, half * (s2 + s3)], [1.0, 0.5]);
-        let raised = edge.swollen - half * edge.flow;
+        let raised = edge.dilated - half * edge.flow;
         best.offer(
             [edge.greatest, edge.least, edge.least],
-            [edge.opening + edge.swollen, raised + apart, raised - apart],
-            (s2 - s3 - edge.flow).max(edge.missed),
+            [edge.opening + edge.dilated, raised + apart, raised - apart],
+            (s2 - s3 - edge.flow).max(edge.violation),
         );
 
         PrincipalReturn {

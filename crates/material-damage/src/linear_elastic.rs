@@ -8,11 +8,11 @@ use crate::ElasticInSeries;
 use crate::energy::Step;
 use crate::surface::stiffened;
 
-/// Isotropic linear elasticity without history.
+/// Isotropic linear elastic law without history.
 ///
 /// `sigma = lambda tr(epsilon) I + 2 G epsilon`
 ///
-/// Valid at small strain; it knows no strength.
+/// Valid at small strain; without a strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElastic {
     medium: ElasticMedium,
@@ -21,7 +21,7 @@ pub struct LinearElastic {
 }
 
 impl LinearElastic {
-    /// The law of a medium.
+    /// Law of the given medium.
     pub fn new(medium: ElasticMedium) -> Self {
         Self {
             medium,
@@ -92,8 +92,8 @@ mod tests {
             .0
     }
 
-    /// A bar that may contract sideways carries Young's modulus times its stretch and nothing
-    /// sideways.
+    /// In uniaxial stress the axial stress is Young's modulus times the strain, and the lateral stress
+    /// is zero.
     #[test]
     fn uniaxial_stress_is_young_times_stretch() {
         let medium = media::ROCK;
@@ -102,12 +102,12 @@ mod tests {
         let [xx, yy, zz, xy, yz, zx] = stress(&law, [1.0e-3, side, side, 0.0, 0.0, 0.0]);
         let expected = medium.young * 1.0e-3;
         assert!((xx - expected).abs() < 1e-14 * expected);
-        // lambda and 2 G cancel: the remainder is rounding of the stress they each make.
+        // lambda and 2 G cancel: the remainder is the rounding error of the stress of each.
         assert!(yy.abs() < 1e-14 * expected && zz.abs() < 1e-14 * expected);
         assert_eq!([xy, yz, zx], [0.0; 3]);
     }
 
-    /// Equal stretch in all directions carries three bulk moduli times it, and no shear.
+    /// Under equal strains in all directions the stress is three bulk moduli times the strain, without shear.
     #[test]
     fn hydrostatic_stress_is_three_bulk_moduli_times_stretch() {
         let medium = media::CONCRETE;
@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(result[3..], [0.0; 3]);
     }
 
-    /// Each engineering shear strain carries the shear modulus times itself, alone.
+    /// The stress of each engineering shear strain is the shear modulus times that strain alone.
     #[test]
     fn shear_stress_is_shear_modulus_times_engineering_strain() {
         let medium = media::ROCK;
@@ -165,8 +165,8 @@ mod tests {
         }
     }
 
-    /// The offered tangent is the derivative of the stress, which for a linear law is the stress
-    /// of each unit strain.
+    /// The tangent is the derivative of the stress, which for a linear law is the stress of each unit
+    /// strain.
     #[test]
     fn the_tangent_maps_strain_to_stress() {
         let law = LinearElastic::new(media::ROCK);

@@ -1,4 +1,4 @@
-//! Damage in total strain after Mazars.
+//! Mazars' damage law in total strain.
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
@@ -15,45 +15,45 @@ use crate::softening::{
 use crate::surface::stiffened;
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent};
 
-/// Softening in tension of a [`Mazars`] law.
+/// Tensile softening of a [`Mazars`] law, with damage `d` in the equivalent strain `e`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MazarsTension {
-    /// `A = 1`, and `B` from `G / h = E e0^2 / 2 + E (e0 / B + 1 / B^2)` for an element of width
-    /// `h`. It holds for widths within a factor of five: below the least one the stress would
-    /// rise after first damage, above the greatest the element snaps back.
+    /// Fracture energy with `A = 1`, and `B` from `G / h = E e0^2 / 2 + E (e0 / B + 1 / B^2)` for an
+    /// element of width `h`. It holds for widths within a factor of five: below the least one the stress
+    /// would rise after first damage, above the greatest the element snaps back.
     FractureEnergy {
-        /// Energy per area of crack, `G` (N/m).
+        /// Fracture energy `G` per area of crack (N/m).
         energy: f64,
     },
-    /// `d = 1 - (e0 / e) exp(-B (e - e0))`: the stress itself falls exponentially, and `B` comes from
-    /// `G / h = E e0^2 / 2 + E e0 / B`. It holds for all widths that do not snap back.
+    /// Fracture energy with an exponentially falling stress, `d = 1 - (e0 / e) exp(-B (e - e0))`, and
+    /// `B` from `G / h = E e0^2 / 2 + E e0 / B`. It holds for all widths that do not snap back.
     FallingStress {
-        /// Energy per area of crack, `G` (N/m).
+        /// Fracture energy `G` per area of crack (N/m).
         energy: f64,
     },
-    /// `A` and `B` as they stand; the energy then depends on the mesh.
+    /// Given `A` and `B`; the dissipated energy then depends on the mesh.
     Rates {
-        /// `A`, 0 to 1.
+        /// Share `A` (1), 0 to 1.
         share: f64,
-        /// `B`, at least `1 / e0`.
+        /// Rate `B` (1), at least `1 / e0`.
         rate: f64,
     },
 }
 
-/// What a [`Mazars`] law is made of.
+/// Parameters of a [`Mazars`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MazarsParameters {
-    /// The elastic medium.
+    /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Equivalent strain at first damage, `e0`.
+    /// Equivalent strain at first damage `e0` (1).
     pub threshold: f64,
     /// Softening in tension.
     pub tension: MazarsTension,
-    /// `A` in compression, 0 to 2; above 1 damage is cut at its limit.
+    /// Share `A` in compression (1), 0 to 2; above 1 damage is limited by the residual stiffness.
     pub compression_share: f64,
-    /// `B` in compression, above 0.
+    /// Rate `B` in compression (1), above 0.
     pub compression_rate: f64,
-    /// The share of stiffness that no damage takes away, 1e-6 to 1.
+    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1.
     pub residual_stiffness: f64,
 }
 
@@ -72,7 +72,7 @@ const HISTORY: [HistoryVariable; 5] = {
     ]
 };
 
-/// Elasticity with scalar damage in total strain.
+/// Elastic law with scalar damage in total strain, after Mazars.
 ///
 /// `sigma = (1 - D) C e`, `D = a_t d_t + a_c d_c`
 ///
@@ -83,8 +83,8 @@ const HISTORY: [HistoryVariable; 5] = {
 ///
 /// History: the largest equivalent strain (of steps in which the strain as a whole was above the
 /// threshold), `d_t`, `d_c`, `D`, and the width of the element along the greatest principal strain at
-/// first damage, which the crack keeps. There is no plastic strain:
-/// unloading goes to the origin. With the weights `D` may fall on paths between tension and
+/// first damage, which stays that of the crack. There is no plastic strain:
+/// unloading is towards the origin. With the weights `D` may fall on paths between tension and
 /// compression. A strain that is not finite gives a stress that is not finite.
 ///
 /// Source: Mazars (1986), *Engineering Fracture Mechanics* 25(5); energy after the crack band of
@@ -97,10 +97,10 @@ pub struct Mazars {
 }
 
 impl Mazars {
-    /// The law of the parameters.
+    /// Law of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range; [`MaterialError::Hardening`] for a rate below `1 / e0`.
+    /// If a parameter is outside its range; [`MaterialError::Hardening`] for a rate below `1 / e0`.
     pub fn new(parameters: MazarsParameters) -> Result<Self, MaterialError> {
         let p = &parameters;
         ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
@@ -129,12 +129,12 @@ impl Mazars {
         })
     }
 
-    /// What the law was made of.
+    /// Parameters of the law.
     pub fn parameters(&self) -> &MazarsParameters {
         &self.parameters
     }
 
-    /// The widths of elements (m) for which softening by energy holds; none for given rates.
+    /// Least and greatest width of elements (m) for softening by fracture energy; `None` for given rates.
     pub fn permitted_sizes(&self) -> Option<[f64; 2]> {
         let at_peak = self.parameters.medium.young * self.parameters.threshold.powi(2);
         match self.parameters.tension {
@@ -147,11 +147,11 @@ impl Mazars {
         }
     }
 
-    /// Refuses an element whose width normal to a crack (m) is too small or too large.
+    /// Checks that the width of an element normal to a crack (m) is neither too small nor too large.
     ///
     /// # Errors
-    /// [`MaterialError::SnapBack`] names the largest permitted width,
-    /// [`MaterialError::Hardening`] the product `B e0` of one too small.
+    /// [`MaterialError::SnapBack`], with the largest permitted width, or
+    /// [`MaterialError::Hardening`], with the product `B e0` of an element that is too small.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
         let sizes = self.permitted_sizes();
         let largest = sizes.map(|[_, largest]| largest);
@@ -164,7 +164,7 @@ impl Mazars {
         }
     }
 
-    /// The norms of the strain of a mean stress and of a `sqrt(J2)` of one (1/Pa): `sum e_i^2 = (p /
+    /// Norms of the strains of a unit mean stress and of a unit `sqrt(J2)` (1/Pa): `sum e_i^2 = (p /
     /// K)^2 / 3 + J2 / 2 G^2`.
     #[inline(always)]
     fn strain_norms(&self) -> [f64; 2] {
@@ -173,8 +173,7 @@ impl Mazars {
         [volume, 1.0 / (core::f64::consts::SQRT_2 * medium.shear())]
     }
 
-    /// The norm of the strain of a stress: no equivalent strain is larger, and no principal values
-    /// are needed.
+    /// Norm of the strain of a stress, an upper bound of the equivalent strain without principal values.
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
         let (mean, shear) = stress.mean_and_shear();
@@ -183,7 +182,7 @@ impl Mazars {
         volume.mul_add(volume, shape * shape).sqrt()
     }
 
-    /// `1 / B` in tension for a width of the element (m).
+    /// Inverse rate `1 / B` in tension for an element of a width (m).
     #[inline(always)]
     fn inverse_rate<L: Lane>(&self, size: L) -> L {
         match self.parameters.tension {
@@ -200,10 +199,10 @@ impl Mazars {
             MazarsTension::Rates { rate, .. } => size.constant(1.0 / rate),
         }
     }
-    /// What principal stresses (Pa) make of the largest equivalent strain before, in an element of a
+    /// Damage state of principal stresses (Pa) and the largest equivalent strain before, in an element of a
     /// width (m).
     #[inline(always)]
-    fn grown<L: Lane>(&self, values: &[L; 3], before: L, size: L) -> Grown<L> {
+    fn state<L: Lane>(&self, values: &[L; 3], before: L, size: L) -> DamageState<L> {
         let p = &self.parameters;
         let number = |value: f64| before.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
@@ -211,7 +210,7 @@ impl Mazars {
         let poisson = p.medium.poisson;
         let stretches = each(&strains_times_young(values, poisson), |e| e.max(zero));
         let pulled = strains_times_young(&each(values, |s| s.max(zero)), poisson);
-        // Divided by the largest, so that squares are numbers.
+        // Relative to the largest, so that squares are within the range of numbers.
         let largest = stretches[0].max(stretches[1]).max(stretches[2]);
         let some = zero.less(largest);
         let divisor = largest.select(some, one);
@@ -238,7 +237,7 @@ impl Mazars {
         let rate = number(p.compression_rate);
         let broken = damage_of(reached, threshold, p.compression_share, rate, most);
         let damage = weight * torn + (one - weight) * broken;
-        Grown {
+        DamageState {
             equivalent: reached,
             torn,
             broken,
@@ -247,8 +246,8 @@ impl Mazars {
     }
 }
 
-/// The largest equivalent strain, and the damage that belongs to it.
-struct Grown<L> {
+/// Largest equivalent strain, and the damage that belongs to it.
+struct DamageState<L> {
     equivalent: L,
     torn: L,
     broken: L,
@@ -265,7 +264,7 @@ fn strains_times_young<L: Lane>(stresses: &[L; 3], poisson: f64) -> [L; 3] {
 }
 
 impl ElasticInSeries for Mazars {
-    /// The threshold is a strain: it falls as the moduli rise, so that the strength stays.
+    /// The threshold is a strain: it falls as the moduli rise, so that the strength is unchanged.
     fn with_stiffness(&self, factor: f64) -> Self {
         let mut law = *self;
         let p = &mut law.parameters;
@@ -300,7 +299,7 @@ impl ConstitutiveLaw for Mazars {
         let one = number(1.0);
         let change = Stress::elastic(number(self.lambda), number(self.shear), &input.strain);
         let total = input.initial + change;
-        history::keep::<L, { HISTORY.len() }>(old, new_history);
+        history::copy::<L, { HISTORY.len() }>(old, new_history);
         let sound = number(p.threshold);
         let damaged = sound.less(self.bound(&total).max(old[EQUIVALENT]));
         if !first.any(damaged) {
@@ -308,14 +307,14 @@ impl ConstitutiveLaw for Mazars {
         }
         let axes = PrincipalAxes::of(&total);
         let width = crack_band::width(old[WIDTH], &input.extents, &axes.directions[0]);
-        let grown = self.grown(&axes.values, old[EQUIVALENT], width);
-        let damage = grown.damage;
+        let state = self.state(&axes.values, old[EQUIVALENT], width);
+        let damage = state.damage;
         for (variable, value) in [
-            (EQUIVALENT, grown.equivalent),
-            (DAMAGE_TENSION, grown.torn),
-            (DAMAGE_COMPRESSION, grown.broken),
+            (EQUIVALENT, state.equivalent),
+            (DAMAGE_TENSION, state.torn),
+            (DAMAGE_COMPRESSION, state.broken),
             (DAMAGE, damage),
-            (WIDTH, crack_band::kept(old[WIDTH], width, grown.torn)),
+            (WIDTH, crack_band::updated(old[WIDTH], width, state.torn)),
         ] {
             new_history[variable] = value.select(damaged, old[variable]);
         }
@@ -327,8 +326,8 @@ impl ConstitutiveLaw for Mazars {
         }
         nominal
     }
-    /// A polygon within the circle that bounds elastic strains: its corners are on the axes of volume
-    /// and shape and halfway between.
+    /// Polygon within the circle that bounds elastic strains: its corners are on the axes of volumetric
+    /// and deviatoric strain and halfway between.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         let [volume, shape] = self.strain_norms();
         let half = core::f64::consts::SQRT_2 - 1.0;
@@ -360,12 +359,12 @@ impl ConstitutiveLaw for Mazars {
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
         let one = new_history[DAMAGE].constant(1.0);
-        let [torn, broken] = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|place| new_history[place]);
+        let [torn, broken] = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|index| new_history[index]);
         RemainingStiffness::whole(one)
             .with_undamaged(one - new_history[DAMAGE])
             .with_hourglass((one - torn) * (one - broken))
     }
-    /// The consistent one, with the width of the crack as it is; at a kink that of one side.
+    /// Consistent tangent with a constant width of the crack; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let medium = &self.parameters.medium;
         let before = input.history[EQUIVALENT];
@@ -385,8 +384,8 @@ impl ConstitutiveLaw for Mazars {
                 return *trial;
             }
             let size = Dual::fixed(width);
-            let grown = self.grown(trial, Dual::fixed(before), size);
-            trial.map(|s| (Dual::fixed(1.0) - grown.damage) * s)
+            let state = self.state(trial, Dual::fixed(before), size);
+            trial.map(|s| (Dual::fixed(1.0) - state.damage) * s)
         };
         Some(tangent::of_isotropic(medium, input, &input.strain, respond))
     }

@@ -2,8 +2,8 @@
 
 use powerhouse_model::ElasticMedium;
 
-/// The surrounding rock of the powerhouse: E 9 GPa, nu 0.27, 2750 kg/m3; P waves at 2022 m/s,
-/// S waves at 1135 m/s.
+/// Elastic medium of the rock around the powerhouse: E 9 GPa, nu 0.27, 2750 kg/m3; P waves at
+/// 2022 m/s, S waves at 1135 m/s.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const ROCK: ElasticMedium = ElasticMedium {
@@ -12,8 +12,8 @@ pub const ROCK: ElasticMedium = ElasticMedium {
     density: 2750.0,
 };
 
-/// The concrete of the powerhouse: E 25 GPa, nu 0.17, 2500 kg/m3; P waves at 3278 m/s, S waves
-/// at 2067 m/s.
+/// Elastic medium of the concrete of the powerhouse: E 25 GPa, nu 0.17, 2500 kg/m3; P waves at
+/// 3278 m/s, S waves at 2067 m/s.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const CONCRETE: ElasticMedium = ElasticMedium {
@@ -26,7 +26,7 @@ pub const CONCRETE: ElasticMedium = ElasticMedium {
 mod tests {
     use super::*;
 
-    /// The media pass the checks of their own constructor and have the wave speeds that are
+    /// The media are valid for their own constructor and have the wave speeds that are
     /// documented.
     #[test]
     fn published_media_are_valid() {

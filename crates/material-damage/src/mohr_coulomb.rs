@@ -1,4 +1,4 @@
-//! The surface of Mohr and Coulomb with a tension cut-off.
+//! Mohr-Coulomb yield surface with a tension cut-off.
 
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress};
 
@@ -6,36 +6,36 @@ use crate::MaterialError;
 use crate::planes::{Nearest, ShearPlane, below_cut_off};
 use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, stiffened};
 
-/// Without friction there is no apex: a surface without a cut-off ends at this many cohesions.
+/// Cut-off over cohesion of a surface without friction and without a given cut-off: it has no apex.
 const FRICTIONLESS_CUT_OFF: f64 = 1.0e3;
 
-/// What a [`MohrCoulomb`] surface is made of.
+/// Parameters of a [`MohrCoulomb`] surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulombParameters {
-    /// The elastic medium.
+    /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Friction angle (degrees), 0 to 75.
+    /// Friction angle phi (degrees), 0 to 75.
     pub friction: f64,
-    /// Dilation angle (degrees), 0 to the friction angle.
+    /// Dilation angle psi (degrees), 0 to the friction angle.
     pub dilation: f64,
-    /// Cohesion (Pa), at least 0.
+    /// Cohesion c (Pa), at least 0.
     pub cohesion: f64,
-    /// The greatest principal stress that the material bears (Pa), at least 0; none: the apex
-    /// `c cot(phi)` alone ends the surface (without friction: 1000 cohesions).
+    /// Tension cut-off: greatest principal stress (Pa), at least 0. Without one the surface ends at its
+    /// apex `c cot(phi)` (without friction: at 1000 cohesions).
     pub tension_strength: Option<f64>,
 }
 
 impl MohrCoulombParameters {
-    /// The parameters whose surface yields at given strengths (Pa, positive) in uniaxial
-    /// compression and tension, without dilation.
+    /// Parameters without dilation whose surface yields at the given uniaxial strengths (Pa, positive) in
+    /// compression and tension.
     ///
     /// `N = f_c / f_t`, `sin phi = (N - 1) / (N + 1)`, `c = f_c / (2 sqrt N)`
     ///
-    /// Friction and cohesion listed beside such strengths are not kept: one plane honours two
-    /// numbers.
+    /// Friction and cohesion that are listed beside such strengths are not used: one plane is determined
+    /// by two numbers.
     ///
     /// # Errors
-    /// Strengths that are not positive; a compressive one that is not 1 to 50 times the tensile.
+    /// If a strength is not positive, or the compressive one is not 1 to 50 times the tensile one.
     pub fn through_strengths(
         medium: ElasticMedium,
         compression: f64,
@@ -54,7 +54,7 @@ impl MohrCoulombParameters {
     }
 }
 
-/// The yield surface of Mohr and Coulomb with a tension cut-off and dilation.
+/// Mohr-Coulomb yield surface with a tension cut-off and non-associated flow.
 ///
 /// With principal stresses `s1 >= s2 >= s3`, `N = (1 + sin phi) / (1 - sin phi)`, `m` the same of
 /// the dilation angle, and the cut-off `T` (at most the apex):
@@ -65,7 +65,7 @@ impl MohrCoulombParameters {
 ///   (Koiter 1953).
 ///
 /// The return is implicit and exact, without iteration: faces are planes in principal stresses,
-/// so each of the nine faces, edges and corners that a sorted trial can come to gives its stress
+/// so each of the nine faces, edges and corners to which a sorted trial can return gives its stress
 /// in closed form, and the one that violates sign of flow and surface least (no more than by
 /// rounding) is the solution. For associated flow this is the closest point in the energy norm
 /// (Simo & Hughes, *Computational Inelasticity*, 1998, ch. 5). A cut-off above the apex is
@@ -77,27 +77,27 @@ impl MohrCoulombParameters {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
     parameters: MohrCoulombParameters,
-    /// Of `N`, `m` and the uniaxial compressive strength `2 c sqrt(N)`.
+    /// Shear plane of `N`, `m` and the uniaxial compressive strength `2 c sqrt(N)`.
     plane: ShearPlane,
-    /// The cut-off in force, `T` (Pa).
+    /// Effective tension cut-off `T` (Pa).
     tension: f64,
-    /// Whether it is where shear strength ends.
+    /// Whether the cut-off is at the apex of the shear plane.
     ends_at_apex: bool,
-    /// `lambda / 2G`.
+    /// Ratio of the elastic constants, `lambda / 2G`.
     volumetric: f64,
 }
 
-/// `(1 + sin x) / (1 - sin x)` of an angle in degrees.
+/// Passive pressure coefficient `(1 + sin x) / (1 - sin x)` of an angle in degrees.
 pub(crate) fn passive_ratio(angle: f64) -> f64 {
     let sine = angle.to_radians().sin();
     (1.0 + sine) / (1.0 - sine)
 }
 
 impl MohrCoulomb {
-    /// The surface of the parameters.
+    /// Surface of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range; a dilation above the friction.
+    /// If a parameter is outside its range, or the dilation is above the friction.
     pub fn new(parameters: MohrCoulombParameters) -> Result<Self, MaterialError> {
         let MohrCoulombParameters {
             medium,
@@ -127,17 +127,17 @@ impl MohrCoulomb {
         })
     }
 
-    /// What the surface was made of.
+    /// Parameters of the surface.
     pub fn parameters(&self) -> &MohrCoulombParameters {
         &self.parameters
     }
 
-    /// The mean stress at which shear strength ends, `c cot(phi)` (Pa); infinite without friction.
+    /// Mean stress at the apex of the shear plane, `c cot(phi)` (Pa); infinite without friction.
     pub fn apex(&self) -> f64 {
         self.parameters.cohesion / self.parameters.friction.to_radians().tan()
     }
 
-    /// The greatest principal stress in force (Pa).
+    /// Effective tension cut-off: the given one, or that of the apex if this is less (Pa).
     pub fn cut_off(&self) -> f64 {
         self.tension
     }
@@ -156,7 +156,7 @@ impl YieldSurface for MohrCoulomb {
         surface
     }
 
-    /// The greatest principal deviator is `2 sqrt(J2 / 3)`.
+    /// Uses that the greatest principal deviator is at most `2 sqrt(J2 / 3)`.
     #[inline(always)]
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L {
         let (mean, shear) = stress.mean_and_shear();

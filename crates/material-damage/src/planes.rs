@@ -1,24 +1,24 @@
-//! The return to surfaces that are made of planes in principal stresses.
+//! Return to yield surfaces of planes in principal stresses.
 
 use powerhouse_model::{ElasticDomain, Lane};
 
 use crate::surface::{PrincipalReturn, YieldState, pick};
 
-/// A plane of shear, `N s1 - s3 <= C`, and its flow along `m s1 - s3`.
+/// Shear plane `N s1 - s3 <= C` with flow along `m s1 - s3`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShearPlane {
-    /// `N`.
+    /// Slope `N` of the yield function.
     pub(crate) friction: f64,
-    /// `m`.
+    /// Slope `m` of the flow.
     pub(crate) dilation: f64,
-    /// `C` (Pa).
+    /// Uniaxial compressive strength `C` (Pa).
     pub(crate) strength: f64,
-    /// `sqrt 2` times the norm of the deviatoric part of `(N, 0, -1)`.
+    /// Norm of the deviatoric part of `(N, 0, -1)`, times `sqrt 2`.
     steepness: f64,
 }
 
 impl ShearPlane {
-    /// The plane of `N`, `m` and `C` (Pa).
+    /// Plane of `N`, `m` and `C` (Pa).
     pub(crate) fn new(friction: f64, dilation: f64, strength: f64) -> Self {
         let square = friction * friction + 1.0 - (friction - 1.0).powi(2) / 3.0;
         Self {
@@ -29,13 +29,13 @@ impl ShearPlane {
         }
     }
 
-    /// The yield function of the greatest and the least stress (Pa).
+    /// Yield function of the greatest and the least stress (Pa).
     #[inline(always)]
     pub(crate) fn excess<L: Lane>(&self, greatest: L, least: L) -> L {
         greatest.constant(self.friction) * greatest - least - greatest.constant(self.strength)
     }
 
-    /// An upper bound of the yield function from mean stress and `sqrt(J2)` (Pa): the greatest `a .
+    /// Upper bound of the yield function from mean stress and `sqrt(J2)` (Pa): the greatest `a .
     /// d` over deviators `d` of one size is the size times the deviatoric norm of `a`.
     #[inline(always)]
     pub(crate) fn bound<L: Lane>(&self, mean: L, shear: L) -> L {
@@ -44,33 +44,33 @@ impl ShearPlane {
         number(self.friction - 1.0).mul_add(mean, sheared)
     }
 
-    /// The part of a domain where the [`bound`](Self::bound) is not positive.
+    /// Part of a domain where the [`bound`](Self::bound) is not positive.
     pub(crate) fn part_of(&self, domain: ElasticDomain) -> ElasticDomain {
         domain.within(self.friction - 1.0, self.steepness, self.strength)
     }
 }
 
-/// The part of a domain where no principal stress may be above a cut-off (Pa): the greatest deviator
+/// Part of a domain where no principal stress can be above a cut-off (Pa): the greatest deviator
 /// is `2 sqrt(J2 / 3)`.
 pub(crate) fn below_cut_off(domain: ElasticDomain, tension: f64) -> ElasticDomain {
     domain.within(1.0, 2.0 / 3.0_f64.sqrt(), tension)
 }
 
-/// The face, edge or corner that violates the conditions of a return least, of those that were
-/// offered; the trial itself where it lies inside.
+/// Return of a trial stress to a surface of planes: the candidate among faces, edges and corners that
+/// violates the conditions least; the trial itself where it is inside.
 ///
 /// Plastic strains are written as `x = 2G e` (Pa): `trial - returned = x + r (x1 + x2 + x3)` with
-/// `r = lambda / 2G`. A point on a shear face or edge is placed by its greatest stress.
+/// `r = lambda / 2G`. A point on a shear face or edge is determined by its greatest stress.
 ///
-/// What violates no condition is the solution: it is not exchanged any more, and when that is so in
-/// all lanes nothing more need be [offered](Self::is_open).
+/// A candidate without violation is the solution: it is not replaced, and when all lanes have one no
+/// further candidates are [needed](Self::is_open).
 pub(crate) struct Nearest<L> {
     trial: [L; 3],
-    /// `r`.
+    /// Ratio `r`.
     volumetric: f64,
-    /// The greatest principal stress permitted, `T` (Pa).
+    /// Tension cut-off `T`, the greatest permitted principal stress (Pa).
     tension: f64,
-    /// Trial stresses less `T`.
+    /// Trial stresses less `T` (Pa).
     over: [L; 3],
     violation: L,
     stress: [L; 3],
@@ -79,7 +79,7 @@ pub(crate) struct Nearest<L> {
 }
 
 impl<L: Lane> Nearest<L> {
-    /// Begins with the trial itself, that lies outside by an excess (Pa).
+    /// Starts with the trial itself, whose yield function is `excess` (Pa).
     #[inline(always)]
     pub(crate) fn new(trial: &[L; 3], excess: L, volumetric: f64, tension: f64) -> Self {
         let [s1, s2, s3] = *trial;
@@ -98,7 +98,7 @@ impl<L: Lane> Nearest<L> {
         }
     }
 
-    /// What was found.
+    /// Return of the best candidate.
     #[inline(always)]
     pub(crate) fn found(self) -> PrincipalReturn<L> {
         PrincipalReturn {
@@ -108,8 +108,8 @@ impl<L: Lane> Nearest<L> {
         }
     }
 
-    /// Takes a candidate, with its `loss` against the trial, if it is better; `conditions` are
-    /// not positive where it is right (Pa).
+    /// Takes a candidate, with its `loss` against the trial, if it is better; its `conditions` are
+    /// not positive where it is the solution (Pa).
     #[inline(always)]
     fn offer<const C: usize>(
         &mut self,
@@ -122,7 +122,7 @@ impl<L: Lane> Nearest<L> {
         self.offer_in(state, stress, loss, conditions);
     }
 
-    /// The same with the number of the state.
+    /// As [`offer`](Self::offer), with the state by its number.
     #[inline(always)]
     fn offer_in<const C: usize>(
         &mut self,
@@ -142,7 +142,7 @@ impl<L: Lane> Nearest<L> {
         self.state = state.select(better, self.state);
     }
 
-    /// Whether a lane has no solution yet; the others keep theirs.
+    /// Whether any lane has no solution yet; the others keep theirs.
     #[inline(always)]
     pub(crate) fn is_open(&mut self) -> bool {
         let zero = self.violation.constant(0.0);
@@ -152,8 +152,7 @@ impl<L: Lane> Nearest<L> {
         zero.any(open)
     }
 
-    /// The fall of each stress that is less than that to the cut-off by the flow, where all three are
-    /// at the cut-off: `x`.
+    /// Plastic strain `x` of a return to the corner where all three stresses are at the cut-off.
     #[inline(always)]
     fn flow_to_corner(&self) -> [L; 3] {
         let r = self.volumetric;
@@ -171,7 +170,7 @@ impl<L: Lane> Nearest<L> {
         self.offer(Tension, [limit; 3], self.over, [-least]);
     }
 
-    /// Offers the apex of a shear plane, where the cut-off stands: flow is any combination of the
+    /// Offers the apex of a shear plane, if the cut-off is there: flow is any combination of the
     /// opening of single axes and of shear, so that `sum <x_i>` is at least `m sum <-x_i>`.
     #[inline(always)]
     pub(crate) fn offer_apex(&mut self, plane: &ShearPlane) {
@@ -199,14 +198,14 @@ impl<L: Lane> Nearest<L> {
         let friction = number(n);
         let dilation = number(m);
         let half = number(0.5);
-        // Change of mean stress for a unit of shear flow, x = (m, 0, -1).
+        // Change of mean stress per unit of shear flow, x = (m, 0, -1).
         let dilated = self.volumetric * (m - 1.0);
-        let swelling = number(dilated);
+        let dilatancy = number(dilated);
         // Face.
         let excess = friction * s1 - s3 - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 1.0));
-        let swollen = swelling * flow;
-        let loss = [(dilation + swelling) * flow, swollen, swollen - flow];
+        let dilated_by = dilatancy * flow;
+        let loss = [(dilation + dilatancy) * flow, dilated_by, dilated_by - flow];
         let (greatest, middle) = (s1 - loss[0], s2 - loss[1]);
         let least = friction * greatest - strength;
         let below = least - middle;
@@ -227,13 +226,13 @@ impl<L: Lane> Nearest<L> {
         let mean = half * (s1 + s2);
         let excess = friction * mean - s3 - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + 0.5 * n * m + 1.0));
-        let lowered = (half * dilation + swelling) * flow;
+        let lowered = (half * dilation + dilatancy) * flow;
         let greatest = mean - lowered;
         let least = friction * greatest - strength;
         self.offer(
             Shear,
             [greatest, greatest, least],
-            [lowered + apart, lowered - apart, swelling * flow - flow],
+            [lowered + apart, lowered - apart, dilatancy * flow - flow],
             [s1 - s2 - dilation * flow, outside(greatest, from, to)],
         );
 
@@ -242,8 +241,8 @@ impl<L: Lane> Nearest<L> {
         let mean = half * (s2 + s3);
         let excess = friction * s1 - mean - strength;
         let flow = excess * number(1.0 / ((n - 1.0) * dilated + n * m + 0.5));
-        let lowered = (dilation + swelling) * flow;
-        let raised = (swelling - half) * flow;
+        let lowered = (dilation + dilatancy) * flow;
+        let raised = (dilatancy - half) * flow;
         let greatest = s1 - lowered;
         let least = friction * greatest - strength;
         self.offer(
@@ -254,14 +253,14 @@ impl<L: Lane> Nearest<L> {
         );
     }
 
-    /// The least stress where a shear plane meets the cut-off (Pa).
+    /// Least stress on the line where a shear plane meets the cut-off (Pa).
     #[inline(always)]
     fn least_at_cut_off(&self, plane: &ShearPlane) -> L {
         let least = plane.friction * self.tension - plane.strength;
         self.trial[0].constant(least)
     }
 
-    /// Offers the face and the edge of the cut-off, down to where they meet a shear plane.
+    /// Offers the face and the edge of the cut-off, down to the line where they meet a shear plane.
     #[inline(always)]
     pub(crate) fn offer_cut_off(&mut self, plane: &ShearPlane) {
         use YieldState::Tension;
@@ -315,7 +314,7 @@ impl<L: Lane> Nearest<L> {
             [x3, -(x1 + dilation * x3), middle - tension, too_low],
         );
 
-        // Its end with equal greater stresses.
+        // End of the line with equal greater stresses.
         let common = all * (over[0] + over[1] + below[1]);
         let (x1, x2, x3) = (over[0] - common, over[1] - common, below[1] - common);
         self.offer(
@@ -325,7 +324,7 @@ impl<L: Lane> Nearest<L> {
             [x3, -x2, -(x1 + x2 + dilation * x3)],
         );
 
-        // Its end with equal lesser stresses.
+        // End of the line with equal lesser stresses.
         let common = all * (over[0] + below[0] + below[1]);
         let (x1, x2, x3) = (over[0] - common, below[0] - common, below[1] - common);
         self.offer(
@@ -337,7 +336,7 @@ impl<L: Lane> Nearest<L> {
     }
 }
 
-/// By how much a stress lies outside a range (Pa), not positive within it.
+/// Distance of a stress from a range (Pa), not positive within it.
 #[inline(always)]
 fn outside<L: Lane>(stress: L, from: Option<f64>, to: f64) -> L {
     let above = stress - stress.constant(to);

@@ -1,4 +1,4 @@
-//! Plasticity with damage: the concrete of the paper.
+//! Plasticity with scalar damage: the concrete of the paper.
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
@@ -9,28 +9,28 @@ use crate::crack_band::{self, CRACK_BAND_WIDTH, CRUSHING_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history::{self, PLASTIC_STRAINS, number};
-use crate::remaining::{self, DamagePlaces};
+use crate::remaining::{self, DamageIndices};
 use crate::softening::{DamageCurve, check_size};
 use crate::surface::{FlowInAxes, YieldSurface, strains_of_loss};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, SofteningOf, tangent};
 
-/// What a [`PlasticDamage`] law is made of.
+/// Parameters of a [`PlasticDamage`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticDamageParameters<S> {
-    /// The yield surface of the effective stress.
+    /// Yield surface of the effective stress.
     pub surface: S,
-    /// Damage by the opening of cracks.
+    /// Softening by tensile damage.
     pub tension: Softening,
-    /// Damage by crushing and shear.
+    /// Softening by damage in compression and shear.
     pub compression: Softening,
-    /// The share of tensile damage that heals when cracks close, 0 to 1.
+    /// Stiffness recovery `w`: share of tensile damage that is without effect when cracks close (1), 0 to 1.
     pub stiffness_recovery: f64,
-    /// The share of stiffness that no damage takes away, 1e-6 to 1.
+    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1.
     pub residual_stiffness: f64,
 }
 
-/// Damage that makes a type.
-const COUNTS: f64 = 1.0e-3;
+/// Least damage that counts in the damage type.
+const LEAST_NOTED: f64 = 1.0e-3;
 
 pub(crate) const TENSION: usize = 6;
 pub(crate) const COMPRESSION: usize = 7;
@@ -41,7 +41,7 @@ const DAMAGE_TYPE: usize = 11;
 pub(crate) const YIELD_STATE: usize = 12;
 pub(crate) const CRACK_WIDTH: usize = 13;
 pub(crate) const CRUSHING_WIDTH: usize = 14;
-pub(crate) const DAMAGE_PLACES: DamagePlaces = DamagePlaces {
+pub(crate) const DAMAGE_INDICES: DamageIndices = DamageIndices {
     whole: DAMAGE,
     parts: [DAMAGE_TENSION, DAMAGE_COMPRESSION],
 };
@@ -66,7 +66,7 @@ pub(crate) const HISTORY: [HistoryVariable; 15] = {
     ]
 };
 
-/// Perfect plasticity of the effective stress, and scalar damage driven by the plastic strain.
+/// Perfect plasticity of the effective stress, with scalar damage by the plastic strain.
 ///
 /// `sigma = (1 - D) s`, `s = sigma0 + C (epsilon - epsilon_p)` returned to the yield surface
 ///
@@ -81,21 +81,21 @@ pub(crate) const HISTORY: [HistoryVariable; 15] = {
 /// # History
 /// Plastic strain (six components, engineering shears), `e_t`, `e_c`, `d_t`, `d_c`, `D`, the
 /// damage type (0 none, 1 tension, 2 shear or compression, 3 both; of `d_t` and `d_c` above a
-/// thousandth), the [`YieldState`](crate::YieldState) of the last step, and the widths of the element
-/// along the greatest and the least principal stress at first damage in tension and in compression: a
-/// crack opens along the one, a band of crushing shortens along the other, and either keeps its width.
+/// thousandth), the [`YieldState`](crate::YieldState) of the last step, and the widths of the bands of
+/// cracks and of crushing: those of the element along the greatest and the least principal stress at
+/// first damage in tension and in compression.
 ///
 /// # Valid range
-/// `D` stays below one by the residual stiffness. Softening by fracture energy permits elements
-/// up to [`largest_size`](Self::largest_size): make sure of it by [`check_size`](Self::check_size);
-/// in larger ones damage comes at once. A strain that is not finite gives a stress that is not
+/// `D` is below one by the residual stiffness. Softening by fracture energy permits elements
+/// up to [`largest_size`](Self::largest_size), which [`check_size`](Self::check_size) verifies;
+/// in larger ones damage is immediate. A strain that is not finite gives a stress that is not
 /// finite. When cracks close, `D` may fall: see [`energy`](ConstitutiveLaw::energy).
 ///
 /// # Why so
-/// *Contraction beside an opening crack crushes nothing.* A surface with dilation contracts
-/// sideways as it yields in tension: taken whole, these increments would add compressive damage to
-/// a crack and spoil its fracture energy. The factor `1 - r` is zero in tension and leaves
-/// compression as it is.
+/// *Lateral contraction of an opening crack is not crushing.* A surface with dilation contracts
+/// laterally as it yields in tension: without a factor these increments would add compressive damage to
+/// a crack and falsify its fracture energy. The factor `1 - r` is zero in tension and one in
+/// compression.
 ///
 /// Source: Wang, Chen & Xiao (2019), Eq. (25).
 ///
@@ -121,10 +121,10 @@ pub struct PlasticDamage<S> {
 }
 
 impl<S: YieldSurface> PlasticDamage<S> {
-    /// The law of the parameters.
+    /// Law of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range.
+    /// If a parameter is outside its range.
     pub fn new(parameters: PlasticDamageParameters<S>) -> Result<Self, MaterialError> {
         let PlasticDamageParameters {
             surface,
@@ -149,12 +149,12 @@ impl<S: YieldSurface> PlasticDamage<S> {
         })
     }
 
-    /// What the law was made of.
+    /// Parameters of the law.
     pub fn parameters(&self) -> &PlasticDamageParameters<S> {
         &self.parameters
     }
 
-    /// `d_t` and `d_c` of equivalent plastic strains in bands of widths (m).
+    /// Damage `d_t` and `d_c` of equivalent plastic strains in bands of the given widths (m).
     #[inline(always)]
     fn damage<L: Lane>(&self, [opened, crushed]: [L; 2], widths: [L; 2]) -> [L; 2] {
         let most = 1.0 - self.parameters.residual_stiffness;
@@ -164,7 +164,7 @@ impl<S: YieldSurface> PlasticDamage<S> {
         ]
     }
 
-    /// The widths of the bands of cracks and of crushing (m), from the axes of the trial stress.
+    /// Widths of the bands of cracks and of crushing (m), from the axes of the trial stress.
     #[inline(always)]
     fn widths<L: Lane>(&self, input: &LawInput<L>, directions: &[[L; 3]; 3]) -> [L; 2] {
         let [first, _, last] = directions;
@@ -175,17 +175,17 @@ impl<S: YieldSurface> PlasticDamage<S> {
         ]
     }
 
-    /// The largest width of an element that dissipates its fracture energy without snapping back
-    /// (m); none if no softening is by energy.
+    /// Largest width of an element that dissipates its fracture energy without snap-back (m); `None` if
+    /// no softening is by fracture energy.
     pub fn largest_size(&self) -> Option<f64> {
         let sizes = [self.tension.largest_size(), self.compression.largest_size()];
         sizes.into_iter().flatten().reduce(f64::min)
     }
 
-    /// Refuses an element whose width normal to a crack (m) is too large.
+    /// Checks that an element of a width normal to a crack (m) does not snap back.
     ///
     /// # Errors
-    /// [`MaterialError::SnapBack`] names the largest permitted width.
+    /// [`MaterialError::SnapBack`], with the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
         let limits = [
             (SofteningOf::Tension, self.tension.largest_size()),
@@ -211,7 +211,7 @@ impl<S: YieldSurface> ElasticInSeries for PlasticDamage<S> {
     }
 }
 
-/// The share of tension in principal stresses, `sum <s_i> / sum |s_i|`; one without stress.
+/// Share of tension in principal stresses, `r = sum <s_i> / sum |s_i|`; one without stress.
 #[inline(always)]
 pub(crate) fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
     let zero = stress[0].constant(0.0);
@@ -223,7 +223,7 @@ pub(crate) fn share_of_tension<L: Lane>(stress: &[L; 3]) -> L {
     (pulled / all.select(some, one)).select(some, one)
 }
 
-/// The sum of the positive numbers.
+/// Sum of the positive numbers.
 #[inline(always)]
 fn positive<L: Lane>(numbers: [L; 3]) -> L {
     let zero = numbers[0].constant(0.0);
@@ -231,10 +231,10 @@ fn positive<L: Lane>(numbers: [L; 3]) -> L {
     a.max(zero) + b.max(zero) + c.max(zero)
 }
 
-/// `1 - D` of the damage in tension and compression, by the share of tension in the stress, and the
-/// shares of stiffness that recovers and that stays.
+/// Stiffness factor `1 - D` of the damage in tension and compression, the share of tension in the
+/// stress, and the stiffness recovery and residual stiffness.
 #[inline(always)]
-pub(crate) fn stiffness_left<L: Lane>(
+pub(crate) fn stiffness_factor<L: Lane>(
     [torn, broken]: [L; 2],
     tension: L,
     [recovery, residual]: [f64; 2],
@@ -246,11 +246,11 @@ pub(crate) fn stiffness_left<L: Lane>(
     left.max(number(residual))
 }
 
-/// The nominal change of stress of an effective one (Pa), by the damage in tension and compression
-/// of the history, the share of tension in the stress, and the shares of stiffness that recovers
-/// and that stays; writes `D` and its type.
+/// Change of the nominal stress for one of the effective stress (Pa), by the damage in tension and
+/// compression of the history, the share of tension in the stress, and the stiffness recovery and
+/// residual stiffness; writes `D` and the damage type to the history.
 #[inline(always)]
-pub(crate) fn weaken<L: Lane>(
+pub(crate) fn nominal_change<L: Lane>(
     change: &Stress<L>,
     initial: &Stress<L>,
     history: &mut [L],
@@ -260,10 +260,10 @@ pub(crate) fn weaken<L: Lane>(
     let number = |value: f64| tension.constant(value);
     let (zero, one) = (number(0.0), number(1.0));
     let (torn, broken) = (history[DAMAGE_TENSION], history[DAMAGE_COMPRESSION]);
-    let left = stiffness_left([torn, broken], tension, [recovery, residual]);
+    let left = stiffness_factor([torn, broken], tension, [recovery, residual]);
     let damage = one - left;
     history[DAMAGE] = damage;
-    let counts = number(COUNTS);
+    let counts = number(LEAST_NOTED);
     let is_torn = one.select(counts.less(torn), zero);
     let is_broken = (one + one).select(counts.less(broken), zero);
     history[DAMAGE_TYPE] = is_torn + is_broken;
@@ -290,11 +290,11 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
-        let mut now = history::taken::<L, { HISTORY.len() }>(old);
+        let mut now = history::load::<L, { HISTORY.len() }>(old);
         now[YIELD_STATE] = zero;
 
         let mut tension = one;
-        if let Some(flow) = FlowInAxes::back(&self.parameters.surface, &trial) {
+        if let Some(flow) = FlowInAxes::of_trial(&self.parameters.surface, &trial) {
             tension = share_of_tension(&flow.stress);
             for i in 0..6 {
                 now[i] = now[i] + flow.flow.plastic[i];
@@ -304,10 +304,14 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             let crushed = old[COMPRESSION] + crushed;
             let widths = self.widths(input, &flow.directions);
             let [torn, broken] = self.damage([opened, crushed], widths);
-            let kept = |place: usize, width, damage| crack_band::kept(old[place], width, damage);
+            let width_after =
+                |index: usize, width, damage| crack_band::updated(old[index], width, damage);
             for (variable, value) in [
-                (CRACK_WIDTH, kept(CRACK_WIDTH, widths[0], torn)),
-                (CRUSHING_WIDTH, kept(CRUSHING_WIDTH, widths[1], broken)),
+                (CRACK_WIDTH, width_after(CRACK_WIDTH, widths[0], torn)),
+                (
+                    CRUSHING_WIDTH,
+                    width_after(CRUSHING_WIDTH, widths[1], broken),
+                ),
                 (TENSION, opened),
                 (COMPRESSION, crushed),
                 (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
@@ -325,8 +329,8 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
 
         let p = &self.parameters;
         let shares = [p.stiffness_recovery, p.residual_stiffness];
-        let nominal = weaken(&change, &input.initial, &mut now, tension, shares);
-        history::put(&now, new_history);
+        let nominal = nominal_change(&change, &input.initial, &mut now, tension, shares);
+        history::store(&now, new_history);
         nominal
     }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
@@ -344,9 +348,9 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE_PLACES))
+        remaining::of_flow(input, new_history, Some(DAMAGE_INDICES))
     }
-    /// The consistent one, with the widths of bands as they are; at a kink that of one side.
+    /// Consistent tangent with constant widths of bands; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let p = &self.parameters;
         let old = input.history;
@@ -374,7 +378,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             }
             let tension = share_of_tension(&stress);
             let shares = [p.stiffness_recovery, p.residual_stiffness];
-            let left = stiffness_left([torn, broken], tension, shares);
+            let left = stiffness_factor([torn, broken], tension, shares);
             stress.map(|s| left * s)
         };
         Some(tangent::of_isotropic(&medium, input, &elastic, respond))

@@ -8,11 +8,11 @@ use crate::{
     media,
 };
 
-/// The rock of the paper: phi 42 degrees, c 1.05 MPa, dilation zero (the paper gives none).
+/// Mohr-Coulomb rock of the paper: phi 42 degrees, c 1.05 MPa, dilation zero (the paper gives none).
 ///
-/// The listed tensile strength of 1.3 MPa lies beyond the apex (1.166 MPa): the surface in force
-/// yields at 0.935 MPa in uniaxial tension and at 4.717 MPa in uniaxial compression, not at the
-/// listed 35 MPa. [`PAPER_ROCK_LISTED`] honours the listed strengths.
+/// The listed tensile strength of 1.3 MPa is beyond the apex (1.166 MPa): the surface yields at
+/// 0.935 MPa in uniaxial tension and at 4.717 MPa in uniaxial compression, not at the listed 35 MPa.
+/// [`PAPER_ROCK_LISTED`] has the listed strengths.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const PAPER_ROCK: MohrCoulombParameters = MohrCoulombParameters {
@@ -23,13 +23,13 @@ pub const PAPER_ROCK: MohrCoulombParameters = MohrCoulombParameters {
     tension_strength: Some(1.3e6),
 };
 
-/// The concrete of the paper, C25: phi 47.7 degrees, c 1.3 MPa, dilation zero (the paper gives
+/// Mohr-Coulomb concrete of the paper, C25: phi 47.7 degrees, c 1.3 MPa, dilation zero (the paper gives
 /// none).
 ///
-/// The listed tensile strength of 1.27 MPa lies beyond the apex (1.183 MPa): the surface in force
-/// yields at 1.006 MPa in uniaxial tension and at 6.721 MPa in uniaxial compression, not at the
-/// listed 16.7 MPa. [`PAPER_CONCRETE_LISTED`], [`PAPER_CONCRETE_LEE_FENVES`] and
-/// [`PAPER_CONCRETE_MAZARS`] honour the listed strengths.
+/// The listed tensile strength of 1.27 MPa is beyond the apex (1.183 MPa): the surface yields at
+/// 1.006 MPa in uniaxial tension and at 6.721 MPa in uniaxial compression, not at the listed
+/// 16.7 MPa. [`PAPER_CONCRETE_LISTED`], [`PAPER_CONCRETE_LEE_FENVES`] and
+/// [`PAPER_CONCRETE_MAZARS`] have the listed strengths.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const PAPER_CONCRETE: MohrCoulombParameters = MohrCoulombParameters {
@@ -40,9 +40,9 @@ pub const PAPER_CONCRETE: MohrCoulombParameters = MohrCoulombParameters {
     tension_strength: Some(1.27e6),
 };
 
-/// The concrete of the paper with its listed strengths in force: 1.27 MPa in uniaxial tension, 16.7
-/// MPa in uniaxial compression, and phi 47.7 degrees under confinement, dilation zero. The listed
-/// cohesion of 1.3 MPa is below what these demand, 3.23 MPa, which is in force.
+/// Concrete of the paper with its listed strengths: 1.27 MPa in uniaxial tension, 16.7 MPa in
+/// uniaxial compression, and phi 47.7 degrees under confinement, dilation zero. The cohesion under
+/// confinement is 3.23 MPa, which these strengths require, instead of the listed 1.3 MPa.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const PAPER_CONCRETE_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
@@ -54,9 +54,9 @@ pub const PAPER_CONCRETE_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
     compression_strength: 16.7e6,
 };
 
-/// The rock of the paper with its listed strengths in force: 1.3 MPa in uniaxial tension, 35 MPa in
-/// uniaxial compression, and phi 42 degrees under confinement, dilation zero. The listed cohesion
-/// of 1.05 MPa is below what these demand, 7.79 MPa, which is in force.
+/// Rock of the paper with its listed strengths: 1.3 MPa in uniaxial tension, 35 MPa in uniaxial
+/// compression, and phi 42 degrees under confinement, dilation zero. The cohesion under confinement
+/// is 7.79 MPa, which these strengths require, instead of the listed 1.05 MPa.
 ///
 /// Source: Wang, Chen & Xiao (2019), Table 1.
 pub const PAPER_ROCK_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
@@ -68,12 +68,13 @@ pub const PAPER_ROCK_LISTED: TwoSurfaceParameters = TwoSurfaceParameters {
     compression_strength: 35.0e6,
 };
 
-/// The plastic-damage concrete of the paper, C25: [`PAPER_CONCRETE`] with Eq. (25).
+/// Plastic-damage concrete of the paper, C25: [`PAPER_CONCRETE`] with Eq. (25).
 ///
-/// The paper gives no softening. Here cracks take 133 N/m (fib Model Code 2010: `73 f_cm^0.18`
-/// with 28 MPa), crushing takes 36 kN/m (Nakamura & Higai 2001: `8.8 sqrt(f_c)` N/mm with 16.7
-/// MPa), both thresholds are zero; closed cracks regain their stiffness, a thousandth of it is
-/// never lost. It yields and crushes where [`PAPER_CONCRETE`] does, below the listed strengths.
+/// The paper gives no softening. Here the fracture energy is 133 N/m in tension (fib Model Code 2010:
+/// `73 f_cm^0.18` with 28 MPa) and 36 kN/m in compression (Nakamura & Higai 2001: `8.8 sqrt(f_c)` N/mm
+/// with 16.7 MPa), both thresholds are zero; closed cracks recover their stiffness, and the residual
+/// stiffness is a thousandth. It yields and crushes as [`PAPER_CONCRETE`] does, below the listed
+/// strengths.
 ///
 /// # Errors
 /// None with these numbers.
@@ -81,7 +82,7 @@ pub fn paper_concrete() -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
     cracking(PAPER_CONCRETE, 133.0, 35.96e3)
 }
 
-/// The C25 of the paper in total strain: `e0 = f_t / E` with 1.27 MPa, `A_t` 0.9, `B_t = 1 / e0`,
+/// Mazars concrete of the paper, C25: `e0 = f_t / E` with 1.27 MPa, `A_t` 0.9, `B_t = 1 / e0`,
 /// `A_c` 1.175, `B_c` 2965, which peaks at 16.7 MPa in uniaxial compression.
 ///
 /// Source: the rule of thumb of code_aster for Mazars' law (R7.01.08), with the strengths of Wang,
@@ -98,7 +99,7 @@ pub const PAPER_CONCRETE_MAZARS: MazarsParameters = MazarsParameters {
     residual_stiffness: 1.0e-3,
 };
 
-/// The concrete of the paper by Lee and Fenves, with its listed strengths: biaxial ratio 1.16, `K_c`
+/// Lee-Fenves concrete of the paper, with its listed strengths: biaxial ratio 1.16, `K_c`
 /// 2/3 and dilation 36 degrees of ordinary concrete, energies as in [`paper_concrete`], damage 0.5
 /// at half the tensile strength (Lee & Fenves 1998: 0.51), and half of that rate in compression.
 ///
@@ -119,7 +120,7 @@ pub const PAPER_CONCRETE_LEE_FENVES: LeeFenvesParameters = LeeFenvesParameters {
     residual_stiffness: 1.0e-3,
 };
 
-/// Concrete by its characteristic cylinder strength (MPa, 12 to 50), such as 20 to 40.
+/// Plastic-damage concrete of a characteristic cylinder strength (MPa), 12 to 50.
 ///
 /// Eurocode 2 (EN 1992-1-1:2004, Table 3.1): `f_cm = f_ck + 8`, `f_ctm = 0.3 f_ck^(2/3)`, `E_cm =
 /// 22 (f_cm / 10)^0.3` GPa, Poisson's ratio 0.2, 2500 kg/m3. The surface goes
@@ -127,7 +128,7 @@ pub const PAPER_CONCRETE_LEE_FENVES: LeeFenvesParameters = LeeFenvesParameters {
 /// [`paper_concrete`], with `f_cm`.
 ///
 /// # Errors
-/// A strength outside the range of the table.
+/// If the strength is outside the range of the table.
 pub fn eurocode_concrete(strength: f64) -> Result<PlasticDamage<MohrCoulomb>, MaterialError> {
     let concrete = Eurocode::new(strength)?;
     let parameters = MohrCoulombParameters::through_strengths(
@@ -142,11 +143,11 @@ pub fn eurocode_concrete(strength: f64) -> Result<PlasticDamage<MohrCoulomb>, Ma
     )
 }
 
-/// The concrete of [`eurocode_concrete`] by Lee and Fenves: the same medium, strengths and energies,
+/// Lee-Fenves parameters of the concrete of [`eurocode_concrete`]: the same medium, strengths and energies,
 /// all else as in [`PAPER_CONCRETE_LEE_FENVES`].
 ///
 /// # Errors
-/// A strength outside the range of the table.
+/// If the strength is outside the range of the table.
 pub fn eurocode_lee_fenves(strength: f64) -> Result<LeeFenvesParameters, MaterialError> {
     let concrete = Eurocode::new(strength)?;
     Ok(LeeFenvesParameters {
@@ -160,19 +161,19 @@ pub fn eurocode_lee_fenves(strength: f64) -> Result<LeeFenvesParameters, Materia
     })
 }
 
-/// What the code says of a concrete.
+/// Properties of a concrete by Eurocode 2.
 struct Eurocode {
     medium: ElasticMedium,
     /// Mean strengths (Pa).
     tension_strength: f64,
     compression_strength: f64,
-    /// Energies per area (N/m).
+    /// Fracture energies per area (N/m).
     cracking_energy: f64,
     crushing_energy: f64,
 }
 
 impl Eurocode {
-    /// The concrete of a characteristic cylinder strength (MPa).
+    /// Properties for a characteristic cylinder strength (MPa).
     fn new(strength: f64) -> Result<Self, MaterialError> {
         ParameterError::check("strength", strength, 12.0, 50.0)?;
         let compressive = strength + 8.0;
@@ -187,7 +188,7 @@ impl Eurocode {
     }
 }
 
-/// Damage by energies of cracking and crushing (N/m).
+/// Softening by fracture energies of cracking and crushing (N/m).
 fn cracking(
     parameters: MohrCoulombParameters,
     cracking: f64,

@@ -1,9 +1,9 @@
-//! Principal values and directions of symmetric tensors, many at once.
+//! Principal values and directions of symmetric tensors, on lanes.
 
 use powerhouse_model::{Lane, Scalar, Stress, array, each};
 
-/// The greatest root of `x^3 - 3 x = 2 h` for `h` from 0 to 1, to 1.4e-6: Chebyshev interpolation,
-/// powers of `h`.
+/// Coefficients of the greatest root of `x^3 - 3 x = 2 h` in powers of `h`, for `h` from 0 to 1, to
+/// 1.4e-6, by Chebyshev interpolation.
 const ROOT: [f64; 6] = [
     1.732_052_122,
     0.333_237_713,
@@ -14,32 +14,32 @@ const ROOT: [f64; 6] = [
 ];
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
-/// Principal values in falling order, with their directions.
+/// Principal values of a symmetric tensor in falling order, with their directions.
 ///
 /// Two values that are equal, or nearly so, have directions that are any orthonormal pair in
-/// their plane: what is rebuilt from values and directions is accurate all the same.
+/// their plane: a tensor rebuilt from values and directions is accurate all the same.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipalAxes<L> {
-    /// Greatest, middle, least.
+    /// Principal values: greatest, middle, least.
     pub values: [L; 3],
-    /// Unit vectors that belong to them: `directions[i]` belongs to `values[i]`.
+    /// Unit vectors of the principal directions: `directions[i]` belongs to `values[i]`.
     pub directions: [[L; 3]; 3],
 }
 
 impl<L: Lane> PrincipalAxes<L> {
-    /// The axes of a stress.
+    /// Principal axes of a stress.
     ///
     /// Without iteration over rotations: of the deviator, scaled to `r = sqrt(J2 / 3) = 1`, the
-    /// principal value `x` that stands apart from the other two is a root of `x^3 - 3 x = det`,
+    /// principal value `x` that is most isolated is a root of `x^3 - 3 x = det`,
     /// between `sqrt 3` and 2 in size, where the slope of the cubic is at least 6. Its direction is
-    /// the longest column of the adjugate of what is left without it, which is `3 (x^2 - 1) v v^T`.
+    /// the longest column of the adjugate of the remainder, which is `3 (x^2 - 1) v v^T`.
     /// In the plane across that direction, with entries `a`, `b` and `o / 2` off the diagonal,
     ///
     /// `(a + b + h) / 2` along `(h + d, o)`, `(a + b - h) / 2` across it, `d = a - b`, `h = sqrt(d^2 + o^2)`
     ///
     /// (`(o, h - d)` if `d < 0`). No step divides by a difference of principal values. Values are
-    /// accurate to some ten roundings of the largest entry, directions are orthonormal to a few
-    /// roundings. A tensor with an entry that is not finite has NaN for its values.
+    /// accurate to some ten rounding errors of the largest entry, directions are orthonormal to a few
+    /// rounding errors. A tensor with an entry that is not finite has NaN for its values.
     ///
     /// Sources: the isolated root first: Eberly, *A Robust Eigensolver for 3 x 3 Symmetric Matrices*,
     /// 2014; two vectors across a third: Duff et al., *J. Computer Graphics Techniques* 6(1), 2017.
@@ -63,12 +63,12 @@ impl<L: Lane> PrincipalAxes<L> {
             radius,
             mean,
         } = Scaled::of(stress);
-        let (is_least, root) = deviator.apart();
+        let (is_least, root) = deviator.isolated();
         let value = (-root).select(is_least, root);
-        let apart = deviator.direction_of(value);
+        let isolated = deviator.direction_of(value);
 
-        // The plane across.
-        let [p, q] = across(&apart);
+        // In the plane across.
+        let [p, q] = across(&isolated);
         let turned = deviator.times(&p);
         let (entry, mixed) = (dot(&p, &turned), dot(&q, &turned));
         let sum = deviator.trace() - value;
@@ -86,7 +86,7 @@ impl<L: Lane> PrincipalAxes<L> {
         );
         let (upper, lower) = ((sum + width) * half, (sum - width) * half);
 
-        // Of the two in the plane, the one at the other end of the order; and the one between.
+        // Of the two in the plane: the one at the other end of the order, and the one between.
         let (end_p, end_q) = (
             along_p.select(is_least, -along_q),
             along_q.select(is_least, along_p),
@@ -101,25 +101,25 @@ impl<L: Lane> PrincipalAxes<L> {
         Self {
             values: each(&values, |scaled| scaled.mul_add(radius, mean)),
             directions: [
-                array(|i| end[i].select(is_least, apart[i])),
+                array(|i| end[i].select(is_least, isolated[i])),
                 between,
-                array(|i| apart[i].select(is_least, end[i])),
+                array(|i| isolated[i].select(is_least, end[i])),
             ],
         }
     }
 
-    /// The symmetric tensor with these axes and other values, components xx yy zz xy yz zx.
+    /// Symmetric tensor with these directions and other principal values, components xx yy zz xy yz zx.
     #[inline(always)]
     pub fn tensor(&self, &[first, middle, last]: &[L; 3]) -> [L; 6] {
-        // The middle value times unity, and what the others have more.
+        // The middle value times unity, plus the differences of the other two.
         let [a, _, c] = self.directions;
         let (up, down) = (first - middle, last - middle);
         let scaled_a = each(&a, |x| x * up);
         let scaled_c = each(&c, |x| x * down);
         let mut entries = [middle; 6];
-        for (place, [row, column]) in ENTRIES.into_iter().enumerate() {
+        for (index, [row, column]) in ENTRIES.into_iter().enumerate() {
             let entry = scaled_a[row].mul_add(a[column], scaled_c[row] * c[column]);
-            entries[place] = if row == column { entry + middle } else { entry };
+            entries[index] = if row == column { entry + middle } else { entry };
         }
         entries
     }
@@ -128,7 +128,7 @@ impl<L: Lane> PrincipalAxes<L> {
 /// Rows and columns of the components xx yy zz xy yz zx.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
 
-/// Lanes of sizes whose squares are near the ends of the range of numbers or beyond, or of none.
+/// Lanes of magnitudes whose squares are near the ends of the range of numbers or outside, or of NaN.
 #[inline(always)]
 pub(crate) fn is_extreme<L: Lane>(size: L) -> L::Mask {
     let [low, high] = if L::Scalar::EPSILON > f64::EPSILON {
@@ -142,12 +142,12 @@ pub(crate) fn is_extreme<L: Lane>(size: L) -> L::Mask {
     inside.select(size.less(number(high)), zero).less(one)
 }
 
-/// A length that is none beside one.
+/// Length below which a vector counts as zero beside one of length one.
 const LEAST: f64 = 1.0e-15;
 
-/// A tensor as `mean + radius deviator`.
+/// Tensor as `mean + radius deviator`.
 struct Scaled<L> {
-    /// The deviator over `sqrt(J2 / 3)`, or as it is if that is zero.
+    /// Deviator over `sqrt(J2 / 3)`, or as it is if that is zero.
     deviator: Symmetric<L>,
     radius: L,
     mean: L,
@@ -164,7 +164,7 @@ impl<L: Lane> Scaled<L> {
             let mut largest = zero;
             for entry in &stress.0 {
                 largest = largest.max(entry.abs());
-                // Zero, or NaN if an entry is not finite: one off the diagonal could else be lost.
+                // Zero, or NaN if an entry is not finite: one off the diagonal could otherwise be lost.
                 finite = finite + *entry * zero;
             }
             let down;
@@ -184,11 +184,11 @@ impl<L: Lane> Scaled<L> {
     }
 }
 
-/// A power of two that brings a size to where its square neither overflows nor vanishes, and its
+/// Power of two that scales a magnitude so that its square neither overflows nor vanishes, and its
 /// inverse.
 #[inline(always)]
 fn balance<L: Lane>(size: L) -> (L, L) {
-    // Beyond these powers of two the balance of this power of two is applied.
+    // Beyond these powers of two the scale of this power of two is applied.
     let (large, small, power) = if L::Scalar::EPSILON > f64::EPSILON {
         (40, -40, 80)
     } else {
@@ -203,7 +203,7 @@ fn balance<L: Lane>(size: L) -> (L, L) {
     (down, up)
 }
 
-/// A symmetric tensor, components xx yy zz xy yz zx.
+/// Symmetric tensor, components xx yy zz xy yz zx.
 struct Symmetric<L>([L; 6]);
 
 impl<L: Lane> Symmetric<L> {
@@ -223,10 +223,10 @@ impl<L: Lane> Symmetric<L> {
         ]
     }
 
-    /// Whether the principal value of a scaled deviator that is furthest from the others is the
-    /// least, and its size.
+    /// Whether the most isolated principal value of a scaled deviator is the least one, and its
+    /// magnitude.
     #[inline(always)]
-    fn apart(&self) -> (L::Mask, L) {
+    fn isolated(&self) -> (L::Mask, L) {
         let [xx, yy, zz, xy, yz, zx] = self.0;
         let number = |value: f64| xx.constant(value);
         let (one, three) = (number(1.0), number(3.0));
@@ -241,7 +241,7 @@ impl<L: Lane> Symmetric<L> {
         for power in 1..ROOT.len() {
             root = root.mul_add(half, number(ROOT[ROOT.len() - 1 - power]));
         }
-        // One step of Newton squares the error, a second one may take the slope of the first.
+        // One step of Newton squares the error; a second one may reuse the slope of the first.
         let square = root * root;
         let inverse = one / (three * (square - one));
         root = root - (root * (square - three) - (half + half)) * inverse;
@@ -251,14 +251,14 @@ impl<L: Lane> Symmetric<L> {
         (determinant.less(number(0.0)), root)
     }
 
-    /// The unit vector that belongs to a principal value which stands apart from the others.
+    /// Unit vector of the most isolated principal value.
     #[inline(always)]
     fn direction_of(&self, value: L) -> [L; 3] {
         let [xx, yy, zz, xy, yz, zx] = self.0;
         let number = |value: f64| xx.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
         let (x, y, z) = (xx - value, yy - value, zz - value);
-        // The adjugate.
+        // Adjugate.
         let normal = [
             minor(y, z, yz, yz),
             minor(z, x, zx, zx),
@@ -276,7 +276,7 @@ impl<L: Lane> Symmetric<L> {
             entry = own.select(longer, entry);
             longest = array(|i| column[i].select(longer, longest[i]));
         }
-        // Of a deviator that is rounding alone nothing may be left.
+        // Of a deviator of rounding errors alone nothing may remain.
         let some = number(LEAST).less(entry);
         let longest = [
             longest[0].select(some, one),
@@ -288,7 +288,7 @@ impl<L: Lane> Symmetric<L> {
     }
 }
 
-/// Two unit vectors across a unit vector and each other.
+/// Two unit vectors normal to a unit vector and to each other.
 #[inline(always)]
 fn across<L: Lane>(&[x, y, z]: &[L; 3]) -> [[L; 3]; 2] {
     let (zero, one) = (z.constant(0.0), z.constant(1.0));
@@ -301,7 +301,7 @@ fn across<L: Lane>(&[x, y, z]: &[L; 3]) -> [[L; 3]; 2] {
     ]
 }
 
-/// `a b - c d`.
+/// Minor `a b - c d`.
 #[inline(always)]
 fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
     a.mul_add(b, -(c * d))

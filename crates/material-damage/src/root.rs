@@ -1,37 +1,37 @@
-//! Zeros of functions of one unknown, many at once.
+//! Zeros of functions of one unknown, on lanes.
 
 use powerhouse_model::Lane;
 
-/// The most evaluations. Smooth functions take three to six; the worst halve the bracket at every
-/// third, and a zero may lie at the 1e-130th part of it.
+/// Greatest number of evaluations. Smooth functions take three to six; the worst halve the bracket at
+/// every third, and a zero may be at the 1e-130th part of it.
 const MOST: usize = 1500;
-/// A bracket that has not become half as wide in so many evaluations is halved.
-const PATIENCE: usize = 3;
+/// Number of evaluations after which a bracket that has not become half as wide is halved.
+const HALVING_INTERVAL: usize = 3;
 
-/// A function of one unknown.
+/// Function of one unknown.
 ///
-/// A trait that laws implement rather than a closure that they pass: a closure over lanes that is
-/// called at more than one place may be compiled on its own, for the oldest processor.
+/// A trait that laws implement rather than a closure that they pass: a closure over lanes with
+/// several call sites may be compiled on its own, for the oldest processor.
 pub(crate) trait Function<L> {
-    /// Its value.
-    fn at(&self, place: L) -> L;
+    /// Value at an argument.
+    fn at(&self, argument: L) -> L;
 }
 
 impl<L, F: Fn(L) -> L> Function<L> for F {
     #[inline(always)]
-    fn at(&self, place: L) -> L {
-        self(place)
+    fn at(&self, argument: L) -> L {
+        self(argument)
     }
 }
 
-/// The zero of a function between two places, given with their values, of which at most one is
+/// Zero of a function between two arguments, given with their values, of which at most one is
 /// positive and at most one negative.
 ///
 /// False position with the rule of Anderson & Björck (1973), of order 1.7: the value at an end that
 /// stays is scaled by `1 - f(new) / f(replaced)`, or by a half where that is not positive. The zero
 /// stays enclosed, whatever the function, and a bracket that does not narrow is halved. A lane whose
-/// value is not above the tolerance, or whose ends have met, is left alone while others go on: the
-/// scalar form gives the same bits. The answer is the place of the smallest value that was seen.
+/// value is not above the tolerance, or whose bracket has closed, is left unchanged while others go on:
+/// the scalar form gives the same bits. Returns the argument with the smallest value found.
 #[inline(always)]
 pub(crate) fn zero_between<L: Lane>(
     first: [L; 2],
@@ -45,7 +45,7 @@ pub(crate) fn zero_between<L: Lane>(
     let [mut b, mut value_b] = second;
     let a_is_less = value_a.abs().less(value_b.abs());
     let mut best = a.select(a_is_less, b);
-    // The smallest value, or zero in a lane that is done.
+    // Smallest value, or zero in a lane that is done.
     let mut least = value_a.abs().min(value_b.abs());
     let mut width = (b - a).abs();
     for evaluation in 1..=MOST {
@@ -60,7 +60,7 @@ pub(crate) fn zero_between<L: Lane>(
         let guess = b - value_b * ((b - a) / divisor);
         let guess = guess.select(left.less(guess), middle);
         let guess = guess.select(guess.less(right), middle);
-        let guess = if evaluation % PATIENCE == 0 {
+        let guess = if evaluation % HALVING_INTERVAL == 0 {
             let now = right - left;
             let narrowed = (now + now).less(width);
             width = now;
@@ -73,7 +73,7 @@ pub(crate) fn zero_between<L: Lane>(
         let is_less = value.abs().less(least);
         best = guess.select(is_less, best).select(open, best);
         let seen = value.abs().min(least);
-        // The ends have met where nothing is between them.
+        // The bracket has closed if no number is between its ends.
         let seen = seen.select(left.less(middle), zero);
         let seen = seen.select(middle.less(right), zero);
         least = seen.select(open, least);
@@ -90,35 +90,35 @@ pub(crate) fn zero_between<L: Lane>(
     best
 }
 
-/// The greatest share by which curvature lengthens a step of Newton's.
-const BENT: f64 = 0.25;
+/// Greatest relative change of a Newton step by curvature.
+const MOST_CURVATURE: f64 = 0.25;
 
-/// A function of one unknown that knows its slope; a trait for the reason of [`Function`].
-pub(crate) trait Sloping<L> {
-    /// Its value and its slope.
-    fn at(&self, place: L) -> [L; 2];
+/// Function of one unknown with its derivative; a trait for the reason of [`Function`].
+pub(crate) trait Differentiable<L> {
+    /// Value and derivative at an argument.
+    fn at(&self, argument: L) -> [L; 2];
 }
 
-/// The zero of a function between two places, with the value at the first, which is positive, while
-/// that at the second is negative, from a guess.
+/// Zero of a function between two arguments, from a guess; the value at the first is given and
+/// positive, that at the second is negative.
 ///
-/// Newton's method within the bracket, with the curvature that the last two places tell: a step that
-/// leads out of the bracket, or is not half as long as the one before, is replaced by one to the
-/// middle. A lane whose value is not above the tolerance, or whose
-/// ends have met, is left alone while others go on: the scalar form gives the same bits. The answer is
-/// the place of the smallest value that was seen.
+/// Newton's method within the bracket, with the curvature from the last two arguments: a step that
+/// leaves the bracket, or is more than half as long as the one before, is replaced by one to the
+/// middle. A lane whose value is not above the tolerance, or whose bracket has closed, is left unchanged
+/// while others go on: the scalar form gives the same bits. Returns the argument with the smallest
+/// value found.
 #[inline(always)]
 pub(crate) fn zero_by_slope<L: Lane>(
     guess: L,
     [mut low, at_low]: [L; 2],
     mut high: L,
     tolerance: L,
-    function: &impl Sloping<L>,
+    function: &impl Differentiable<L>,
 ) -> L {
     let number = |value: f64| tolerance.constant(value);
     let (zero, half) = (number(0.0), number(0.5));
-    let (mut place, mut best) = (guess, low);
-    // The smallest value, or zero in a lane that is done.
+    let (mut argument, mut best) = (guess, low);
+    // Smallest value, or zero in a lane that is done.
     let mut least = at_low;
     let mut stride = high - low;
     let (mut before, mut value_before) = (low, at_low);
@@ -127,15 +127,15 @@ pub(crate) fn zero_by_slope<L: Lane>(
         if !zero.any(open) {
             break;
         }
-        let [value, slope] = function.at(place);
+        let [value, slope] = function.at(argument);
         let size = value.abs();
-        best = place.select(size.less(least), best).select(open, best);
+        best = argument.select(size.less(least), best).select(open, best);
         let is_low = zero.less(value);
-        low = place.select(is_low, low);
-        high = high.select(is_low, place);
+        low = argument.select(is_low, low);
+        high = high.select(is_low, argument);
         let middle = half.mul_add(high - low, low);
         let seen = size.min(least);
-        // The ends have met where nothing is between them.
+        // The bracket has closed if no number is between its ends.
         let seen = seen.select(low.less(middle), zero);
         let seen = seen.select(middle.less(high), zero);
         least = seen.select(open, least);
@@ -143,19 +143,19 @@ pub(crate) fn zero_by_slope<L: Lane>(
         let inverse = number(1.0) / slope;
         let step = value * inverse;
         // Half the second derivative times the step, over the slope.
-        let back = before - place;
+        let back = before - argument;
         let curved = (value_before - slope.mul_add(back, value)) / (back * back);
         let bend = curved * step * inverse;
-        let bend = bend.select(bend.abs().less(number(BENT)), zero);
+        let bend = bend.select(bend.abs().less(number(MOST_CURVATURE)), zero);
         let step = step.mul_add(bend, step);
         let is_short = (step + step).abs().less(stride);
-        let next = place - step;
+        let next = argument - step;
         let next = next.select(low.less(next), middle);
         let next = next.select(next.less(high), middle);
         let next = next.select(is_short, middle);
-        stride = (next - place).abs();
-        (before, value_before) = (place, value);
-        place = next;
+        stride = (next - argument).abs();
+        (before, value_before) = (argument, value);
+        argument = next;
     }
     best
 }
@@ -192,15 +192,15 @@ mod tests {
         assert_eq!(find(0.0, 1.0, &|x| x), 0.0);
     }
 
-    /// With slopes zeros of smooth functions are found in few evaluations, and those of kinked, steep
-    /// and flat ones all the same.
+    /// With derivatives zeros of smooth functions are found in few evaluations, and those of kinked, steep
+    /// and flat ones too.
     #[test]
     fn zeros_are_found_by_slopes() {
         struct Counted<'a>(&'a dyn Fn(f64) -> [f64; 2], core::cell::Cell<usize>);
-        impl Sloping<f64> for Counted<'_> {
-            fn at(&self, place: f64) -> [f64; 2] {
+        impl Differentiable<f64> for Counted<'_> {
+            fn at(&self, argument: f64) -> [f64; 2] {
                 self.1.set(self.1.get() + 1);
-                (self.0)(place)
+                (self.0)(argument)
             }
         }
         let find = |guess: f64, high: f64, function: &dyn Fn(f64) -> [f64; 2]| {

@@ -1,15 +1,15 @@
-//! How damage grows, and the regularisation by the width of a crack band.
+//! Damage evolution, and its regularisation by the width of a crack band.
 
 use powerhouse_model::{Lane, ParameterError};
 
 use crate::exponential::decay;
 use crate::{MaterialError, SofteningOf};
 
-/// The least inverse of a softening rate: what an element of a size that is not permitted gets.
+/// Least inverse of a softening rate, for elements of a size that is not permitted.
 pub(crate) const STEEPEST: f64 = 1.0e-12;
 
-/// Refuses an element of a width (m) at which one of some softenings snaps back; each comes with its
-/// largest permitted width (m), if it has one. The one that permits least is told.
+/// Checks that an element of a width (m) snaps back in none of the softenings; each comes with its
+/// largest permitted width (m), if it has one. The error names the one that permits least.
 pub(crate) fn check_size(
     size: f64,
     largest: &[(SofteningOf, Option<f64>)],
@@ -24,7 +24,7 @@ pub(crate) fn check_size(
     }
 }
 
-/// How damage of one kind, tensile or compressive, grows with its equivalent plastic strain `e`.
+/// Damage evolution of one kind, tensile or compressive, in its equivalent plastic strain `e`.
 ///
 /// `d = 1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold `e0`, zero before
 ///
@@ -33,44 +33,44 @@ pub(crate) fn check_size(
 pub enum Softening {
     /// No damage of this kind.
     None,
-    /// A crack band that takes the same energy whatever its width `h`: `A = 1` and
+    /// Crack band that dissipates the same energy whatever its width `h`: `A = 1` and
     ///
     /// `B = 1 / (q (G / (h f) - f / 2E) - e0)`
     ///
-    /// with the uniaxial strength `f` of the surface in force and `q` the growth of `e` with the
+    /// with the uniaxial strength `f` of the surface and `q` the growth of `e` with the
     /// strain along the load (1 unless flow is dilatant all around). The element's elastic energy
-    /// at the peak, the flow up to the threshold and the softening then take `G / h` together
+    /// at the peak, the flow up to the threshold and the softening then dissipate `G / h` together
     /// (crack band: Bazant & Oh 1983).
     FractureEnergy {
-        /// Energy per area of crack (tension) or of crushing band (compression), `G` (N/m).
+        /// Fracture energy `G` per area of crack (tension) or of crushing band (compression) (N/m).
         energy: f64,
-        /// Equivalent plastic strain at first damage, `e0`.
+        /// Equivalent plastic strain at first damage `e0` (1).
         threshold: f64,
     },
-    /// The parameters of the equation as they stand. The energy then depends on the mesh.
+    /// Given coefficients of the equation. The dissipated energy then depends on the mesh.
     Rates {
-        /// `A`, 0 to 2; above 1 damage is cut at its limit.
+        /// Share `A` (1), 0 to 2; above 1 damage is limited by the residual stiffness.
         share: f64,
-        /// `B`, above 0.
+        /// Rate `B` (1), above 0.
         rate: f64,
-        /// Equivalent plastic strain at first damage, `e0`.
+        /// Equivalent plastic strain at first damage `e0` (1).
         threshold: f64,
     },
 }
 
-/// Where the rate of softening comes from.
+/// Softening rate, given or by fracture energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rate {
     Never,
     Fixed(f64),
-    /// `1 / B = length / h - lost`.
+    /// Rate by fracture energy, `1 / B = length / h - lost`.
     Band {
         length: f64,
         lost: f64,
     },
 }
 
-/// A softening with the numbers of a surface.
+/// Damage evolution with the coefficients for a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DamageCurve {
     threshold: f64,
@@ -79,7 +79,7 @@ pub(crate) struct DamageCurve {
 }
 
 impl DamageCurve {
-    /// The curve for a uniaxial `strength` (Pa), Young's modulus (Pa), and growth of the
+    /// Damage curve for a uniaxial `strength` (Pa), Young's modulus (Pa), and growth of the
     /// equivalent plastic strain with the strain along the load.
     pub(crate) fn new(
         softening: Softening,
@@ -124,8 +124,8 @@ impl DamageCurve {
         })
     }
 
-    /// The curve of a material whose elastic moduli are larger by a factor, and which takes the
-    /// same energy.
+    /// Damage curve of a material whose elastic moduli are multiplied by a factor, with the same fracture
+    /// energy.
     pub(crate) fn with_stiffness(mut self, factor: f64) -> Self {
         if let Rate::Band { lost, .. } = &mut self.rate {
             *lost = (*lost - self.threshold) / factor + self.threshold;
@@ -133,7 +133,7 @@ impl DamageCurve {
         self
     }
 
-    /// The largest width of an element that does not snap back (m), if there is one.
+    /// Largest width of an element that does not snap back (m), if there is one.
     pub(crate) fn largest_size(&self) -> Option<f64> {
         match self.rate {
             Rate::Band { length, lost } => Some(length / lost),
@@ -141,7 +141,7 @@ impl DamageCurve {
         }
     }
 
-    /// The damage of an equivalent plastic strain in an element of a width (m), at most `most`.
+    /// Damage of an equivalent plastic strain in an element of a width (m), at most `most`.
     #[inline(always)]
     pub(crate) fn damage<L: Lane>(&self, strain: L, size: L, most: f64) -> L {
         let number = |value: f64| strain.constant(value);
@@ -157,7 +157,7 @@ impl DamageCurve {
     }
 }
 
-/// `1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold, at most `most`.
+/// Damage `1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold, at most `most`.
 #[inline(always)]
 pub(crate) fn damage_of<L: Lane>(strain: L, threshold: f64, share: f64, rate: L, most: f64) -> L {
     let number = |value: f64| strain.constant(value);
@@ -176,7 +176,7 @@ pub(crate) fn damage_of<L: Lane>(strain: L, threshold: f64, share: f64, rate: L,
     damage.max(zero).min(number(most)).select(beyond, zero)
 }
 
-/// `1 - (e0 / e) exp(-B (e - e0))` beyond the threshold, at most `most`.
+/// Damage `1 - (e0 / e) exp(-B (e - e0))` beyond the threshold, at most `most`.
 #[inline(always)]
 pub(crate) fn damage_of_falling_stress<L: Lane>(
     strain: L,
@@ -192,7 +192,7 @@ pub(crate) fn damage_of_falling_stress<L: Lane>(
     (number(1.0) - kept).min(number(most)).select(beyond, zero)
 }
 
-/// `1 / B` of `G / (h E) = e0^2 / 2 + e0 / B + 1 / B^2`, with `length = G / E` (m).
+/// Inverse rate `1 / B` of `G / (h E) = e0^2 / 2 + e0 / B + 1 / B^2`, with `length = G / E` (m).
 #[inline(always)]
 pub(crate) fn inverse_rate_in_total_strain<L: Lane>(size: L, length: f64, threshold: f64) -> L {
     let number = |value: f64| size.constant(value);

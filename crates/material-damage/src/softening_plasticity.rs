@@ -1,4 +1,4 @@
-//! Plasticity whose strength falls with the flow.
+//! Plasticity with softening of the strength.
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
@@ -13,33 +13,33 @@ use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::remaining;
 use crate::root::{Function, zero_between};
 use crate::softening::check_size;
-use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, beyond, strains_of_loss};
+use crate::surface::{FlowInAxes, PrincipalReturn, YieldSurface, strains_of_loss, trial_outside};
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent};
 
-/// How fast strength falls.
+/// Rate at which the strength of a [`SofteningPlasticity`] law falls with the plastic shortening.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StrengthFall {
-    /// A shear band that takes the same energy whatever its width `h`: with the uniaxial compressive
-    /// strength `f_c` and the residual share `q`
+    /// Shear band that dissipates the same energy whatever its width `h`: with the uniaxial compressive
+    /// strength `f_c` and the residual strength ratio `q`
     ///
     /// `b = h (1 - q) f_c / G`
     FractureEnergy {
-        /// Energy per area of band (N/m), beyond what the residual strength takes, of a band that
-        /// crushes along its axis, `G`.
+        /// Fracture energy `G` per area of band (N/m), in excess of the work of the residual strength, of a
+        /// band that crushes along its axis.
         energy: f64,
     },
-    /// `b` as it stands, above 0; the energy then depends on the mesh.
+    /// Given rate `b` (1), above 0; the dissipated energy then depends on the mesh.
     Rate(f64),
 }
 
-/// What a [`SofteningPlasticity`] law is made of.
+/// Parameters of a [`SofteningPlasticity`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SofteningPlasticityParameters<S> {
-    /// The yield surface before any flow.
+    /// Yield surface before softening.
     pub surface: S,
-    /// How fast its strength falls.
+    /// Rate at which its strength falls.
     pub fall: StrengthFall,
-    /// The share `q` of strength that stays, 0.001 to 1.
+    /// Residual strength ratio `q` (1), 0.001 to 1.
     pub residual_strength: f64,
 }
 
@@ -65,7 +65,7 @@ const HISTORY: [HistoryVariable; 11] = {
     ]
 };
 
-/// Elasticity within a yield surface that shrinks as it flows: Mohr-Coulomb whose cohesion softens.
+/// Elastic-plastic law whose yield surface shrinks with plastic flow: Mohr-Coulomb with softening cohesion.
 ///
 /// All strengths of the surface, of [`MohrCoulomb`](crate::MohrCoulomb) the cohesion and the cut-off,
 /// are those of its parameters times
@@ -73,30 +73,30 @@ const HISTORY: [HistoryVariable; 11] = {
 /// `s = 1 - (1 - q)(1 - exp(-b k))`
 ///
 /// with the plastic shortening `k`, the sum of the negative principal increments of plastic strain:
-/// the multiplier of shear flow on a face of Mohr and Coulomb. Friction and dilation stay. Opening
-/// alone softens nothing: for cracks there is [`PlasticDamage`](crate::PlasticDamage).
+/// the multiplier of shear flow on a face of Mohr-Coulomb. Friction and dilation are constant. Tensile
+/// opening alone does not soften: for cracks there is [`PlasticDamage`](crate::PlasticDamage).
 ///
 /// # History
 /// Plastic strain (six components, engineering shears), the equivalent plastic strain `sum
 /// sqrt(2/3 de_p : de_p)`, `k`, the strength lost `1 - s`, the
-/// [`YieldState`](crate::YieldState) of the last step, and the width of the element along the least
-/// principal stress when it first lost strength, which the band keeps.
+/// [`YieldState`](crate::YieldState) of the last step, and the width of the band: that of the element
+/// along the least principal stress when it first lost strength.
 ///
 /// # Return
-/// A surface and its flow that are scaled by `s` return a trial to `s` times where the whole surface
-/// returns the trial over `s`. So `k` is the only unknown; it is solved within a bracket for `k = k_0
-/// + dk(s(k))`, and the end of a step is consistent with its strength, whatever the step.
+/// A surface and its flow that are scaled by `s` return a trial to `s` times the point to which the
+/// unscaled surface returns the trial over `s`. So `k` is the only unknown; it is solved within a bracket
+/// for `k = k_0 + dk(s(k))`, and the end of a step is consistent with its strength, whatever the step.
 ///
 /// # Valid range
-/// By energy, elements narrower than [`largest_size`](Self::largest_size): make sure of it by
-/// [`check_size`](Self::check_size); wider ones soften as steeply as can be followed and take more
-/// energy. The energy is exact for a band that crushes along its axis; that of a band of shear under
-/// pressure is larger, as its stress is. A strain that is not finite gives a stress that is not
-/// finite.
+/// With a fracture energy, elements up to [`largest_size`](Self::largest_size), which
+/// [`check_size`](Self::check_size) verifies; wider ones soften as steeply as can be followed and
+/// dissipate more energy. The energy is exact for a band that crushes along its axis; that of a shear
+/// band under pressure is larger, as its stress is. A strain that is not finite gives a stress that is
+/// not finite.
 ///
 /// # Why so
-/// *No elastic energy stands in the regularisation*, unlike in [`PlasticDamage`](crate::PlasticDamage): a law that keeps
-/// its stiffness gives back all that is elastic, so `G / h` is the plastic work beyond the residual strength.
+/// *No elastic energy is in the regularisation*, unlike in [`PlasticDamage`](crate::PlasticDamage): a law with constant
+/// stiffness releases all elastic energy, so `G / h` is the plastic work in excess of the residual strength.
 ///
 /// Source: crack band after Bazant & Oh (1983), *Materials and Structures* 16; strain softening of
 /// cohesion as in Vermeer & de Borst (1984), *HERON* 29(3), ch. 7.
@@ -125,11 +125,11 @@ pub struct SofteningPlasticity<S> {
     shear: f64,
 }
 
-/// Where `b` comes from.
+/// Softening rate `b`, given or by fracture energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rate {
     Fixed(f64),
-    /// `1 / b = length / h`, at least `steepest`.
+    /// Rate by fracture energy, `1 / b = length / h`, at least `steepest`.
     Band {
         length: f64,
         steepest: f64,
@@ -137,10 +137,10 @@ enum Rate {
 }
 
 impl<S: YieldSurface> SofteningPlasticity<S> {
-    /// The law of the parameters.
+    /// Law of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range.
+    /// If a parameter is outside its range.
     pub fn new(parameters: SofteningPlasticityParameters<S>) -> Result<Self, MaterialError> {
         let SofteningPlasticityParameters {
             surface,
@@ -173,13 +173,13 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
         })
     }
 
-    /// What the law was made of.
+    /// Parameters of the law.
     pub fn parameters(&self) -> &SofteningPlasticityParameters<S> {
         &self.parameters
     }
 
-    /// The largest width of an element that crushes along its axis without snapping back (m); none
-    /// if softening is not by energy.
+    /// Largest width of an element that crushes along its axis without snap-back (m); `None` if
+    /// softening is not by fracture energy.
     pub fn largest_size(&self) -> Option<f64> {
         match self.rate {
             Rate::Band { length, steepest } => Some(length / steepest),
@@ -187,15 +187,15 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
         }
     }
 
-    /// Refuses an element whose width normal to a band (m) is too large.
+    /// Checks that an element of a width normal to a band (m) does not snap back.
     ///
     /// # Errors
-    /// [`MaterialError::SnapBack`] names the largest permitted width.
+    /// [`MaterialError::SnapBack`], with the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
         check_size(size, &[(SofteningOf::Shear, self.largest_size())])
     }
 
-    /// `b` in an element of a width (m).
+    /// Softening rate `b` in an element of a width (m).
     #[inline(always)]
     fn rate<L: Lane>(&self, size: L) -> L {
         let number = |value: f64| size.constant(value);
@@ -208,14 +208,14 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
         }
     }
 
-    /// `1 - s`.
+    /// Strength lost, `1 - s`.
     #[inline(always)]
     fn lost<L: Lane>(&self, shortening: L, rate: L) -> L {
         let number = |value: f64| shortening.constant(value);
         number(1.0 - self.parameters.residual_strength) * (number(1.0) - decay(rate * shortening))
     }
 
-    /// The return of principal trial stresses (Pa) to the surface with a share of its strength.
+    /// Return of principal trial stresses (Pa) to the surface with a share of its strength.
     #[inline(always)]
     fn returned<L: Lane>(&self, trial: &[L; 3], strength: L) -> PrincipalReturn<L> {
         let scaled = each(trial, |s| s / strength);
@@ -228,16 +228,16 @@ impl<S: YieldSurface> SofteningPlasticity<S> {
     }
 }
 
-/// What the shortening of a step lacks to be that of the flow which it permits: `k_0 + dk(s(k)) - k`.
-struct Lacking<'a, S, L> {
+/// Equation for the plastic shortening `k` at the end of a step, `k_0 + dk(s(k)) - k = 0`.
+struct ShorteningEquation<'a, S, L> {
     law: &'a SofteningPlasticity<S>,
     trial: [L; 3],
     old: L,
     rate: L,
 }
 
-impl<S: YieldSurface, L: Lane> Lacking<'_, S, L> {
-    /// The flow with a share of the strength.
+impl<S: YieldSurface, L: Lane> ShorteningEquation<'_, S, L> {
+    /// Increment of shortening of a return to the surface with a share of its strength.
     #[inline(always)]
     fn flowed(&self, strength: L) -> L {
         let returned = self.law.returned(&self.trial, strength);
@@ -248,7 +248,7 @@ impl<S: YieldSurface, L: Lane> Lacking<'_, S, L> {
     }
 }
 
-impl<S: YieldSurface, L: Lane> Function<L> for Lacking<'_, S, L> {
+impl<S: YieldSurface, L: Lane> Function<L> for ShorteningEquation<'_, S, L> {
     #[inline(always)]
     fn at(&self, shortening: L) -> L {
         let one = shortening.constant(1.0);
@@ -258,18 +258,18 @@ impl<S: YieldSurface, L: Lane> Function<L> for Lacking<'_, S, L> {
 }
 
 impl<S: YieldSurface> SofteningPlasticity<S> {
-    /// The shortening at the end of a step from principal trial stresses (Pa) outside the surface.
+    /// Shortening at the end of a step from principal trial stresses (Pa) outside the surface.
     #[inline(always)]
-    fn shortening<L: Lane>(&self, lacking: &Lacking<'_, S, L>) -> L {
-        let number = |value: f64| lacking.old.constant(value);
+    fn shortening<L: Lane>(&self, equation: &ShorteningEquation<'_, S, L>) -> L {
+        let number = |value: f64| equation.old.constant(value);
         let zero = number(0.0);
-        let first = lacking.old;
-        let at_first = lacking.at(first).max(zero);
-        // No flow is larger than that to the residual strength.
-        let last = first + lacking.flowed(number(self.parameters.residual_strength));
-        let at_last = lacking.at(last).min(zero);
+        let first = equation.old;
+        let at_first = equation.at(first).max(zero);
+        // Upper bound: the flow to the residual strength.
+        let last = first + equation.flowed(number(self.parameters.residual_strength));
+        let at_last = equation.at(last).min(zero);
         let tolerance = number(4.0 * L::Scalar::EPSILON) * (first + at_first);
-        zero_between([first, at_first], [last, at_last], tolerance, lacking)
+        zero_between([first, at_first], [last, at_last], tolerance, equation)
     }
 }
 
@@ -293,35 +293,35 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         let elastic = energy::difference(&input.strain.0, old);
         let change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let trial = input.initial + change;
-        history::keep::<L, { HISTORY.len() }>(old, new_history);
+        history::copy::<L, { HISTORY.len() }>(old, new_history);
         new_history[YIELD_STATE] = zero;
 
         let strength = one - old[LOST];
-        // A whole surface needs no scaling, which would change no bit.
+        // Without lost strength scaling would change no bit.
         let mut scaled = trial;
         if first.any(zero.less(old[LOST])) {
             for component in &mut scaled.0 {
                 *component = *component / strength;
             }
         }
-        let Some((mut axes, yielded)) = beyond(&self.parameters.surface, &scaled) else {
+        let Some((mut axes, yielded)) = trial_outside(&self.parameters.surface, &scaled) else {
             return change;
         };
         let mut waiting = axes.values;
         for (value, waiting) in axes.values.iter_mut().zip(&mut waiting) {
             *value = *value * strength;
-            // What did not yield must not keep others waiting.
+            // Lanes that did not yield must not prolong the iteration of others.
             *waiting = value.select(yielded, zero);
         }
         let width = crack_band::width(old[WIDTH], &input.extents, &axes.directions[2]);
-        let lacking = Lacking {
+        let equation = ShorteningEquation {
             law: self,
             trial: waiting,
             old: old[SHORTENING],
             rate: self.rate(width),
         };
-        let shortening = self.shortening(&lacking);
-        let lost = self.lost(shortening, lacking.rate);
+        let shortening = self.shortening(&equation);
+        let lost = self.lost(shortening, equation.rate);
         let returned = self.returned(&axes.values, one - lost);
         let flow = FlowInAxes::new(&self.medium(), (axes, yielded), returned).flow;
         for i in 0..6 {
@@ -331,7 +331,7 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
         new_history[SHORTENING] = shortening.select(yielded, old[SHORTENING]);
         new_history[LOST] = lost.max(old[LOST]).select(yielded, old[LOST]);
         new_history[YIELD_STATE] = flow.state;
-        let width = crack_band::kept(old[WIDTH], width, lost);
+        let width = crack_band::updated(old[WIDTH], width, lost);
         new_history[WIDTH] = width.select(yielded, old[WIDTH]);
         flow.stress_change(&change, &input.initial)
     }
@@ -351,7 +351,7 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
     ) -> RemainingStiffness<L> {
         remaining::of_flow(input, new_history, None)
     }
-    /// The consistent one, with the width of the band as it is; at a kink that of one side.
+    /// Consistent tangent with a constant width of the band; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let old = input.history;
         let elastic = energy::difference(&input.strain.0, old);
@@ -365,14 +365,14 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
             if self.parameters.surface.excess(&scaled) <= 0.0 {
                 return *trial;
             }
-            let lacking = Lacking {
+            let equation = ShorteningEquation {
                 law: self,
                 trial: values,
                 old: old[SHORTENING],
                 rate,
             };
-            let shortening = self.shortening(&lacking);
-            let lacking = |trial: [Dual; 3]| Lacking {
+            let shortening = self.shortening(&equation);
+            let equation = |trial: [Dual; 3]| ShorteningEquation {
                 law: self,
                 trial,
                 old: Dual::fixed(old[SHORTENING]),
@@ -380,8 +380,8 @@ impl<S: YieldSurface> ConstitutiveLaw for SofteningPlasticity<S> {
             };
             let shortening = tangent::implicit(
                 shortening,
-                |shortening| lacking(values.map(Dual::fixed)).at(shortening),
-                |shortening| lacking(*trial).at(shortening),
+                |shortening| equation(values.map(Dual::fixed)).at(shortening),
+                |shortening| equation(*trial).at(shortening),
             );
             let lost = self.lost(shortening, Dual::fixed(rate));
             self.returned(trial, Dual::fixed(1.0) - lost).stress

@@ -1,29 +1,29 @@
-//! What a yield surface says, and how a trial stress flows back to it.
+//! Yield surfaces, and the return of a trial stress to them.
 
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress, each};
 
 use crate::principal::is_extreme;
 use crate::{MaterialError, PrincipalAxes};
 
-/// A trial stress further out than this many times the returned one is not corrected but
-/// replaced: the correction would carry the rounding of the trial.
+/// Ratio of trial to returned stress above which the stress is not corrected by the loss but
+/// replaced by the returned one: the correction would carry the rounding error of the trial.
 const FAR: f64 = 64.0;
 
-/// How a point yields; the number stands in the history as `yield_state`.
+/// Yield state of a point in the last step; its number is the history variable `yield_state`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum YieldState {
-    /// Elastic in the last step: 0.
+    /// Elastic: 0.
     Elastic,
-    /// In shear: 1.
+    /// Yielding in shear: 1.
     Shear,
-    /// In tension: 2.
+    /// Yielding in tension: 2.
     Tension,
-    /// In shear and in tension: 3.
+    /// Yielding in shear and in tension: 3.
     Both,
 }
 
 impl YieldState {
-    /// The number in the history.
+    /// Number of the state as stored in the history.
     pub const fn number(self) -> f64 {
         match self {
             Self::Elastic => 0.0,
@@ -34,7 +34,7 @@ impl YieldState {
     }
 }
 
-/// Where a trial stress comes to lie.
+/// Return of a trial stress to the yield surface, in principal stresses.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipalReturn<L> {
     /// Principal stresses on the surface (Pa), in falling order.
@@ -43,68 +43,70 @@ pub struct PrincipalReturn<L> {
     /// difference: small beside a large stress it keeps its digits, and single precision does not
     /// drift.
     pub loss: [L; 3],
-    /// The number of the [`YieldState`].
+    /// Number of the [`YieldState`].
     pub state: L,
 }
 
-/// Where a trial stress comes to lie, in the axes of the mesh.
+/// Return of a trial stress to the yield surface, in the axes of the mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct StressReturn<L: Lane> {
-    /// Lanes of which the trial lies outside; the rest is meaningless in others.
+    /// Lanes of which the trial is outside the surface; in others the remaining fields have no meaning.
     pub outside: L::Mask,
     /// Trial less returned stress (Pa), computed from the excess, as in [`PrincipalReturn`].
     pub loss: Stress<L>,
-    /// The returned stress (Pa), and the lanes that are so far outside that the trial less the
-    /// loss would be of its rounding.
+    /// Returned stress (Pa) and the lanes in which it must be used: so far outside that the difference of
+    /// trial and loss would be of the rounding error of the trial.
     pub far: Option<(L::Mask, Stress<L>)>,
-    /// The number of the [`YieldState`].
+    /// Number of the [`YieldState`].
     pub state: L,
 }
 
-/// An isotropic perfectly plastic yield surface with its flow rule, in principal stresses.
+/// Isotropic, perfectly plastic yield surface with its flow rule, in principal stresses.
 ///
-/// Implemented by [`MohrCoulomb`](crate::MohrCoulomb) and [`DruckerPrager`](crate::DruckerPrager);
-/// [`ElastoPlastic`](crate::ElastoPlastic) and [`PlasticDamage`](crate::PlasticDamage) make laws
-/// of it.
+/// Implemented by [`MohrCoulomb`](crate::MohrCoulomb), [`DruckerPrager`](crate::DruckerPrager),
+/// [`TwoSurface`](crate::TwoSurface) and [`HoekBrown`](crate::HoekBrown), among others;
+/// [`ElastoPlastic`](crate::ElastoPlastic), [`SofteningPlasticity`](crate::SofteningPlasticity) and
+/// [`PlasticDamage`](crate::PlasticDamage) are laws of a surface.
 pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
-    /// The name of the elastic-plastic law of this surface.
+    /// Name of the elastic-plastic law of this surface.
     fn name(&self) -> &str;
-    /// The elastic medium.
+    /// Elastic medium of the surface.
     fn medium(&self) -> ElasticMedium;
-    /// The same surface in a medium whose moduli are all larger by a factor.
+    /// The same surface with all elastic moduli multiplied by a factor, its strengths unchanged.
     #[must_use]
     fn with_stiffness(&self, factor: f64) -> Self;
-    /// An upper bound of [`excess`](Self::excess) from invariants alone (Pa): where it is not
+    /// Upper bound of [`excess`](Self::excess) from invariants alone (Pa): where it is not
     /// positive the stress is elastic, and no principal values are needed.
     fn bound<L: Lane>(&self, stress: &Stress<L>) -> L;
-    /// Where the [`bound`](Self::bound) is not positive, in cones; none if they are not known.
+    /// Domain in which [`bound`](Self::bound) is not positive, as an intersection of cones;
+    /// `None` if unknown.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         None
     }
-    /// The yield function of principal stresses in falling order (Pa), positive outside.
+    /// Yield function of principal stresses in falling order (Pa), positive outside.
     fn excess<L: Lane>(&self, principal: &[L; 3]) -> L;
-    /// The stress on the surface that belongs to a trial stress outside.
+    /// Return of a trial outside, given by its principal stresses in falling order (Pa).
     fn return_principal<L: Lane>(&self, trial: &[L; 3]) -> PrincipalReturn<L>;
-    /// The same in the axes of the mesh, for trials some of which may lie outside; none if the
-    /// [`bound`](Self::bound) tells that no lane does. By default it is brought to principal axes and
-    /// back; a surface of invariants needs none.
+    /// Return of a stress in the axes of the mesh (Pa), some lanes of which may be outside; `None` if by
+    /// the [`bound`](Self::bound) no lane is. By default the stress is transformed to principal axes and
+    /// back; a surface of invariants does not need them.
     #[inline(always)]
     fn return_stress<L: Lane>(&self, trial: &Stress<L>) -> Option<StressReturn<L>> {
         Some(PrincipalFlow::of(self, trial)?.in_mesh_axes())
     }
-    /// The uniaxial tensile stress at yield (Pa): the surface in force, not what is listed.
+    /// Uniaxial tensile stress at which the surface yields (Pa), whatever strength is listed.
     fn uniaxial_tension(&self) -> f64;
-    /// The uniaxial compressive stress at yield (Pa), positive.
+    /// Uniaxial compressive stress at which the surface yields (Pa), positive.
     fn uniaxial_compression(&self) -> f64;
-    /// Principal plastic strains of uniaxial tension along the first axis, scaled to a first of
-    /// one.
+    /// Principal plastic strains in uniaxial tension along the first axis, scaled to one along that
+    /// axis.
     fn flow_in_uniaxial_tension(&self) -> [f64; 3];
-    /// Principal plastic strains of uniaxial compression along the third axis, scaled to a third
-    /// of minus one.
+    /// Principal plastic strains in uniaxial compression along the third axis, scaled to minus one along
+    /// that axis.
     fn flow_in_uniaxial_compression(&self) -> [f64; 3];
 }
 
-/// A medium whose moduli are all larger by a factor.
+/// Medium with all elastic moduli multiplied by a factor.
 pub(crate) fn stiffened(medium: &ElasticMedium, factor: f64) -> ElasticMedium {
     ElasticMedium {
         young: factor * medium.young,
@@ -112,7 +114,7 @@ pub(crate) fn stiffened(medium: &ElasticMedium, factor: f64) -> ElasticMedium {
     }
 }
 
-/// Accepts a medium, angles of friction and dilation (degrees), the second not above the first, and
+/// Checks a medium, the angles of friction and dilation (degrees), the second not above the first, and
 /// a cohesion (Pa).
 pub(crate) fn check_frictional(
     medium: &ElasticMedium,
@@ -130,10 +132,10 @@ pub(crate) fn check_frictional(
     Ok(())
 }
 
-/// The principal axes of a trial stress and the lanes in which it lies outside a surface; none if no
-/// lane may.
+/// Principal axes of a trial stress and the lanes in which it is outside a surface; `None` if by the
+/// bound no lane is.
 #[inline(always)]
-pub(crate) fn beyond<L: Lane, S: YieldSurface>(
+pub(crate) fn trial_outside<L: Lane, S: YieldSurface>(
     surface: &S,
     trial: &Stress<L>,
 ) -> Option<(PrincipalAxes<L>, L::Mask)> {
@@ -144,24 +146,24 @@ pub(crate) fn beyond<L: Lane, S: YieldSurface>(
         return None;
     }
     let axes = PrincipalAxes::of(trial);
-    // The bound decides first, in every lane: a lane on its own would not come here.
+    // The bound decides first, in every lane, as it would for a lane on its own.
     let excess = surface.excess(&axes.values).select(may_yield, zero);
     Some((axes, zero.less(excess)))
 }
 
-/// The return of a trial stress in principal axes.
+/// Return of a trial stress in principal axes.
 struct PrincipalFlow<L: Lane> {
-    /// Which lanes lie outside.
+    /// Lanes outside the surface.
     yielded: L::Mask,
     axes: PrincipalAxes<L>,
     returned: PrincipalReturn<L>,
 }
 
 impl<L: Lane> PrincipalFlow<L> {
-    /// None if no lane may lie outside.
+    /// Return of a trial stress; `None` if by the bound no lane is outside.
     #[inline(always)]
     fn of<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
-        let (axes, yielded) = beyond(surface, trial)?;
+        let (axes, yielded) = trial_outside(surface, trial)?;
         Some(Self {
             yielded,
             returned: surface.return_principal(&axes.values),
@@ -189,22 +191,22 @@ impl<L: Lane> PrincipalFlow<L> {
     }
 }
 
-/// The largest principal stress in size (Pa).
+/// Largest magnitude of the principal stresses (Pa).
 #[inline(always)]
 fn size<L: Lane>(values: &[L; 3]) -> L {
     values[0].abs().max(values[2].abs())
 }
 
-/// Lanes of which the trial stress is so large beside the returned one that the first less its loss
-/// would be of its rounding; none if there are none.
+/// Lanes in which the trial stress is so large beside the returned one that the trial less its loss
+/// would be of the rounding error of the trial; `None` if there are none.
 #[inline(always)]
 pub(crate) fn far_lanes<L: Lane>(returned: L, trial: L) -> Option<L::Mask> {
     let far = (returned * returned.constant(FAR)).less(trial);
     trial.any(far).then_some(far)
 }
 
-/// The strains of a stress that was lost (Pa), `C^-1 (trial - returned)`: principal ones, or in any
-/// axes with shears half as large as engineering ones.
+/// Strains of a lost stress (Pa), `C^-1 (trial - returned)`: principal ones, or in any axes with
+/// tensorial shears.
 #[inline(always)]
 pub(crate) fn strains_of_loss<L: Lane, const C: usize>(
     medium: &ElasticMedium,
@@ -225,16 +227,16 @@ pub(crate) fn strains_of_loss<L: Lane, const C: usize>(
 /// Plastic flow of one step, in the axes of the mesh.
 pub(crate) struct Flow<L: Lane> {
     returned: StressReturn<L>,
-    /// Increments of plastic strain, engineering shears; zero where nothing flowed.
+    /// Increments of plastic strain, engineering shears; zero in lanes without flow.
     pub(crate) plastic: [L; 6],
-    /// The number of the [`YieldState`].
+    /// Number of the [`YieldState`].
     pub(crate) state: L,
 }
 
 impl<L: Lane> Flow<L> {
-    /// The flow that brings a trial stress back to the surface; none if no lane leaves it.
+    /// Flow of a trial stress back to the surface; `None` if no lane is outside.
     #[inline(always)]
-    pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
+    pub(crate) fn of_trial<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
         Some(Self::of(&surface.medium(), surface.return_stress(trial)?))
     }
 
@@ -253,8 +255,8 @@ impl<L: Lane> Flow<L> {
         }
     }
 
-    /// The increment of equivalent plastic strain, `sqrt(2/3 e : e)`; strains may be so large or small
-    /// that squares are not numbers.
+    /// Increment of equivalent plastic strain, `sqrt(2/3 e : e)`, scaled where squares of the strains would
+    /// be outside the range of numbers.
     #[inline(always)]
     pub(crate) fn equivalent(&self) -> L {
         let number = |value: f64| self.state.constant(value);
@@ -273,8 +275,8 @@ impl<L: Lane> Flow<L> {
         scaled.select(extreme, found)
     }
 
-    /// The change of stress against the initial stress after the flow (Pa), from the change that
-    /// was elastic.
+    /// Change of stress against the initial stress after the flow (Pa), from the elastic trial
+    /// change.
     #[inline(always)]
     pub(crate) fn stress_change(&self, elastic: &Stress<L>, initial: &Stress<L>) -> Stress<L> {
         let mut change = *elastic - self.returned.loss;
@@ -291,11 +293,11 @@ impl<L: Lane> Flow<L> {
     }
 }
 
-/// Below this size, of which the inverse is a number in single precision too, strains count as
-/// nothing.
+/// Strain below which the equivalent strain is zero; its inverse is a number in single precision
+/// too.
 const LEAST_STRAIN: f64 = 1.0e-36;
 
-/// `sqrt(2/3 e : e)` of strains with engineering shears.
+/// Equivalent strain `sqrt(2/3 e : e)` of strains with engineering shears.
 #[inline(always)]
 fn norm<L: Lane>(&[xx, yy, zz, xy, yz, zx]: &[L; 6]) -> L {
     let normal = xx.mul_add(xx, yy.mul_add(yy, zz * zz));
@@ -306,28 +308,28 @@ fn norm<L: Lane>(&[xx, yy, zz, xy, yz, zx]: &[L; 6]) -> L {
 
 /// Plastic flow of one step, with its principal values.
 pub(crate) struct FlowInAxes<L: Lane> {
-    /// The same in the axes of the mesh.
+    /// Flow in the axes of the mesh.
     pub(crate) flow: Flow<L>,
-    /// Which lanes flowed.
+    /// Lanes with plastic flow.
     pub(crate) yielded: L::Mask,
-    /// Principal stresses after the return (Pa), those of the trial where nothing flowed.
+    /// Principal stresses after the return (Pa), those of the trial in lanes without flow.
     pub(crate) stress: [L; 3],
-    /// Principal increments of plastic strain, zero where nothing flowed.
+    /// Principal increments of plastic strain, zero in lanes without flow.
     pub(crate) plastic: [L; 3],
-    /// Unit vectors that belong to them.
+    /// Unit vectors of the principal directions.
     pub(crate) directions: [[L; 3]; 3],
 }
 
 impl<L: Lane> FlowInAxes<L> {
-    /// As [`Flow::back`].
+    /// Flow of a trial stress back to the surface, as [`Flow::of_trial`].
     #[inline(always)]
-    pub(crate) fn back<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
+    pub(crate) fn of_trial<S: YieldSurface>(surface: &S, trial: &Stress<L>) -> Option<Self> {
         let flow = PrincipalFlow::of(surface, trial)?;
         Some(Self::of(&surface.medium(), &flow))
     }
 
-    /// The flow from a trial stress with some axes, in the lanes that yielded, to where it was
-    /// returned.
+    /// Flow of a trial stress with the given axes, in the lanes that yielded, to its returned
+    /// stress.
     #[inline(always)]
     pub(crate) fn new(
         medium: &ElasticMedium,
@@ -361,7 +363,7 @@ impl<L: Lane> FlowInAxes<L> {
     }
 }
 
-/// One of two sets of three values, lane by lane.
+/// Selection between two sets of three values, lane by lane.
 #[inline(always)]
 pub(crate) fn pick<L: Lane>(mask: L::Mask, this: &[L; 3], other: &[L; 3]) -> [L; 3] {
     [

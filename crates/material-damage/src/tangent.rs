@@ -6,10 +6,10 @@ use crate::PrincipalAxes;
 use crate::dual::Dual;
 use crate::surface::YieldSurface;
 
-/// Principal trial stresses nearer to each other than this share of the largest count as equal.
+/// Relative difference below which principal trial stresses count as equal.
 const EQUAL: f64 = 1.0e-9;
 
-/// `d stress / d strain` (Pa) of a stress that is an isotropic function of the trial stress of an
+/// Tangent `d stress / d strain` (Pa) of a stress that is an isotropic function of the trial stress of an
 /// elastic strain: its principal values `s_i` are given functions of the principal trial stresses.
 ///
 /// With principal trial stresses `t_i` along `n_i` and the derivatives `P_ij = ds_i / dt_j`, a change
@@ -40,7 +40,7 @@ pub(crate) fn of_isotropic(
             returned[i].slope[i] - returned[i].slope[j]
         }
     };
-    // Columns are the axes.
+    // The columns are the axes.
     let turn = Mat3::from_fn(|row, column| axes.directions[column][row]);
     let mut tangent = [[0.0; 6]; 6];
     for column in 0..6 {
@@ -62,7 +62,7 @@ pub(crate) fn of_isotropic(
     tangent
 }
 
-/// The tangent of flow back to a surface from the elastic strain of an input.
+/// Tangent of the return to a surface at the elastic strain of an input.
 pub(crate) fn of_flow<S: YieldSurface>(
     surface: &S,
     input: &LawInput<f64>,
@@ -78,8 +78,8 @@ pub(crate) fn of_flow<S: YieldSurface>(
     })
 }
 
-/// The zero `x` of `f(x, t) = 0` with its derivatives `-(df/dt) / (df/dx)`, given as a number and as
-/// `f` with fixed and with variable `t`.
+/// Zero `x` of `f(x, t) = 0` with its derivatives `-(df/dt) / (df/dx)`, given by its value and
+/// by `f` with constant and with variable `t`.
 pub(crate) fn implicit(
     zero: f64,
     fixed: impl Fn(Dual) -> Dual,

@@ -1,4 +1,4 @@
-//! A surface that honours listed uniaxial strengths.
+//! Yield surface with given uniaxial strengths.
 
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress};
 
@@ -7,16 +7,16 @@ use crate::mohr_coulomb::passive_ratio;
 use crate::planes::{Nearest, ShearPlane, below_cut_off};
 use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, stiffened};
 
-/// What a [`TwoSurface`] is made of.
+/// Parameters of a [`TwoSurface`] surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoSurfaceParameters {
-    /// The elastic medium.
+    /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Friction angle under confinement (degrees), 0 to 75.
+    /// Friction angle phi under confinement (degrees), 0 to 75.
     pub friction: f64,
-    /// Dilation angle (degrees), 0 to the friction angle.
+    /// Dilation angle psi (degrees), 0 to the friction angle.
     pub dilation: f64,
-    /// Cohesion under confinement (Pa), at least 0; in force is at least `f_c / (2 sqrt N)`.
+    /// Cohesion c under confinement (Pa), at least 0; `f_c / (2 sqrt N)` is used if it is less.
     pub cohesion: f64,
     /// Uniaxial tensile strength `f_t` (Pa), above 0.
     pub tension_strength: f64,
@@ -24,47 +24,47 @@ pub struct TwoSurfaceParameters {
     pub compression_strength: f64,
 }
 
-/// A yield surface that bears listed strengths in uniaxial tension and compression, and has the
-/// friction of Mohr and Coulomb under confinement.
+/// Yield surface with given strengths in uniaxial tension and compression, and Mohr-Coulomb friction
+/// under confinement.
 ///
 /// With principal stresses `s1 >= s2 >= s3`, `N = (1 + sin phi) / (1 - sin phi)`, and `m` the same
 /// of the dilation angle:
 ///
 /// - strengths: `(f_c / f_t) s1 - s3 <= f_c`, through `(f_t, 0, 0)` and `(0, 0, -f_c)`;
-/// - friction: `N s1 - s3 <= C`, `C = max(2 c sqrt(N), f_c)`, in force where `s1 <= (f_c - C) /
-///   (f_c / f_t - N)`, which is nowhere tension;
+/// - friction: `N s1 - s3 <= C`, `C = max(2 c sqrt(N), f_c)`, which governs where `s1 <= (f_c - C) /
+///   (f_c / f_t - N)`, which is never tensile;
 /// - tension: `s1 <= f_t`.
 ///
-/// Both planes of shear flow along `m s1 - s3`, the cut-off along `s1`. The return is the exact
-/// one of [`MohrCoulomb`](crate::MohrCoulomb). As the planes of shear flow alike, no stress comes
-/// to the line between them from a region of trials.
+/// Both planes flow along `m s1 - s3`, the cut-off along `s1`. The return is the exact
+/// one of [`MohrCoulomb`](crate::MohrCoulomb). As both shear planes have the same flow, no trial returns
+/// to the line between them.
 ///
 /// # Valid range
-/// A cohesion below `f_c / (2 sqrt N)` cannot be kept: a surface that is convex and has friction
-/// `phi` bears no less under confinement than without, so the friction plane then goes through
+/// A cohesion below `f_c / (2 sqrt N)` is inconsistent with `f_c`: a convex surface with friction
+/// `phi` has no less strength under confinement than without, so the friction plane then passes through
 /// `(0, 0, -f_c)`; see [`cohesion`](Self::cohesion). Perfectly plastic.
 ///
 /// # Why so
-/// *The first plane, and not the cut-off alone, joins the strengths*: with the friction plane and
-/// a cut-off, concrete under `0.9 f_t` across would still bear more than half of `f_c`; tests of
-/// plates in tension and compression (Kupfer, Hilsdorf & Rusch 1969) lie near the straight line.
+/// *A plane, and not the cut-off alone, joins the uniaxial strengths*: with the friction plane and
+/// a cut-off, concrete under lateral tension of `0.9 f_t` would still have more than half of `f_c`; tests
+/// of plates in tension and compression (Kupfer, Hilsdorf & Rusch 1969) are near the straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoSurface {
     parameters: TwoSurfaceParameters,
     strengths: ShearPlane,
     friction: ShearPlane,
-    /// The greatest stress where the planes meet (Pa), not positive.
+    /// Greatest stress on the line where the shear planes meet (Pa), not positive.
     crossing: f64,
-    /// `lambda / 2G`.
+    /// Ratio of the elastic constants, `lambda / 2G`.
     volumetric: f64,
 }
 
 impl TwoSurface {
-    /// The surface of the parameters.
+    /// Surface of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range; a dilation above the friction; strengths whose ratio is not
-    /// above `N` ([`MaterialError::StrengthRatio`]).
+    /// If a parameter is outside its range, the dilation is above the friction, or the ratio of the
+    /// strengths is not above `N` ([`MaterialError::StrengthRatio`]).
     pub fn new(parameters: TwoSurfaceParameters) -> Result<Self, MaterialError> {
         let TwoSurfaceParameters {
             medium,
@@ -97,12 +97,12 @@ impl TwoSurface {
         })
     }
 
-    /// What the surface was made of.
+    /// Parameters of the surface.
     pub fn parameters(&self) -> &TwoSurfaceParameters {
         &self.parameters
     }
 
-    /// The cohesion in force under confinement (Pa): the listed one, at least `f_c / (2 sqrt N)`.
+    /// Cohesion under confinement (Pa): the given one, at least `f_c / (2 sqrt N)`.
     pub fn cohesion(&self) -> f64 {
         0.5 * self.friction.strength / self.friction.friction.sqrt()
     }

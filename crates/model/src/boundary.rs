@@ -1,4 +1,4 @@
-//! Where the mesh ends.
+//! Absorbing boundaries: interface, site and parts.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,49 +8,65 @@ use crate::{
     Numbering, Vec3,
 };
 
-/// What one node has of one face of the body, as far as one medium lies behind it.
+/// Tributary area of a boundary node on one face, for one medium and one normal direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SiteFace {
     /// Index of the named face in [`BoundarySite::faces`].
     pub face: usize,
-    /// The medium of the elements behind this share of the face.
+    /// Elastic medium of the elements behind the area.
     pub medium: ElasticMedium,
-    /// Outward unit normal.
+    /// Outward unit normal of the area.
     pub normal: Vec3,
-    /// The area that belongs to this node (m2).
+    /// Tributary area of the node (m2).
     pub area: f64,
 }
 
-/// One node of the boundary.
+/// A boundary node with its tributary areas.
 #[derive(Clone, Debug)]
 pub struct SiteNode {
-    /// Index in the mesh.
+    /// Mesh index of the node.
     pub node: u32,
     /// Position (m).
     pub position: Vec3,
-    /// What meets here: one share inside a plane face, two on an edge, three at a corner, whether
-    /// the sides of the edge bear one name or two. A face stands here once for every medium and
-    /// every direction that it has at this node, so that areas along their normals add up to the
-    /// face's vector area.
+    /// Tributary areas of the node: one inside a plane face, two on an edge, three at a corner, also if
+    /// the adjacent sides belong to the same named face. There is one entry for every face, medium and
+    /// normal direction, so that areas times normals add up to the vector area of the
+    /// face.
     pub faces: Vec<SiteFace>,
 }
 
-/// The boundary that is to be built.
+/// Geometry, ground and incident field from which an absorbing boundary is built.
+#[non_exhaustive]
 pub struct BoundarySite<'a> {
-    /// Names of the faces.
+    /// Names of the faces of the boundary.
     pub faces: Vec<String>,
-    /// Nodes with their shares of the faces, each node once.
+    /// Nodes with their tributary areas, each node once.
     pub nodes: Vec<SiteNode>,
-    /// The centre of what scatters (the structure), from which distances are taken (m).
+    /// Centre of the scatterer (the structure), from which spring distances are measured (m).
     pub scatterer: Vec3,
-    /// The motion of the site without the structure; none for a boundary that only absorbs.
+    /// Free field (incident field with its reflections) to be applied at the boundary; none for a boundary without input.
     pub field: Option<&'a dyn IncidentField>,
 }
 
 impl<'a> BoundarySite<'a> {
-    /// The site made of named faces of a mesh, nodes in rising order.
+    /// A site of nodes whose shares name faces by their index; `scatterer` (m) and `field` as in the struct.
+    pub fn new(
+        faces: Vec<String>,
+        nodes: Vec<SiteNode>,
+        scatterer: Vec3,
+        field: Option<&'a dyn IncidentField>,
+    ) -> Self {
+        Self {
+            faces,
+            nodes,
+            scatterer,
+            field,
+        }
+    }
+
+    /// The site of named faces of a mesh, nodes in rising order.
     ///
-    /// `medium` tells the medium of an element; `scatterer` and `field` as in the struct.
+    /// `medium` returns the elastic medium of an element (mesh index); `scatterer` and `field` as in the struct.
     ///
     /// # Panics
     /// If a facet does not belong to the mesh.
@@ -97,10 +113,10 @@ impl<'a> BoundarySite<'a> {
     }
 }
 
-/// Normals that differ by less (rad) are one: rounded coordinates bend a plane by so much at most.
+/// Angle (rad) below which two normals count as equal; rounded coordinates bend a plane by less.
 const SAME_NORMAL: f64 = 1e-6;
 
-/// Adds what a node has of one facet, its normal as long as its area, to the share of the same
+/// Adds the tributary area of a node on one facet, with its vector area as `normal`, to the entry of the same
 /// face, medium and direction.
 fn add_share(shares: &mut Vec<SiteFace>, new: SiteFace) {
     let alike = |share: &&mut SiteFace| {
@@ -118,42 +134,78 @@ fn add_share(shares: &mut Vec<SiteFace>, new: SiteFace) {
     }
 }
 
-/// A spring and a dashpot from a node to the ground.
+/// Spring and dashpot matrices between one node and the ground (boundary impedance).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NodalImpedance {
-    /// Index of the node in the mesh.
+    /// Mesh index of the node.
     pub node: u32,
-    /// Spring (N/m), symmetric and positive semi-definite; acts on the displacement since the
-    /// stage's start.
+    /// Spring matrix (N/m), symmetric and positive semi-definite; acts on the displacement since the
+    /// start of the stage.
     pub spring: Mat3,
-    /// Dashpot (N s/m), symmetric and positive semi-definite.
+    /// Dashpot matrix (N s/m), symmetric and positive semi-definite; acts on the velocity.
     pub dashpot: Mat3,
 }
 
-/// Makes a block under the engine's numbering.
+impl NodalImpedance {
+    /// The impedance of a node (mesh index): spring (N/m) and dashpot (N s/m), both symmetric and positive
+    /// semi-definite.
+    pub fn new(node: u32, spring: Mat3, dashpot: Mat3) -> Self {
+        Self {
+            node,
+            spring,
+            dashpot,
+        }
+    }
+}
+
+/// A function that builds an element block from the engine's node numbering.
 pub type BuildBlock = Box<dyn FnOnce(&Numbering) -> Box<dyn ElementBlock> + Send>;
 
-/// Elements with degrees of freedom of their own that a boundary brings along.
+/// An element block of a boundary with additional nodes, such as an absorbing layer.
 pub struct ExtraBlock {
     /// Positions of the additional nodes (m); they are numbered after those of the mesh.
     pub nodes: Vec<Vec3>,
-    /// Makes the block once the engine has numbered the nodes.
+    /// Builds the block after the engine has numbered the nodes.
     pub build: BuildBlock,
 }
 
-/// What a boundary hands to the engine. It applies nothing itself.
+/// Springs, dashpots, input forces and additional elements of an absorbing boundary, which the engine
+/// applies.
 #[derive(Default)]
+#[non_exhaustive]
 pub struct BoundaryParts {
-    /// Springs and dashpots; the integrator puts them into the velocity solve of their node, so
-    /// they cost no time step.
+    /// Springs and dashpots of boundary nodes; they enter the effective mass of their node implicitly and do not
+    /// reduce the stable step.
     pub impedance: Vec<NodalImpedance>,
-    /// Input forces, on the boundary or inside; each is one unit of parallel work.
+    /// Equivalent nodal forces of the input, on the boundary or inside; each load is evaluated as one parallel task.
     pub loads: Vec<Box<dyn NodalLoad>>,
-    /// Elements beyond the mesh, such as absorbing layers.
+    /// Additional element blocks outside the mesh, such as absorbing layers.
     pub blocks: Vec<ExtraBlock>,
 }
 
-/// A condition that lets waves leave the model, and brings the incident ones in.
+impl BoundaryParts {
+    /// The same with these springs and dashpots added.
+    #[must_use]
+    pub fn with_impedance(mut self, impedance: impl IntoIterator<Item = NodalImpedance>) -> Self {
+        self.impedance.extend(impedance);
+        self
+    }
+    /// The same with these input forces added.
+    #[must_use]
+    pub fn with_loads(mut self, loads: Vec<Box<dyn NodalLoad>>) -> Self {
+        self.loads.extend(loads);
+        self
+    }
+    /// The same with these additional elements.
+    #[must_use]
+    pub fn with_blocks(mut self, blocks: impl IntoIterator<Item = ExtraBlock>) -> Self {
+        self.blocks.extend(blocks);
+        self
+    }
+}
+
+/// An absorbing boundary: it transmits outgoing waves and applies the incident field.
 ///
 /// ```
 /// use powerhouse_model::{AbsorbingBoundary, BoundaryParts, BoundarySite, Mat3, ModelError, NodalImpedance};
@@ -166,25 +218,21 @@ pub struct BoundaryParts {
 ///             let shear_impedance: f64 = node.faces.iter()
 ///                 .map(|face| face.medium.density * face.medium.s_speed() * face.area)
 ///                 .sum();
-///             NodalImpedance {
-///                 node: node.node,
-///                 spring: Mat3::zeros(),
-///                 dashpot: Mat3::identity() * shear_impedance,
-///             }
+///             NodalImpedance::new(node.node, Mat3::zeros(), Mat3::identity() * shear_impedance)
 ///         });
-///         Ok(BoundaryParts { impedance: impedance.collect(), ..BoundaryParts::default() })
+///         Ok(BoundaryParts::default().with_impedance(impedance))
 ///     }
 /// }
 /// ```
 pub trait AbsorbingBoundary: Send + Sync {
-    /// The boundary's name in reports.
+    /// Name of the boundary in reports.
     fn name(&self) -> &str;
-    /// Springs, dashpots, loads and elements for a site.
+    /// Computes the springs, dashpots, loads and additional blocks for a site.
     ///
     /// # Errors
-    /// If the site has something the boundary cannot serve, such as a zero distance.
+    /// If the boundary cannot be built for the site, such as with a zero distance from the scatterer.
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError>;
-    /// The boundary as its own type, for predictions that know it; none by default.
+    /// The boundary as its concrete type, for predictions of its reflections; none by default.
     fn as_any(&self) -> Option<&dyn core::any::Any> {
         None
     }

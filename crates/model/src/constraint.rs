@@ -1,34 +1,36 @@
-//! Conditions that correct a predicted motion.
+//! Kinematic constraints and joints, which correct a predicted motion.
 
-use crate::{JointHistory, JointView, Mat3, Renewal, RunError, Vec3};
+use crate::{JointHistory, JointView, Mat3, Renewal, RunError, StepTime, Vec3};
 
-/// The motion that the integrator predicts without the constraint, at the constraint's own nodes.
+/// Motion of a constraint's nodes as the integrator predicts it without the constraint.
 ///
 /// All slices are in the order of [`Constraint::nodes`]. A constraint changes `velocity` by
 /// `step * inverse_mass * force`, nothing else; the engine then moves the nodes.
 #[non_exhaustive]
 pub struct PredictedMotion<'a> {
-    /// Step number.
+    /// Number of the step.
     pub number: u64,
-    /// Time at the step's start (s).
+    /// Time at the start of the step (s).
     pub time: f64,
     /// Length of the step (s).
     pub step: f64,
-    /// Displacement at the step's start (m).
+    /// Displacement at the start of the step (m).
     pub displacement: &'a [Vec3],
     /// Velocity before the step (m/s), half a step before `time`.
     pub previous: &'a [Vec3],
     /// Predicted velocity (m/s), half a step after `time`; corrected in place.
     pub velocity: &'a mut [Vec3],
-    /// Inverse of the effective mass `M + dt/2 C + dt^2/4 K` of each node (1/kg), zero for a node
-    /// that a support holds in a direction.
+    /// Inverse of the effective mass `M + dt/2 C + dt^2/4 K` of each node (1/kg), zero along directions in
+    /// which a support holds the node.
     pub inverse_mass: &'a [Mat3],
 }
 
 impl<'a> PredictedMotion<'a> {
-    /// A motion, for engines and for tests of a constraint without an engine.
+    /// Predicted motion in a time step from displacements (m), velocities before the step and predicted
+    /// ones (m/s) and inverse effective masses (1/kg): for engines, and for tests of a constraint without
+    /// an engine.
     pub fn new(
-        (number, time, step): (u64, f64, f64),
+        StepTime { number, time, step }: StepTime,
         displacement: &'a [Vec3],
         previous: &'a [Vec3],
         velocity: &'a mut [Vec3],
@@ -46,20 +48,54 @@ impl<'a> PredictedMotion<'a> {
     }
 }
 
-/// What the forces of a constraint did in one step, all in J; positive where energy left the body.
+/// Work of the forces of a constraint in one step (J); positive where energy leaves the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ConstraintWork {
-    /// Dissipated by friction.
+    /// Energy dissipated by friction, less the work of dilation against the pressure.
     pub friction: f64,
-    /// Dissipated by breaking bonds.
+    /// Energy dissipated by breaking bonds.
     pub bond: f64,
-    /// Lost where masses meet without rebound.
+    /// Kinetic energy lost by impact without rebound.
     pub impact: f64,
-    /// Work of the constraint's forces on the body, negative of what is put in from outside.
+    /// Work that the body does on the outside through the constraint, such as against a preload or a
+    /// prescribed motion; negative where the outside puts energy in.
     pub external: f64,
 }
 
-/// A condition on the motion of some nodes.
+impl ConstraintWork {
+    /// The same work with an energy dissipated by friction (J).
+    #[must_use]
+    pub const fn with_friction(self, friction: f64) -> Self {
+        Self { friction, ..self }
+    }
+    /// The same work with an energy dissipated by breaking bonds (J).
+    #[must_use]
+    pub const fn with_bond(self, bond: f64) -> Self {
+        Self { bond, ..self }
+    }
+    /// The same work with a kinetic energy lost by impact (J).
+    #[must_use]
+    pub const fn with_impact(self, impact: f64) -> Self {
+        Self { impact, ..self }
+    }
+    /// The same work with an external part (J).
+    #[must_use]
+    pub const fn with_external(self, external: f64) -> Self {
+        Self { external, ..self }
+    }
+}
+
+impl core::ops::AddAssign for ConstraintWork {
+    fn add_assign(&mut self, other: Self) {
+        self.friction += other.friction;
+        self.bond += other.bond;
+        self.impact += other.impact;
+        self.external += other.external;
+    }
+}
+
+/// Condition on the motion of some nodes, enforced by correcting predicted velocities.
 ///
 /// ```
 /// use powerhouse_model::{Constraint, ConstraintWork, PredictedMotion, RunError, Vec3};
@@ -75,35 +111,35 @@ pub struct ConstraintWork {
 /// }
 /// ```
 pub trait Constraint: Send {
-    /// The constraint's name in reports.
+    /// Name of the constraint in reports.
     fn name(&self) -> &str;
-    /// Mesh indices of the nodes it reads and corrects, each at most once.
+    /// Mesh indices of the nodes that it reads and corrects, each at most once.
     fn nodes(&self) -> &[u32];
-    /// Told before the first step, and whenever the step (s) and with it the inverse effective
-    /// masses (1/kg, in the order of [`nodes`](Self::nodes)) change, so that what depends on them
-    /// alone is computed once.
+    /// Prepares for steps of a length (s) and inverse effective masses (1/kg, in the order of
+    /// [`nodes`](Self::nodes)). Called before the first step and whenever they change, so that what
+    /// depends on them alone is computed once.
     fn prepare(&mut self, _step: f64, _inverse_mass: &[Mat3]) {}
-    /// Corrects the predicted velocities.
+    /// Corrects the predicted velocities and returns the work of its forces.
     ///
     /// # Errors
-    /// If the condition cannot be met within the constraint's own cap.
+    /// If the condition cannot be met within the constraint's own cap on iterations.
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
     /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
-    /// joints that stick; static solutions take them for one. None by default.
+    /// joints that stick; static solutions take the nodes of such a pair for one. None by default.
     fn ties(&self) -> Vec<[u32; 2]> {
         Vec::new()
     }
-    /// The joints that it consists of; none by default.
+    /// Views of the joints that it consists of; none by default.
     fn joints(&self) -> Vec<JointView<'_>> {
         Vec::new()
     }
-    /// Puts the pairs of a joint into the state of an earlier run, whatever the order of its pairs
-    /// then; says whether it has a joint of that name with these pairs.
+    /// Sets the pairs of a joint to the state of an earlier run, whatever the order of its pairs
+    /// then; returns whether it has a joint of that name with these pairs. Has none by default.
     fn restore(&mut self, _history: &JointHistory) -> bool {
         false
     }
     /// Starts a joint anew, by name, at a displacement (m, in the order of [`nodes`](Self::nodes)) from
-    /// which its opening and slip count from then on; says whether it has a joint of that name. Has
+    /// which its opening and slip count from then on; returns whether it has a joint of that name. Has
     /// none by default.
     fn renew(&mut self, _joint: &str, _renewal: Renewal, _displacement: &[Vec3]) -> bool {
         false

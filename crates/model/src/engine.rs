@@ -1,33 +1,55 @@
-//! Time integration and observation.
+//! Interfaces of time integration and observation.
 
-use crate::{HistoryUpdate, JointView, ModelError, RunError, Stress, Vec3};
+use crate::{HistoryUpdate, JointView, ModelError, ParameterError, RunError, Stress, Vec3};
 
-/// How mass-proportional damping enters a step.
+/// Time discretisation of mass-proportional damping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MassDampingRule {
-    /// On the mean of the old and new velocity, solved for in the nodal diagonal.
+    /// Implicit: damping force of the mean of old and new velocity, solved with the nodal diagonal.
     Implicit,
-    /// On the old velocity.
+    /// Lagged (explicit): damping force of the old velocity.
     Lagged,
 }
 
-/// Which forces an integrator wants.
+impl MassDampingRule {
+    /// Coefficients (kg) of the new and of the old velocity in the momentum balance of a node with a mass (kg)
+    /// and a mass damping coefficient times the step (kg).
+    #[inline]
+    pub fn effective_mass(self, mass: f64, damping: f64) -> (f64, f64) {
+        match self {
+            Self::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
+            Self::Lagged => (mass, mass - damping),
+        }
+    }
+    /// The velocity to which the damping force is proportional: of the old one and the mean of the old and
+    /// the new one.
+    #[inline]
+    pub fn damped_velocity<V>(self, old: V, mean: V) -> V {
+        match self {
+            Self::Implicit => mean,
+            Self::Lagged => old,
+        }
+    }
+}
+
+/// Options of the force evaluation of a time integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ForceTerms {
-    /// Added to every stiffness damping coefficient (s).
+    /// Increment of every stiffness damping coefficient (s).
     pub damping_shift: f64,
     /// Where elements store new history variables.
     pub history_update: HistoryUpdate,
 }
 
 impl ForceTerms {
-    /// The forces of the equation of motion as it stands.
+    /// The forces of the equation of motion, without changes.
     pub const PLAIN: Self = Self {
         damping_shift: 0.0,
         history_update: HistoryUpdate::Buffered,
     };
-    /// With every stiffness damping coefficient shifted (s).
+    /// Options with an increment of every stiffness damping coefficient (s).
     pub fn shifted(damping_shift: f64) -> Self {
         Self {
             damping_shift,
@@ -49,23 +71,23 @@ impl ForceTerms {
     }
 }
 
-/// What an engine knows about its spectrum.
+/// Highest frequency and damping coefficients of a model, input of the stability limit of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FrequencyLimits {
-    /// Highest angular frequency of the undamped assembled model, or a bound on it (rad/s).
+    /// Highest angular frequency of the undamped assembled model, or an upper bound of it (rad/s).
     pub highest: f64,
-    /// Stiffness damping coefficient that bounds the model's at the highest frequency (s): the
+    /// Upper bound of the effective stiffness damping coefficient at the highest frequency (s): the
     /// largest of any block, or less where the damped blocks do not reach that frequency.
     pub most_stiffness_damping: f64,
     /// Least stiffness damping coefficient of any block (s).
     pub least_stiffness_damping: f64,
-    /// Largest mass damping coefficient (1/s).
+    /// Largest mass damping coefficient of any block (1/s).
     pub most_mass_damping: f64,
 }
 
 impl FrequencyLimits {
-    /// Limits of an undamped model (rad/s).
+    /// Limits of an undamped model with a highest angular frequency (rad/s).
     pub fn undamped(highest: f64) -> Self {
         Self {
             highest,
@@ -74,7 +96,7 @@ impl FrequencyLimits {
             most_mass_damping: 0.0,
         }
     }
-    /// The same with damping: least and most stiffness damping (s), most mass damping (1/s).
+    /// The same limits with damping: least and largest stiffness damping (s), largest mass damping (1/s).
     #[must_use]
     pub fn with_damping(
         mut self,
@@ -94,32 +116,32 @@ impl FrequencyLimits {
 /// A step from `t` to `t + dt` is [`forces`](Self::forces) at `t`, [`kick`](Self::kick),
 /// [`constrain`](Self::constrain), [`drift`](Self::drift).
 pub trait Dynamics {
-    /// Time of the displacement (s).
+    /// Present time (s), that of the displacement.
     fn time(&self) -> f64;
-    /// Evaluates all forces at the present displacement and velocity.
+    /// Evaluates all nodal forces at the present displacement and velocity, in a step of length `step` (s).
     ///
     /// # Errors
-    /// The element that failed.
+    /// The first element whose forces cannot be computed.
     fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError>;
-    /// Solves every node for its new velocity, dashpots and springs implicit.
+    /// Velocity update: solves for the new velocity of every node, with dashpots and springs implicit.
     ///
     /// # Errors
     /// If the motion is no longer finite.
     fn kick(&mut self, mass_damping: MassDampingRule, step: f64) -> Result<(), RunError>;
-    /// Lets constraints and supports correct the new velocity.
+    /// Corrects the new velocities by the constraints (joints).
     ///
     /// # Errors
-    /// The constraint that failed.
+    /// The first constraint that cannot be satisfied.
     fn constrain(&mut self, step: f64) -> Result<(), RunError>;
-    /// Moves the nodes and the time, and commits the history.
+    /// Displacement update: advances displacement and time by a step, and commits the history variables.
     fn drift(&mut self, step: f64);
 }
 
-/// An explicit scheme.
+/// An explicit time integration scheme.
 ///
 /// ```
 /// use powerhouse_model::*;
-/// /// The central difference, nothing else.
+/// /// The central difference method without damping.
 /// struct Plain;
 /// impl TimeIntegrator for Plain {
 ///     fn name(&self) -> &'static str { "plain" }
@@ -136,57 +158,107 @@ pub trait Dynamics {
 /// assert_eq!(Plain.stable_step(&FrequencyLimits::undamped(4.0)).unwrap(), 0.5);
 /// ```
 pub trait TimeIntegrator: Send + Sync {
-    /// The scheme's name in scenes and reports.
+    /// Name of the scheme in scenes and reports.
     fn name(&self) -> &'static str;
-    /// The largest stable step (s), damping included.
+    /// Largest stable step (s), damping included.
     ///
     /// # Errors
     /// If the scheme is unstable at every step under this damping.
     fn stable_step(&self, limits: &FrequencyLimits) -> Result<f64, RunError>;
-    /// Accepts or refuses a step before the run.
+    /// Checks the stability of a step (s) before the run.
     ///
     /// # Errors
-    /// Why the step is refused.
+    /// If the step is above the stability limit, or the scheme is unstable under this damping.
     fn check(&self, limits: &FrequencyLimits, step: f64) -> Result<(), RunError>;
-    /// Takes one step.
+    /// Takes one time step of length `step` (s).
     ///
     /// # Errors
-    /// What stopped the step.
+    /// A failed operation.
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError>;
 }
 
-/// Which fields an observer reads; an engine prepares no others.
+/// Fields that an observer reads beside displacement and velocity; an engine may omit the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Fields {
-    /// Accelerations.
+    /// Whether accelerations are read.
     pub acceleration: bool,
-    /// Element stresses.
+    /// Whether element stresses are read.
     pub stress: bool,
-    /// The energy ledger.
+    /// Whether energies of the energy balance are read.
     pub energy: bool,
 }
 
-/// When an observer is called.
+impl Fields {
+    /// The same with or without accelerations.
+    #[must_use]
+    pub fn with_acceleration(mut self, read: bool) -> Self {
+        self.acceleration = read;
+        self
+    }
+    /// The same with or without element stresses.
+    #[must_use]
+    pub fn with_stress(mut self, read: bool) -> Self {
+        self.stress = read;
+        self
+    }
+    /// The same with or without the energy ledger.
+    #[must_use]
+    pub fn with_energy(mut self, read: bool) -> Self {
+        self.energy = read;
+        self
+    }
+}
+
+/// Interval at which an observer is called.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Cadence {
-    /// Every so many steps, the first included.
+    /// Interval in steps, at least 1; the first step is included.
     Steps(u64),
-    /// At the first step at or past every multiple of a time (s).
+    /// Interval in seconds, above zero: the first step at or past every multiple of it.
     Seconds(f64),
 }
 
-/// Whether a run goes on.
+impl Cadence {
+    /// Accepts an interval of at least one step, or of a positive time.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for `cadence`.
+    pub fn check(self) -> Result<(), ParameterError> {
+        match self {
+            Self::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
+            Self::Seconds(time) => {
+                ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
+            }
+        }
+    }
+    /// Whether an observer is called at a step of a number, a time (s) and a length (s). Times count as
+    /// reached a millionth of a step early.
+    pub fn is_due(self, number: u64, time: f64, step: f64) -> bool {
+        match self {
+            Self::Steps(every) => number.is_multiple_of(every.max(1)),
+            Self::Seconds(interval) if interval > step => {
+                let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
+                number == 0 || multiple(time) > multiple(time - step)
+            }
+            Self::Seconds(_) => true,
+        }
+    }
+}
+
+/// Decision of an observer to continue or stop the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
-    /// Go on.
+    /// Continue the run.
     Continue,
-    /// Stop after this step; the output is complete.
+    /// Stop the run after this step, with complete output.
     Stop,
 }
 
 /// State of the body at a time step for observers, in the mesh's numbering; implemented by engines only.
 ///
-/// A view of a body that never moves, to test an observer:
+/// A view of a body at rest, to test an observer:
 /// ```
 /// use powerhouse_model::{StepView, Stress, Vec3};
 /// struct Still(usize);
@@ -203,51 +275,50 @@ pub enum Flow {
 /// }
 /// ```
 pub trait StepView {
-    /// Steps taken.
+    /// Number of time steps taken.
     fn number(&self) -> u64;
-    /// Time of the displacement (s).
+    /// Present time (s), that of the displacement.
     fn time(&self) -> f64;
     /// Length of the step (s).
     fn step(&self) -> f64;
     /// Number of nodes of the mesh.
     fn node_count(&self) -> usize;
-    /// Displacement (m) at `time` since the start of the stage.
+    /// Displacement (m) of a node (mesh index) since the start of the stage.
     fn displacement(&self, node: u32) -> Vec3;
-    /// Velocity (m/s) at `time`: the mean of the half steps before and after.
+    /// Velocity (m/s) of a node: the mean of those half a step before and after.
     fn velocity(&self, node: u32) -> Vec3;
-    /// Acceleration (m/s2) at `time`.
+    /// Acceleration (m/s2) of a node.
     fn acceleration(&self, node: u32) -> Vec3;
-    /// Mean stress (Pa) of an element, the initial stress included if there is one; zero if it belongs
-    /// to no block.
+    /// Mean stress (Pa) of an element (mesh index), initial stress included; zero for an absent element.
     fn stress(&self, element: u32) -> Stress;
     /// Writes the internal forces (N) of an element at its nodes, in the mesh's order: those of its
-    /// stress, the initial stress included, and of hourglass resistance, without stiffness damping. They
-    /// resist the motion; zero if it belongs to no block. Yields whether they are known; they are not by
+    /// stress, initial stress included, and of hourglass resistance, without stiffness damping. They
+    /// resist the motion; zero for an absent element. Returns whether the engine provides element forces; false by
     /// default.
     fn element_forces(&self, _element: u32, _out: &mut [Vec3]) -> bool {
         false
     }
-    /// Named energies (J), if the ledger is kept.
+    /// Columns of the energy balance (name, J) at its last reading; empty without an energy ledger.
     fn energies(&self) -> &[(&'static str, f64)];
-    /// What an element shows of a history variable of its law, as of the step's forces
-    /// ([`HistoryVariable::of_element`](crate::HistoryVariable::of_element)); none if its law has
-    /// no such variable, or by default.
+    /// Value of a history variable of the law in an element, at the forces of this step
+    /// ([`HistoryVariable::of_element`](crate::HistoryVariable::of_element)); none if the law has
+    /// no such variable, and by default.
     fn history(&self, _element: u32, _variable: &str) -> Option<f64> {
         None
     }
-    /// History variables of a block without elements of its own, such as a set of bolts, by the block's label
-    /// and the variable's name, as of the step before; none if there is no such block or variable, or by
+    /// Values of a history variable of an embedded block, such as a set of bolts, by the block's label
+    /// and the variable's name, at the step before; none if there is no such block or variable, and by
     /// default.
     fn embedded(&self, _block: &str, _variable: &str) -> Option<Vec<f64>> {
         None
     }
-    /// The joints of the body; none by default.
+    /// State of the joints of the body; empty by default.
     fn joints(&self) -> Vec<JointView<'_>> {
         Vec::new()
     }
 }
 
-/// Sees steps, writes or collects what it wants, may stop or fail the run.
+/// An observer: it receives the state of the body at its cadence, records or writes output, and may stop the run.
 ///
 /// ```
 /// use powerhouse_model::*;
@@ -263,21 +334,21 @@ pub trait StepView {
 /// }
 /// ```
 pub trait Observer: Send {
-    /// The observer's name in reports.
+    /// Name of the observer in reports.
     fn name(&self) -> &str;
-    /// What it reads.
+    /// Fields that the observer reads.
     fn fields(&self) -> Fields;
-    /// When it wants to be called; the last step is always shown.
+    /// Sampling interval; the last step is always observed.
     fn cadence(&self) -> Cadence;
-    /// Sees a step.
+    /// Processes the state in a step; returns whether the run continues.
     ///
     /// # Errors
-    /// Fails the run.
+    /// Any error, which fails the run.
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError>;
-    /// Called once after the last step, also when the run was stopped or failed.
+    /// Completes the output; called once after the last step, also of a stopped or failed run.
     ///
     /// # Errors
-    /// Fails the run.
+    /// Any error, which fails the run.
     fn finish(&mut self) -> Result<(), ModelError> {
         Ok(())
     }

@@ -1,26 +1,26 @@
-//! Errors that more than one crate raises.
+//! Errors of parameters, model assembly and runs.
 
 use thiserror::Error;
 
-/// A parameter outside its permitted range.
+/// A parameter value outside its permitted range.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{name} = {value} is outside its permitted range [{least}, {most}]")]
 pub struct ParameterError {
-    /// The field's name.
+    /// Name of the parameter.
     pub name: &'static str,
-    /// What was given.
+    /// The value given.
     pub value: f64,
-    /// The least permitted value.
+    /// Least permitted value.
     pub least: f64,
-    /// The greatest permitted value.
+    /// Greatest permitted value.
     pub most: f64,
 }
 
 impl ParameterError {
-    /// Accepts a finite value in the closed range `[least, most]`.
+    /// Checks that a value is finite and in the closed range `[least, most]`.
     ///
     /// # Errors
-    /// The error itself, if the value is outside or not a number.
+    /// A [`ParameterError`] with these arguments, if it is not.
     pub fn check(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), Self> {
         if value.is_finite() && value >= least && value <= most {
             Ok(())
@@ -35,28 +35,28 @@ impl ParameterError {
     }
 }
 
-/// What makes the assembly of a model fail, from whichever crate it comes.
+/// Failure of the assembly of a model, in any crate.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// A parameter outside its range.
+    /// A parameter outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A mesh that cannot be computed with.
+    /// A fault of the mesh.
     #[error(transparent)]
     Mesh(#[from] crate::MeshError),
-    /// An implementation behind a socket refused; its own error is the source.
+    /// An error of an implementation of one of the interfaces, such as a boundary or a law.
     #[error("{part}: {source}")]
     Refused {
-        /// Which part of the model refused.
+        /// The part of the model that failed.
         part: String,
-        /// Why.
+        /// Cause of the failure.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }
 
 impl ModelError {
-    /// Wraps the error of a user's type.
+    /// Wraps the error of a user's type as [`ModelError::Refused`].
     pub fn refused(
         part: impl Into<String>,
         source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
@@ -68,102 +68,102 @@ impl ModelError {
     }
 }
 
-/// What ends a run before its time.
+/// Failure of a dynamic run.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// A parameter of the run outside its range.
+    /// A parameter of the run outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The motion left the range of numbers, or grew past a stated bound.
+    /// Divergence: a velocity that is not finite or above the bound.
     #[error(
         "the motion diverged at step {step} (t = {time:.6e} s): element {element} of set '{set}', \
          speed {speed:.3e} m/s at node {node}"
     )]
     Diverged {
-        /// Step number, from 0.
+        /// Number of the step, from 0.
         step: u64,
         /// Time (s).
         time: f64,
-        /// The user's number of an element at the node with the largest motion.
+        /// The user's number of an element at the fastest node.
         element: u64,
-        /// The set of that element.
+        /// Set of that element.
         set: String,
-        /// The user's number of the node.
+        /// The user's number of the fastest node.
         node: u64,
-        /// Its speed (m/s), possibly not finite.
+        /// Speed of that node (m/s), possibly not finite.
         speed: f64,
     },
-    /// The energy ledger does not close.
+    /// A residual of the energy balance above its limit.
     #[error(
-        "the energy ledger is off by {residual:.3e} of its scale at step {step} (limit {limit:.1e}); worst set '{set}'"
+        "the residual of the energy balance is {residual:.3e} of the largest energy at step {step} (limit {limit:.1e}), largest in set '{set}'"
     )]
     EnergyResidual {
-        /// Step number.
+        /// Number of the step, from 0.
         step: u64,
-        /// Residual over the ledger's scale.
+        /// Residual over the largest stored energy or external work so far.
         residual: f64,
-        /// The permitted residual.
+        /// Largest permitted residual.
         limit: f64,
-        /// The set with the largest share.
+        /// Element set with the largest share of the residual.
         set: String,
     },
-    /// A time step that the scheme cannot take.
+    /// A time step above the stability limit of the scheme.
     #[error(
         "a step of {step:.6e} s is above the stable limit {limit:.6e} s of the scheme '{scheme}' ({reason})"
     )]
     UnstableStep {
-        /// The wanted step (s).
+        /// The step given (s).
         step: f64,
-        /// The limit (s).
+        /// Stability limit (s).
         limit: f64,
-        /// The integrator's name.
+        /// Name of the integration scheme.
         scheme: &'static str,
-        /// What sets the limit.
+        /// Cause of the limit.
         reason: String,
     },
-    /// An integrator that is unstable at every step under the given damping.
+    /// An integration scheme that is unstable at every step under the damping of the model.
     #[error(
         "the scheme '{scheme}' needs stiffness damping of at least {least:.6e} s (half the step); the model has {given:.6e} s"
     )]
     TooLittleDamping {
-        /// The integrator's name.
+        /// Name of the integration scheme.
         scheme: &'static str,
-        /// The least stiffness damping (s).
+        /// Least stiffness damping coefficient required (s).
         least: f64,
-        /// What the model has (s).
+        /// Least stiffness damping coefficient of the model (s).
         given: f64,
     },
-    /// An element could not be computed.
+    /// An element whose forces cannot be computed.
     #[error("element {element} of set '{set}' at step {step}: {reason}")]
     Element {
-        /// The user's number.
+        /// The user's number of the element.
         element: u64,
-        /// Its set.
+        /// Set of the element.
         set: String,
-        /// Step number.
+        /// Number of the step, from 0.
         step: u64,
-        /// Why.
+        /// Cause of the failure.
         reason: String,
     },
-    /// A constraint or joint could not be satisfied.
+    /// A constraint or joint that cannot be satisfied.
     #[error("constraint '{name}' at step {step}: {reason}")]
     Constraint {
-        /// Its name.
+        /// Name of the constraint.
         name: String,
-        /// Step number.
+        /// Number of the step, from 0.
         step: u64,
-        /// Why.
+        /// Cause of the failure.
         reason: String,
     },
-    /// An observer failed the run.
+    /// A failed observer.
     #[error("observer '{name}' at step {step}: {source}")]
     Observer {
-        /// Its name.
+        /// Name of the observer.
         name: String,
-        /// Step number.
+        /// Number of the step, from 0.
         step: u64,
-        /// Why.
+        /// Cause of the failure.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }

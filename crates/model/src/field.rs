@@ -1,15 +1,15 @@
-//! The motion of the site without the structure.
+//! Interface of incident wave fields (free fields).
 
 use crate::{ElasticMedium, ModelError, Stress, Vec3};
 
-/// Displacement, velocity and stress of a field at one point and time.
+/// Displacement, velocity and stress of a wave field at one point and time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldMotion {
     /// Displacement (m).
     pub displacement: Vec3,
     /// Velocity (m/s).
     pub velocity: Vec3,
-    /// Stress (Pa), the change that the wave makes.
+    /// Stress change caused by the wave (Pa).
     pub stress: Stress,
 }
 
@@ -24,9 +24,10 @@ impl core::ops::AddAssign for FieldMotion {
     }
 }
 
-/// An elastic wave field that satisfies the equations of motion in the whole site.
+/// An incident wave field: the free-field motion of the elastic site without the structure.
 ///
-/// Fields add up: the sum of two incident fields is an incident field.
+/// It satisfies the equations of motion in the whole site. Fields superpose: the sum of two incident fields is an
+/// incident field.
 /// ```
 /// use powerhouse_model::{ElasticMedium, FieldMotion, FieldSampler, IncidentField, ModelError, Vec3};
 /// struct Still(ElasticMedium);
@@ -45,29 +46,29 @@ impl core::ops::AddAssign for FieldMotion {
 /// }
 /// ```
 pub trait IncidentField: Send + Sync {
-    /// The field's name in reports.
+    /// Name of the field in reports.
     fn name(&self) -> &str;
-    /// The medium that the field lives in.
+    /// Elastic medium of the site.
     fn medium(&self) -> ElasticMedium;
-    /// The incoming wave alone, without what the free surface reflects, where the field knows it.
+    /// The incident waves alone, without reflections of the free surface; none if the field has no such decomposition.
     fn incident_part(&self) -> Option<Box<dyn IncidentField>>;
-    /// A sampler for fixed points (m), with every constant ready.
+    /// A sampler of the field at fixed points (m), with all constants precomputed.
     ///
     /// # Errors
     /// If the field is not defined at a point, such as above its free surface.
     fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError>;
 }
 
-/// Samples a field at fixed points; [`IncidentField::prepare`] makes it, and its documentation has
+/// Sampler of an incident field at fixed points, returned by [`IncidentField::prepare`]; see [`IncidentField`] for
 /// an example.
 pub trait FieldSampler: Send + Sync {
-    /// How many points.
+    /// Number of points.
     fn len(&self) -> usize;
     /// Whether there are no points.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Adds the field's motion at a time (s) to `motion`, in the order of the points.
+    /// Adds the motion of the field at a time (s) to `motion`, in the order of the points.
     ///
     /// # Panics
     /// May panic if `motion` is shorter than [`len`](Self::len).

@@ -1,20 +1,20 @@
-//! Joints: what a law admits, what becomes of a pair, and how others see it.
+//! Node pairs of joints: geometry, state, and the views and histories by which they are exchanged.
 
-use crate::Vec3;
+use crate::{HistoryVariable, Vec3};
 
-/// How the two sides of a pair move against each other.
+/// Contact state of a node pair: sticking, sliding or open.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContactState {
-    /// Together.
+    /// In contact without relative motion.
     #[default]
     Stick,
-    /// Along each other.
+    /// In contact with slip.
     Slide,
-    /// Apart.
+    /// Not in contact.
     Open,
 }
 
-/// Whether something holds the two sides of a pair together.
+/// Bond of a node pair: never there, intact or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bond {
     /// There has never been a bond.
@@ -22,120 +22,77 @@ pub enum Bond {
     Never,
     /// The bond holds.
     Intact,
-    /// It broke, for good.
+    /// The bond broke, for good.
     Broken,
 }
 
-/// What a law reads of a pair, and what it decides.
+/// Contact state, bond and accumulated slip of a node pair: the part of its history that every contact
+/// law has.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct JointState {
-    /// How the sides moved in the last step.
+    /// Contact state in the last step.
     pub contact: ContactState,
-    /// Whether a bond holds them.
+    /// State of the bond.
     pub bond: Bond,
-    /// Accumulated slip (m). The joint keeps it; what a law returns here is not used.
+    /// Accumulated slip (m). The joint sums it up; what a law returns here is not used.
     pub slip: f64,
 }
 
-/// Which tractions a joint admits.
-///
-/// A pure function of the trial traction and the pair's state: it runs without a mesh. Tractions
-/// are those on the first side (Pa): the component along its outward normal, positive in tension,
-/// and two along tangents. The law must not prefer a direction in the plane of the tangents.
-/// ```
-/// use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, Vec3};
-/// /// Presses, never pulls, never rubs.
-/// struct Smooth;
-/// impl ContactLaw for Smooth {
-///     fn name(&self) -> &str { "smooth" }
-///     fn initial(&self) -> JointState { JointState::default() }
-///     fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-///         let contact = if trial.x > 0.0 { ContactState::Open } else { ContactState::Slide };
-///         (Vec3::new(trial.x.min(0.0), 0.0, 0.0), JointState { contact, ..*state })
-///     }
-///     fn sliding_strength(&self, _normal: f64, _state: &JointState) -> f64 { 0.0 }
-/// }
-/// let (traction, _) = Smooth.admissible(Vec3::new(2.0, 1.0, 0.0), &JointState::default());
-/// assert_eq!(traction, Vec3::zeros());
-/// ```
-pub trait ContactLaw: Send + Sync {
-    /// The law's name in reports.
-    fn name(&self) -> &str;
-    /// The state of a pair that has not moved yet.
-    fn initial(&self) -> JointState;
-    /// The traction that the joint admits in place of the trial one, which would close the gap
-    /// and stop the slip, and the new state. A pair sticks where the trial is admitted as it is,
-    /// to the bit.
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState);
-    /// [`admissible`](Self::admissible) for many pairs at once, in place: trial tractions become those
-    /// admitted, states new ones. A law that stands behind a pointer is called once for all of them.
+impl JointState {
+    /// State with a contact state and a bond, without slip.
     #[inline(always)]
-    fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
-        for (traction, state) in tractions.iter_mut().zip(states) {
-            (*traction, *state) = self.admissible(*traction, state);
+    pub const fn new(contact: ContactState, bond: Bond) -> Self {
+        Self {
+            contact,
+            bond,
+            slip: 0.0,
         }
     }
-    /// The shear traction (Pa, not negative) of a pair that slides under a normal traction (Pa,
-    /// positive in tension).
-    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64;
-    /// The greatest normal traction (Pa) of a pair in this state that no bond holds together; none by
-    /// default.
-    fn unbonded_tension(&self, _state: &JointState) -> f64 {
-        0.0
+    /// The same state with another contact state.
+    #[inline(always)]
+    #[must_use]
+    pub const fn with_contact(self, contact: ContactState) -> Self {
+        Self { contact, ..self }
+    }
+    /// The same state with another bond.
+    #[inline(always)]
+    #[must_use]
+    pub const fn with_bond(self, bond: Bond) -> Self {
+        Self { bond, ..self }
+    }
+    /// The same state with an accumulated slip (m).
+    #[inline(always)]
+    #[must_use]
+    pub const fn with_slip(self, slip: f64) -> Self {
+        Self { slip, ..self }
     }
 }
 
-/// A law behind a pointer is the law: every question goes on, that for many pairs as one call.
-macro_rules! law_behind {
-    ($($pointer:ty),+) => {
-        $(
-            impl<L: ContactLaw + ?Sized> ContactLaw for $pointer {
-                fn name(&self) -> &str {
-                    (**self).name()
-                }
-                fn initial(&self) -> JointState {
-                    (**self).initial()
-                }
-                fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-                    (**self).admissible(trial, state)
-                }
-                #[inline(always)]
-                fn admit(&self, tractions: &mut [Vec3], states: &mut [JointState]) {
-                    (**self).admit(tractions, states)
-                }
-                fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
-                    (**self).sliding_strength(normal, state)
-                }
-                fn unbonded_tension(&self, state: &JointState) -> f64 {
-                    (**self).unbonded_tension(state)
-                }
-            }
-        )+
-    };
-}
-
-law_behind!(Box<L>, std::sync::Arc<L>, &L);
-
-/// Two nodes that face each other across a joint.
+/// Node pair of a joint: two nodes that face each other, with their local axes and tributary area.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct JointPair {
-    /// Mesh indices, the first side's node first.
+    /// Mesh indices of the two nodes, that of the first side first.
     pub nodes: [u32; 2],
     /// Unit normal, out of the first side and into the second.
     pub normal: Vec3,
     /// First unit tangent; the second is `normal x tangent`.
     pub tangent: Vec3,
-    /// Area of the joint that belongs to the pair (m2).
+    /// Tributary area: area of facets that belongs to the pair (m2).
     pub area: f64,
-    /// Of it what is seen along the normal (m2): less than the area where the facets at the pair are at an
-    /// angle to each other. Tractions are forces over it, so that a uniform pressure on such facets reads as
-    /// itself, and strengths see it so; a shear along the edge between them reads too large by the
-    /// ratio of the areas.
+    /// Tributary area projected along the normal (m2): less than the area where the facets at the pair are
+    /// at an angle to each other. Tractions are forces over it, so that a uniform pressure on such facets
+    /// reads as itself, and strengths are compared so; a shear along the edge between them reads too large
+    /// by the ratio of the areas.
     pub projected_area: f64,
+    /// Position of the pair in the undeformed mesh (m), for laws that depend on it; the origin unless
+    /// [`with_position`](Self::with_position) sets it, as pairs that are made of facets do.
+    pub position: Vec3,
 }
 
 impl JointPair {
-    /// A pair with a normal of any length but zero, a tangent of its own choice and an area (m2).
+    /// Pair with a normal of any length but zero, some tangent across it, and an area (m2).
     pub fn new(nodes: [u32; 2], normal: Vec3, area: f64) -> Self {
         let normal = normal.normalize();
         // Across the axis that is farthest from the normal.
@@ -146,12 +103,13 @@ impl JointPair {
             tangent,
             area,
             projected_area: area,
+            position: Vec3::zeros(),
         }
     }
-    /// The pair of facets whose vector areas (m2, along their outward normals) add up to a sum, and whose
-    /// areas to an area: its normal is the direction of that sum.
+    /// Pair of several facets, given the sum of their vector areas (m2, along their outward normals) and
+    /// the sum of their areas (m2): its normal is the direction of the first.
     pub fn of_facets(nodes: [u32; 2], vector_area: Vec3, area: f64) -> Self {
-        /// What rounding may take from the sum of facets in one plane.
+        /// Relative loss of a sum of facets in one plane by rounding.
         const ROUNDING: f64 = 1e-9;
         let seen = vector_area.norm();
         let plane = seen >= area * (1.0 - ROUNDING);
@@ -160,7 +118,17 @@ impl JointPair {
             ..Self::new(nodes, vector_area, area)
         }
     }
-    /// Components along normal, first and second tangent.
+    /// The same pair at a position (m).
+    #[must_use]
+    pub fn with_position(self, position: Vec3) -> Self {
+        Self { position, ..self }
+    }
+    /// The same pair of other nodes (mesh indices).
+    #[must_use]
+    pub fn with_nodes(self, nodes: [u32; 2]) -> Self {
+        Self { nodes, ..self }
+    }
+    /// Components of a vector along normal, first and second tangent.
     #[inline(always)]
     pub fn to_local(&self, vector: &Vec3) -> Vec3 {
         let second = self.normal.cross(&self.tangent);
@@ -170,7 +138,7 @@ impl JointPair {
             vector.dot(&second),
         )
     }
-    /// The vector with these components along normal, first and second tangent.
+    /// Vector with given components along normal, first and second tangent.
     #[inline(always)]
     pub fn to_global(&self, local: &Vec3) -> Vec3 {
         let second = self.normal.cross(&self.tangent);
@@ -178,141 +146,194 @@ impl JointPair {
     }
 }
 
-/// Contact state, history variables and peak values of a node pair.
+/// Contact state, traction, opening, peak values and energies of a node pair.
 ///
-/// Traction and gap are those at the time of the displacement; slip and energies include the step
-/// that begins there.
+/// Traction and opening are those at the time of the displacement; slip and energies include the step
+/// that begins there. The history variables of its law are beside it, see [`JointView::history`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct JointRecord {
-    /// What its law reads.
+    /// Contact state, bond and accumulated slip.
     pub state: JointState,
-    /// Traction on the first side (Pa): normal, positive in tension, and two tangents.
+    /// Traction on the first side (Pa): normal component, positive in tension, and two tangential ones.
     pub traction: Vec3,
     /// Distance of the sides along the normal (m), negative where they overlap; from where the pair was
     /// [closed anew](Self::closed_at), if it was.
     pub opening: f64,
-    /// The largest opening so far (m).
+    /// Largest opening so far (m).
     pub peak_opening: f64,
-    /// Where it sticks: displacement of the second side along the tangents (m); none before its
-    /// first step.
+    /// Tangential displacement of the second side at which the pair sticks (m, along both tangents); none
+    /// before its first step.
     pub anchor: Option<[f64; 2]>,
-    /// When it first slid (s).
+    /// Time of the first slip (s).
     pub first_slip: Option<f64>,
-    /// When it first opened (s).
+    /// Time of the first opening (s).
     pub first_crack: Option<f64>,
-    /// Dissipated by friction so far (J).
+    /// Energy dissipated by friction so far (J), less the work of dilation against the pressure.
     pub friction: f64,
-    /// Dissipated in the step in which its bond broke (J).
+    /// Energy dissipated in the step in which the bond broke (J).
     pub bond_energy: f64,
-    /// Lost so far where the sides met (J).
+    /// Kinetic energy lost so far by impact of the sides (J).
     pub impact: f64,
     /// Displacement of the second side relative to the first (m: along the normal, with the initial gap
     /// if that was filled, and along two tangents) at which the pair was closed anew, as by grouting:
     /// opening, slip, anchor and energies count from there. None if it never was.
     pub closed_at: Option<[f64; 3]>,
+    /// Opening at which the pair counts as closed (m): what its law returned as
+    /// [`JointResponse::dilation`](crate::JointResponse::dilation); zero for laws that do not dilate.
+    pub dilation: f64,
 }
 
 impl JointRecord {
-    /// The relative displacement (m: normal and two tangents) that counts as none: that at which the
-    /// pair was [closed anew](Self::closed_at), else zero.
+    /// Record of a pair in a state that has not moved yet.
+    pub fn new(state: JointState) -> Self {
+        Self {
+            state,
+            ..Self::default()
+        }
+    }
+    /// The same record with a traction on the first side (Pa, local components).
+    #[must_use]
+    pub fn with_traction(self, traction: Vec3) -> Self {
+        Self { traction, ..self }
+    }
+    /// The same record of a pair that sticks at a tangential displacement (m).
+    #[must_use]
+    pub fn with_anchor(self, anchor: [f64; 2]) -> Self {
+        Self {
+            anchor: Some(anchor),
+            ..self
+        }
+    }
+    /// Relative displacement (m: normal and two tangents) from which opening and slip count: that at which
+    /// the pair was [closed anew](Self::closed_at), else zero.
     pub fn origin(&self) -> Vec3 {
         self.closed_at.map_or_else(Vec3::zeros, Vec3::from)
     }
 }
 
-/// How a joint starts anew at the displacement that it has.
+/// Way in which a joint starts anew at its present displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Renewal {
-    /// Closed, initial gaps filled, every pair in the initial state of its law: grouting.
+    /// Grouting: closed, initial gaps filled, every pair in the initial state of its law.
     Grouted,
-    /// As it was built, with initial gaps, and without a bond where it had none: a tie is taken off.
+    /// Removal of a tie: as the joint was built, with initial gaps, and without a bond where it had none.
     Released,
 }
 
-/// A joint as others see it; pair by pair in the same order.
+/// View of a joint for observers; lists have one entry per pair, in the same order.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct JointView<'a> {
-    /// The joint's name.
+    /// Name of the joint.
     pub name: &'a str,
-    /// The name of its law.
+    /// Name of its contact law.
     pub law: &'a str,
-    /// Nodes, directions and areas.
+    /// Nodes, local axes and areas of the pairs.
     pub pairs: &'a [JointPair],
-    /// Contact states and history variables of its pairs.
+    /// Contact states, tractions, peak values and energies of the pairs.
     pub records: &'a [JointRecord],
-    /// The most sweeps that connected pairs took in a step so far; zero where one pass did.
+    /// History variables of the law.
+    pub variables: &'a [HistoryVariable],
+    /// Values of the history variables, those of a pair side by side.
+    pub history: &'a [f64],
+    /// Greatest number of sweeps in a step so far that connected pairs took; zero where one pass did.
     pub most_sweeps: u32,
-    /// The largest relative change of motion that such a solution left.
+    /// Largest relative change of motion in the last sweep of such a solution.
     pub worst_residual: f64,
 }
 
-/// What a stage or checkpoint keeps of a joint.
+impl<'a> JointView<'a> {
+    /// View of a joint by name and law, without history variables, solved in one pass.
+    pub fn new(
+        name: &'a str,
+        law: &'a str,
+        pairs: &'a [JointPair],
+        records: &'a [JointRecord],
+    ) -> Self {
+        Self {
+            name,
+            law,
+            pairs,
+            records,
+            variables: &[],
+            history: &[],
+            most_sweeps: 0,
+            worst_residual: 0.0,
+        }
+    }
+    /// The same view with history variables and their values, those of a pair side by side.
+    #[must_use]
+    pub fn with_history(self, variables: &'a [HistoryVariable], history: &'a [f64]) -> Self {
+        Self {
+            variables,
+            history,
+            ..self
+        }
+    }
+    /// The same view with the greatest number of sweeps and the largest residual of connected pairs.
+    #[must_use]
+    pub fn with_effort(self, most_sweeps: u32, worst_residual: f64) -> Self {
+        Self {
+            most_sweeps,
+            worst_residual,
+            ..self
+        }
+    }
+}
+
+/// State of a joint as stages and checkpoints keep it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct JointHistory {
-    /// The joint's name.
+    /// Name of the joint.
     pub name: String,
-    /// Mesh indices of the nodes of its pairs, as in [`JointPair`]. Pairs of the same nodes, of the
-    /// patches at an edge, stand in the order of the joint.
+    /// Mesh indices of the nodes of the pairs, as in [`JointPair`]. Pairs of the same nodes, of the
+    /// patches at an edge, are in the order of the joint.
     pub nodes: Vec<[u32; 2]>,
-    /// Contact states and history variables of its pairs.
+    /// Contact states, tractions, peak values and energies of the pairs.
     pub records: Vec<JointRecord>,
+    /// Names of the history variables of the law.
+    pub variables: Vec<String>,
+    /// Values of the history variables, those of a pair side by side.
+    pub history: Vec<f64>,
+}
+
+impl JointHistory {
+    /// History of a joint by name, the nodes of its pairs (mesh indices) and their records, without
+    /// history variables of a law.
+    pub fn new(name: impl Into<String>, nodes: Vec<[u32; 2]>, records: Vec<JointRecord>) -> Self {
+        Self {
+            name: name.into(),
+            nodes,
+            records,
+            ..Self::default()
+        }
+    }
+    /// The same history with the names of history variables and their values, those of a pair side by
+    /// side.
+    #[must_use]
+    pub fn with_history(self, variables: Vec<String>, history: Vec<f64>) -> Self {
+        Self {
+            variables,
+            history,
+            ..self
+        }
+    }
 }
 
 impl From<&JointView<'_>> for JointHistory {
     fn from(joint: &JointView) -> Self {
-        Self {
-            name: joint.name.into(),
-            nodes: joint.pairs.iter().map(|pair| pair.nodes).collect(),
-            records: joint.records.to_vec(),
-        }
+        let nodes = joint.pairs.iter().map(|pair| pair.nodes);
+        let variables = joint.variables.iter().map(|variable| variable.name.into());
+        Self::new(joint.name, nodes.collect(), joint.records.to_vec())
+            .with_history(variables.collect(), joint.history.to_vec())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use core::sync::atomic::{AtomicUsize, Ordering};
-    use std::sync::Arc;
-
-    /// Lets everything through and counts how it is asked.
-    #[derive(Default)]
-    struct Counting {
-        alone: AtomicUsize,
-        together: AtomicUsize,
-    }
-
-    impl ContactLaw for Counting {
-        fn name(&self) -> &str {
-            "counting"
-        }
-        fn initial(&self) -> JointState {
-            JointState::default()
-        }
-        fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-            self.alone.fetch_add(1, Ordering::Relaxed);
-            (trial, *state)
-        }
-        fn admit(&self, _tractions: &mut [Vec3], _states: &mut [JointState]) {
-            self.together.fetch_add(1, Ordering::Relaxed);
-        }
-        fn sliding_strength(&self, _normal: f64, _state: &JointState) -> f64 {
-            0.0
-        }
-    }
-
-    /// Behind every pointer a law is asked once for many pairs, and not pair by pair.
-    #[test]
-    fn a_law_behind_a_pointer_is_asked_once_for_many_pairs() {
-        fn ask(law: impl ContactLaw) {
-            law.admit(&mut [Vec3::zeros(); 3], &mut [JointState::default(); 3]);
-        }
-        let law = Arc::new(Counting::default());
-        ask(law.as_ref() as &dyn ContactLaw);
-        ask(law.clone() as Arc<dyn ContactLaw>);
-        ask(Box::new(law.clone()) as Box<dyn ContactLaw>);
-        let counts = [&law.alone, &law.together].map(|count| count.load(Ordering::Relaxed));
-        assert_eq!(counts, [0, 3]);
-    }
 
     /// Components along normal and tangents give the vector back, for normals in any direction.
     #[test]

@@ -1,10 +1,10 @@
-//! The words and the sockets of powerhouse.
+//! Common data types and interfaces of the finite element libraries.
 //!
-//! This crate holds what the engine reads and what two of the other crates exchange: the
+//! This crate defines the data that the engine reads or two of the other crates exchange: the
 //! [mesh](Mesh) with its named sets, [tensors](Stress), [elastic media](ElasticMedium), the
-//! [state](State) of a body, and the traits behind which element kernels, constitutive laws,
-//! incident fields, boundaries, joints, integrators and observers stand. It computes nothing
-//! of its own beyond geometry and tensor algebra.
+//! [state](State) of a body, and the traits of element kernels, constitutive laws,
+//! incident fields, absorbing boundaries, joints, time integrators and observers. It computes nothing
+//! beyond geometry and tensor algebra.
 //!
 //! # Conventions
 //! SI units. Tension is positive. `z` points up; a free surface is horizontal. Symmetric tensors
@@ -12,14 +12,15 @@
 //! Stresses are total stresses: pore pressure is not modelled. Strains and slips are small.
 //!
 //! # Why so
-//! *The model is not the state.* Results, checkpoints and stages are keyed by the user's node
-//! and element numbers ([`State`]); an engine renumbers as it likes and gives back what it got.
+//! *The state is separate from the model.* States, results and stages use mesh indices and the user's node
+//! and element numbers ([`State`]); an engine may renumber nodes and elements internally.
 //! *Contexts are structs*, so that a field added later breaks no implementation.
 //! *Dispatch is dynamic once per block and step*, static inside: see [`ElementBlock`] and
 //! [`ConstitutiveLaw`].
 
 mod boundary;
 mod constraint;
+mod contact_law;
 mod elastic_domain;
 mod element;
 mod engine;
@@ -44,6 +45,7 @@ pub use boundary::{
     SiteFace, SiteNode,
 };
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
+pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
@@ -57,8 +59,7 @@ pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use joint::{
-    Bond, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView,
-    Renewal,
+    Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{
@@ -77,6 +78,9 @@ pub use point_law::{PointAdapter, PointLaw};
 pub use state::{Cast, HistoryField, State};
 pub use step_time::StepTime;
 pub use tensor::{Principal, Strain, Stress};
+
+/// The crate of linear algebra whose vectors and matrices stand in public signatures, in the version in use.
+pub use nalgebra;
 
 /// A vector in space: position (m), displacement (m), velocity (m/s) or force (N).
 pub type Vec3 = nalgebra::Vector3<f64>;

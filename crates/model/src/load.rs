@@ -1,19 +1,19 @@
-//! Loads.
+//! Nodal loads and functions of time.
 
 use crate::{ParameterError, Vec3};
 
-/// A number as a function of time (s).
+/// A scalar function of time (s).
 ///
-/// Every `Fn(f64) -> f64` that can be shared between threads is one.
+/// Every `Fn(f64) -> f64` that can be shared between threads implements it.
 /// ```
 /// use powerhouse_model::TimeFunction;
 /// let ramp = |t: f64| (t / 0.5).clamp(0.0, 1.0);
 /// assert_eq!(ramp.value(0.25), 0.5);
 /// ```
 pub trait TimeFunction: Send + Sync {
-    /// The value at a time.
+    /// Value at a time (s).
     fn value(&self, time: f64) -> f64;
-    /// Whether it is the same at all times. Loads that do not change are evaluated once.
+    /// Whether the function is constant, so that loads are evaluated only once; false by default.
     fn is_constant(&self) -> bool {
         false
     }
@@ -25,14 +25,14 @@ impl<F: Fn(f64) -> f64 + Send + Sync> TimeFunction for F {
     }
 }
 
-/// The same number at all times.
+/// A constant function of time, with its value.
 ///
 /// ```
 /// use powerhouse_model::{Constant, TimeFunction};
 /// assert_eq!(Constant(9.81).value(3.0), 9.81);
 /// assert!(Constant(1.0).is_constant());
 /// let closure = |_: f64| 1.0;
-/// assert!(!closure.is_constant(), "nobody knows");
+/// assert!(!closure.is_constant(), "closures do not count as constant");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constant(pub f64);
@@ -46,7 +46,7 @@ impl TimeFunction for Constant {
     }
 }
 
-/// A function of time given by points: straight lines between them, constant outside.
+/// A piecewise linear function of time, given by points, constant before the first and after the last.
 ///
 /// ```
 /// use powerhouse_model::{Table, TimeFunction};
@@ -62,10 +62,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table of times (s), each later than the one before, and as many values.
+    /// A table of strictly increasing times (s) and as many values.
     ///
     /// # Errors
-    /// No time, another number of values, a time that is not later than the one before, a number
+    /// An empty list of times, another number of values, times that do not increase strictly, a number
     /// that is not finite.
     pub fn new(times: &[f64], values: &[f64]) -> Result<Self, ParameterError> {
         let count = times.len() as f64;
@@ -106,7 +106,7 @@ impl TimeFunction for Table {
     }
 }
 
-/// Forces at some nodes as a function of time.
+/// A load: forces at some nodes as a function of time.
 ///
 /// ```
 /// use powerhouse_model::{NodalLoad, Vec3};
@@ -120,13 +120,13 @@ impl TimeFunction for Table {
 /// }
 /// ```
 pub trait NodalLoad: Send {
-    /// The load's name in reports.
+    /// Name of the load in reports.
     fn name(&self) -> &str;
-    /// The mesh's node indices, each at most once.
+    /// Mesh indices of the loaded nodes, each at most once.
     fn nodes(&self) -> &[u32];
     /// Adds the forces (N) at a time (s), in the order of [`nodes`](Self::nodes).
     fn add_forces(&mut self, time: f64, forces: &mut [Vec3]);
-    /// Whether the forces are the same at all times: the engine then asks for them once.
+    /// Whether the forces are constant in time, so that the engine evaluates them only once; false by default.
     fn is_constant(&self) -> bool {
         false
     }

@@ -36,7 +36,7 @@ impl ElasticMedium {
         })
     }
 
-    /// Lamé's first parameter, `E nu / ((1 + nu)(1 - 2 nu))` (Pa).
+    /// Lamé's first parameter `lambda = E nu / ((1 + nu)(1 - 2 nu))` (Pa).
     pub fn lambda(&self) -> f64 {
         self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
     }
@@ -52,11 +52,11 @@ impl ElasticMedium {
     pub fn constrained(&self) -> f64 {
         self.lambda() + 2.0 * self.shear()
     }
-    /// Speed of compressional waves (m/s).
+    /// Speed of compressional (P) waves, `sqrt((lambda + 2 G) / rho)` (m/s).
     pub fn p_speed(&self) -> f64 {
         (self.constrained() / self.density).sqrt()
     }
-    /// Speed of shear waves (m/s).
+    /// Speed of shear (S) waves, `sqrt(G / rho)` (m/s).
     pub fn s_speed(&self) -> f64 {
         (self.shear() / self.density).sqrt()
     }

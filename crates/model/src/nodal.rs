@@ -1,8 +1,8 @@
-//! Values at nodes, as the engine stores them.
+//! Storage of nodal vectors.
 
 use crate::{Scalar, Vec3};
 
-/// What nodal values are stored as: `f64` (precisions `f64` and `mixed`) or `f32`.
+/// Number format of nodal values: `f64` (precisions `f64` and `mixed`) or `f32`.
 pub trait NodalScalar: Scalar {
     #[doc(hidden)]
     type Alignment: Copy + Send + Sync + Default + core::fmt::Debug + 'static;
@@ -24,18 +24,18 @@ impl NodalScalar for f32 {
     type Alignment = Align16;
 }
 
-/// Four numbers of one node, aligned so that they never straddle a cache line: x, y, z and one
-/// spare that is zero.
+/// A nodal vector x, y, z padded with a zero to four numbers, aligned so that it never straddles a cache
+/// line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub struct Quad<S: NodalScalar> {
-    /// x, y, z, spare.
+    /// Components x, y, z and the padding.
     pub values: [S; 4],
     alignment: [S::Alignment; 0],
 }
 
 impl<S: NodalScalar> Quad<S> {
-    /// Three components; the spare is zero.
+    /// A nodal vector of three components.
     #[inline(always)]
     pub fn new(x: S, y: S, z: S) -> Self {
         Self {
@@ -43,7 +43,7 @@ impl<S: NodalScalar> Quad<S> {
             alignment: [],
         }
     }
-    /// Rounds a vector to this storage.
+    /// A nodal vector from a double precision vector, rounded to this number format.
     #[inline(always)]
     pub fn from_vector(vector: &Vec3) -> Self {
         Self::new(
@@ -52,7 +52,7 @@ impl<S: NodalScalar> Quad<S> {
             S::from_f64(vector.z),
         )
     }
-    /// The first three components in double precision.
+    /// The vector x, y, z in double precision.
     #[inline(always)]
     pub fn to_vector(self) -> Vec3 {
         Vec3::new(
@@ -63,17 +63,17 @@ impl<S: NodalScalar> Quad<S> {
     }
 }
 
-/// Read access to one nodal field in engine numbering, in either storage.
+/// Read access to a nodal vector field in engine numbering, in either number format.
 #[derive(Clone, Copy, Debug)]
 pub enum NodalView<'a> {
-    /// Nodes in double precision.
+    /// Nodal vectors in double precision.
     F64(&'a [Quad<f64>]),
-    /// Nodes in single precision.
+    /// Nodal vectors in single precision.
     F32(&'a [Quad<f32>]),
 }
 
 impl NodalView<'_> {
-    /// The vector at an engine node.
+    /// Vector at an engine node.
     ///
     /// # Panics
     /// If `node` is out of range.
@@ -84,7 +84,7 @@ impl NodalView<'_> {
             Self::F32(values) => values[node].to_vector(),
         }
     }
-    /// How many nodes the field has.
+    /// Number of nodes of the field.
     pub fn len(&self) -> usize {
         match self {
             Self::F64(values) => values.len(),
@@ -97,13 +97,13 @@ impl NodalView<'_> {
     }
 }
 
-/// Write access to the values of a block's own nodes, in the order of
+/// Write access to the nodal vectors of a block, in the order of
 /// [`ElementBlock::nodes`](crate::ElementBlock::nodes).
 #[derive(Debug)]
 pub enum NodalViewMut<'a> {
-    /// Nodes in double precision.
+    /// Nodal vectors in double precision.
     F64(&'a mut [Quad<f64>]),
-    /// Nodes in single precision.
+    /// Nodal vectors in single precision.
     F32(&'a mut [Quad<f32>]),
 }
 

@@ -1,77 +1,96 @@
-//! The state of a body, in the user's numbering.
+//! The state of a body, in the mesh's numbering.
 
 use std::collections::HashSet;
 
 use crate::{JointHistory, Stress, Vec3};
 
-/// One named history variable of one element set.
-#[derive(Clone, Debug, PartialEq)]
+/// Values of one history variable (internal state variable) at the integration points of an element set.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct HistoryField {
-    /// The name of the variable.
+    /// Name of the variable.
     pub name: String,
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
-    /// Integration points per element.
+    /// Number of integration points per element.
     pub points: usize,
-    /// Values, the points of an element side by side.
+    /// Values, `points` consecutive ones for each element.
     pub values: Vec<f64>,
 }
 
-/// Activated elements (element birth) with their stress-free reference configuration, from which their
-/// strain counts.
+/// Cast elements (element birth) with their stress-free reference configuration, from which their
+/// strain is measured.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cast {
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
-    /// Displacement (m) at which they are free of stress, one per mesh node.
+    /// Reference displacement (m) at which the elements are free of stress, one per mesh node.
     pub displacement: Vec<Vec3>,
 }
 
-/// Everything that a stage, a checkpoint or another engine needs to go on, keyed by mesh indices.
+/// State of a body from which a stage, a run or another engine continues, keyed by mesh indices.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct State {
     /// Time (s).
     pub time: f64,
-    /// Steps taken.
+    /// Number of time steps taken.
     pub step: u64,
     /// Displacement at `time` (m), one per mesh node.
     pub displacement: Vec<Vec3>,
     /// Velocity half a step before `time` (m/s), one per mesh node.
     pub velocity: Vec<Vec3>,
-    /// Displacement (m) at the start of the stage, one per mesh node; empty where it is zero. The
-    /// springs of boundaries are measured from it, and observers see displacements against it.
+    /// Displacement (m) at the start of the stage, one per mesh node; empty if it is zero. The
+    /// springs of boundaries and the displacements that observers receive are relative to it.
     pub stage_start: Vec<Vec3>,
-    /// Mean initial stress per element (Pa); empty where there is none.
+    /// Mean initial stress (Pa), one per element; empty without initial stress.
     pub initial_stress: Vec<Stress>,
-    /// Mesh indices of elements that are not there, excavated or yet to be built, in rising order.
+    /// Mesh indices of absent (inactive) elements, excavated or yet to be cast, in rising order.
     pub absent: Vec<u32>,
-    /// Elements that were put in later.
+    /// Elements cast in the course of the stages, with their reference configurations.
     pub casts: Vec<Cast>,
-    /// Forces (N) that hold the body beside its loads, one per mesh node; empty where there are
-    /// none: what balances the initial stress, reactions of supports, what a static solution left.
-    pub standing: Vec<Vec3>,
-    /// History variables of the laws.
+    /// Carried forces (N), which balance the body in addition to its loads, one per mesh node; empty without
+    /// such forces: forces of the initial stress, reactions of former supports, residual of a static solution.
+    pub carried_forces: Vec<Vec3>,
+    /// History variables (internal state variables) of the laws.
     pub history: Vec<HistoryField>,
     /// Contact states and history variables of joints.
     pub joints: Vec<JointHistory>,
 }
 
 impl HistoryField {
-    fn forget(&mut self, gone: &HashSet<u32>) {
+    /// A variable of elements (mesh indices) with so many integration points each; the values of the points
+    /// of an element stand side by side.
+    pub fn new(
+        name: impl Into<String>,
+        elements: Vec<u32>,
+        points: usize,
+        values: Vec<f64>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            elements,
+            points,
+            values,
+        }
+    }
+
+    /// Removes the values of some elements.
+    fn remove(&mut self, elements: &HashSet<u32>) {
         let points = self.points;
         let kept: Vec<usize> = (0..self.elements.len())
-            .filter(|&place| !gone.contains(&self.elements[place]))
+            .filter(|&index| !elements.contains(&self.elements[index]))
             .collect();
         let values = kept
             .iter()
-            .flat_map(|&place| place * points..(place + 1) * points);
+            .flat_map(|&index| index * points..(index + 1) * points);
         self.values = values.filter_map(|i| self.values.get(i).copied()).collect();
-        self.elements = kept.iter().map(|&place| self.elements[place]).collect();
+        self.elements = kept.iter().map(|&index| self.elements[index]).collect();
     }
 }
 
 impl State {
-    /// A body at rest at time zero.
+    /// The state of an undeformed, unstressed body at rest at time zero, with `nodes` mesh nodes.
     pub fn at_rest(nodes: usize) -> Self {
         Self {
             displacement: vec![Vec3::zeros(); nodes],
@@ -80,29 +99,29 @@ impl State {
         }
     }
 
-    /// The same body at the start of a new stage: at rest, at time zero, without the additional
-    /// nodes that a boundary had.
+    /// The same body at the start of a new stage: velocity zero, time zero, without the additional
+    /// nodes of a boundary.
     #[must_use]
     pub fn next_stage(mut self, nodes: usize) -> Self {
         (self.time, self.step) = (0.0, 0);
         self.displacement.truncate(nodes);
-        self.standing.truncate(nodes);
+        self.carried_forces.truncate(nodes);
         self.stage_start.clear();
         self.velocity = vec![Vec3::zeros(); nodes];
         self
     }
 
-    /// Takes elements out of the body, with all that belongs to them.
+    /// Removes elements from the body (element death), with their initial stress and history variables.
     pub fn remove(&mut self, elements: &[u32]) {
         self.absent.extend_from_slice(elements);
         self.absent.sort_unstable();
         self.absent.dedup();
-        self.forget(elements);
+        self.clear_elements(elements);
     }
 
-    /// Puts elements in, free of stress at the present displacement.
+    /// Casts elements (element birth), free of stress at the present displacement.
     pub fn cast(&mut self, elements: &[u32]) {
-        self.forget(elements);
+        self.clear_elements(elements);
         let present: HashSet<u32> = elements.iter().copied().collect();
         self.absent.retain(|element| !present.contains(element));
         self.casts.push(Cast {
@@ -111,20 +130,20 @@ impl State {
         });
     }
 
-    /// Drops the initial stress, the history and the casting of elements.
-    fn forget(&mut self, elements: &[u32]) {
+    /// Clears the initial stress, history variables and reference configurations of elements.
+    fn clear_elements(&mut self, elements: &[u32]) {
         for &element in elements {
             if let Some(stress) = self.initial_stress.get_mut(element as usize) {
                 *stress = Stress::default();
             }
         }
-        let gone: HashSet<u32> = elements.iter().copied().collect();
+        let removed: HashSet<u32> = elements.iter().copied().collect();
         for cast in &mut self.casts {
-            cast.elements.retain(|element| !gone.contains(element));
+            cast.elements.retain(|element| !removed.contains(element));
         }
         self.casts.retain(|cast| !cast.elements.is_empty());
         for field in &mut self.history {
-            field.forget(&gone);
+            field.remove(&removed);
         }
         self.history.retain(|field| !field.elements.is_empty());
     }

@@ -9,7 +9,7 @@ macro_rules! symmetric_tensor {
         pub struct $name<L = f64>(pub [L; 6]);
 
         impl<L: Lane> $name<L> {
-            /// All components zero.
+            /// The zero tensor.
             #[inline(always)]
             pub fn zero(token: L::Token) -> Self {
                 Self([L::splat(token, 0.0); 6])
@@ -49,30 +49,31 @@ macro_rules! symmetric_tensor {
 }
 
 symmetric_tensor! {
-    /// A stress (Pa), tension positive: xx yy zz xy yz zx.
+    /// A stress tensor (Pa), tension positive, with the components xx yy zz xy yz zx.
     Stress
 }
 symmetric_tensor! {
-    /// A small strain: xx yy zz and the engineering shears xy yz zx (twice the tensor's).
+    /// A small strain tensor with the components xx yy zz and the engineering shear strains xy yz zx (twice the tensor
+    /// components).
     Strain
 }
 
-/// Principal values in falling order, with their directions.
+/// Principal values and directions of a symmetric tensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principal {
-    /// Greatest, middle, least.
+    /// Principal values in falling order.
     pub values: [f64; 3],
-    /// Unit vectors that belong to them.
+    /// Principal directions, unit vectors in the order of the values.
     pub directions: [Vec3; 3],
 }
 
 impl Stress {
-    /// The tensor as a matrix.
+    /// The stress as a symmetric 3 x 3 matrix (Pa).
     pub fn matrix(&self) -> Mat3 {
         let [xx, yy, zz, xy, yz, zx] = self.0;
         Mat3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz)
     }
-    /// From the upper triangle of a matrix.
+    /// A stress from the upper triangle of a matrix (Pa).
     pub fn from_matrix(matrix: &Mat3) -> Self {
         Self([
             matrix[(0, 0)],
@@ -83,7 +84,7 @@ impl Stress {
             matrix[(2, 0)],
         ])
     }
-    /// The traction on a plane with unit normal `normal` (Pa).
+    /// Traction vector on a plane with unit normal `normal` (Pa).
     #[inline]
     pub fn traction(&self, normal: &Vec3) -> Vec3 {
         let [xx, yy, zz, xy, yz, zx] = self.0;
@@ -93,11 +94,11 @@ impl Stress {
             zx * normal.x + yz * normal.y + zz * normal.z,
         )
     }
-    /// The mean normal stress (Pa).
+    /// Mean normal stress (Pa), a third of the trace.
     pub fn mean(&self) -> f64 {
         (self.0[0] + self.0[1] + self.0[2]) / 3.0
     }
-    /// Principal stresses and their directions.
+    /// Principal stresses (Pa) and their directions.
     pub fn principal(&self) -> Principal {
         let eigen = self.matrix().symmetric_eigen();
         let mut order = [0, 1, 2];
@@ -110,7 +111,7 @@ impl Stress {
 }
 
 impl Strain {
-    /// The strain of a displacement gradient `gradient[(i, j)] = du_i/dx_j`.
+    /// The small strain of a displacement gradient `gradient[(i, j)] = du_i/dx_j`.
     pub fn from_gradient(gradient: &Mat3) -> Self {
         Self([
             gradient[(0, 0)],
@@ -124,7 +125,7 @@ impl Strain {
 }
 
 impl<L: Lane> Stress<L> {
-    /// The mean stress and `sqrt(J2)`, the square root of the second invariant of the deviator (Pa).
+    /// Mean stress, and `sqrt(J2)` with the second invariant `J2` of the deviator (Pa).
     #[inline(always)]
     pub fn mean_and_shear(&self) -> (L, L) {
         let [xx, yy, zz, xy, yz, zx] = self.0;
@@ -134,7 +135,7 @@ impl<L: Lane> Stress<L> {
         let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
         (mean, (normal + shear).sqrt())
     }
-    /// The inner product `sigma : epsilon` (J/m3).
+    /// Inner product `sigma : epsilon` with a strain (J/m3).
     #[inline(always)]
     pub fn work(&self, strain: &Strain<L>) -> L {
         let (s, e) = (&self.0, &strain.0);
@@ -144,7 +145,7 @@ impl<L: Lane> Stress<L> {
         }
         sum
     }
-    /// The isotropic elastic stress `lambda tr(e) I + 2 G e` of a strain.
+    /// Isotropic elastic stress `lambda tr(e) I + 2 G e` (Pa) of a strain, with Lamé's parameters (Pa).
     #[inline(always)]
     pub fn elastic(lambda: L, shear: L, strain: &Strain<L>) -> Self {
         let e = &strain.0;

@@ -1,13 +1,13 @@
-//! Loads and functions of time that several models of a scene have, one after the other.
+//! Loads and functions of time that are shared by the static and dynamic models of a scene.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
 
-/// A function of time that several models have.
+/// Function of time shared by several models.
 pub(crate) type SharedFunction = Arc<dyn TimeFunction>;
 
-/// A function for one more model: as it is, or held at its value at a time (s).
+/// Function of time for another model: unchanged, or constant with its value at a time (s).
 pub(crate) fn function(shared: &SharedFunction, held_at: Option<f64>) -> Box<dyn TimeFunction> {
     Box::new(Shared {
         function: shared.clone(),
@@ -29,7 +29,7 @@ impl TimeFunction for Shared {
     }
 }
 
-/// A load with the stage that removes it, if one does.
+/// Load with the name of the stage that removes it, if any.
 pub(crate) struct StagedLoad {
     pub(crate) load: SharedLoad,
     pub(crate) removed_in: Option<String>,
@@ -44,7 +44,7 @@ impl StagedLoad {
     }
 }
 
-/// A load that several models have.
+/// Load shared by several models.
 #[derive(Clone)]
 pub(crate) struct SharedLoad {
     name: Arc<str>,
@@ -64,7 +64,7 @@ impl SharedLoad {
             held_at: None,
         }
     }
-    /// The same load, held at its forces at a time (s) if there is one.
+    /// Load for another model: unchanged, or constant with its forces at a time (s).
     pub(crate) fn held(&self, at: Option<f64>) -> Box<dyn NodalLoad> {
         Box::new(Self {
             held_at: at,
@@ -81,7 +81,7 @@ impl NodalLoad for SharedLoad {
         &self.nodes
     }
     fn add_forces(&mut self, time: f64, forces: &mut [Vec3]) {
-        // A load that panicked elsewhere has ended that run; its own state is whole or its business.
+        // A load that panicked in another run is used nevertheless: that run has ended.
         let mut load = self.load.lock().unwrap_or_else(PoisonError::into_inner);
         load.add_forces(self.held_at.unwrap_or(time), forces);
     }

@@ -1,4 +1,4 @@
-//! What every registry holds from the start.
+//! Built-in laws, boundaries, joint laws and kernels of every registry.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::format::{AmplitudeRatio, DashpotRatio, PoissonRatio, Positive};
-use crate::{Material, Registry};
+use crate::{Material, Registry, keys};
 
 pub(crate) fn register(registry: &mut Registry) {
     registry.add_law("elastic", |elastic: Elastic| {
@@ -19,13 +19,13 @@ pub(crate) fn register(registry: &mut Registry) {
             elastic.poisson.get(),
             elastic.density.get(),
         )?;
-        let doubts = Finding::of_medium(&medium);
-        Ok(Material::from(LinearElastic::new(medium)).with_doubts(doubts))
+        let warnings = Finding::of_medium(&medium);
+        Ok(Material::from(LinearElastic::new(medium)).with_warnings(warnings))
     });
-    registry.add_boundary("viscous-spring", |keys: ViscousSpringKeys| {
+    registry.add_boundary(keys::VISCOUS_SPRING, |keys: ViscousSpringKeys| {
         Ok(Arc::new(keys.build()?))
     });
-    registry.add_boundary("viscous", |keys: ViscousKeys| {
+    registry.add_boundary(keys::VISCOUS, |keys: ViscousKeys| {
         let input = keys.input.unwrap_or_default().mode();
         Ok(Arc::new(Viscous { input }))
     });
@@ -36,29 +36,29 @@ pub(crate) fn register(registry: &mut Registry) {
     }
 }
 
-/// Linear elasticity.
+/// Isotropic linear elasticity.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Elastic {
-    /// Young's modulus (Pa).
+    /// Young's modulus (Pa), above 0.
     young: Positive,
-    /// Poisson's ratio.
+    /// Poisson's ratio (dimensionless), above -1 and below 0.5.
     poisson: PoissonRatio,
-    /// Mass density (kg/m3).
+    /// Mass density (kg/m3), above 0.
     density: Positive,
 }
 
-/// Which motion comes in through the boundary.
+/// Input motion of an absorbing boundary.
 #[derive(Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum Input {
-    /// The full free field on every face.
+    /// Full free field on every face.
     #[default]
     FullField,
-    /// The incident wave alone on these faces, as Wang, Chen & Xiao (2019) put it on the bottom
-    /// (Eqs. 6 and 7); the full free field on the others.
+    /// Incident wave alone on the given faces, as on the bottom in Wang, Chen & Xiao (2019), Eqs. (6)-(7); full
+    /// free field on the others.
     IncidentOnly(Vec<String>),
-    /// Nothing: the boundary only absorbs.
+    /// No input: the boundary only absorbs.
     Nothing,
 }
 
@@ -72,56 +72,56 @@ impl Input {
     }
 }
 
-/// Dashpots with the impedance of each wave (Lysmer & Kuhlemeyer 1969).
+/// Viscous boundary: dashpots with the impedances of P and S waves (Lysmer & Kuhlemeyer 1969).
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ViscousKeys {
-    /// Which motion comes in; the full free field by default.
+    /// Input motion: `full-field` (the default), `{ incident-only = [faces] }` or `nothing`.
     input: Option<Input>,
 }
 
-/// Springs and dashpots after Wang, Chen & Xiao (2019), Eqs. 1 and 2.
+/// Viscous-spring boundary: springs and dashpots of Wang, Chen & Xiao (2019), Eqs. (1)-(2).
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ViscousSpringKeys {
-    /// A, the amplitude ratio of plane to scattered waves; 0.8 by default.
+    /// Amplitude ratio A of plane to scattered waves (dimensionless), 0 to 100; 0.8 by default.
     a: Option<AmplitudeRatio>,
-    /// B, the ratio of physical to apparent wave speed; 1 by default, `"paper"` for the 1.1 of Wang, Chen
-    /// & Xiao (2019), with which 4.8 % of all that arrives straight on are returned.
+    /// Velocity ratio B of physical to apparent wave speed (dimensionless), 0.1 to 10; 1 by default. `"paper"` is
+    /// the 1.1 of Wang, Chen & Xiao (2019), with which 4.8 % of a normally incident wave are reflected.
     b: Option<DashpotRatio>,
-    /// Distance from the scatterer to all faces (m); by default that of each face's nodes.
+    /// Distance from the scatterer to all faces (m), above 0; by default that of the nodes of each face.
     distance: Option<Positive>,
-    /// What differs on the faces across x.
+    /// Parameters of the faces normal to x, where they differ.
     x: Option<AxisKeys>,
-    /// What differs on the faces across y.
+    /// Parameters of the faces normal to y, where they differ.
     y: Option<AxisKeys>,
-    /// What differs on the faces across z.
+    /// Parameters of the faces normal to z, where they differ.
     z: Option<AxisKeys>,
-    /// How scattered waves spread; spherically by default.
+    /// Geometric spreading of scattered waves: `spherical` (the default) or `cylindrical`.
     spreading: Option<SpreadingKey>,
-    /// Which motion comes in; the full free field by default.
+    /// Input motion: `full-field` (the default), `{ incident-only = [faces] }` or `nothing`.
     input: Option<Input>,
 }
 
-/// Parameters of the faces across one axis.
+/// Parameters of the faces normal to one axis.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxisKeys {
-    /// A on these faces.
+    /// Amplitude ratio A of these faces (dimensionless), 0 to 100.
     a: Option<AmplitudeRatio>,
-    /// B on these faces.
+    /// Velocity ratio B of these faces (dimensionless), 0.1 to 10, or `"paper"`.
     b: Option<DashpotRatio>,
-    /// Distance from the scatterer to these faces (m).
+    /// Distance from the scatterer to these faces (m), above 0.
     distance: Option<Positive>,
 }
 
-/// How scattered waves spread.
+/// Geometric spreading of scattered waves.
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum SpreadingKey {
-    /// From a compact structure in all directions.
+    /// Spherical spreading from a compact structure.
     Spherical,
-    /// From a long structure of which the model is a slice: half the springs.
+    /// Cylindrical spreading from a long structure of which the model is a slice: half the spring stiffness.
     Cylindrical,
 }
 
@@ -145,5 +145,34 @@ impl ViscousSpringKeys {
             },
             input: self.input.unwrap_or_default().mode(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{from_value, json};
+
+    use super::*;
+
+    /// The names that other programs take from [`keys`] are keys and values of scene files.
+    #[test]
+    fn names_are_those_of_scene_files() {
+        let registry = Registry::default();
+        let of = |name| registry.boundary_keys(name).unwrap();
+        assert_eq!(of(keys::VISCOUS), [keys::INPUT]);
+        let mut springs = vec!["a", keys::SPEED_RATIO, keys::DISTANCE];
+        springs.extend(keys::AXES);
+        springs.extend([keys::SPREADING, keys::INPUT]);
+        springs.sort_unstable();
+        assert_eq!(of(keys::VISCOUS_SPRING), springs);
+        let axis = json!({ keys::DISTANCE: 1.0, keys::SPEED_RATIO: 1.0 });
+        assert!(from_value::<AxisKeys>(axis).is_ok());
+        for input in [
+            json!(keys::FULL_FIELD),
+            json!({ keys::INCIDENT_ONLY: ["bottom"] }),
+        ] {
+            assert!(from_value::<Input>(input).is_ok());
+        }
+        assert!(from_value::<SpreadingKey>(json!(keys::CYLINDRICAL)).is_ok());
     }
 }

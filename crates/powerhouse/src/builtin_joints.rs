@@ -1,4 +1,4 @@
-//! Laws of joints that every registry holds from the start.
+//! Built-in contact laws of joints, registered in every registry.
 
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Frictionless, Paper, PaperParameters, SlipWeakening,
@@ -39,7 +39,7 @@ pub(crate) fn register(registry: &mut Registry) {
     });
 }
 
-/// A law without parameters.
+/// Keys of a law without parameters.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct NoKeys {}

@@ -1,4 +1,4 @@
-//! How parts are damped.
+//! Material damping of parts.
 
 use core::fmt;
 
@@ -8,7 +8,7 @@ use powerhouse_model::ParameterError;
 
 use crate::Material;
 
-/// How a part is damped.
+/// Material damping of a part.
 ///
 /// ```
 /// use powerhouse::engine::Rayleigh;
@@ -17,13 +17,13 @@ use crate::Material;
 /// };
 /// use powerhouse::{Damping, Material, Part};
 ///
-/// // 5 % over a band cost a tenth of the step.
+/// // 5 % over a band reduce the stable step by a tenth.
 /// let band = DampingBand { ratio: 0.05, lowest: 0.5, highest: 20.0, mechanisms: 3 };
 /// let flat = Damping::Flat {
 ///     spectrum: RelaxationSpectrum::fit(band)?,
 ///     reference: ReferenceFrequency::Centre,
 /// };
-/// let rock = Part::new("rock", Material::from(LinearElastic::new(media::ROCK))).damping(flat);
+/// let rock = Part::new("rock", Material::from(LinearElastic::new(media::ROCK))).with_damping(flat);
 /// let moving = rock.moving_material()?;
 /// let shortening = media::ROCK.p_speed() / moving.medium().p_speed();
 /// assert!(shortening > 0.89 && shortening < 0.92, "{shortening}");
@@ -32,19 +32,19 @@ use crate::Material;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Damping {
-    /// Not at all.
+    /// No damping.
     #[default]
     None,
-    /// In proportion to mass and stiffness.
+    /// Rayleigh damping, proportional to mass and stiffness.
     Rayleigh(Rayleigh),
-    /// By relaxation mechanisms in series with the law, the same at all frequencies of a band. What
-    /// stages leave at rest stays: there the material is as soft as it is at frequencies far below the
-    /// band ([`DampingCost::at_rest`]). The material must be a law of the software (`Material::from`) or come from
-    /// [`Material::in_series`](crate::Material::in_series).
+    /// Flat damping: frequency-independent in a band, by relaxation mechanisms (a generalised Maxwell body) in series
+    /// with the law. Construction stages have the static stiffness far below the band ([`DampingCost::static_stiffness`]),
+    /// and their stress does not relax in the run. The material must have a law of the software (`Material::from`) or
+    /// come from [`Material::in_series`](crate::Material::in_series).
     Flat {
-        /// The mechanisms.
+        /// Fitted relaxation mechanisms.
         spectrum: RelaxationSpectrum,
-        /// Where waves have the speeds that the material states.
+        /// Reference frequency at which the moduli and wave speeds are those of the material.
         reference: ReferenceFrequency,
     },
 }
@@ -60,7 +60,7 @@ impl From<Rayleigh> for Damping {
 }
 
 impl Damping {
-    /// The coefficients, zero if damping is of another kind.
+    /// Rayleigh coefficients; zero for other kinds of damping.
     pub(crate) fn rayleigh(&self) -> Rayleigh {
         match self {
             Self::Rayleigh(rayleigh) => *rayleigh,
@@ -69,25 +69,25 @@ impl Damping {
     }
 }
 
-/// What flat damping costs a part.
+/// Accuracy of flat damping, and its effect on wave speeds, stable step and memory of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DampingCost {
-    /// What was asked for.
+    /// Requested damping ratio and band.
     pub band: DampingBand,
-    /// The largest deviation of the damping from its ratio within the band, relative to it.
+    /// Largest relative deviation of the damping ratio within the band from the requested one.
     pub deviation: f64,
-    /// Speed of waves at the ends of the band, over that of the material.
+    /// Wave speeds at the lowest and highest frequency of the band, over that of the material.
     pub speeds: [f64; 2],
-    /// Stiffness at rest, as stages meet it, over that of the material.
-    pub at_rest: f64,
-    /// The stable step of an element over that of one without damping.
+    /// Static stiffness, as in construction stages, over that of the material.
+    pub static_stiffness: f64,
+    /// Stable step of an element over that without damping.
     pub step: f64,
-    /// Further history variables of an integration point.
+    /// Number of additional history variables per integration point.
     pub variables: usize,
 }
 
 impl DampingCost {
-    /// The cost to a material of the same one damped.
+    /// Comparison of a material with its damped form.
     pub(crate) fn of(
         material: &Material,
         damped: &Material,
@@ -100,7 +100,7 @@ impl DampingCost {
             band,
             deviation: spectrum.deviation(),
             speeds: [speed(band.lowest), speed(band.highest)],
-            at_rest: at_reference.powi(-2),
+            static_stiffness: at_reference.powi(-2),
             step: material.medium().p_speed() / damped.medium().p_speed(),
             variables: damped.history().len() - material.history().len(),
         })
@@ -117,15 +117,15 @@ impl fmt::Display for DampingCost {
         } = self.band;
         write!(
             f,
-            "{:.3} % of critical from {lowest} to {highest} Hz by {mechanisms} mechanisms, within {:.1} % of that; \
-             waves travel {:.3} times as fast as the material says at {lowest} Hz, {:.3} times at {highest} Hz; \
-             at rest it is {:.3} times as stiff; \
-             its elements permit {:.3} of the undamped step, each integration point has {} history variables more",
+            "{:.3} % of critical from {lowest} to {highest} Hz by {mechanisms} mechanisms, accurate to {:.1} % of that; \
+             wave speeds are {:.3} times those of the material at {lowest} Hz, {:.3} times at {highest} Hz; \
+             the static stiffness is {:.3} times that of the material; \
+             the stable step of its elements is {:.3} of the undamped one, each integration point has {} more history variables",
             100.0 * ratio,
             100.0 * self.deviation,
             self.speeds[0],
             self.speeds[1],
-            self.at_rest,
+            self.static_stiffness,
             self.step,
             self.variables,
         )

@@ -1,4 +1,4 @@
-//! One point of a material, led along a path: both as files say.
+//! Single-point test of a material along a strain or stress path, both read from files.
 
 use core::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_explicit_core::observe::principal_stresses;
 use powerhouse_io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot, write_table};
-use powerhouse_material_damage::{Control, PointDriver, PointRecord};
+use powerhouse_material_damage::{Control, PointDriver, PointState};
 use powerhouse_model::{HistoryKind, HistoryVariable, PointAdapter, Stress};
 use serde::Deserialize;
 
@@ -14,15 +14,15 @@ use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{self, At, Finite, Positive};
 use crate::{Error, Material, Registry};
 
-/// Steps of a leg that names none.
+/// Default number of steps of a leg.
 const STEPS: usize = 100;
-/// The components of stress and strain, shears last.
+/// Components of stress and strain, shears last.
 const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
-/// A path of strain and stress, read from a file.
+/// Strain and stress path of a single-point test, read from a file.
 ///
 /// ```toml
-/// size = 0.5                       # m, width of the element that a crack runs through; 1 by default
+/// size = 0.5                       # m, crack band width; 1 by default
 /// initial_stress = [0, 0, 0, 0, 0, 0]   # Pa, xx yy zz xy yz zx; none by default
 ///
 /// [[leg]]
@@ -31,17 +31,17 @@ const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 /// steps = 200                      # 100 by default
 /// ```
 ///
-/// Legs follow each other; each goes in equal steps from where the point is to its target.
+/// Legs are applied one after the other, each in equal steps from the current strain to its target.
 ///
-/// | kind | keys | what it is |
+/// | kind | keys | loading |
 /// |---|---|---|
 /// | `uniaxial` | `strain` | a strain along z, free sides |
 /// | `triaxial` | `lateral`, `strain` | a strain along z under a lateral stress (Pa) |
 /// | `biaxial` | `strain` | equal strains along x and y, free along z |
 /// | `plane-strain` | `lateral`, `strain` | a strain along z, none along y, a stress along x (Pa) |
 /// | `simple-shear` | `strain`, `normal` | an engineering strain xy under three normal stresses (Pa), 0 by default |
-/// | `cyclic` | `strains` | uniaxial to one strain after the other |
-/// | `mixed` | `xx` ... `zx` | each `{ strain = ... }` or `{ stress = ... }` (Pa); strains that are not named stay |
+/// | `cyclic` | `strains` | uniaxial, to each strain in turn |
+/// | `mixed` | `xx` ... `zx` | each `{ strain = ... }` or `{ stress = ... }` (Pa); components that are not given keep their strain |
 #[derive(Debug)]
 pub struct PointPath {
     text: Arc<SceneText>,
@@ -90,7 +90,7 @@ enum Leg {
     Mixed(Box<Mixed>),
 }
 
-/// What is prescribed of each component.
+/// Prescribed strain or stress of each component.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Mixed {
@@ -103,7 +103,7 @@ struct Mixed {
     steps: Option<NonZeroUsize>,
 }
 
-/// What is prescribed of one component: one of both.
+/// Prescribed value of one component: either strain or stress.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Prescribed {
@@ -112,8 +112,8 @@ struct Prescribed {
 }
 
 impl Leg {
-    /// The targets, one after the other, from the strains at its start, and the steps to each.
-    fn targets(&self, now: &PointRecord) -> Result<(Vec<[Control; 6]>, usize), Fault> {
+    /// Targets of the leg in order, from the current strains, and the number of steps to each.
+    fn targets(&self, now: &PointState) -> Result<(Vec<[Control; 6]>, usize), Fault> {
         let (targets, steps) = match self {
             Self::Uniaxial { strain, steps } => (vec![Control::uniaxial(strain.get())], steps),
             Self::Triaxial {
@@ -154,9 +154,9 @@ impl Leg {
                     steps,
                 } = &**mixed;
                 let mut target = now.strain.0.map(Control::Strain);
-                for (control, wanted) in target.iter_mut().zip([xx, yy, zz, xy, yz, zx]) {
-                    if let Some(wanted) = wanted {
-                        *control = wanted.control(wanted.span())?;
+                for (control, prescribed) in target.iter_mut().zip([xx, yy, zz, xy, yz, zx]) {
+                    if let Some(prescribed) = prescribed {
+                        *control = prescribed.control(prescribed.span())?;
                     }
                 }
                 (vec![target], steps)
@@ -167,14 +167,14 @@ impl Leg {
 }
 
 impl Prescribed {
-    fn control(&self, place: core::ops::Range<usize>) -> Result<Control, Fault> {
+    fn control(&self, span: core::ops::Range<usize>) -> Result<Control, Fault> {
         match (self.strain, self.stress) {
             (Some(strain), None) => Ok(Control::Strain(strain.get())),
             (None, Some(stress)) => Ok(Control::Stress(stress.get())),
             (strain, stress) => {
                 let keys = &["strain", "stress"];
                 let found = usize::from(strain.is_some()) + usize::from(stress.is_some());
-                Err(Fault::new(place, Problem::OneOf { keys, found }))
+                Err(Fault::new(span, Problem::OneOf { keys, found }))
             }
         }
     }
@@ -189,10 +189,10 @@ fn read(path: &Path) -> Result<Arc<SceneText>, Error> {
 }
 
 impl PointPath {
-    /// Reads a path.
+    /// Reads a path from a file.
     ///
     /// # Errors
-    /// A file that cannot be read; a fault in it, with line and column.
+    /// File that cannot be read, or a fault in it with line and column.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         let text = read(path.as_ref())?;
         let file = format::decode_tagged(&text.text);
@@ -200,11 +200,11 @@ impl PointPath {
         Ok(Self { text, file })
     }
 
-    /// Leads a point of a material along the path.
+    /// Computes the response of a material point along the path.
     ///
     /// # Errors
-    /// A width that the material refuses; a target that it cannot reach, or a strain that is not
-    /// finite, at its leg.
+    /// Crack band width that the material rejects; a target that is not reached, or a strain that is not finite, with
+    /// its leg.
     pub fn drive(&self, material: &Material) -> Result<PointTest, Error> {
         let size = self.file.size.map_or(1.0, Positive::get);
         material.accept_size(size)?;
@@ -218,11 +218,11 @@ impl PointPath {
         let mut point = point.map_err(powerhouse_model::ModelError::from)?;
         let mut records = vec![point.state().clone()];
         for leg in &self.file.legs {
-            let place = |fault| Error::from(SceneFault::new(self.text.clone(), fault));
-            let (targets, steps) = leg.targets(point.state()).map_err(place)?;
+            let located = |fault| Error::from(SceneFault::new(self.text.clone(), fault));
+            let (targets, steps) = leg.targets(point.state()).map_err(located)?;
             for target in targets {
                 let advanced = point.advance(target, steps);
-                records.extend(advanced.map_err(|e| place(Fault::refused(leg.span(), e)))?);
+                records.extend(advanced.map_err(|e| located(Fault::refused(leg.span(), e)))?);
             }
         }
         Ok(PointTest {
@@ -234,11 +234,11 @@ impl PointPath {
 }
 
 impl Material {
-    /// Reads a material from a file with `[[material]]` tables as in scenes; a scene will do. Without
-    /// a name the file must have one material.
+    /// Reads a material from a file with `[[material]]` tables, such as a scene. Without a name the file must have
+    /// exactly one material.
     ///
     /// # Errors
-    /// A file that cannot be read; a fault in it, with line and column.
+    /// File that cannot be read, or a fault in it with line and column.
     pub fn from_file(
         path: impl AsRef<Path>,
         name: Option<&str>,
@@ -247,12 +247,12 @@ impl Material {
         let text = read(path.as_ref())?;
         let found = format::decode_materials(&text.text).and_then(|tables| {
             let available = || tables.iter().map(|table| table.name.to_string()).collect();
-            let wanted = match name {
+            let selected = match name {
                 Some(name) => tables.iter().find(|table| *table.name == *name),
                 None if tables.len() == 1 => tables.first(),
                 None => None,
             };
-            let table = wanted.ok_or_else(|| {
+            let table = selected.ok_or_else(|| {
                 let problem = Problem::NoSuchName {
                     what: "single material, or one of the name",
                     name: name.unwrap_or_default().into(),
@@ -266,21 +266,21 @@ impl Material {
     }
 }
 
-/// What a point went through.
+/// Result of a single-point test: response of a material point along a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointTest {
-    /// The law's name.
+    /// Name of the law.
     pub law: String,
-    /// Its history variables.
+    /// History variables of the law.
     pub variables: Vec<HistoryVariable>,
-    /// The start and the end of every step.
-    pub records: Vec<PointRecord>,
+    /// State at the start and after every step.
+    pub records: Vec<PointState>,
 }
 
 impl PointTest {
-    /// Strains, stresses, principal stresses, work and history against steps.
+    /// Table of strains, stresses, principal stresses, work and history variables against steps.
     pub fn columns(&self) -> Vec<TableColumn> {
-        let column = |name: String, unit: &str, value: &dyn Fn(&PointRecord) -> f64| {
+        let column = |name: String, unit: &str, value: &dyn Fn(&PointState) -> f64| {
             TableColumn::new(name, unit, self.records.iter().map(value).collect())
         };
         let steps = (0..self.records.len()).map(|step| step as f64).collect();
@@ -308,11 +308,11 @@ impl PointTest {
         columns
     }
 
-    /// The component with the largest product of greatest strain and greatest stress: a side that is
-    /// free may go further than the axis that is led.
+    /// Index of the component with the largest product of peak strain and peak stress; a free side may strain more
+    /// than the loaded axis.
     fn component(&self) -> usize {
         let reach = |i: usize| {
-            let greatest = |number: fn(&PointRecord, usize) -> f64| {
+            let greatest = |number: fn(&PointState, usize) -> f64| {
                 let numbers = self.records.iter().map(|record| number(record, i).abs());
                 numbers.fold(0.0, f64::max)
             };
@@ -324,7 +324,8 @@ impl PointTest {
             .unwrap_or(0)
     }
 
-    /// The name of the component that takes most and the least and greatest stress (Pa) of it.
+    /// Name of the component with the largest product of peak strain and peak stress, and its least and greatest
+    /// stress (Pa).
     pub fn extremes(&self) -> (&'static str, [f64; 2]) {
         let i = self.component();
         let stresses = self.records.iter().map(|record| record.stress.0[i]);
@@ -333,12 +334,12 @@ impl PointTest {
         (COMPONENTS[i], extremes)
     }
 
-    /// Writes the columns as CSV, and the stress of the component that takes most against its strain as SVG, with
-    /// the amounts among the law's history variables below it; returns both files, `point.csv` and
-    /// `point.svg`.
+    /// Writes the table to `point.csv` and a plot to `point.svg`, and returns both paths. The plot shows stress
+    /// against strain of the component of [`extremes`](Self::extremes) and, below it, the accumulated history
+    /// variables.
     ///
     /// # Errors
-    /// The file that could not be written.
+    /// File that could not be written.
     pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2], Error> {
         let files = [folder.join("point.csv"), folder.join("point.svg")];
         let columns = self.columns();

@@ -1,4 +1,4 @@
-//! What this crate refuses.
+//! Errors of this crate.
 
 use std::path::PathBuf;
 
@@ -12,247 +12,249 @@ use crate::{
     SceneFault, StagingError,
 };
 
-/// Why a scene cannot be read, composed, run or written.
+/// Error in reading, composing, running or writing a scene.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A fault of a scene file, with its place.
+    /// Fault of a scene file, with line and column.
     #[error(transparent)]
     Scene(Box<SceneFault>),
-    /// A case that the scene's file does not have.
-    #[error("the scene has no case '{name}', only {}", available.join(", "))]
+    /// Name of a case that the scene file does not have.
+    #[error("the scene has no case '{name}'; its cases are: {}", available.join(", "))]
     NoSuchCase {
-        /// The name.
+        /// Requested name.
         name: String,
-        /// Those that it has.
+        /// Names of the scene's cases.
         available: Vec<String>,
     },
-    /// A file that cannot be read.
+    /// File that cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// A file that cannot be written.
+    /// File that cannot be written.
     #[error(transparent)]
     Write(#[from] powerhouse_io::IoError),
-    /// A folder that does not take the files of a run, or lost them.
+    /// Results folder that cannot hold the files of a run, or lost them.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// Elements that belong to no part, or to several.
-    #[error("element {element} belongs to {count} parts, it must belong to one")]
+    /// Element that belongs to no part, or to several.
+    #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
     PartCount {
-        /// The user's number of the first such element.
+        /// Number of the first such element in the mesh file.
         element: u64,
-        /// Parts that it belongs to.
+        /// Number of parts to which it belongs.
         count: usize,
     },
-    /// An element of a kind that no kernel computes.
-    #[error("element {element} of part '{set}' is a {kind}, which no kernel computes")]
+    /// Element of a kind for which there is no kernel.
+    #[error("element {element} of part '{set}' is a {kind}, for which there is no kernel")]
     NoKernel {
-        /// The user's number.
+        /// Number of the element in the mesh file.
         element: u64,
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// The element's kind.
+        /// Kind of the element.
         kind: &'static str,
     },
-    /// A body at rest in a field that moves already.
+    /// Free field that is not negligible at the start of a body at rest.
     #[error(
-        "the body starts at rest at t = {time} s, when '{field}' already stands at {level:.1e} of its peak"
+        "the body starts at rest at t = {time} s, but the field '{field}' is at {level:.1e} of its peak then"
     )]
     NotAtRest {
-        /// The field's name.
+        /// Name of the field.
         field: String,
-        /// Displacement or velocity then, over its peak.
+        /// Displacement or velocity of the field at the start over its peak.
         level: f64,
-        /// The start (s).
+        /// Start time (s).
         time: f64,
     },
-    /// A free field of one medium in front of another.
+    /// Medium at an absorbing face that differs from that of the free field.
     #[error(
-        "the medium at node {node} of the absorbing faces is not that of the field '{field}' ({count} such nodes)"
+        "the medium at node {node} of the absorbing faces differs from that of the field '{field}' ({count} such nodes)"
     )]
     ForeignMedium {
-        /// The field's name.
+        /// Name of the field.
         field: String,
-        /// The user's number of the first such node.
+        /// Number of the first such node in the mesh file.
         node: u64,
-        /// How many there are.
+        /// Number of such nodes.
         count: usize,
     },
-    /// A field that moves nothing.
-    #[error("the field '{field}' moves nothing: {reason}")]
+    /// Free field without effect on the model.
+    #[error("the field '{field}' has no effect: {reason}")]
     UnusedField {
-        /// The field's name.
+        /// Name of the field.
         field: String,
-        /// What is lacking.
+        /// Reason.
         reason: &'static str,
     },
-    /// A quantity beyond what is usual of ground and structures, in a scene that does not
-    /// [allow](crate::Scene::allow_magnitudes) it.
+    /// Quantity outside its usual range, in a scene that does not
+    /// [allow](crate::Scene::allow_magnitudes) such quantities.
     #[error("{magnitude}")]
     Magnitude {
-        /// The quantity.
+        /// Quantity, value and range.
         magnitude: Box<Magnitude>,
-        /// What it belongs to.
+        /// Object to which it belongs.
         of: MagnitudeOf,
     },
-    /// A name of which no file of results can be named.
+    /// Name that cannot be that of a result file.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// A facet that two absorbing faces have, or one that is named twice: it would absorb twice.
-    #[error("the absorbing faces '{first}' and '{second}' both have a facet of element {element}")]
+    /// Facet that belongs to two absorbing faces, or to one that is listed twice.
+    #[error(
+        "the absorbing faces '{first}' and '{second}' both contain a facet of element {element}"
+    )]
     SharedFacet {
-        /// The first face.
+        /// Facet set of the first face.
         first: String,
-        /// The second one.
+        /// Facet set of the second face.
         second: String,
-        /// The user's number of the element.
+        /// Number of the element in the mesh file.
         element: u64,
     },
-    /// A facet inside the body among the absorbing ones.
-    #[error("the absorbing face '{face}' runs through the body at element {element}")]
+    /// Absorbing facet inside the body.
+    #[error("the absorbing face '{face}' has a facet inside the body at element {element}")]
     InnerFacet {
-        /// The face.
+        /// Facet set of the face.
         face: String,
-        /// The user's number of the element.
+        /// Number of the element in the mesh file.
         element: u64,
     },
-    /// A region around which the field cannot enter.
+    /// Invalid domain reduction region.
     #[error(transparent)]
     Region(#[from] RegionError),
-    /// A plane of symmetry at which half of the body does not stand for the whole.
+    /// Symmetry plane about which the model or its waves are not symmetric.
     #[error(transparent)]
     Mirror(#[from] MirrorError),
-    /// A kernel that none of its part's elements is for.
-    #[error("part '{set}' has no element that the kernel '{kernel}' takes")]
-    IdleKernel {
-        /// The part's set.
+    /// Kernel that is not for any element of its part.
+    #[error("the kernel '{kernel}' is not for any element of part '{set}'")]
+    UnusedKernel {
+        /// Element set of the part.
         set: String,
-        /// The kernel.
+        /// Name of the kernel.
         kernel: String,
     },
-    /// Damping in series with a law of which nobody says what part of its strain is elastic.
+    /// Flat damping of a law without an elastic part, with which it could be in series.
     #[error(
-        "part '{set}': damping cannot stand in series with the law '{law}', whose elastic part is not told"
+        "part '{set}': flat damping is not available for the law '{law}', which does not define its elastic part"
     )]
     NotInSeries {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// The law.
+        /// Name of the law.
         law: String,
     },
-    /// A rim without an element.
+    /// Rim without elements.
     #[error(
         "part '{set}' has a rim, but no element of it touches an absorbing face or is within {width} m of one"
     )]
-    IdleRim {
-        /// The part's set.
+    EmptyRim {
+        /// Element set of the part.
         set: String,
-        /// The rim's width (m).
+        /// Width of the rim (m).
         width: f64,
     },
-    /// A joint that cannot start as it is to.
+    /// Invalid initial state of a joint.
     #[error("joint '{joint}', nodes {first} and {second}: {source}")]
     Joint {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
-        /// The user's number of the first node of the pair.
+        /// Number of the first node of the pair in the mesh file.
         first: u64,
-        /// The user's number of the second one.
+        /// Number of the second node of the pair in the mesh file.
         second: u64,
-        /// What its pair cannot have.
+        /// Cause.
         source: ContactError,
     },
-    /// A joint that does not exist.
+    /// Name of a joint that does not exist.
     #[error("there is no joint '{name}'")]
     NoSuchJoint {
-        /// The name.
+        /// Requested name.
         name: String,
     },
-    /// A zone without a pair of its joint.
+    /// Zone of a joint that contains no node pair.
     #[error(
-        "joint '{joint}' has no pair in {zone}{}",
+        "joint '{joint}' has no node pair in {zone}{}",
         distance.map_or(String::new(), |d| format!(": the nearest is {d:.4e} m away"))
     )]
     EmptyZone {
-        /// The joint's name.
+        /// Name of the joint.
         joint: String,
-        /// The zone.
+        /// Description of the zone.
         zone: String,
-        /// The distance of the nearest pair from its point (m), if it has one.
+        /// Distance of the nearest pair from the zone's point (m), if the zone is given by one.
         distance: Option<f64>,
     },
-    /// Stages, bolts or an initial stress that cannot be as they are to.
+    /// Invalid construction stages, bolts or in-situ stress.
     #[error(
         "{}{source}",
         stage.as_ref().map_or(String::new(), |stage| format!("stage '{stage}': "))
     )]
     Staging {
-        /// The stage, if it concerns one.
+        /// Name of the stage, if the error concerns one.
         stage: Option<String>,
-        /// What is wrong.
+        /// Cause.
         source: StagingError,
     },
-    /// A stage in which the body does not come to rest.
+    /// Construction stage in which static equilibrium was not reached.
     #[error(transparent)]
     Stage(#[from] StageError),
-    /// A body that cannot be set in motion as its stages left it.
-    #[error("handing over to the motion: {source}")]
+    /// Failed transfer of the body from its stages to the dynamic run.
+    #[error("transfer from the stages to the dynamic run: {source}")]
     HandOver {
-        /// Why.
+        /// Cause.
         source: StaticError,
     },
-    /// A body at rest that came from the stages of another scene.
+    /// Equilibrated body that belongs to another scene.
     #[error(
-        "the body at rest has {found} nodes and {found_absent} absent elements, the scene {expected} and {expected_absent}"
+        "the equilibrated body has {found} nodes and {found_absent} inactive elements, but the scene has {expected} and {expected_absent}"
     )]
     ForeignBody {
-        /// Its nodes.
+        /// Number of nodes of the body.
         found: usize,
-        /// Elements that are not there.
+        /// Number of inactive elements of the body.
         found_absent: usize,
-        /// Nodes of the scene's mesh.
+        /// Number of nodes of the scene's mesh.
         expected: usize,
-        /// Elements that are not there after its stages.
+        /// Number of inactive elements after the scene's stages.
         expected_absent: usize,
     },
-    /// A file that holds no whole body at rest, or one of another version.
-    #[error("{} holds no whole body at rest that this version reads", path.display())]
-    NotABody {
-        /// The file.
+    /// File without a complete equilibrated body, or with one of another version.
+    #[error("{} does not contain a complete equilibrated body that this version can read", path.display())]
+    UnreadableBody {
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A run that was stopped from outside before the body moved.
-    #[error("interrupted in the stage '{stage}'")]
+    /// Run that was cancelled during a construction stage.
+    #[error("interrupted in stage '{stage}'")]
     Interrupted {
-        /// The stage that has not come to rest.
+        /// Name of the stage.
         stage: String,
     },
-    /// A start from the field's motion, and no field.
-    #[error("the run is to start from the field's motion, but the scene has no field")]
+    /// Initial motion of the free field in a scene without free field.
+    #[error("the run cannot start from the motion of the free field: the scene has no field")]
     NoField,
-    /// A step that is not given for a run of a given time.
+    /// Parameter outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A mesh that cannot be computed with, or a set that does not exist.
+    /// Invalid mesh, or name of a set that does not exist.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A part of the model refused.
+    /// Component of the model that could not be built.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A run refused its step.
+    /// Run that could not start or continue, such as for an unstable time step.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A run ended before its time.
+    /// Run that failed before its end.
     #[error("{error}")]
     Failed {
-        /// What ended it.
+        /// Cause.
         error: RunError,
-        /// What was recorded until then.
+        /// Results up to the failure.
         results: Box<Results>,
     },
 }
@@ -261,7 +263,7 @@ impl Error {
     /// The stage in which static equilibrium did not converge, and the reason, if the error is of this kind.
     pub fn equilibrium_failure(&self) -> Option<(&str, &StaticError)> {
         match self {
-            Self::Stage(StageError::Rest { stage, source }) => Some((stage, source)),
+            Self::Stage(StageError::NotEquilibrated { stage, source }) => Some((stage, source)),
             Self::Scene(fault) => match fault.problem() {
                 Problem::Refused(source) => source.downcast_ref::<Self>()?.equilibrium_failure(),
                 _ => None,
@@ -269,12 +271,12 @@ impl Error {
             _ => None,
         }
     }
-    /// What is wrong with a stage, or with the stages of the scene as a whole.
+    /// Error of a stage, or of the stages as a whole.
     pub(crate) fn staging(stage: Option<&str>, source: StagingError) -> Self {
         let stage = stage.map(str::to_owned);
         Self::Staging { stage, source }
     }
-    /// What is wrong with bolts.
+    /// Error of bolts.
     pub(crate) fn of_bolts(source: StagingError) -> Self {
         Self::staging(None, source)
     }

@@ -1,4 +1,4 @@
-//! Laws of the software as materials.
+//! Conversion of the software's laws into materials.
 
 use powerhouse_material_damage::{
     DruckerPrager, ElastoPlastic, HoekBrown, LeeFenves, LinearElastic, Mazars, MohrCoulomb,
@@ -7,8 +7,8 @@ use powerhouse_material_damage::{
 
 use crate::Material;
 
-/// Makes materials of laws. A law is compiled for every kind of lane, which takes long: once here, and
-/// not again in every program that uses it.
+/// Implements the conversion of laws into materials. A law is compiled for every lane type, which takes long: done here
+/// once, not in every program that uses it.
 macro_rules! known {
     ($($law:ty),+ $(,)?) => {
         $(

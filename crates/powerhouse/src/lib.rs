@@ -1,9 +1,9 @@
-//! Powerhouse: explicit dynamic analysis of underground structures under waves that arrive at an
-//! angle.
+//! Powerhouse: explicit dynamic finite element analysis of underground structures under obliquely incident seismic
+//! waves.
 //!
-//! This crate is the facade. It re-exports the crates of the workspace under short names and adds
-//! the [`Scene`]: a mesh, its parts, the ground motion and what is wanted of a run, read from a
-//! file or composed in Rust.
+//! This crate re-exports the crates of the workspace under short names and adds the [`Scene`], the complete input of an
+//! analysis: mesh, parts, joints, ground motion, boundary, construction stages and output requests, read from a file
+//! or composed in Rust.
 //!
 //! ```no_run
 //! use powerhouse::{RunHooks, Scene};
@@ -14,52 +14,64 @@
 //! # Ok::<(), powerhouse::Error>(())
 //! ```
 //!
+//! A program begins with [`prelude`]. Methods that set a value of a [`Scene`], a [`Part`] or an [`OutputPlan`]
+//! are called `with_x`, those that return it `x`; methods named by a singular noun add one item to a list.
+//!
 //! # Conventions
 //! SI units, z up, tension positive. Incidence is measured from the vertical; azimuth is the
 //! horizontal direction of travel, from +x towards +y. t = 0 of a record is its arrival at the
 //! corner of the mesh's box that the wave hits first, unless a reference point is given.
 //!
 //! # Why so
-//! *One type.* A scene file is turned into the same [`Scene`] that Rust users compose: neither can
-//! do what the other cannot.
+//! *One type.* A scene file is turned into the same [`Scene`] that programs compose: neither can do what the
+//! other cannot.
 //!
-//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are
-//! registered beside those that come with the software and named in scene files like them.
+//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are registered
+//! beside those that come with the software and named in scene files like them. A scene keeps the registry that
+//! it was read with, so that checks and advice know the same names.
 //!
-//! *Guards stand where the model is built.* What surrounds a body is checked when a scene is
-//! prepared, by sampling the field at the nodes that it drives: is it at rest where the body is, of
-//! one medium, without traction where the mesh is free? So scenes from files and from Rust, and
-//! fields of one's own, are guarded alike.
+//! *Tables of scene files are private.* Scene files get new keys; a program that composes scenes uses [`Scene`],
+//! one that edits files takes names from [`keys`].
 //!
-//! *Stages are looked at when a scene is prepared, and gone through when it is run.* A check costs
-//! no static solution: masses, stiffness and with them the stable step of the body that will move are
-//! those of its elements, wherever they have moved until then.
+//! *The surroundings of a body are checked when a scene is prepared*, by sampling the incident field at the nodes
+//! through which it enters: the body must start with the field's motion, the ground must be of one medium, free
+//! surfaces must be without traction. So scenes from files and from programs, and fields of a user's own, are
+//! checked alike.
 //!
-//! *A fault has a place.* Every value of a scene file keeps the bytes that it was read from, so
-//! that whatever is wrong with it, be it found by the parser, by a look into the mesh or by another
-//! crate, is shown where it stands, before any work is done.
+//! *Construction stages are checked when a scene is prepared and computed when it is run.* A check needs no
+//! static solution: masses, stiffness and the stable step are those of the elements that are present in the
+//! motion, wherever they have moved until then.
+//!
+//! *A fault has a position.* Every value of a scene file keeps the bytes that it was read from, so that a fault,
+//! found by the parser, in the mesh or by another crate, is shown at its line and column before the run.
 
 mod acting;
 mod builtin;
 mod builtin_joints;
 mod builtin_laws;
 mod damping;
-mod doubt;
 mod drive;
 mod error;
 mod fault;
-pub mod format;
+#[expect(
+    unreachable_pub,
+    reason = "tables of scene files: every new key would break users of these types"
+)]
+mod format;
 mod joint;
+pub mod keys;
 mod known;
 mod magnitude;
+mod message;
 mod output;
 mod part;
+pub mod prelude;
 mod reduction;
 mod registry;
 mod remark;
 mod resolve;
 mod scene;
-mod scene_doubt;
+mod scene_remark;
 mod simulation;
 mod stage;
 
@@ -71,13 +83,17 @@ pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
 
+/// The crates of linear algebra and of schemas whose types stand in public signatures, in the versions in use.
+pub use powerhouse_model::nalgebra;
+pub use schemars;
+
 pub use damping::{Damping, DampingCost};
-pub use doubt::{Doubt, RunNotes, Topic, together};
 pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
-pub use magnitude::{Magnitude, MagnitudeOf, Meant};
+pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
+pub use message::{Message, RunNotes, Topic, merge_messages};
 pub use output::{
     BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock, HistoryRequest,
     JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results, SectionRequest,
@@ -88,22 +104,22 @@ pub use reduction::reduction_layer;
 pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{
-    Boundary, InitialMotion, LawMemory, Mirror, MirrorError, Parity, RegionError, ResidualLimit,
-    Scene, TimeStep,
+    Boundary, InitialMotion, InputOverview, LawMemory, Mirror, MirrorError, Parity, RegionError,
+    ResidualLimit, Scene, TimeStep, WaveOverview,
 };
-pub use scene_doubt::SceneDoubt;
+pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
-    BoltPlace, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts, SceneStage,
-    StageOverview, StageSink, StagingError,
+    BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
+    SceneStage, StageOverview, StageSink, StagingError,
 };
 
-/// What choices cost and err on problems whose answer is known.
+/// Verification: accuracy and cost of modelling choices on problems with known solutions.
 #[cfg(doc)]
 #[doc = include_str!("../../../docs/verification.md")]
 pub mod verification {}
 
-/// The program in the project's README compiles and runs.
+/// Compilation test of the program in the project's README.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

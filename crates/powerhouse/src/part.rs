@@ -25,7 +25,7 @@ use crate::{Damping, Error};
 #[derive(Clone)]
 pub struct Material {
     law: AnyLaw,
-    doubts: Arc<[String]>,
+    warnings: Arc<[String]>,
     /// None if damping in series with the law is not possible.
     damped: Option<Arc<Damped>>,
 }
@@ -43,7 +43,7 @@ impl Material {
     pub fn new(law: impl ConstitutiveLaw) -> Self {
         Self {
             law: AnyLaw::new(law),
-            doubts: Arc::new([]),
+            warnings: Arc::new([]),
             damped: None,
         }
     }
@@ -71,13 +71,16 @@ impl Material {
     /// [`MohrCoulomb::findings`](powerhouse_material_damage::MohrCoulomb::findings), which checks and runs
     /// report.
     #[must_use]
-    pub fn with_doubts(mut self, doubts: impl IntoIterator<Item: ToString>) -> Self {
-        self.doubts = doubts.into_iter().map(|doubt| doubt.to_string()).collect();
+    pub fn with_warnings(mut self, warnings: impl IntoIterator<Item: ToString>) -> Self {
+        self.warnings = warnings
+            .into_iter()
+            .map(|warning| warning.to_string())
+            .collect();
         self
     }
     /// Warnings about the parameters of the material.
-    pub fn doubts(&self) -> &[String] {
-        &self.doubts
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
     /// Checks a width of an element (m) by the law, [`ConstitutiveLaw::accept_size`].
     ///
@@ -256,20 +259,20 @@ impl Part {
     }
     /// The same with a kernel.
     #[must_use]
-    pub fn kernel(mut self, kernel: impl Into<Kernel>) -> Self {
+    pub fn with_kernel(mut self, kernel: impl Into<Kernel>) -> Self {
         self.kernel = Some(kernel.into());
         self
     }
     /// The same with damping.
     #[must_use]
-    pub fn damping(mut self, damping: impl Into<Damping>) -> Self {
+    pub fn with_damping(mut self, damping: impl Into<Damping>) -> Self {
         self.damping = damping.into();
         self
     }
     /// The same with a rim (m), elastic and undamped, along the absorbing faces; 0 for the elements
     /// that touch them alone.
     #[must_use]
-    pub fn rim(mut self, width: f64) -> Self {
+    pub fn with_rim(mut self, width: f64) -> Self {
         self.rim = Some(width);
         self
     }

@@ -1,4 +1,4 @@
-//! The layer of a domain reduction, of a scene's materials.
+//! Element layer of the domain reduction method, built from a part of a scene.
 
 use powerhouse_boundary::{BoundaryError, ReductionLayer};
 use powerhouse_explicit_core::{BlockOptions, BlockPart};
@@ -6,12 +6,12 @@ use powerhouse_model::{Mesh, ModelError, Numbering};
 
 use crate::{Error, Kernel, Part};
 
-/// The layer around a region of a mesh (indices of its elements) through which a field enters it,
-/// made of a part as scenes make it, elastic and undamped.
+/// Element layer of the domain reduction method around a region of a mesh (element indices), elastic and undamped,
+/// with the kernel and medium of a part.
 ///
 /// # Errors
-/// Elements of a kind that no kernel computes, of more than one kind, or of a shape that the kernel
-/// refuses; a region without anything around it.
+/// Elements of a kind without kernel, of more than one kind, or of a shape that the kernel rejects; a region without
+/// surrounding elements.
 pub fn reduction_layer(mesh: &Mesh, inside: &[u32], part: &Part) -> Result<ReductionLayer, Error> {
     let elements = ReductionLayer::elements(mesh, inside);
     let nothing = BoundaryError::Layer {

@@ -1,6 +1,6 @@
-//! Laws, kernels and boundaries by name, so that scenes can name a user's own.
+//! Laws, kernels, boundaries, joint laws and mesh generators by name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,8 +15,11 @@ use crate::format::{
 };
 use crate::{Kernel, Material, builtin};
 
-/// What scenes can name: constitutive laws, element kernels, absorbing boundaries, laws of joints and
-/// generators of meshes.
+/// Constitutive laws, element kernels, absorbing boundaries, joint laws and mesh generators by the names that
+/// scenes give them.
+///
+/// A scene keeps the registry that it was read with, so that checks, advice and savings of the scene know the
+/// same names; sweeps and trades of a file are given one. A clone shares what is registered.
 ///
 /// ```
 /// use powerhouse::{Material, Registry};
@@ -40,24 +43,43 @@ use crate::{Kernel, Material, builtin};
 /// });
 /// assert!(registry.law_names().any(|name| name == "rated-rock"));
 /// ```
+#[derive(Clone)]
 pub struct Registry {
     laws: BTreeMap<String, Entry<Material>>,
     boundaries: BTreeMap<String, Entry<Arc<dyn AbsorbingBoundary>>>,
     kernels: BTreeMap<String, Kernel>,
     joint_laws: BTreeMap<String, Entry<Box<dyn ContactLaw>>>,
     mesh_generators: BTreeMap<String, MeshGenerator>,
+    built_in: BuiltIn,
+    version: String,
 }
 
-/// Makes a mesh from a file.
-type MeshGenerator = Box<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
-/// Why it does not.
+/// Names of the boundaries and kernels that come with the software and were not replaced.
+#[derive(Clone, Default)]
+struct BuiltIn {
+    boundaries: BTreeSet<String>,
+    kernels: BTreeSet<String>,
+}
+
+/// Function from a file to a mesh.
+type MeshGenerator = Arc<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
+/// Why a mesh generator refuses a file.
 type Refusal = Box<dyn std::error::Error + Send + Sync>;
 
-type Build<T> = Box<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
+type Build<T> = Arc<dyn Fn(&Parameters) -> Result<T, Fault> + Send + Sync>;
 
 struct Entry<T> {
     build: Build<T>,
     schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+impl<T> Clone for Entry<T> {
+    fn clone(&self) -> Self {
+        Self {
+            build: self.build.clone(),
+            schema: self.schema,
+        }
+    }
 }
 
 impl<T> Entry<T> {
@@ -67,9 +89,9 @@ impl<T> Entry<T> {
         F: Fn(P) -> Result<T, ModelError> + Send + Sync + 'static,
     {
         Self {
-            build: Box::new(move |parameters| {
+            build: Arc::new(move |parameters| {
                 build(parameters.decode()?).map_err(|error| {
-                    // Whatever refuses may say by its name which key is at fault.
+                    // The name in the error may be that of the key concerned.
                     let key = match &error {
                         ModelError::Parameter(parameter) => parameter.name,
                         ModelError::Refused { part, .. } => part,
@@ -84,7 +106,7 @@ impl<T> Entry<T> {
 }
 
 impl Default for Registry {
-    /// What comes with the software.
+    /// The laws, boundaries, joint laws and kernels that come with the software.
     fn default() -> Self {
         let mut registry = Self {
             laws: BTreeMap::new(),
@@ -92,17 +114,23 @@ impl Default for Registry {
             kernels: BTreeMap::new(),
             joint_laws: BTreeMap::new(),
             mesh_generators: BTreeMap::new(),
+            built_in: BuiltIn::default(),
+            version: String::new(),
         };
         builtin::register(&mut registry);
+        registry.built_in = BuiltIn {
+            boundaries: registry.boundaries.keys().cloned().collect(),
+            kernels: registry.kernels.keys().cloned().collect(),
+        };
         registry
     }
 }
 
 impl Registry {
-    /// Adds or replaces a constitutive law. `build` makes a material of the keys of a
-    /// `[[material]]` table; the type of its argument says which keys those are. What it refuses is
-    /// shown at the key that [`ParameterError::name`](powerhouse_model::ParameterError::name) or
-    /// the part of [`ModelError::Refused`] names, or at the whole table.
+    /// Adds or replaces a constitutive law. `build` converts the keys of a `[[material]]` table into a material; the
+    /// type of its argument defines the keys. An error is reported at the key that
+    /// [`ParameterError::name`](powerhouse_model::ParameterError::name) or the part of [`ModelError::Refused`] names,
+    /// or at the whole table.
     pub fn add_law<P, F>(&mut self, name: impl Into<String>, build: F)
     where
         P: DeserializeOwned + JsonSchema,
@@ -116,14 +144,17 @@ impl Registry {
         P: DeserializeOwned + JsonSchema,
         F: Fn(P) -> Result<Arc<dyn AbsorbingBoundary>, ModelError> + Send + Sync + 'static,
     {
-        self.boundaries.insert(name.into(), Entry::new(build));
+        let name = name.into();
+        self.built_in.boundaries.remove(&name);
+        self.boundaries.insert(name, Entry::new(build));
     }
     /// Adds or replaces an element kernel.
     pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
-        self.kernels.insert(name.into(), kernel);
+        let name = name.into();
+        self.built_in.kernels.remove(&name);
+        self.kernels.insert(name, kernel);
     }
-    /// Adds or replaces a law of joints, as [`add_law`](Self::add_law); its keys stand in a
-    /// `[[joint]]` table.
+    /// Adds or replaces a contact law of joints, as [`add_law`](Self::add_law); its keys belong to a `[[joint]]` table.
     pub fn add_joint_law<P, F>(&mut self, name: impl Into<String>, build: F)
     where
         P: DeserializeOwned + JsonSchema,
@@ -131,25 +162,70 @@ impl Registry {
     {
         self.joint_laws.insert(name.into(), Entry::new(build));
     }
-    /// Adds or replaces a generator of meshes. A scene names it in its `[mesh]` table, beside the file
-    /// that is handed to it; none comes with this crate.
+    /// Adds or replaces a mesh generator. A scene names it in its `[mesh]` table, with its input file; none is built
+    /// in.
     pub fn add_mesh_generator<F, E>(&mut self, name: impl Into<String>, generate: F)
     where
         F: Fn(&Path) -> Result<Mesh, E> + Send + Sync + 'static,
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
         let generate = move |file: &Path| generate(file).map_err(Into::into);
-        self.mesh_generators.insert(name.into(), Box::new(generate));
+        self.mesh_generators.insert(name.into(), Arc::new(generate));
     }
-    /// Names of the laws.
+    /// Sets a text that says which version of its own laws, boundaries and kernels a program registers.
+    /// Sweeps and trades repeat finished runs when it changes; they cannot see that the code behind a name
+    /// has changed.
+    #[must_use]
+    pub fn with_version(mut self, version: impl Into<String>) -> Self {
+        self.version = version.into();
+        self
+    }
+    /// Version of a program's own laws, boundaries and kernels; empty unless it was set.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+    /// Names of the boundaries that were added to, or replace, those of the software.
+    pub fn added_boundary_names(&self) -> impl Iterator<Item = &str> {
+        let built_in = &self.built_in.boundaries;
+        self.boundary_names()
+            .filter(|name| !built_in.contains(*name))
+    }
+    /// Names of the kernels that were added to, or replace, those of the software.
+    pub fn added_kernel_names(&self) -> impl Iterator<Item = &str> {
+        let built_in = &self.built_in.kernels;
+        self.kernel_names().filter(|name| !built_in.contains(*name))
+    }
+    /// The kernel of a name.
+    pub fn kernel_named(&self, name: &str) -> Option<&Kernel> {
+        self.kernels.get(name)
+    }
+    /// The boundary of a name with none of its own keys given; none if there is no such boundary, or if it
+    /// does not do without keys.
+    pub fn boundary_without_keys(&self, name: &str) -> Option<Arc<dyn AbsorbingBoundary>> {
+        let entry = self.boundaries.get(name)?;
+        (entry.build)(&Parameters::default()).ok()
+    }
+    /// Names of the keys of a boundary, in rising order, beside those of [every boundary](crate::keys::BOUNDARY); none
+    /// if there is no such boundary.
+    pub fn boundary_keys(&self, name: &str) -> Option<Vec<String>> {
+        let entry = self.boundaries.get(name)?;
+        let schema = (entry.schema)(&mut SchemaGenerator::default());
+        let properties = schema.get("properties").and_then(Value::as_object);
+        let mut keys: Vec<String> =
+            properties.map_or(Vec::new(), |map| map.keys().cloned().collect());
+        keys.sort_unstable();
+        Some(keys)
+    }
+
+    /// Names of the constitutive laws.
     pub fn law_names(&self) -> impl Iterator<Item = &str> {
         self.laws.keys().map(String::as_str)
     }
-    /// Names of the boundaries.
+    /// Names of the absorbing boundaries.
     pub fn boundary_names(&self) -> impl Iterator<Item = &str> {
         self.boundaries.keys().map(String::as_str)
     }
-    /// Names of the kernels.
+    /// Names of the element kernels.
     pub fn kernel_names(&self) -> impl Iterator<Item = &str> {
         self.kernels.keys().map(String::as_str)
     }
@@ -177,17 +253,16 @@ impl Registry {
         look_up(&self.mesh_generators, "mesh generator", name)
     }
 
-    /// Names of the generators of meshes.
+    /// Names of the mesh generators.
     pub fn mesh_generator_names(&self) -> impl Iterator<Item = &str> {
         self.mesh_generators.keys().map(String::as_str)
     }
-    /// Names of the laws of joints.
+    /// Names of the contact laws of joints.
     pub fn joint_law_names(&self) -> impl Iterator<Item = &str> {
         self.joint_laws.keys().map(String::as_str)
     }
 
-    /// The JSON schema of scene files, for editors; it knows the keys of all laws and boundaries
-    /// that are registered.
+    /// JSON schema of scene files, for editors, including the keys of all registered laws and boundaries.
     pub fn schema(&self) -> Schema {
         let mut generator = SchemaGenerator::default();
         let laws = choices(&self.laws, &mut generator);
@@ -233,7 +308,7 @@ fn look_up<'r, T>(
     })
 }
 
-/// The schema of each entry's keys, by its name.
+/// Schema of the keys of each registered entry, by name.
 fn choices<T>(
     entries: &BTreeMap<String, Entry<T>>,
     generator: &mut SchemaGenerator,
@@ -242,7 +317,7 @@ fn choices<T>(
         .iter()
         .map(|(name, entry)| {
             let mut schema = (entry.schema)(generator);
-            // The open table closes itself, over the shared keys and these.
+            // Further keys are rejected for the whole table, not for the keys of this entry alone.
             schema.remove("additionalProperties");
             (name.clone(), schema.to_value())
         })
@@ -253,7 +328,7 @@ fn definition<'s>(root: &'s mut Schema, name: &str) -> Option<&'s mut Value> {
     root.pointer_mut(&format!("/$defs/{name}"))
 }
 
-/// Lets the value of `key` decide which further keys a table has.
+/// Makes the permitted keys of a table depend on the value of `key`.
 fn open_table(table: &mut Value, key: &str, choices: Vec<(String, Value)>) {
     let names: Vec<&String> = choices.iter().map(|(name, _)| name).collect();
     if let Some(property) = table.pointer_mut(&format!("/properties/{key}")) {
@@ -269,8 +344,7 @@ fn open_table(table: &mut Value, key: &str, choices: Vec<(String, Value)>) {
     );
 }
 
-/// Gives the one key of an enum's variant the documentation of the variant, where editors look for
-/// it.
+/// Copies the documentation of an enum variant to its only key, where editors show it.
 fn document_variants(schema: &mut Value) {
     if let Some(Value::Array(variants)) = schema.get_mut("oneOf") {
         for variant in variants {

@@ -1,295 +1,298 @@
-//! What was found while a scene was composed.
+//! Remarks: facts and warnings about a scene and its results.
 
 use core::fmt;
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
-use crate::doubt::{Doubt, Topic};
-use crate::{DampingCost, Results, SceneDoubt};
+use crate::message::{Message, Topic};
+use crate::{DampingCost, Results, SceneRemark};
 
 /// Standard gravity (m/s2).
 const STANDARD_GRAVITY: f64 = 9.806_65;
-/// Few accelerograms reach this peak (m/s2).
+/// Peak ground acceleration above which units are doubtful (m/s2).
 const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
 
-/// Something that a user should know of a scene.
+/// Remark: a fact or a warning about a scene or its results ([`is_warning`](Self::is_warning)).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
-    /// What became of a record.
+    /// Fact: peaks of a processed ground motion record; a warning if its peak is larger than few records ever had.
     Record {
-        /// Its name in the scene.
+        /// Name of the record.
         name: String,
-        /// Peaks and end values as it enters the wave.
+        /// Peaks and end values of the processed record.
         report: RecordReport,
-        /// What the baseline correction did, before the record was scaled.
+        /// Report of the baseline correction, before the record was scaled.
         baseline: Option<BaselineReport>,
     },
-    /// A record's file was read otherwise than it declares.
+    /// Warning: a record file was read differently from its declaration.
     RecordFile {
-        /// The record's name in the scene.
+        /// Name of the record.
         name: String,
-        /// What was taken differently.
-        doubt: String,
+        /// Difference from the declaration.
+        warning: String,
     },
-    /// How a record that is not the incident wave became it.
+    /// Fact: conversion of a record of another motion to the incident wave.
     Conversion {
-        /// The field's name.
+        /// Name of the wave.
         wave: String,
-        /// What the record is.
+        /// Type of the recorded motion.
         convention: &'static str,
-        /// Factor and regularised division.
+        /// Factor, or regularised division by the transfer function.
         conversion: InputConversion,
     },
-    /// All waves were delayed alike, and those past the critical angle tapered, so that the body
-    /// may start at rest.
+    /// Fact: all waves were delayed by the same time, and those past the critical angle tapered, so that the body
+    /// starts at rest.
     QuietStart {
-        /// By how much all waves arrive later (s).
+        /// Delay of all waves (s).
         padding: f64,
-        /// The waves that needed it, and what each would have needed alone.
+        /// Waves that needed a delay, with the delay that each would need alone.
         waves: Vec<(String, QuietStart)>,
     },
-    /// The records of prescribed motions were delayed alike, so that the body may start at rest.
-    QuietMotion {
-        /// By how much they come later (s).
+    /// Fact: the records of prescribed motions were delayed by the same time, so that the body starts at rest; a
+    /// warning if the waves have another delay.
+    DelayedMotion {
+        /// Delay of all prescribed motions (s).
         padding: f64,
-        /// The records that needed it, and what their motion would have been at the start of the run
-        /// over its peak: the larger share of displacement and velocity.
+        /// Records that needed a delay, with their motion at the start of the run over its peak: the larger ratio
+        /// of displacement and velocity.
         records: Vec<(String, f64)>,
-        /// By how much the waves of the scene come later (s), if it has some.
+        /// Delay of the waves of the scene (s), if there are any.
         waves: Option<f64>,
     },
-    /// A record of the x or y of a wave whose azimuth turns them away from those of the mesh.
-    TurnedAxis {
-        /// The record's name in the scene.
+    /// Warning: a record is declared along x or y of a wave whose azimuth is not 0, so that these axes are not those
+    /// of the mesh.
+    RotatedAxis {
+        /// Name of the record.
         record: String,
-        /// What the scene says that it is.
+        /// Convention given in the scene.
         convention: &'static str,
-        /// The name of the same that says so.
+        /// Unambiguous name of the same convention.
         clear: &'static str,
-        /// The wave's azimuth (degrees).
+        /// Azimuth of the wave (degrees).
         azimuth: f64,
     },
-    /// The in-situ stress of ground in a body that reaches above its level: there it is none.
+    /// Warning: the body reaches above the level of a geostatic in-situ stress, where this stress is zero.
     AboveGround {
-        /// The level of the ground (m).
+        /// Height of the ground surface (m).
         level: f64,
-        /// The height of the body (m).
+        /// Greatest height of the body (m).
         top: f64,
     },
-    /// The run ends before most of a record has come.
-    CutShort {
-        /// Its name in the scene.
+    /// Warning: the run ends before 95 % of the Arias intensity of a record has arrived.
+    TruncatedRecord {
+        /// Name of the record.
         name: String,
-        /// The share of its Arias intensity that comes before the end.
+        /// Share of the Arias intensity that arrives before the end of the run.
         share: f64,
-        /// When the run ends (s).
+        /// End of the run (s).
         run: f64,
-        /// When the record ends (s), without what a filter put behind it.
+        /// End of the record (s), without the extension by a filter.
         record: f64,
     },
-    /// A side of the mesh, its top aside, that neither absorbs nor is held: waves are reflected
-    /// there.
+    /// Warning: a side of the mesh other than its top is neither absorbing nor supported, and reflects waves.
     OpenSide {
-        /// The side, as boxes of bricks name it.
+        /// Side, by the name that box meshes have for it.
         side: &'static str,
-        /// Its open area (m2).
+        /// Free area (m2).
         area: f64,
     },
-    /// A free surface beside the absorbing faces on which the field has stress: the field's own
-    /// surface lies elsewhere, or it has none.
+    /// Warning: the free field has traction on a free surface of the mesh beside the absorbing faces, because its own
+    /// free surface lies elsewhere or does not exist.
     LoadedSurface {
-        /// The largest traction of the field there over the shear impedance times the peak of its
-        /// velocity.
+        /// Largest traction of the field there over the product of shear impedance and peak velocity.
         share: f64,
-        /// Where it is largest (m).
+        /// Point of the largest traction (m).
         position: Vec3,
     },
-    /// Nothing says where the structure is, from which springs take their distance.
+    /// Fact: the scatterer (centre of the structure) was located by default.
     Scatterer {
-        /// Where it was taken to be (m).
+        /// Default location (m).
         position: Vec3,
     },
-    /// The field enters through the layer around a region.
+    /// Fact: the free field enters through the layer around a domain reduction region.
     Region {
-        /// Elements of the region.
+        /// Number of elements of the region.
         inside: usize,
-        /// Elements of the layer.
+        /// Number of elements of the layer.
         layer: usize,
     },
-    /// A record that drives nothing.
+    /// Warning: a record is used by no wave or prescribed motion.
     UnusedRecord {
-        /// Its name in the scene.
+        /// Name of the record.
         name: String,
     },
-    /// A set of a support or a load in which there is nothing: it holds or moves nothing.
+    /// Warning: the set of a support or load is empty, so that it has no effect.
     EmptySet {
-        /// Its name.
+        /// Name of the set.
         set: String,
     },
-    /// A history of the state of an element whose law has no history variables.
+    /// Warning: state variables are requested of an element whose law has none.
     NoState {
-        /// The name of the history.
+        /// Name of the history.
         name: String,
-        /// The element's number.
+        /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Section forces through linear tetrahedra, which are too stiff in bending.
+    /// Warning: section forces are computed from linear tetrahedra, which are too stiff in bending.
     TetrahedralSection {
-        /// The name of the section.
+        /// Name of the section.
         section: String,
-        /// The set that it cuts.
+        /// Element set that it cuts.
         set: String,
-        /// How many of the elements that it cuts are tetrahedra.
+        /// Number of cut tetrahedra.
         elements: usize,
-        /// How many it cuts.
+        /// Number of cut elements.
         of: usize,
     },
-    /// A joint moved farther than pairs that keep their nodes can follow; found after the run.
+    /// Warning after the run: slip or opening of a joint is too large for node pairs that are fixed (small-slip
+    /// assumption).
     LargeSlip {
-        /// The joint's name.
+        /// Name of the joint.
         joint: String,
-        /// Its largest slip or opening over the shortest edge of its facets.
+        /// Largest slip or opening over the shortest edge of the facets.
         share: f64,
     },
-    /// A joint that starts anew in a stage, or when the body starts to move after a tie: its opening, slip
-    /// and energies count from there.
-    JointAnew {
-        /// The joint's name.
+    /// Fact: a joint is re-initialised in a construction stage or at the start of the run, from where its opening,
+    /// slip and energies are counted.
+    JointRenewed {
+        /// Name of the joint.
         joint: String,
-        /// The stage; none when the body starts to move.
+        /// Name of the stage; `None` for the start of the run.
         stage: Option<String>,
-        /// How it starts.
+        /// Type of re-initialisation.
         renewal: Renewal,
     },
-    /// A damped part touches an absorbing face, behind which the free field is elastic.
+    /// Warning: a damped part touches an absorbing face, although the free field is elastic.
     DampedRim {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
     },
-    /// A part that is not elastic touches an absorbing face, behind which the free field is.
+    /// Warning: a part with a nonlinear law touches an absorbing face, although the free field is elastic.
     NonlinearRim {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// Its law.
+        /// Name of the law.
         law: String,
     },
-    /// Damping proportional to stiffness meets a law with history variables: it acts with what is left of
-    /// the stiffness at each point, and its stress is in no output.
+    /// Warning: a part with a nonlinear law has stiffness-proportional damping, which is proportional to the degraded
+    /// stiffness and whose stress is not contained in any output.
     DampedHistory {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// Its law.
+        /// Name of the law.
         law: String,
     },
-    /// Hourglass resistance took much of the internal work of a set; found after the run.
+    /// Warning after the run: the work of hourglass resistance is a large share of the internal work of a set.
     Hourglass {
-        /// The stage, none for the run.
+        /// Name of the stage; `None` for the run.
         stage: Option<String>,
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// The share of the internal work.
+        /// Work of hourglass resistance over the internal work.
         share: f64,
     },
-    /// The stress of the ground before the first stage and what acts in it are out of balance; found after
-    /// the stages.
+    /// Warning after the stages: the in-situ stress is not in equilibrium with the loads and supports of the first
+    /// stage.
     Unbalanced {
-        /// The first stage.
+        /// Name of the first stage.
         stage: String,
-        /// Forces out of balance at its start over the load.
+        /// Unbalanced force at the start of the stage over the load.
         share: f64,
-        /// The largest displacement until they balanced (m).
+        /// Largest displacement until equilibrium (m).
         displacement: f64,
-        /// The node's number.
+        /// Number of the node with this displacement in the mesh file.
         node: u64,
     },
-    /// Accelerations that change from sample to sample by as much as they are large; found after the run.
+    /// Warning after the run: the sampling interval of an acceleration history is too long for its frequency content
+    /// at the peak.
     Undersampled {
-        /// The name of the history.
+        /// Name of the history.
         name: String,
-        /// The interval of samples (s).
+        /// Sampling interval (s).
         interval: f64,
     },
-    /// Greatest accelerations of an envelope that depend on how often it looks; found after the run.
-    RareLooks {
-        /// The greatest acceleration that every second look finds, over that of all looks.
+    /// Warning after the run: the sampling interval of an acceleration envelope is too long, so that peaks are
+    /// missed.
+    SparseEnvelope {
+        /// Greatest acceleration of every second sample over that of all samples.
         share: f64,
     },
-    /// What damping by relaxation mechanisms costs a part.
+    /// Fact: accuracy and cost of flat damping of a part.
     FlatDamping {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// What it costs.
+        /// Accuracy and cost.
         cost: DampingCost,
     },
-    /// A part is elastic and undamped along the absorbing faces.
+    /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).
     Rim {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// The rim's width (m).
+        /// Width of the rim (m).
         width: f64,
-        /// Elements of the rim.
+        /// Number of elements of the rim.
         elements: usize,
-        /// Elements of the part.
+        /// Number of elements of the part.
         of: usize,
     },
-    /// What does not fit together in a material.
+    /// Warning: parameters of a material are inconsistent.
     Material {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// What is said of it.
-        doubt: String,
+        /// Description of the inconsistency.
+        warning: String,
     },
-    /// Something that can hardly be meant.
-    Doubt(SceneDoubt),
+    /// Implausible value or combination in a scene.
+    Scene(SceneRemark),
 }
 
 impl Remark {
-    /// What of the results it is about.
+    /// Topic of the remark: the results that it concerns.
     pub fn topic(&self) -> Topic {
         match self {
             Self::Record { .. }
             | Self::RecordFile { .. }
             | Self::Conversion { .. }
-            | Self::QuietMotion { .. }
-            | Self::CutShort { .. }
-            | Self::TurnedAxis { .. }
+            | Self::DelayedMotion { .. }
+            | Self::TruncatedRecord { .. }
+            | Self::RotatedAxis { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
-            Self::LargeSlip { .. } | Self::JointAnew { .. } => Topic::Joints,
+            Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
             Self::NoState { .. }
             | Self::Undersampled { .. }
-            | Self::RareLooks { .. }
-            | Self::Doubt(SceneDoubt::ShortInterval { .. } | SceneDoubt::LongInterval { .. }) => {
+            | Self::SparseEnvelope { .. }
+            | Self::Scene(SceneRemark::ShortInterval { .. } | SceneRemark::LongInterval { .. }) => {
                 Topic::Histories
             }
-            Self::Doubt(SceneDoubt::HeldField { .. } | SceneDoubt::AbsorbingSurface { .. }) => {
-                Topic::Input
-            }
+            Self::Scene(
+                SceneRemark::RestrainedField { .. } | SceneRemark::AbsorbingSurface { .. },
+            ) => Topic::Input,
             _ => Topic::Run,
         }
     }
-    /// As files have it, whether it is a doubt or not.
-    pub fn doubt(&self) -> Doubt {
-        Doubt {
+    /// Text and topic, as written to result files.
+    pub fn message(&self) -> Message {
+        Message {
             about: self.topic(),
             text: self.to_string(),
         }
     }
-    /// Whether it is a doubt about the result, not only a fact.
+    /// Returns whether the remark is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
         match self {
-            Self::QuietMotion {
+            Self::DelayedMotion {
                 padding,
                 waves: Some(waves),
                 ..
             } => padding != waves,
-            Self::Doubt(doubt) => doubt.is_warning(),
+            Self::Scene(warning) => warning.is_warning(),
             Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
             Self::Unbalanced { .. }
             | Self::Undersampled { .. }
-            | Self::RareLooks { .. }
+            | Self::SparseEnvelope { .. }
             | Self::DampedRim { .. }
             | Self::DampedHistory { .. }
             | Self::Hourglass { .. }
@@ -298,8 +301,8 @@ impl Remark {
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
-            | Self::CutShort { .. }
-            | Self::TurnedAxis { .. }
+            | Self::TruncatedRecord { .. }
+            | Self::RotatedAxis { .. }
             | Self::AboveGround { .. }
             | Self::EmptySet { .. }
             | Self::NoState { .. }
@@ -311,8 +314,8 @@ impl Remark {
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
             | Self::Region { .. }
-            | Self::JointAnew { .. }
-            | Self::QuietMotion { waves: None, .. }
+            | Self::JointRenewed { .. }
+            | Self::DelayedMotion { waves: None, .. }
             | Self::Scatterer { .. } => false,
         }
     }
@@ -321,7 +324,7 @@ impl Remark {
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Doubt(doubt) => doubt.fmt(f),
+            Self::Scene(warning) => warning.fmt(f),
             Self::Record {
                 name,
                 report,
@@ -340,13 +343,13 @@ impl fmt::Display for Remark {
                 if report.peak_acceleration > LARGE_PEAK {
                     write!(
                         f,
-                        ", which few records have ever reached: are its units declared as they are?"
+                        ", which hardly any record has ever reached: check the unit of the record"
                     )?;
                 }
                 if let Some(baseline) = baseline {
                     write!(
                         f,
-                        "; baseline {} took at most {:.2e} m/s2 from it, it had ended at {:.2e} m/s, {:.2e} m",
+                        "; baseline correction {} changed it by at most {:.2e} m/s2, before it ended at {:.2e} m/s, {:.2e} m",
                         baseline.correction.name(),
                         baseline.largest_change,
                         baseline.before.end_velocity,
@@ -356,13 +359,13 @@ impl fmt::Display for Remark {
                         let pad = baseline.leading_pad;
                         write!(
                             f,
-                            " and begins {pad:.3} s before its own start with what the filter put there"
+                            "; the filter extends it by {pad:.3} s before its original start"
                         )?;
                     }
                 }
                 Ok(())
             }
-            Self::RecordFile { name, doubt } => write!(f, "record '{name}': {doubt}"),
+            Self::RecordFile { name, warning } => write!(f, "record '{name}': {warning}"),
             Self::Conversion {
                 wave,
                 convention,
@@ -375,7 +378,7 @@ impl fmt::Display for Remark {
                 ),
                 Some(within) => write!(
                     f,
-                    "{wave}: the incident wave was found from motion within the ground, regularised by {}, which misses {:.2e} of the record; it peaks at {:.3} of the record, where that has motion the ground passes on {:.3} or more",
+                    "{wave}: the incident wave was computed from a within motion, with a regularisation of {}, with a misfit of {:.2e} of the record; its peak is {:.3} of that of the record, and the transfer function is at least {:.3} in the frequency range of the record",
                     within.regularisation,
                     within.misfit,
                     within.amplification,
@@ -385,12 +388,12 @@ impl fmt::Display for Remark {
             Self::QuietStart { padding, waves } => {
                 write!(
                     f,
-                    "all waves arrive {padding:.3} s later so that the body may start at rest, the duration stays"
+                    "all waves are delayed by {padding:.3} s so that the body starts at rest; the duration is unchanged"
                 )?;
                 for (wave, start) in waves {
                     write!(
                         f,
-                        "; {wave} needs {:.3} s, starts at {:.1e} of its peak or less and lost {:.1e} of it to a taper",
+                        "; {wave} needs {:.3} s, starts with at most {:.1e} of its peak, and a taper removed {:.1e} of the peak",
                         start.padding,
                         start.level.largest(),
                         start.removed
@@ -398,61 +401,61 @@ impl fmt::Display for Remark {
                 }
                 Ok(())
             }
-            Self::QuietMotion {
+            Self::DelayedMotion {
                 padding,
                 records,
                 waves,
             } => {
                 write!(
                     f,
-                    "prescribed motions come {padding:.3} s later so that the body may start at rest, the duration stays"
+                    "prescribed motions are delayed by {padding:.3} s so that the body starts at rest; the duration is unchanged"
                 )?;
                 for (name, level) in records {
                     write!(
                         f,
-                        "; what the filter put before record '{name}' has {level:.1e} of its peak at its own start"
+                        "; record '{name}', extended by its filter, would be at {level:.1e} of its peak at the start of the run"
                     )?;
                 }
                 match waves {
                     Some(waves) if waves != padding => {
                         write!(
                             f,
-                            "; the waves come {waves:.3} s later: the two no longer fit together"
+                            "; the waves are delayed by {waves:.3} s, so that the two are no longer synchronous"
                         )
                     }
                     _ => Ok(()),
                 }
             }
-            Self::TurnedAxis {
+            Self::RotatedAxis {
                 record,
                 convention,
                 clear,
                 azimuth,
             } => write!(
                 f,
-                "record '{record}' is '{convention}' of a wave of azimuth {azimuth}: that is its direction of travel or the one across, not an axis of the mesh; '{clear}' says the same without this warning"
+                "record '{record}' has the convention '{convention}' in a wave of azimuth {azimuth} degrees: this component is along or across the direction of travel, not along an axis of the mesh; '{clear}' is the same without this warning"
             ),
             Self::AboveGround { level, top } => write!(
                 f,
                 "the in-situ stress of the ground is zero above its level of {level} m, and the body reaches up to {top} m"
             ),
-            Self::CutShort {
+            Self::TruncatedRecord {
                 name,
                 share,
                 run,
                 record,
             } => write!(
                 f,
-                "the run ends at {run:.3} s, before record '{name}' at {record:.3} s: {:.1} % of its Arias intensity come before",
+                "the run ends at {run:.3} s, before record '{name}' ends at {record:.3} s: only {:.1} % of its Arias intensity arrives before",
                 100.0 * share
             ),
             Self::OpenSide { side, area } => write!(
                 f,
-                "{area:.4} m2 on the {side} of the mesh neither absorb nor are held: waves are reflected there"
+                "{area:.4} m2 on the {side} of the mesh are neither absorbing nor supported: waves are reflected there"
             ),
             Self::LoadedSurface { share, position } => write!(
                 f,
-                "the free surface at ({:.3}, {:.3}, {:.3}) m would carry {:.1} % of the field's stress: the field's own surface lies elsewhere, or it has none",
+                "the free surface at ({:.3}, {:.3}, {:.3}) m has a free-field traction of {:.1} % of the wave stress: the free surface of the field lies elsewhere, or it has none",
                 position.x,
                 position.y,
                 position.z,
@@ -460,30 +463,30 @@ impl fmt::Display for Remark {
             ),
             Self::Scatterer { position } => write!(
                 f,
-                "springs take their distance from ({:.3}, {:.3}, {:.3}) m, the middle of the parts that touch no absorbing face",
+                "the distance of boundary springs is measured from ({:.3}, {:.3}, {:.3}) m, the centre of the parts that touch no absorbing face",
                 position.x, position.y, position.z
             ),
             Self::Region { inside, layer } => write!(
                 f,
-                "the waves enter through {layer} elements around a region of {inside}; results outside of them hold scattered waves alone"
+                "the waves enter through {layer} elements around a region of {inside} elements; outside of them results are the scattered motion alone"
             ),
             Self::UnusedRecord { name } => {
                 write!(
                     f,
-                    "record '{name}' drives neither a wave nor a prescribed motion"
+                    "record '{name}' is used by no wave and no prescribed motion"
                 )
             }
             Self::EmptySet { set } => write!(
                 f,
-                "a support or a load stands on the set '{set}', in which there is nothing: it does nothing"
+                "the set '{set}' of a support or load is empty: it has no effect"
             ),
             Self::NoState { name, element } => write!(
                 f,
-                "history '{name}' asks for the state of element {element}, whose law has no history variables"
+                "history '{name}' requests the state of element {element}, whose law has no history variables"
             ),
             Self::LargeSlip { joint, share } => write!(
                 f,
-                "joint '{joint}' moved by {share:.2} of its facets' edges; its pairs keep their nodes, which holds up to about {:.2}",
+                "joint '{joint}' slipped or opened by {share:.2} of the shortest edge of its facets; its node pairs are fixed, which is accurate up to about {:.2}",
                 Results::SMALL_SLIP
             ),
             Self::TetrahedralSection {
@@ -495,40 +498,40 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
-            Self::JointAnew {
+            Self::JointRenewed {
                 joint,
                 stage,
                 renewal,
             } => {
                 write!(
                     f,
-                    "opening, slip and energies of joint '{joint}' count from "
+                    "opening, slip and energies of joint '{joint}' are counted from "
                 )?;
                 match stage {
-                    Some(stage) => write!(f, "where it stood before the stage '{stage}'")?,
-                    None => write!(f, "where it stood when the body started to move")?,
+                    Some(stage) => write!(f, "its position before stage '{stage}'")?,
+                    None => write!(f, "its position at the start of the run")?,
                 }
                 match renewal {
-                    Renewal::Grouted => write!(f, ": there it was grouted"),
-                    Renewal::Released => write!(f, ": there its tie was taken off"),
+                    Renewal::Grouted => write!(f, ", where it was grouted"),
+                    Renewal::Released => write!(f, ", where its tie was removed"),
                 }
             }
             Self::NonlinearRim { set, law } => write!(
                 f,
-                "part '{set}' of the law '{law}' touches an absorbing face: the free field is elastic, so what yields there reflects its waves; give the part a rim"
+                "part '{set}' with the law '{law}' touches an absorbing face: the free field is elastic, so yielding there reflects the waves; give the part a rim"
             ),
             Self::DampedHistory { set, law } => write!(
                 f,
-                "part '{set}' of the law '{law}' has stiffness-proportional damping: where it yields or cracks the damping acts with what is left of the stiffness, and its stress adds to that of the law, up to the strength and beyond while it is elastic; outputs of stress and of sections do not contain it. Flat damping stays within the strength: damping = {{ kind = \"flat\", ... }}"
+                "part '{set}' with the law '{law}' has stiffness-proportional damping: where it yields or cracks the damping is proportional to the degraded stiffness, and its stress adds to that of the law, so that the total may exceed the strength; outputs of stress and section forces do not contain it. Flat damping stays within the strength: damping = {{ kind = \"flat\", ... }}"
             ),
             Self::Hourglass { stage, set, share } => {
-                let whence = match stage {
+                let prefix = match stage {
                     Some(stage) => format!("in stage '{stage}' "),
                     None => String::new(),
                 };
                 write!(
                     f,
-                    "{whence}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 1 %: displacements and stresses there are its own in part; elements with the kernel \"hex8-full\" or \"hex8-b-bar\", or smaller ones, have less or none of it",
+                    "{prefix}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 1 %: displacements and stresses there are affected by it; use the kernel \"hex8-full\" or \"hex8-b-bar\", or smaller elements",
                     100.0 * share
                 )
             }
@@ -539,16 +542,16 @@ impl fmt::Display for Remark {
                 node,
             } => write!(
                 f,
-                "the in-situ stress leaves {:.1} % of the load out of balance at the start of stage '{stage}', and the body moved by up to {displacement:.3e} m (node {node}) until it balanced: stress, density, gravity, surface loads and supports do not agree, and the stress is no longer the given one",
+                "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}', and the body moved by up to {displacement:.3e} m (node {node}) until equilibrium: stress, density, gravity, surface loads and supports are inconsistent, and the stress is no longer the given one",
                 100.0 * share
             ),
             Self::Undersampled { name, interval } => write!(
                 f,
-                "the acceleration of '{name}' changes around its peak from sample to sample by more than its own size: something rings faster than its samples of every {interval} s show, such as cracks that open or close, and its peak is that of the sample, not of the motion"
+                "the acceleration of '{name}' changes between samples around its peak by more than its own size: the motion has frequencies above those that the sampling interval of {interval} s resolves, as when cracks open or close, and its peak is that of the samples, not of the motion"
             ),
-            Self::RareLooks { share } => write!(
+            Self::SparseEnvelope { share } => write!(
                 f,
-                "every second look of the envelope alone finds {:.0} % of its greatest acceleration: its looks are so rare that they miss peaks, which a shorter interval (`every`) shows",
+                "every second sample of the envelope gives only {:.0} % of its greatest acceleration: its sampling interval is too long and misses peaks; reduce it (`every`)",
                 100.0 * share
             ),
             Self::FlatDamping { set, cost } => write!(f, "damping of part '{set}': {cost}"),
@@ -567,10 +570,10 @@ impl fmt::Display for Remark {
                     "rim of part '{set}': {elements} of its {of} elements {within}; they are elastic and undamped"
                 )
             }
-            Self::Material { set, doubt } => write!(f, "material of part '{set}': {doubt}"),
+            Self::Material { set, warning } => write!(f, "material of part '{set}': {warning}"),
             Self::DampedRim { set } => write!(
                 f,
-                "part '{set}' is damped and touches an absorbing face: the free field is elastic, so its waves are reflected there in part; give the part a rim"
+                "part '{set}' is damped and touches an absorbing face: the free field is elastic, so waves are partly reflected there; give the part a rim"
             ),
         }
     }

@@ -14,86 +14,113 @@ use powerhouse_model::{
     Cadence, HistoryVariable, IncidentField, Mesh, ModelError, Observer, TimeIntegrator,
 };
 
-use crate::output::{Named, OutputPlan, Recordings, Results};
+use crate::output::{FinishedRun, Named, OutputPlan, Recordings, Results};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
-use crate::{Error, Remark, SceneDoubt, SceneText};
+use crate::{Error, Remark, SceneRemark, SceneText};
 
-/// Energies are looked at after this share of the duration if they are not recorded.
+/// Sampling interval of the energy balance, over the duration, if energies are not recorded.
 const LOOKS_SHARE: f64 = 0.01;
 
-/// Told after every step where a run stands.
+/// Progress callback of a run, called after every step.
 pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
 
-/// What a run is given beside its scene.
+/// Progress callback, cancellation flag, sinks and further observers of a run.
+///
+/// ```
+/// use powerhouse::RunHooks;
+/// use std::sync::Arc;
+/// use std::sync::atomic::AtomicBool;
+/// let stop = Arc::new(AtomicBool::new(false));
+/// let hooks = RunHooks::default()
+///     .with_stop(stop.clone())
+///     .with_progress(|progress| println!("{} of {}", progress.done, progress.planned));
+/// assert!(hooks.stop.is_some());
+/// ```
 #[derive(Default)]
+#[non_exhaustive]
 pub struct RunHooks<'a> {
-    /// Called after every step.
+    /// Progress callback, called after every step.
     pub progress: Option<ProgressHook<'a>>,
-    /// Raised from outside, it ends the run after one more step; the results are complete up to
-    /// there.
+    /// Cancellation flag: raised from outside, it ends the run after one more step; the results are complete
+    /// up to there.
     pub stop: Option<Arc<AtomicBool>>,
-    /// Takes the snapshots that the scene asks for.
+    /// Receiver of the snapshots that the scene requests.
     pub snapshots: Option<Box<dyn SnapshotSink>>,
-    /// Is shown the stages of the scene.
+    /// Receiver of the progress and the state of each construction stage.
     pub stages: Option<Box<dyn StageSink + 'a>>,
-    /// The body as the same stages left it before, from which the run starts without them.
-    pub at_rest: Option<EquilibratedBody>,
-    /// Further observers.
+    /// The body in static equilibrium after the same stages, from an earlier run: the run starts from it and
+    /// computes no stage.
+    pub equilibrated_body: Option<EquilibratedBody>,
+    /// Observers beside those of the scene's output requests.
     pub observers: Vec<Box<dyn Observer>>,
 }
 
-/// A model ready to run.
+impl<'a> RunHooks<'a> {
+    /// Sets the progress callback.
+    #[must_use]
+    pub fn with_progress(mut self, progress: impl FnMut(Progress) + Send + 'a) -> Self {
+        self.progress = Some(Box::new(progress));
+        self
+    }
+    /// Sets the cancellation flag.
+    #[must_use]
+    pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+    /// Sets the receiver of snapshots.
+    #[must_use]
+    pub fn with_snapshots(mut self, sink: Box<dyn SnapshotSink>) -> Self {
+        self.snapshots = Some(sink);
+        self
+    }
+    /// Sets the receiver of construction stages.
+    #[must_use]
+    pub fn with_stages(mut self, sink: Box<dyn StageSink + 'a>) -> Self {
+        self.stages = Some(sink);
+        self
+    }
+    /// Sets the body from which the run starts in place of its stages.
+    #[must_use]
+    pub fn with_equilibrated_body(mut self, body: EquilibratedBody) -> Self {
+        self.equilibrated_body = Some(body);
+        self
+    }
+    /// Adds an observer.
+    #[must_use]
+    pub fn with_observer(mut self, observer: impl Observer + 'static) -> Self {
+        self.observers.push(Box::new(observer));
+        self
+    }
+}
+
+/// A scene whose model is built and checked, ready to run.
 pub struct Simulation {
-    title: String,
-    mesh: Arc<Mesh>,
-    model: Model,
-    integrator: Box<dyn TimeIntegrator>,
-    step: TimeStep,
-    duration: f64,
-    residual: ResidualLimit,
-    /// The scene's file, and what stands where in it.
-    source: (Option<Arc<SceneText>>, SceneSpans),
+    pub(crate) title: String,
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) model: Model,
+    pub(crate) integrator: Box<dyn TimeIntegrator>,
+    pub(crate) step: TimeStep,
+    pub(crate) duration: f64,
+    pub(crate) residual: ResidualLimit,
+    /// The scene's file, if its faults are to be shown there.
+    pub(crate) source: Option<Arc<SceneText>>,
+    /// Where in the file the values of the scene are.
+    pub(crate) spans: SceneSpans,
     /// The field whose motion the body starts with.
-    initial: Option<Arc<dyn IncidentField>>,
-    plan: OutputPlan,
-    observed: (Recordings, Vec<Box<dyn Observer>>),
+    pub(crate) initial: Option<Arc<dyn IncidentField>>,
+    pub(crate) plan: OutputPlan,
+    pub(crate) recordings: Recordings,
+    pub(crate) observers: Vec<Box<dyn Observer>>,
     /// The history variables of the laws.
-    variables: Vec<HistoryVariable>,
-    remarks: Vec<Remark>,
-    /// What the body goes through before it moves.
-    staging: Option<Staging>,
+    pub(crate) variables: Vec<HistoryVariable>,
+    pub(crate) remarks: Vec<Remark>,
+    /// The construction stages before the motion.
+    pub(crate) staging: Option<Staging>,
 }
 
 impl Simulation {
-    pub(crate) fn new(
-        (title, mesh, model): (String, Arc<Mesh>, Model),
-        (integrator, step): (Box<dyn TimeIntegrator>, TimeStep),
-        (duration, residual): (f64, ResidualLimit),
-        source: (Option<Arc<SceneText>>, SceneSpans),
-        initial: Option<Arc<dyn IncidentField>>,
-        (plan, observed): (OutputPlan, (Recordings, Vec<Box<dyn Observer>>)),
-        variables: Vec<HistoryVariable>,
-        remarks: Vec<Remark>,
-        staging: Option<Staging>,
-    ) -> Self {
-        Self {
-            title,
-            mesh,
-            model,
-            integrator,
-            step,
-            duration,
-            residual,
-            source,
-            initial,
-            plan,
-            observed,
-            variables,
-            remarks,
-            staging,
-        }
-    }
     /// The scene's title.
     pub fn title(&self) -> &str {
         &self.title
@@ -107,20 +134,21 @@ impl Simulation {
     pub fn model(&self) -> &Model {
         &self.model
     }
-    /// What is recorded.
-    pub fn output_plan(&self) -> &OutputPlan {
+    /// The output requests.
+    pub fn output(&self) -> &OutputPlan {
         &self.plan
     }
     /// The sides of the joints, by name.
     pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
-        self.observed.0.joint_surfaces()
+        self.recordings.joint_surfaces()
     }
-    /// Which elements of the mesh are there when the body moves, one flag per element: stages may have
-    /// excavated some, or not cast them. None if all are.
+    /// Which elements of the mesh are present when the body moves, one flag per element: stages may have
+    /// excavated some, or not cast them. None if all are present.
     pub fn present(&self) -> Option<&[bool]> {
-        self.observed.0.present()
+        self.recordings.present()
     }
-    /// The files that a run may write, below its folder; that of snapshots stands for all of them.
+    /// Paths of the files that a run may write, relative to its folder; that of snapshots stands for all of
+    /// them.
     pub fn result_files(&self) -> Vec<String> {
         let scene = self.staging.as_ref().map(|staging| &staging.scene);
         let joints = self.joint_surfaces().iter();
@@ -139,29 +167,29 @@ impl Simulation {
         };
         named.files()
     }
-    /// What was found while the scene was composed.
+    /// Remarks and warnings that were found while the scene was composed.
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }
-    /// How long the run lasts (s).
+    /// Duration of the run (s).
     pub fn duration(&self) -> f64 {
         self.duration
     }
-    /// The scheme's name.
+    /// Name of the time integration scheme.
     pub fn scheme(&self) -> &'static str {
         self.integrator.name()
     }
 
-    /// The stable step and the element that limits it. The first call costs some tens of force
+    /// The stable step (s) and the element that limits it. The first call costs some tens of force
     /// evaluations.
     ///
     /// # Errors
     /// If the scheme is unstable at every step under the scene's damping.
     pub fn stable_step(&mut self) -> Result<StableStep, Error> {
         let stable = self.model.stable_step(self.integrator.as_ref());
-        stable.map_err(|error| self.source.1.put(&self.source.0, error.into()))
+        stable.map_err(|error| self.spans.put(&self.source, error.into()))
     }
-    /// The step that a run takes (s). Intervals of output that are shorter become remarks.
+    /// The time step of the run (s). Intervals of output that are shorter become remarks.
     ///
     /// # Errors
     /// A given step that is above the stable one, or as [`stable_step`](Self::stable_step).
@@ -171,7 +199,7 @@ impl Simulation {
             TimeStep::Seconds(step) => {
                 let limits = self.model.frequency_limits();
                 let checked = self.integrator.check(&limits, step);
-                checked.map_err(|error| self.source.1.put(&self.source.0, error.into()))?;
+                checked.map_err(|error| self.spans.put(&self.source, error.into()))?;
                 step
             }
         };
@@ -179,7 +207,7 @@ impl Simulation {
         Ok(step)
     }
 
-    /// Remarks on intervals of output that are shorter than the step or longer than the run, once.
+    /// Adds warnings about output intervals shorter than the step or longer than the run, without repetitions.
     fn check_intervals(&mut self, step: f64) {
         let histories = !self.plan.histories.is_empty() || !self.plan.cuts.is_empty();
         let intervals = [
@@ -187,12 +215,15 @@ impl Simulation {
             ("energies", self.plan.energies),
             (
                 "envelopes",
-                self.plan.envelope.as_ref().map(|wish| wish.every),
+                self.plan.envelope.as_ref().map(|request| request.every),
             ),
-            ("snapshots", self.plan.snapshots.map(|wish| wish.every)),
+            (
+                "snapshots",
+                self.plan.snapshots.map(|request| request.every),
+            ),
         ];
         for (what, interval) in intervals {
-            // Nobody asks for an interval by leaving it as it is by default.
+            // The default interval is not a request.
             let own = OutputPlan::default().every;
             let by_default = |interval: f64| match what {
                 "energies" => {
@@ -202,13 +233,13 @@ impl Simulation {
                 _ => interval == own,
             };
             let asked = interval.filter(|interval| !by_default(*interval));
-            let doubt = match asked {
-                Some(interval) if interval < step => SceneDoubt::ShortInterval {
+            let finding = match asked {
+                Some(interval) if interval < step => SceneRemark::ShortInterval {
                     what,
                     interval,
                     step,
                 },
-                Some(interval) if interval > self.duration => SceneDoubt::LongInterval {
+                Some(interval) if interval > self.duration => SceneRemark::LongInterval {
                     what,
                     interval,
                     duration: self.duration,
@@ -216,35 +247,35 @@ impl Simulation {
                 _ => continue,
             };
             let is_said = |remark: &Remark| {
-                let doubt = match remark {
-                    Remark::Doubt(doubt) => doubt,
+                let finding = match remark {
+                    Remark::Scene(finding) => finding,
                     _ => return false,
                 };
                 matches!(
-                    doubt,
-                    SceneDoubt::ShortInterval { what: said, .. }
-                        | SceneDoubt::LongInterval { what: said, .. } if *said == what
+                    finding,
+                    SceneRemark::ShortInterval { what: said, .. }
+                        | SceneRemark::LongInterval { what: said, .. } if *said == what
                 )
             };
             if !self.remarks.iter().any(is_said) {
-                self.remarks.push(Remark::Doubt(doubt));
+                self.remarks.push(Remark::Scene(finding));
             }
         }
     }
 
     /// Replaces the scene's step.
     pub fn set_step(&mut self, step: TimeStep) {
-        // A refusal no longer concerns the scene's file.
-        self.source.0 = None;
+        // An error of the step no longer concerns the scene file.
+        self.source = None;
         self.step = step;
     }
 
-    /// Goes through the stages of the scene and leaves the body at rest, for several runs to start
-    /// from: those of scenes that differ in what makes the body move alone. Nothing if there are none.
+    /// The body in static equilibrium after the construction stages of the scene; none without stages.
+    /// Several runs can start from it: those of scenes that differ in nothing but what makes the body move.
     ///
     /// # Errors
-    /// A stage that does not come to rest.
-    pub fn bring_to_rest(
+    /// A stage that does not reach static equilibrium.
+    pub fn equilibrate(
         &self,
         stop: Option<&Arc<AtomicBool>>,
         sink: Option<Box<dyn StageSink + '_>>,
@@ -253,45 +284,44 @@ impl Simulation {
             return Ok(None);
         };
         let found = staging.run(stop, sink);
-        Ok(Some(found.map_err(|error| {
-            self.source.1.put(&self.source.0, error)
-        })?))
+        Ok(Some(
+            found.map_err(|error| self.spans.put(&self.source, error))?,
+        ))
     }
 
-    /// Runs the scene to its end, through its stages first.
+    /// The results of the scene's run, construction stages first.
     ///
     /// # Errors
-    /// A stage that does not come to rest, a step above the stable one, or, as [`Error::Failed`] with the results until then, what
-    /// ended the run before its time.
+    /// A stage that does not reach static equilibrium; a step above the stable one; [`Error::Failed`] with the
+    /// results until then for whatever ended the run before its time.
     pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
         let step = self.step()?;
         let mut rested = None;
         if let Some(staging) = &self.staging {
-            let body = match hooks.at_rest {
+            let body = match hooks.equilibrated_body {
                 Some(body) => Ok(body),
                 None => staging.run(hooks.stop.as_ref(), hooks.stages),
             };
             let moving = body.and_then(|body| staging.set_in_motion(body));
-            let (model, stages) =
-                moving.map_err(|error| self.source.1.put(&self.source.0, error))?;
+            let (model, stages) = moving.map_err(|error| self.spans.put(&self.source, error))?;
             self.model = model;
             rested = Some(stages);
         }
         if let Some(field) = self.initial.take() {
-            let now = (self.model.time(), step);
             let nodes = self.mesh.positions();
-            let (displacement, velocity) = field_motion(field.as_ref(), nodes, now)?;
+            let (displacement, velocity) =
+                field_motion(field.as_ref(), nodes, self.model.time(), step)?;
             self.model.set_initial(&displacement, &velocity)?;
         }
         let mut options = self.options(RunOptions::seconds(self.duration), step);
         options.stop = hooks.stop;
-        let (recordings, mut observers) = self.observed;
+        let (recordings, mut observers) = (self.recordings, self.observers);
         let taken = Arc::new(AtomicU64::new(0));
-        if let (Some(wish), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
-            let cadence = Cadence::Seconds(wish.every);
+        if let (Some(request), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
+            let cadence = Cadence::Seconds(request.every);
             let sink = Counted(sink, taken.clone());
-            let snapshots = Snapshots::new(&self.mesh, wish.fields, cadence, sink);
+            let snapshots = Snapshots::new(&self.mesh, request.fields, cadence, sink);
             let mut snapshots = snapshots.map_err(ModelError::from)?;
             if self.plan.state.snapshots {
                 snapshots = snapshots.with_state(&self.variables);
@@ -311,8 +341,12 @@ impl Simulation {
         let staging = self.staging.as_ref();
         let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(&mut self.model));
         let finish = |report| {
-            let snapshots = taken.load(Ordering::Relaxed);
-            let mut results = recordings.finish((report, wall_time, snapshots), bolts);
+            let mut results = recordings.finish(FinishedRun {
+                run: report,
+                wall_time,
+                snapshots: taken.load(Ordering::Relaxed),
+                bolts,
+            });
             if let Some(StagingOutcome { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));
                 results.in_situ_stress =
@@ -332,8 +366,7 @@ impl Simulation {
         }
     }
 
-    /// Options with a step (s) and the check of energies, which looks as often as the energies are
-    /// recorded.
+    /// Run options with a step (s) and the check of the energy balance, at the sampling interval of the energies.
     fn options(&self, options: RunOptions, step: f64) -> RunOptions {
         let options = options.with_step(StepChoice::Fixed(step));
         let every = self.plan.energies.unwrap_or(LOOKS_SHARE * self.duration);
@@ -342,16 +375,16 @@ impl Simulation {
             ResidualLimit::Share(limit) => Some(limit),
             ResidualLimit::Unchecked => return options,
         };
-        let mut check = EnergyCheck::every((every / step).round().max(1.0) as u64);
+        // Balances by set take a tenth of a step, and name a fault's set only a little more surely.
+        let mut check =
+            EnergyCheck::every((every / step).round().max(1.0) as u64).with_by_set(false);
         check.limit = limit;
-        // Balances by set take a tenth of a step, and tell a fault's set only a little more surely.
-        check.by_set = false;
         options.with_energy(check)
     }
 
-    /// Takes some steps with all that is recorded, and tells how long they take; the first and the
-    /// last one, which everything looks at, are taken beside. The model has moved afterwards, and
-    /// what was recorded belongs to no run.
+    /// Wall time of so many steps with all that is recorded. One step before and one after, at which every
+    /// observer samples, are computed beside and not timed. The model has moved afterwards, and what was
+    /// recorded belongs to no run.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -363,7 +396,7 @@ impl Simulation {
             &mut self.model,
             self.integrator.as_ref(),
             &options,
-            &mut self.observed.1,
+            &mut self.observers,
             &mut |progress| {
                 if progress.done == 1 {
                     started = Instant::now();
@@ -377,7 +410,7 @@ impl Simulation {
     }
 }
 
-/// A sink of any type, and how many snapshots it took.
+/// A sink that counts its snapshots.
 struct Counted(Box<dyn SnapshotSink>, Arc<AtomicU64>);
 
 impl SnapshotSink for Counted {

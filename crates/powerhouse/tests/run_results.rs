@@ -1,11 +1,11 @@
-//! What is kept of runs, also of those that fail, and where it is put.
+//! Results and result files of runs, including failed ones.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::Ended;
-use powerhouse::engine::observe::{Cut, Motion};
+use powerhouse::engine::observe::{CrossSection, Motion};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{
     Cadence, Fields, Flow, Mesh, ModelError, Observer, ParameterError, RunError, StepView, Vec3,
@@ -31,21 +31,22 @@ fn cube() -> Scene {
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .field(PlaneWave::new(parameters, pulse).unwrap())
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(top))
-        .duration(0.3)
-        .output(OutputPlan {
-            energies: Some(0.01),
-            ..OutputPlan::default().history("top", top, Motion::ALL)
-        })
+        .with_field(PlaneWave::new(parameters, pulse).unwrap())
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(top))
+        .with_duration(0.3)
+        .with_output(
+            OutputPlan::default()
+                .history("top", top, Motion::ALL)
+                .with_energies(0.01),
+        )
 }
 
 fn run(scene: Scene) -> Result<Results, Error> {
     scene.prepare()?.run(RunHooks::default())
 }
 
-/// A run checks its energy balance unless it is told not to: it reports the residual, and stops
-/// with the set's name where that is above the limit.
+/// A run checks its energy balance unless the check is off: it reports the residual, and stops with the name of the set
+/// where the residual exceeds the tolerance.
 #[test]
 fn the_energy_balance_is_checked() {
     let results = run(cube()).unwrap();
@@ -63,9 +64,9 @@ fn the_energy_balance_is_checked() {
     assert!(!names.contains(&"friction") && !names.contains(&"residual"));
 
     // Also without a history of energies.
-    for plan in [cube().output_plan().clone(), OutputPlan::default()] {
+    for plan in [cube().output().clone(), OutputPlan::default()] {
         let share = ResidualLimit::Share(1e-3 * residual.largest);
-        let scene = cube().output(plan.clone()).energy_residual(share);
+        let scene = cube().with_output(plan.clone()).with_energy_residual(share);
         match run(scene) {
             Err(Error::Failed {
                 error: RunError::EnergyResidual { set, residual, .. },
@@ -74,12 +75,12 @@ fn the_energy_balance_is_checked() {
             other => panic!("{other:?}"),
         }
         let unchecked = cube()
-            .output(plan)
-            .energy_residual(ResidualLimit::Unchecked);
+            .with_output(plan)
+            .with_energy_residual(ResidualLimit::Unchecked);
         assert_eq!(run(unchecked).unwrap().run.ended, Ended::Completed);
     }
     for wrong in [0.0, 1.5, f64::NAN] {
-        let scene = cube().energy_residual(ResidualLimit::Share(wrong));
+        let scene = cube().with_energy_residual(ResidualLimit::Share(wrong));
         assert!(matches!(
             scene.prepare(),
             Err(Error::Parameter(ParameterError { .. }))
@@ -87,7 +88,7 @@ fn the_energy_balance_is_checked() {
     }
 }
 
-/// Sees every step and fails at one.
+/// Observer that fails at a given step.
 struct Fails {
     at: u64,
 }
@@ -104,7 +105,7 @@ impl Observer for Fails {
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         if view.number() == self.at {
-            return Err(ParameterError::check("doubt", 1.0, 0.0, 0.5)
+            return Err(ParameterError::check("warning", 1.0, 0.0, 0.5)
                 .unwrap_err()
                 .into());
         }
@@ -112,7 +113,7 @@ impl Observer for Fails {
     }
 }
 
-/// A folder of its own for each test, removed at its end.
+/// Separate folder for each test, removed at its end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -132,17 +133,13 @@ impl Drop for Folder {
     }
 }
 
-/// A run that fails on its way hands over what it recorded until then; its summary says how it
-/// ended.
+/// A failed run returns the results recorded until then; its summary states the failure.
 #[test]
 fn a_failed_run_keeps_what_it_recorded() {
     let folder = Folder::new("failed");
     let simulation = cube().prepare().unwrap();
     let mesh = simulation.mesh().clone();
-    let hooks = RunHooks {
-        observers: vec![Box::new(Fails { at: 9 })],
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_observer(Fails { at: 9 });
     let Err(Error::Failed { error, results }) = simulation.run(hooks) else {
         panic!("the observer's failure went unheard")
     };
@@ -167,27 +164,21 @@ fn a_failed_run_keeps_what_it_recorded() {
     assert!(folder.has("histories.csv"));
 }
 
-/// What an earlier run left goes before the next one, and what else is in the folder stays.
+/// Results of an earlier run are removed before the next one; other files in the folder are kept.
 #[test]
 fn old_results_do_not_mix_with_new_ones() {
     let folder = Folder::new("mix");
     let results_of = ResultFolder::new(&folder.0);
     let go = |snapshots: bool| {
         let mut scene = cube();
-        let mut plan = scene.output_plan().clone();
-        plan.snapshots = snapshots.then_some(SnapshotRequest {
-            fields: Default::default(),
-            every: 0.1,
-        });
-        scene = scene.output(plan);
+        let mut plan = scene.output().clone();
+        plan.snapshots = snapshots.then_some(SnapshotRequest::new(0.1));
+        scene = scene.with_output(plan);
         let simulation = scene.prepare().unwrap();
         let mesh = simulation.mesh().clone();
         results_of.create().unwrap();
         results_of.clear().unwrap();
-        let hooks = RunHooks {
-            snapshots: Some(results_of.snapshots(&simulation).unwrap()),
-            ..RunHooks::default()
-        };
+        let hooks = RunHooks::default().with_snapshots(results_of.snapshots(&simulation).unwrap());
         let results = simulation.run(hooks).unwrap();
         let files = results_of.write(("cube", &mesh), &results, &RunNotes::default(), None);
         files.unwrap().contains(&folder.0.join("snapshots.pvd"))
@@ -210,7 +201,7 @@ fn old_results_do_not_mix_with_new_ones() {
     }
 }
 
-/// Files of others are left alone, even where their names are those of results.
+/// Files of other programs are kept, even if their names are those of results.
 #[test]
 fn a_folder_of_others_is_left_alone() {
     let folder = Folder::new("others");
@@ -223,7 +214,7 @@ fn a_folder_of_others_is_left_alone() {
     assert!(theirs.iter().all(|file| folder.has(file)));
 }
 
-/// A folder is made and tried before a run; one that cannot be is refused by its path.
+/// A results folder is created and tested before a run; one that cannot be created is an error with its path.
 #[test]
 fn a_folder_is_tried_before_a_run() {
     let folder = Folder::new("tried");
@@ -236,7 +227,7 @@ fn a_folder_is_tried_before_a_run() {
     assert!(error.to_string().contains("file"), "{error}");
 }
 
-/// A scene file sets the limit of the energy balance, and a wrong one is told in its place.
+/// A scene file sets the tolerance of the energy balance; an invalid one is reported with its position.
 #[test]
 fn a_file_sets_the_limit_of_the_balance() {
     let text = |limit: &str| {
@@ -271,15 +262,15 @@ fn a_file_sets_the_limit_of_the_balance() {
     }
 }
 
-/// Section forces through linear tetrahedra are doubted by the name of the section, with the way out, where
-/// they are shown: in the remarks of the run, in the head of their table and in the summary. Cuts through bricks
-/// are not, nor are tetrahedra that no section cuts.
+/// Section forces through linear tetrahedra have a warning with the name of the section and a remedy: in the remarks of
+/// the run, in the head of their table and in the summary. Sections through bricks have none, nor have tetrahedra
+/// without section.
 #[test]
 fn sections_through_tetrahedra_are_doubted() {
     let size = Vec3::new(40.0, 30.0, 20.0);
     let bricks = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
     let tetrahedra = Mesh::box_of_tets(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
-    let cut = Cut {
+    let cut = CrossSection {
         name: "waist".into(),
         point: Vec3::new(15.0, 15.0, 10.0),
         normal: Vec3::x(),
@@ -301,13 +292,10 @@ fn sections_through_tetrahedra_are_doubted() {
         };
         let scene = Scene::new("cut", mesh)
             .part(Part::new("rock", rock))
-            .duration(0.01)
-            .output(plan);
+            .with_duration(0.01)
+            .with_output(plan);
         let simulation = scene.prepare().unwrap();
-        let notes = RunNotes {
-            remarks: simulation.remarks().to_vec(),
-            ..RunNotes::default()
-        };
+        let notes = RunNotes::new(simulation.remarks().to_vec());
         let told = notes.remarks.iter().filter(|remark| remark.is_warning());
         let told: Vec<String> = told.map(ToString::to_string).collect();
         let says = |text: &str| {

@@ -1,4 +1,4 @@
-//! The JSON schema tells editors what the reader accepts.
+//! The JSON schema describes the scene files that the reader accepts.
 
 use powerhouse::Registry;
 use serde_json::Value;
@@ -33,7 +33,7 @@ fn every_key_is_documented() {
     assert_eq!(bare, Vec::<String>::new());
 }
 
-/// Registered laws and boundaries bring their keys, with ranges, into the schema.
+/// The schema contains the keys of registered laws and boundaries, with ranges.
 #[test]
 fn registered_types_bring_their_keys() {
     let schema = schema();
@@ -79,8 +79,8 @@ fn registered_types_bring_their_keys() {
     );
 }
 
-/// Unknown keys are refused by the schema as they are by the reader; but for what a case changes of a table,
-/// where the reader looks at the table.
+/// Unknown keys are invalid in the schema as in the reader, except changed keys of a case, which the reader checks in the
+/// table.
 #[test]
 fn every_table_is_closed() {
     let schema = schema();

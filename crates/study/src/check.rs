@@ -1,94 +1,95 @@
-//! What can be said of a scene without running it.
+//! Assessment of a scene before its run.
 
 use core::fmt;
 
 use powerhouse::engine::StableStep;
 use powerhouse::model::{ElementKind, QualityReport};
-use powerhouse::{Doubt, Error, Remark, Scene, StageOverview, Topic};
+use powerhouse::{Error, Message, Remark, Scene, StageOverview, Topic};
 
 use crate::StudyError;
-use crate::cost::{self, Clock, Cost};
+use crate::cost::{self, Cost, StepTimer};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
-use crate::saving::{FormatError, Saving, Survey};
-use crate::static_cost::{self, Plans};
+use crate::saving::{FormatError, RefusedChange, RunTiming, Saving, Savings, Survey};
+use crate::static_cost::{self, StagePlans};
 
-/// Above this ratio of longest to shortest edge waves travel at different speeds along and across.
+/// Aspect ratio above which the wave speeds along and across an element differ noticeably.
 const LARGEST_ASPECT: f64 = 10.0;
-/// Below this scaled Jacobian an element is badly distorted.
+/// Scaled Jacobian below which an element is badly distorted.
 const LEAST_JACOBIAN: f64 = 0.2;
-/// A doubt about a scene.
+
+/// Warning about a scene: a condition that reduces the accuracy of its results.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// Something that was found when the scene was composed.
+    /// A remark with the rank of a warning, from the composition of the scene.
     Remark(Remark),
-    /// Elements much longer than wide.
+    /// An element with an aspect ratio above 10.
     Aspect {
-        /// The largest ratio of longest to shortest edge in one element.
+        /// Largest aspect ratio of an element: longest over shortest edge.
         ratio: f64,
     },
-    /// A badly distorted element.
+    /// A badly distorted element: scaled Jacobian below 0.2.
     Distorted {
-        /// The user's number.
+        /// User number of the element.
         element: u64,
-        /// Its scaled Jacobian.
+        /// Least scaled Jacobian of the element.
         scaled_jacobian: f64,
     },
-    /// Parts of the mesh that share no nodes.
+    /// A mesh of several parts that share no nodes.
     Disconnected {
-        /// How many.
+        /// Number of parts.
         parts: usize,
     },
-    /// Tetrahedra, which are too stiff in bending and lock where volume is kept.
+    /// Four-node tetrahedra, which are too stiff in bending and lock in isochoric flow.
     Tetrahedra {
-        /// The part's set.
+        /// Element set of the part.
         set: String,
     },
-    /// A motion that a part cannot carry.
+    /// A motion with more than 1 % of its energy above the frequency that a part resolves.
     Unresolved {
-        /// What moves: the incoming field, or a record if there is none.
+        /// Description of the motion: the incident field, or a record if there is no field.
         motion: String,
-        /// The part's set.
+        /// Element set of the part.
         set: String,
-        /// Share of the motion's energy (of acceleration) above the part's frequency.
+        /// Share of the energy of acceleration above the resolved frequency.
         share: f64,
-        /// That frequency (Hz).
+        /// Highest frequency (Hz) that the part resolves.
         frequency: f64,
     },
-    /// Nodes of a joint that face each other from afar.
+    /// A node pair of a joint with a distance above 5 % of the shortest edge.
     Mismatch {
-        /// The joint's name.
+        /// Name of the joint.
         joint: String,
-        /// Their distance (m).
+        /// Distance between the nodes of the pair (m).
         distance: f64,
-        /// Their numbers.
+        /// User numbers of the two nodes.
         nodes: [u64; 2],
-        /// The shortest edge of the joint's facets (m).
+        /// Shortest edge of the facets of the joint (m).
         edge: f64,
     },
-    /// A joint that runs into an absorbing face.
+    /// A joint with node pairs on absorbing faces; the free field has no joint there.
     JointAtBoundary {
-        /// The joint's name.
+        /// Name of the joint.
         joint: String,
-        /// How many of its pairs are there.
+        /// Number of its node pairs on absorbing faces.
         pairs: usize,
     },
-    /// A field that does not move the surface in the time of the run.
+    /// An incident field that does not move the surface within the duration of the run.
     StillField {
-        /// The run's duration (s).
+        /// Duration of the run (s).
         duration: f64,
     },
-    /// A number format of which the error is unknown, or larger than it is documented to be.
+    /// A number format whose error is unknown or above its documented value.
     Format(FormatError),
-    /// No field, load, weight or prescribed motion: nothing moves.
-    Undriven,
+    /// A scene without excitation: no incident field, load, weight or prescribed motion.
+    NoExcitation,
 }
 
 impl Warning {
-    /// As the files of a run have it, with what of the results it is about.
-    pub fn doubt(&self) -> Doubt {
+    /// Converts the warning to the form that result files contain: its text with the affected kind of results.
+    pub fn message(&self) -> Message {
         let about = match self {
             Self::Remark(remark) => remark.topic(),
             Self::Unresolved { .. } | Self::Format(_) => Topic::Histories,
@@ -97,7 +98,7 @@ impl Warning {
             _ => Topic::Run,
         };
         let text = self.to_string();
-        Doubt { about, text }
+        Message { about, text }
     }
 }
 
@@ -107,14 +108,14 @@ impl fmt::Display for Warning {
             Self::Remark(remark) => remark.fmt(f),
             Self::Aspect { ratio } => write!(
                 f,
-                "an element is {ratio:.1} times as long as wide (advice: at most {LARGEST_ASPECT})"
+                "the largest aspect ratio of an element is {ratio:.1} (recommended: at most {LARGEST_ASPECT})"
             ),
             Self::Distorted {
                 element,
                 scaled_jacobian,
             } => write!(
                 f,
-                "element {element} is badly distorted: scaled Jacobian {scaled_jacobian:.3} (advice: at least {LEAST_JACOBIAN})"
+                "element {element} is badly distorted: scaled Jacobian {scaled_jacobian:.3} (recommended: at least {LEAST_JACOBIAN})"
             ),
             Self::Disconnected { parts } => {
                 write!(f, "the mesh has {parts} parts that share no nodes")
@@ -130,22 +131,24 @@ impl fmt::Display for Warning {
                 edge,
             } => write!(
                 f,
-                "nodes {first} and {second} of joint '{joint}' face each other from {distance:.3e} m, its edges are {edge:.3e} m and longer"
+                "the paired nodes {first} and {second} of joint '{joint}' are {distance:.3e} m apart; its shortest edge is {edge:.3e} m long"
             ),
             Self::JointAtBoundary { joint, pairs } => write!(
                 f,
-                "{pairs} pairs of joint '{joint}' stand on absorbing faces, behind which the ground has no joint"
+                "{pairs} node pairs of joint '{joint}' lie on absorbing faces, behind which the free field has no joint"
             ),
             Self::StillField { duration } => write!(
                 f,
-                "the field does not move the surface within the {duration} s of the run"
+                "the incident field does not move the surface within the {duration} s of the run"
             ),
             Self::Format(format) => write!(
                 f,
-                "{format}; elsewhere it errs by at most {} of a history: `precision = \"f64\"` does not err so",
+                "{format}; its documented relative error of a history is at most {}; `precision = \"f64\"` avoids this error",
                 format.documented
             ),
-            Self::Undriven => f.write_str("nothing drives this scene"),
+            Self::NoExcitation => f.write_str(
+                "the scene has no excitation: no incident field, load, weight or prescribed motion",
+            ),
             Self::Unresolved {
                 motion,
                 set,
@@ -153,50 +156,53 @@ impl fmt::Display for Warning {
                 frequency,
             } => write!(
                 f,
-                "{:.1} % of the energy of {motion} lies above {frequency:.1} Hz, which is all that '{set}' carries",
+                "{:.1} % of the energy of {motion} lies above {frequency:.1} Hz, the highest frequency that '{set}' resolves",
                 100.0 * share
             ),
         }
     }
 }
 
-/// What can be said of a scene without running it.
+/// Report on a scene before its run: mesh quality, resolution, stable step, predicted cost and warnings.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CheckReport {
-    /// The scene's title.
+    /// Title of the scene.
     pub title: String,
-    /// Nodes of the mesh.
+    /// Number of nodes of the mesh.
     pub nodes: usize,
-    /// Elements of the mesh.
+    /// Number of elements of the mesh.
     pub elements: usize,
-    /// Shapes of the elements.
+    /// Quality of the elements.
     pub quality: QualityReport,
-    /// Frequencies that the parts carry.
+    /// Highest frequency that each part resolves.
     pub resolution: Vec<Resolution>,
-    /// The joints.
+    /// Geometry and law of each joint.
     pub joints: Vec<JointOverview>,
-    /// The stages before the run.
+    /// Construction stages before the run.
     pub stages: Vec<StageOverview>,
-    /// The stable step and who limits it.
+    /// Stable time step and the element that limits it.
     pub stable: StableStep,
-    /// What a run will cost.
+    /// Predicted cost of a run.
     pub cost: Cost,
-    /// Facts of the scene's composition.
+    /// Remarks of the composition of the scene.
     pub remarks: Vec<Remark>,
-    /// Doubts.
+    /// Warnings about the accuracy of the results.
     pub warnings: Vec<Warning>,
-    /// The error of the scene's number format, if it is not double precision.
+    /// Error of the scene's number format against double precision; `None` for double precision.
     pub format: Option<FormatError>,
-    /// The three changes that would save most, the best first.
+    /// The at most three changes that save most wall time, the best first.
     pub savings: Vec<Saving>,
+    /// Changes with which the scene is refused, and why.
+    pub refused: Vec<RefusedChange>,
 }
 
-/// Looks at a scene: mesh, frequencies, stable step, and what its stages and its run will cost. Some steps,
-/// and the first corrections of the stages, are computed to see how long they take.
+/// Checks a scene before its run: mesh quality, resolved frequencies, stable step, and predicted cost of its stages
+/// and its run. Some steps, and the first corrections of the stages, are computed and timed.
 ///
 /// # Errors
-/// What would keep the scene from running; a stage that does not come to rest, as far as was seen.
+/// Any error that would prevent the run; a stage that does not reach static equilibrium within the timed
+/// corrections.
 pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
     let quality = mesh.check().map_err(Error::from)?;
@@ -204,18 +210,18 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let joints = JointOverview::all(&scene);
     let stages = scene.stage_overviews()?;
     let mut warnings = warnings_of(&scene, &quality, &resolution)?;
-    let (account, plans) = (cost::Account::of(&scene)?, Plans::of(&scene)?);
+    let (model, plans) = (cost::CostModel::of(&scene)?, StagePlans::of(&scene)?);
     let survey = Survey::of(&scene, &resolution)?;
     let free_field = match scene.self_check() {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
     };
     let mut simulation = scene.prepare()?;
-    // Some remarks need the step.
+    // Some remarks are made only when the step is known.
     simulation.step()?;
     let remarks = simulation.remarks().to_vec();
-    let doubts = remarks.iter().filter(|remark| remark.is_warning());
-    warnings.extend(doubts.cloned().map(Warning::Remark));
+    let severe = remarks.iter().filter(|remark| remark.is_warning());
+    warnings.extend(severe.cloned().map(Warning::Remark));
     let stable = simulation.stable_step()?;
     let step = simulation.step()?;
     let steps = (simulation.duration() / step).ceil() as u64 + 1;
@@ -223,9 +229,9 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         Some(check) => Some(check.wall_time(step)?),
         None => None,
     };
-    let of_stages = static_cost::of(&simulation, &plans, account.memory_of_stages())?;
+    let of_stages = static_cost::of(&simulation, &plans, model.memory_of_stages())?;
     let title = simulation.title().to_owned();
-    let mut clock = Clock::of(&mut simulation)?;
+    let mut clock = StepTimer::of(&mut simulation)?;
     let of_step = clock.time_of_step()?;
     let cost = Cost {
         steps,
@@ -233,13 +239,21 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         wall_time: of_step.mul_f64(steps as f64),
         stages: of_stages,
         self_check,
-        memory: account.memory(steps),
-        output: account.output(steps),
+        memory: model.memory(steps),
+        output: model.output(steps),
     };
-    let timing = (step, steps, of_step);
-    let (savings, format) = survey.best(&stable, &resolution, &mut clock, timing);
-    let doubtful = format.iter().filter(|format| format.is_doubtful());
-    warnings.extend(doubtful.cloned().map(Warning::Format));
+    let timing = RunTiming {
+        step,
+        steps,
+        of_step,
+    };
+    let Savings {
+        best: savings,
+        refused,
+        format,
+    } = survey.best(&stable, &resolution, &mut clock, &timing);
+    let severe = format.iter().filter(|format| format.needs_warning());
+    warnings.extend(severe.cloned().map(Warning::Format));
     Ok(CheckReport {
         title,
         nodes: mesh.node_count(),
@@ -254,14 +268,15 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         warnings,
         format,
         savings,
+        refused,
     })
 }
 
-/// Doubts about a scene that need no run to be seen: shapes of elements, and what they cannot carry.
-/// Those that show when the scene is prepared are in [`powerhouse::Simulation::remarks`].
+/// Warnings about a scene that follow from its description alone: quality of elements, unresolved motion, joints,
+/// missing excitation. Those found when the scene is prepared are in [`powerhouse::Simulation::remarks`].
 ///
 /// # Errors
-/// A mesh or a set that is at fault.
+/// An invalid mesh or set.
 pub fn warnings(scene: &Scene) -> Result<Vec<Warning>, StudyError> {
     let quality = scene.mesh().check().map_err(Error::from)?;
     warnings_of(scene, &quality, &resolution::resolution(scene)?)
@@ -274,10 +289,10 @@ fn warnings_of(
 ) -> Result<Vec<Warning>, StudyError> {
     let mut warnings = shape_warnings(scene, quality)?;
     if !scene.is_driven() {
-        warnings.push(Warning::Undriven);
+        warnings.push(Warning::NoExcitation);
     }
-    warnings.extend(resolution::doubts(scene, resolution)?);
-    warnings.extend(joints::doubts(scene)?);
+    warnings.extend(resolution::warnings(scene, resolution)?);
+    warnings.extend(joints::warnings(scene)?);
     Ok(warnings)
 }
 
@@ -294,7 +309,7 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
             scaled_jacobian: quality.least_scaled_jacobian,
         });
     }
-    // A joint may part the mesh.
+    // A joint may split the mesh into parts.
     if quality.parts > 1 + scene.joints().count() {
         warnings.push(Warning::Disconnected {
             parts: quality.parts,

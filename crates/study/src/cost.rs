@@ -1,4 +1,4 @@
-//! What a run will cost.
+//! Predicted cost of a run: wall time, memory, output.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,50 +10,49 @@ use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
 
-/// What a run will cost.
+/// Predicted cost of a run: steps, wall time, memory and size of its files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
-    /// Steps.
+    /// Number of time steps.
     pub steps: u64,
-    /// Length of a step (s).
+    /// Time step (s).
     pub step: f64,
-    /// Wall time of the steps and of what is recorded, from some steps that were timed; the writing
-    /// of files aside.
+    /// Wall time of the steps with their recording, extrapolated from some timed steps; writing of files excluded.
     pub wall_time: Duration,
-    /// What the stages before the run cost, if there are any.
+    /// Predicted cost of the construction stages before the run; `None` without stages.
     pub stages: Option<StaticCost>,
-    /// Wall time of the free-field check before the run, if the scene asks for one.
+    /// Predicted wall time of the free-field check before the run; `None` if the scene does not request one.
     pub self_check: Option<Duration>,
-    /// Memory (bytes), within a third; tables of waves past the critical angle aside.
+    /// Predicted memory (bytes), within a third; tables of waves past the critical angle excluded.
     pub memory: u64,
-    /// Files (bytes), at most.
+    /// Upper bound of the size of the result files (bytes).
     pub output: u64,
 }
 
-/// Steps taken before the clock starts, and twice as many are timed at least; more until the clock is
-/// sure, or this share of the run is through.
+/// Steps before the timing, of which at least twice as many are timed; least timed duration, and share of the run
+/// after which the timing ends anyway.
 const WARM_UP: u64 = 5;
 const CLOCK: Duration = Duration::from_millis(400);
 const SHARE_OF_RUN: f64 = 0.05;
-/// Turns in which the steps of two simulations are timed, the time that one of them lasts, and the share of
-/// the run that it takes at most, unless that is too short for a clock.
+/// Alternations in which the steps of two simulations are timed, duration of one of them, and its greatest share
+/// of the run, unless that is shorter than can be timed.
 const TURNS: u64 = 7;
 const TURN: Duration = Duration::from_millis(60);
 const SHARE_OF_TURN: f64 = 0.01;
 const SHORTEST_TURN: Duration = Duration::from_millis(40);
-/// A turn of fewer steps tells nothing.
+/// Least number of steps of an alternation.
 const LEAST_TURN: u64 = 4;
 
-/// A simulation whose steps are timed, none of them after the end of its run.
-pub(crate) struct Clock<'a> {
+/// Timer of the steps of a simulation, up to the end of its run.
+pub(crate) struct StepTimer<'a> {
     simulation: &'a mut Simulation,
     /// Steps of the run, and those that are left.
     steps: u64,
     left: u64,
 }
 
-impl<'a> Clock<'a> {
-    /// The clock of a simulation that has not moved yet.
+impl<'a> StepTimer<'a> {
+    /// The timer of a simulation before its first step.
     pub(crate) fn of(simulation: &'a mut Simulation) -> Result<Self, StudyError> {
         let steps = (simulation.duration() / simulation.step()?).ceil() as u64 + 1;
         Ok(Self {
@@ -63,12 +62,12 @@ impl<'a> Clock<'a> {
         })
     }
 
-    /// Steps that can still be timed at once: the first and the last of some are taken beside.
+    /// Steps that can still be timed in a row; one step before and one after them is not timed.
     fn possible(&self) -> u64 {
         self.left.saturating_sub(2)
     }
 
-    /// The time of some steps, as many as are left.
+    /// The wall time of `count` steps, or of as many as are left.
     fn time(&mut self, count: u64) -> Result<Duration, StudyError> {
         let count = count.min(self.possible());
         if count == 0 {
@@ -78,7 +77,7 @@ impl<'a> Clock<'a> {
         Ok(self.simulation.time_steps(count)?)
     }
 
-    /// The time of one step, from some that are computed; zero for a run of fewer than three steps.
+    /// The mean wall time of a step, from some computed steps; zero for a run of fewer than three steps.
     pub(crate) fn time_of_step(&mut self) -> Result<Duration, StudyError> {
         if self.possible() > 4 * WARM_UP {
             self.time(WARM_UP)?;
@@ -97,21 +96,23 @@ impl<'a> Clock<'a> {
         Ok(of_step)
     }
 
-    /// The time of a step over that of another simulation, one of whose steps takes `of_step`: both take
-    /// their turns, and the middle one of the ratios of neighbouring turns counts, so that what else the
-    /// machine does falls on both alike or on neither. Nothing if their runs have too few steps.
+    /// The wall time of a step over that of another simulation, one of whose steps takes about `of_step`; `None` if
+    /// the runs have too few steps.
+    ///
+    /// Both are timed alternately and the median of the ratios is taken, so that other load of the machine affects
+    /// both equally.
     pub(crate) fn ratio_to(
         &mut self,
-        other: &mut Clock<'_>,
+        other: &mut StepTimer<'_>,
         of_step: Duration,
     ) -> Result<Option<f64>, StudyError> {
         let of_step = of_step.as_secs_f64().max(1e-9);
         let wanted = TURN.as_secs_f64() / of_step;
         let most = SHARE_OF_TURN * self.steps.min(other.steps) as f64;
         let most = most.max(SHORTEST_TURN.as_secs_f64() / of_step);
-        let room = self.left.min(other.left) / (TURNS + 1);
+        let available = self.left.min(other.left) / (TURNS + 1);
         let count = wanted.min(most.max(LEAST_TURN as f64)).ceil() as u64;
-        let count = count.min(room.saturating_sub(2));
+        let count = count.min(available.saturating_sub(2));
         if count < LEAST_TURN {
             return Ok(None);
         }
@@ -138,81 +139,82 @@ const ELEMENT_BYTES: [(Precision, f64); 3] = [
     (Precision::Mixed, 450.0),
     (Precision::F32, 350.0),
 ];
-/// Bytes of a history variable of a law: the committed one, and that of the last forces.
-const KEPT_CORRECTIONS_BYTES: [(Precision, f64); 3] = [
+/// Bytes per history variable of a law and integration point: committed and trial value.
+const HISTORY_BYTES: [(Precision, f64); 3] = [
     (Precision::F64, 16.0),
     (Precision::Mixed, 8.0),
     (Precision::F32, 8.0),
 ];
-/// Bytes per element for the greatest of an amount and its time, and for flags: they are copied while
+/// Bytes per element for the envelope of a history variable with its time, and for flags; with the copies while
 /// they are written and drawn.
 const AMOUNT_BYTES: f64 = 32.0;
 const FLAGS_BYTES: f64 = 16.0;
-/// Bytes per node, element and history variable of a model that comes to rest: beside nodes and elements
-/// as they are stepped, vectors of the solver and of eight earlier corrections, diagonals, the state from
-/// stage to stage, and what building the next model takes; fitted to the example `cost_model`.
+/// Bytes per node, element and history variable of a static solution: beside those of a dynamic model the vectors of
+/// the solver and of eight earlier corrections, diagonals, the state between stages, and the assembly of the next
+/// model; fitted to the example `cost_model`.
 const STATIC_NODE_BYTES: f64 = 2500.0;
 const STATIC_ELEMENT_BYTES: f64 = 600.0;
-const STATIC_KEPT_CORRECTIONS_BYTES: f64 = 24.0;
-/// Bytes per absorbing node: its matrices, and its constants of three waves.
+const STATIC_HISTORY_BYTES: f64 = 24.0;
+/// Bytes per absorbing node: its matrices, and the constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
-/// Bytes per pair of a joint: geometry, record, matrices, and two copies of what is recorded.
+/// Bytes per node pair of a joint: geometry, state, matrices, and two copies of the recorded values.
 const PAIR_BYTES: f64 = 1500.0;
-/// Columns against time of every joint, and at most of a part of one.
+/// Columns of the history table per joint, and at most per part of a joint.
 const OF_EVERY_JOINT: f64 = 8.0;
 const OF_A_JOINT: f64 = 11.0;
-/// Bytes per corner of a facet for its place and its cell, and fields there: in a snapshot, at the end.
+/// Bytes per corner of a facet for its position and its cell, and numbers of fields there in a snapshot and at the
+/// end.
 const FACET_BYTES: f64 = 40.0;
 const JOINT_FIELDS: [f64; 2] = [12.0, 18.0];
-/// Bytes per number recorded: it is copied while it is written and drawn.
+/// Bytes per recorded number, with the copies while it is written and drawn.
 const RECORDED_BYTES: f64 = 32.0;
 /// Bytes of the canvas on which a picture is drawn.
 const CANVAS_BYTES: f64 = 32e6;
-/// Bytes of a program that does nothing yet.
+/// Bytes of the program without a model.
 const BASE_BYTES: f64 = 12e6;
 
-/// What the costs of a scene depend on, taken from it before it is consumed.
-pub(crate) struct Account {
+/// Model of the memory and output size of a scene's run, taken from the scene before it is consumed.
+pub(crate) struct CostModel {
     mesh: Arc<Mesh>,
     plan: OutputPlan,
     duration: f64,
     precision: Precision,
     absorbing_nodes: usize,
-    joints: Joints,
-    laws: Laws,
+    joints: JointSizes,
+    laws: LawSizes,
 }
 
-/// The size of the files of a scene's run, once its step is known.
-pub struct OutputSize(Account);
+/// Estimate of the size of the result files of a scene's run as a function of the time step.
+pub struct OutputSize(CostModel);
 
 impl OutputSize {
-    /// Takes from a scene what it depends on.
+    /// Prepares the estimate for a scene.
     ///
     /// # Errors
-    /// A set or a face of the scene that is at fault.
+    /// An invalid set or face of the scene.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
-        Account::of(scene).map(Self)
+        CostModel::of(scene).map(Self)
     }
-    /// Bytes, at most, of a run in steps of a length (s).
+    /// Upper bound of the size (bytes) of the result files for a time step (s).
     pub fn bytes(&self, step: f64) -> u64 {
         self.0.output((self.0.duration / step).ceil() as u64 + 1)
     }
 }
 
-/// History variables of the laws of a scene.
+/// Numbers of history variables of the laws of a scene.
 #[derive(Clone, Copy, Debug, Default)]
-struct Laws {
-    /// Numbers at points.
+struct LawSizes {
+    /// Values at all integration points.
     numbers: f64,
-    /// Elements that show something of it.
+    /// Elements with history variables in the output.
     elements: f64,
-    /// Variables that are shown: all, amounts and flags.
+    /// Variables in the output: all, amounts and flags.
     variables: f64,
     amounts: f64,
     flags: f64,
 }
 
-impl Laws {
+impl LawSizes {
     fn of(memory: &LawMemory) -> Self {
         let of_kind = |kind| {
             let variables = memory.variables.iter();
@@ -228,16 +230,16 @@ impl Laws {
     }
 }
 
-/// Sizes of all joints of a scene together.
+/// Total sizes of all joints of a scene.
 #[derive(Clone, Copy, Debug, Default)]
-struct Joints {
+struct JointSizes {
     joints: f64,
     pairs: f64,
-    /// Corners of facets, each a point in files.
+    /// Corners of facets, each of which is a point in the files.
     corners: f64,
 }
 
-impl Joints {
+impl JointSizes {
     fn of(scene: &Scene) -> Self {
         let mut sum = Self::default();
         for (_, surface, _) in scene.joints() {
@@ -250,7 +252,7 @@ impl Joints {
     }
 }
 
-impl Account {
+impl CostModel {
     pub(crate) fn of(scene: &Scene) -> Result<Self, StudyError> {
         let mesh = scene.mesh().clone();
         let mut absorbing = Vec::new();
@@ -261,12 +263,12 @@ impl Account {
         absorbing.dedup();
         Ok(Self {
             mesh,
-            plan: scene.output_plan().clone(),
-            duration: scene.run_duration(),
-            precision: scene.number_format(),
+            plan: scene.output().clone(),
+            duration: scene.duration(),
+            precision: scene.precision(),
             absorbing_nodes: absorbing.len(),
-            joints: Joints::of(scene),
-            laws: Laws::of(&scene.law_memory()?),
+            joints: JointSizes::of(scene),
+            laws: LawSizes::of(&scene.law_memory()?),
         })
     }
 
@@ -277,7 +279,7 @@ impl Account {
         }
     }
 
-    /// The program, the mesh and the model that moves (bytes).
+    /// Memory of program, mesh and dynamic model (bytes).
     fn bytes_of_model(&self) -> f64 {
         let (nodes, elements) = self.counts();
         let of_precision = |table: [(Precision, f64); 3]| {
@@ -285,9 +287,9 @@ impl Account {
             known.map_or(table[0].1, |(_, bytes)| *bytes)
         };
         let element = of_precision(ELEMENT_BYTES);
-        let Laws {
+        let LawSizes {
             numbers,
-            elements: remembering,
+            elements: with_history,
             amounts,
             flags,
             ..
@@ -295,13 +297,13 @@ impl Account {
         BASE_BYTES
             + NODE_BYTES * nodes
             + element * elements
-            + of_precision(KEPT_CORRECTIONS_BYTES) * numbers
-            + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * remembering
+            + of_precision(HISTORY_BYTES) * numbers
+            + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * with_history
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
             + PAIR_BYTES * self.joints.pairs
     }
 
-    /// Memory of a run of so many steps (bytes).
+    /// Memory of a run with a number of steps (bytes).
     pub(crate) fn memory(&self, steps: u64) -> u64 {
         let (nodes, elements) = self.counts();
         let mut bytes = self.bytes_of_model() + RECORDED_BYTES * self.numbers(steps);
@@ -313,24 +315,24 @@ impl Account {
         bytes as u64
     }
 
-    /// Memory while stages are gone through (bytes): the model that will move, and one that rests.
+    /// Memory during the construction stages (bytes): that of the dynamic and of a static model.
     pub(crate) fn memory_of_stages(&self) -> u64 {
         let (nodes, elements) = self.counts();
-        let resting = STATIC_NODE_BYTES * nodes
+        let of_statics = STATIC_NODE_BYTES * nodes
             + STATIC_ELEMENT_BYTES * elements
-            + STATIC_KEPT_CORRECTIONS_BYTES * self.laws.numbers
+            + STATIC_HISTORY_BYTES * self.laws.numbers
             + PAIR_BYTES * self.joints.pairs;
-        (self.bytes_of_model() + resting) as u64
+        (self.bytes_of_model() + of_statics) as u64
     }
 
-    /// Size of the files of a run of so many steps (bytes).
+    /// Size of the files of a run with a number of steps (bytes).
     pub(crate) fn output(&self, steps: u64) -> u64 {
         let (nodes, elements) = self.counts();
         let rows = self.rows(steps);
         let mut bytes = SUMMARY_BYTES + (CSV_BYTES + PLOT_BYTES) * self.numbers(steps);
         // The facets of joints at the end.
         bytes += (FACET_BYTES + 4.0 * JOINT_FIELDS[1]) * self.joints.corners;
-        // What does not change is in every file too: positions, numbers, connectivity, sets.
+        // Every file repeats positions, numbers, connectivity and sets.
         let sets = self.mesh.element_sets().len() as f64;
         let fixed = 16.0 * nodes + elements * (20.0 + sets / 8.0);
         if self.laws.variables > 0.0 {
@@ -358,35 +360,35 @@ impl Account {
             bytes += fixed + 8.0 * vectors(envelope.motion) * nodes + stress * elements;
             bytes += PICTURE_BYTES * (vectors(envelope.motion) + pictures);
         }
-        // What is beyond all bounds becomes the largest number.
+        // The conversion saturates at the largest number.
         bytes as u64
     }
 
-    /// Numbers in tables against time, times among them.
+    /// Number of values in the history tables, times included.
     fn numbers(&self, steps: u64) -> f64 {
         let rows = self.rows(steps);
-        let watched =
+        let of_joints =
             OF_EVERY_JOINT * self.joints.joints + OF_A_JOINT * self.plan.joints.len() as f64;
         let state = self.laws.variables * self.plan.state.places.len() as f64;
-        let times = if watched + state > 0.0 { 1.0 } else { 0.0 };
-        numbers(&self.plan, &rows) + (watched + state + times) * rows.at(self.plan.every)
+        let times = if of_joints + state > 0.0 { 1.0 } else { 0.0 };
+        numbers(&self.plan, &rows) + (of_joints + state + times) * rows.at(self.plan.every)
     }
 
-    /// Nodes and elements.
+    /// Numbers of nodes and elements.
     fn counts(&self) -> (f64, f64) {
         let mesh = &self.mesh;
         (mesh.node_count() as f64, mesh.element_count() as f64)
     }
 }
 
-/// How often something is looked at that has a cadence.
+/// Numbers of samples of outputs with a cadence.
 struct Rows {
     duration: f64,
     steps: f64,
 }
 
 impl Rows {
-    /// At most once a step, and at the first and last one.
+    /// Number of samples at an interval (s): at most one per step, with the first and the last.
     fn at(&self, every: f64) -> f64 {
         ((self.duration / every).ceil() + 2.0).min(self.steps)
     }
@@ -397,19 +399,22 @@ fn vectors(motion: Motion) -> f64 {
     wanted.iter().filter(|wanted| **wanted).count() as f64
 }
 
-/// Columns of the energy ledger, of a relative displacement, of a cut and of a stress.
+/// Columns of the energy balance, of a relative displacement, of a section and of a stress.
 const ENERGY_COLUMNS: f64 = 19.0;
 const RELATIVE_COLUMNS: f64 = 4.0;
-const CUT_COLUMNS: f64 = 9.0;
+const SECTION_COLUMNS: f64 = 9.0;
 const STRESS_COLUMNS: f64 = 9.0;
 
-/// Numbers in tables against time, times among them.
+/// Number of values in the tables of motion, stress, sections and energies, times included.
 fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
-    let histories = plan.histories.iter().map(|wish| 3.0 * vectors(wish.motion));
+    let histories = plan
+        .histories
+        .iter()
+        .map(|request| 3.0 * vectors(request.motion));
     let columns = histories.sum::<f64>()
         + STRESS_COLUMNS * plan.stresses.len() as f64
         + RELATIVE_COLUMNS * plan.relative.len() as f64
-        + CUT_COLUMNS * plan.cuts.len() as f64;
+        + SECTION_COLUMNS * plan.cuts.len() as f64;
     let energies = plan
         .energies
         .map_or(0.0, |every| (1.0 + ENERGY_COLUMNS) * rows.at(every));
@@ -417,7 +422,7 @@ fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
     tables * rows.at(plan.every) + energies
 }
 
-/// Bytes of a number in a CSV file, and as a point of a plot.
+/// Bytes of a number in a CSV file, and of a point of a plot.
 const CSV_BYTES: f64 = 23.0;
 const PLOT_BYTES: f64 = 16.0;
 /// Bytes of a picture, and of the summary with the scene.
@@ -437,18 +442,18 @@ mod tests {
 
     use super::*;
 
-    /// The memory of a law is counted as it is held: two copies of every number at every point, relaxation
-    /// mechanisms among them, none in rims; a single number format halves it.
+    /// The memory of history variables is two copies of each at every integration point, relaxation mechanisms
+    /// included, and none in rims; single precision halves it.
     #[test]
-    fn costs_count_what_laws_remember() {
+    fn costs_include_the_history_variables_of_laws() {
         let memory = |part: Part, precision| {
             let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(1.0), [4; 3], "rock");
             let faces = ["left", "right", "front", "back", "bottom"];
             let scene = Scene::new("cube", mesh.unwrap())
-                .part(part.kernel(SolidKernel::Hex8Full))
-                .boundary(Boundary::new(ViscousSpring::default(), faces))
-                .precision(precision);
-            Account::of(&scene).unwrap().memory(100) as f64
+                .part(part.with_kernel(SolidKernel::Hex8Full))
+                .with_boundary(Boundary::new(ViscousSpring::default(), faces))
+                .with_precision(precision);
+            CostModel::of(&scene).unwrap().memory(100) as f64
         };
         let medium = media::ROCK;
         let elastic = || Part::new("rock", Material::from(LinearElastic::new(medium)));
@@ -465,15 +470,15 @@ mod tests {
             reference: ReferenceFrequency::Centre,
         };
         let points = 8.0 * 64.0;
-        // The greatest of one amount with its time, and one number of flags, in each element.
+        // The envelope of one amount with its time, and one value of flags, in each element.
         let shown = (32.0 + 16.0) * 64.0;
         for (part, numbers, shown) in [
             (yields(), 8.0 * points, shown),
-            (elastic().damping(flat.clone()), 12.0 * points, 0.0),
-            (yields().damping(flat.clone()), 20.0 * points, shown),
+            (elastic().with_damping(flat.clone()), 12.0 * points, 0.0),
+            (yields().with_damping(flat.clone()), 20.0 * points, shown),
             // Two of four layers along three axes touch the faces, one along the vertical.
             (
-                yields().damping(flat).rim(0.0),
+                yields().with_damping(flat).with_rim(0.0),
                 20.0 * 8.0 * 12.0,
                 48.0 * 12.0,
             ),

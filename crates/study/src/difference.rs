@@ -1,4 +1,4 @@
-//! How far two runs are apart where both were recorded.
+//! Difference of the histories of two runs.
 
 use std::collections::BTreeMap;
 
@@ -6,29 +6,29 @@ use powerhouse::engine::observe::HistoryTable;
 
 use crate::StudyError;
 
-/// How far the motion at a place differs from that of another run.
+/// Relative difference of a motion at a recorded point between two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbeError {
-    /// The place, by the name of its history.
+    /// Name of the history.
     pub probe: String,
-    /// `u` for displacement, `v` for velocity, `a` for acceleration.
+    /// Quantity: `u` displacement, `v` velocity, `a` acceleration.
     pub quantity: char,
-    /// `sqrt(sum |x - y|^2 / sum |y|^2)` over all instants and components; not a number where the other
-    /// run does not move.
+    /// Relative L2 difference `sqrt(sum |x - y|^2 / sum |y|^2)` over all instants and components; NaN where the
+    /// reference does not move.
     pub error: f64,
 }
 
-/// How far the histories of one run differ from those of another, place by place and quantity by
-/// quantity. What only one of them recorded is passed over.
+/// Relative L2 differences of the histories of a run from those of a reference run, for each recorded point and
+/// quantity; histories that only one of them has are skipped.
 ///
-/// The error of a boundary is what this tells of a run with it and a run of the same mesh with so much
-/// more ground around ([`grown`](fn@crate::grown)) that nothing comes back from its faces in time: both
-/// have the same elements and steps. Waves should enter the larger mesh through the elements behind the
-/// smaller one's faces (the region of its [`Boundary`](powerhouse::Boundary) is the smaller mesh), so that
-/// both meshes carry them equally far and nothing but the boundary differs.
+/// The error of an absorbing boundary is the difference between a run with it and a run of the same mesh
+/// [extended](fn@crate::grown) so far that no reflection returns within the run; both have the same elements and
+/// steps. Waves should enter the larger mesh through the elements behind the faces of the smaller one (the region of
+/// its [`Boundary`](powerhouse::Boundary) is the smaller mesh), so that numerical dispersion is the same and only the
+/// boundary differs.
 ///
 /// # Errors
-/// [`StudyError::DifferentTimes`] if their instants differ by more than a millionth of the duration.
+/// [`StudyError::DifferentTimes`] if the instants differ by more than a millionth of the duration.
 pub fn probe_errors(
     found: &HistoryTable,
     reference: &HistoryTable,
@@ -43,11 +43,10 @@ pub fn probe_errors(
     }
     let mut sums: BTreeMap<(String, char), [f64; 2]> = BTreeMap::new();
     for expected in &reference.columns {
-        let (Some(column), Some(place)) = (found.column(&expected.name), place(&expected.name))
-        else {
+        let (Some(column), Some(key)) = (found.column(&expected.name), key(&expected.name)) else {
             continue;
         };
-        let [difference, size] = sums.entry(place).or_default();
+        let [difference, size] = sums.entry(key).or_default();
         for (value, expected) in column.values.iter().zip(&expected.values) {
             *difference += (value - expected).powi(2);
             *size += expected.powi(2);
@@ -62,16 +61,16 @@ pub fn probe_errors(
     Ok(errors.collect())
 }
 
-/// The largest of some errors; not a number if one of them is none, or if there are none.
+/// Largest of several errors; NaN if one of them is NaN or if there are none.
 #[must_use]
 pub fn largest_error(errors: &[ProbeError]) -> f64 {
     let sizes = errors.iter().map(|error| error.error.abs());
-    // What is not a number stands above all numbers in this order.
+    // `total_cmp` orders NaN above all numbers.
     sizes.max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
-/// Place and quantity of a column such as `crown.ux`.
-fn place(column: &str) -> Option<(String, char)> {
+/// History and quantity of a column such as `crown.ux`.
+fn key(column: &str) -> Option<(String, char)> {
     let (probe, component) = column.rsplit_once('.')?;
     let mut letters = component.chars();
     match (letters.next(), letters.next(), letters.next()) {
@@ -100,10 +99,10 @@ mod tests {
         }
     }
 
-    /// Components of one place and quantity count together, each place by itself; columns that are no
-    /// motion, or that one run lacks, are passed over; other instants are refused.
+    /// The components of a history and quantity are summed; columns without motion, or missing in one run, are
+    /// skipped; different instants are an error.
     #[test]
-    fn errors_are_counted_by_place_and_quantity() {
+    fn errors_are_computed_by_history_and_quantity() {
         let reference = table(
             1.0,
             &[
@@ -123,11 +122,11 @@ mod tests {
             ],
         );
         let errors = probe_errors(&found, &reference).unwrap();
-        let told: Vec<(&str, char)> = errors
+        let keys: Vec<(&str, char)> = errors
             .iter()
             .map(|e| (e.probe.as_str(), e.quantity))
             .collect();
-        assert_eq!(told, [("a", 'u'), ("a", 'v')]);
+        assert_eq!(keys, [("a", 'u'), ("a", 'v')]);
         assert!((errors[0].error - 0.1).abs() < 1e-15);
         assert!((largest_error(&errors) - 0.5_f64.sqrt()).abs() < 1e-15);
         assert!(largest_error(&[]).is_nan());

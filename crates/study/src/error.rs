@@ -1,235 +1,239 @@
-//! What this crate refuses.
+//! Errors of this crate.
 
 use std::path::PathBuf;
 
 use powerhouse::model::{MeshError, ParameterError};
 use thiserror::Error;
 
-/// Why a study of a scene cannot be done.
+/// Error of a study of a scene.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// The scene itself is at fault.
+    /// Error of the scene or of its run.
     #[error(transparent)]
     Scene(#[from] powerhouse::Error),
     /// A parameter outside its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A mesh that cannot be made.
+    /// A mesh that cannot be built.
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A file that cannot be read.
     #[error("cannot read {}: {source}", file.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// A file of a bay that says what no bay has.
+    /// A bay file or scene file that is not valid TOML or has unknown keys.
     #[error("{}: {source}", file.display())]
     BayFile {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What and where.
+        /// Cause, with the position in the file.
         source: Box<toml::de::Error>,
     },
-    /// A case of a sweep that is refused or failed on its way; what it came to until then is in its folder.
+    /// A case of a sweep that is invalid or whose run failed; its results until then are in its folder.
     #[error("case '{case}': {source}")]
     Case {
-        /// Its name.
+        /// Name of the case.
         case: String,
-        /// Why.
+        /// Cause.
         source: Box<StudyError>,
     },
-    /// A scene without cases, which is no sweep.
-    #[error("{} has no [[case]]: a sweep needs some", file.display())]
+    /// A scene without cases, given for a sweep.
+    #[error("{} has no [[case]]: a sweep needs at least one", file.display())]
     NoCases {
         /// The file.
         file: PathBuf,
     },
-    /// A folder that holds the results of neither a sweep nor a run.
-    #[error("{} holds neither a sweep nor a run", folder.display())]
+    /// A folder without results of a sweep or a run.
+    #[error("{} contains the results of neither a sweep nor a run", folder.display())]
     NoResults {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// A scene that records nothing by which runs could be compared.
-    #[error("the scene records no history to compare runs by: name some under [[output.history]]")]
+    /// A scene without recorded histories, by which runs are compared.
+    #[error(
+        "the scene records no history by which runs can be compared: add at least one [[output.history]]"
+    )]
     NoHistories,
-    /// A quantity to compare runs by that the scene does not record.
-    #[error("the scene records no history of {quantity} to compare runs by")]
+    /// A quantity for the comparison of runs that the scene does not record.
+    #[error("the scene records no history of {quantity}, by which runs should be compared")]
     NotRecorded {
-        /// The quantity.
+        /// Name of the quantity.
         quantity: &'static str,
     },
-    /// A window in which nothing that is compared moves: no run would err.
-    #[error("nothing that is compared moves within the first {window} s")]
+    /// A window in which all compared histories are zero, so that errors are undefined.
+    #[error("all compared histories are zero within the first {window} s")]
     StillHistories {
-        /// Its length (s).
+        /// Length of the window (s).
         window: f64,
     },
-    /// A scene of which nothing that is compared repeats.
+    /// A scene whose compared histories all depend sensitively on the input.
     #[error(
-        "nothing that is compared repeats: waves larger by a millionth change even {history} by {:.1e} %; a \
-         shorter window or other quantities may, or every history is to count", 100.0 * change
+        "all compared histories depend sensitively on the input: waves larger by a millionth change even {history} by \
+         {:.1e} %; shorten the window, compare other quantities, or count every history", 100.0 * change
     )]
-    NothingRepeats {
-        /// The history that changes least.
+    AllHistoriesSensitive {
+        /// Name of the history with the least change.
         history: String,
-        /// Its relative change.
+        /// Relative L2 change of this history.
         change: f64,
     },
-    /// A scene that would not be the same on smaller elements.
+    /// A nodal load that would act on more nodes in a refined mesh, so that the refined scene is not equivalent.
     #[error(
-        "on smaller elements the nodal load on '{set}' would act at {more} nodes instead of {nodes}"
+        "in the refined mesh the nodal load on '{set}' would act on {more} nodes instead of {nodes}"
     )]
     MoreLoad {
-        /// The load's set.
+        /// Node set of the load.
         set: String,
-        /// Its nodes.
+        /// Number of its nodes in the scene's mesh.
         nodes: usize,
-        /// Those on smaller elements.
+        /// Number of its nodes in the refined mesh.
         more: usize,
     },
-    /// A factor that a scene does not leave to choose.
-    #[error("the scene leaves no '{name}' to choose, but {}", available.join(", "))]
+    /// An unknown factor of a trade study.
+    #[error("the scene has no factor '{name}'; available: {}", available.join(", "))]
     NoSuchFactor {
-        /// The name.
+        /// Requested name.
         name: String,
-        /// Names that there are.
+        /// Names of the factors of the scene.
         available: Vec<&'static str>,
     },
-    /// A scene of which the answer is not known.
-    #[error("the scene has no closed form: {reason}")]
+    /// A scene without a closed-form solution.
+    #[error("the scene has no closed-form solution: {reason}")]
     NoClosedForm {
-        /// Why not.
+        /// Reason.
         reason: &'static str,
     },
-    /// A scene that cannot be written as a file.
+    /// A scene that cannot be written as a TOML file.
     #[error("{}: {source}", file.display())]
     Unwritable {
-        /// The file that it came from.
+        /// File of the original scene.
         file: PathBuf,
-        /// Why.
+        /// Cause.
         source: Box<toml::ser::Error>,
     },
-    /// A scene that was edited while its cases ran.
-    #[error("{} was edited while its cases ran: what is finished is of the old one", file.display())]
+    /// A scene file that was edited while its cases ran.
+    #[error("{} was edited while its cases ran: the finished cases are those of the earlier version", file.display())]
     Changed {
         /// The file.
         file: PathBuf,
     },
-    /// The outcome of a case that cannot be understood.
+    /// A result file of a case that is not valid JSON of the expected form.
     #[error("{}: {source}", file.display())]
     Outcome {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Why.
+        /// Cause.
         source: serde_json::Error,
     },
-    /// An odd number of elements across the transformer cavern, whose axis would have no node.
+    /// An odd number of elements across the transformer cavern, so that its axis would have no nodes.
     #[error("the transformer cavern needs an even number of elements across it, not {cells}")]
     OddCells {
-        /// The number.
+        /// Given number of elements.
         cells: usize,
     },
-    /// A scene without absorbing faces.
+    /// A scene without an absorbing boundary.
     #[error("the scene has no absorbing boundary")]
     NoBoundary,
-    /// Absorbing faces at the bottom or the top alone.
+    /// Absorbing faces only at the bottom or the top.
     #[error(
-        "the absorbing faces {} stand below or above alone: the error is predicted by an opening between absorbing sides, which this scene does not have",
+        "the absorbing faces {} lie only below or above: the prediction models an opening between absorbing sides, which this scene does not have",
         .faces.iter().map(|face| format!("'{face}'")).collect::<Vec<_>>().join(", ")
     )]
     NoSides {
-        /// Their names.
+        /// Names of the absorbing faces.
         faces: Vec<String>,
     },
-    /// Absorbing faces before several media.
+    /// Absorbing faces with several media behind them.
     #[error(
-        "the absorbing faces stand before several media: {media}; a prediction knows ground of one"
+        "several media lie behind the absorbing faces: {media}; the prediction is limited to homogeneous ground"
     )]
     SeveralMedia {
-        /// The parts with the faces before them.
+        /// Parts with their absorbing faces, as text.
         media: String,
     },
-    /// A field of which nobody says what waves it is made of.
-    #[error("the scene's field is not known to be a sum of plane waves")]
+    /// An incident field that is not declared as a sum of plane waves.
+    #[error("the incident field of the scene is not declared as a sum of plane waves")]
     UnknownField,
-    /// A scene in which nothing moves.
-    #[error("nothing drives this scene")]
-    Undriven,
-    /// Faces too near for a prediction.
+    /// A scene without excitation: no incident field, load, weight or prescribed motion.
+    #[error("the scene has no excitation: no incident field, load, weight or prescribed motion")]
+    NoExcitation,
+    /// An absorbing face too near to the scatterer for the substitute model.
     #[error(
-        "an absorbing face {distance:.2} m from what scatters leaves no room for a prediction: it takes {least:.2} m"
+        "an absorbing face is {distance:.2} m from the centre of the scatterer; the prediction needs at least {least:.2} m"
     )]
     NearFace {
-        /// The distance from the centre of what scatters (m).
+        /// Distance (m) from the centre of the scatterer.
         distance: f64,
-        /// The least distance (m).
+        /// Least distance (m) for the substitute model.
         least: f64,
     },
-    /// A face that is not plane, or empty.
-    #[error("the face '{face}' is not plane, so that no ground can be put before it")]
+    /// A face that is not plane or is empty, beyond which a mesh should be extended.
+    #[error(
+        "the face '{face}' is empty or not plane, so that the mesh cannot be extended beyond it"
+    )]
     NotPlane {
-        /// The face.
+        /// Name of the face.
         face: String,
     },
-    /// Histories that were recorded at different instants.
+    /// Histories of two runs that were recorded at different instants.
     #[error(
-        "two runs were recorded {} and {} times, up to {apart:.3e} s apart",
+        "the histories of two runs have {} and {} instants, which differ by up to {apart:.3e} s",
         counts[0],
         counts[1]
     )]
     DifferentTimes {
-        /// Instants of both.
+        /// Numbers of instants of both runs.
         counts: [usize; 2],
-        /// The largest difference (s).
+        /// Largest difference of corresponding instants (s).
         apart: f64,
     },
-    /// No field comes in.
+    /// A scene without an incident field, for which no free-field check exists.
     #[error("the scene has no incident field to check")]
     NoField,
-    /// A side of the box that neither absorbs nor is held as a whole.
+    /// A side of the box that neither absorbs nor is supported as a whole.
     #[error(
-        "the free-field check needs a box whose sides absorb or are held: the {face} of the mesh's box does neither"
+        "the free-field check needs a box whose sides absorb or are supported: the {face} of the mesh's box does neither"
     )]
     OpenFace {
-        /// The side of the box.
+        /// Name of the side of the box.
         face: &'static str,
     },
-    /// An absorbing face that lies on none of the box's sides.
+    /// An absorbing face that does not lie on a side of the box.
     #[error(
         "the free-field check needs absorbing faces on the sides of a box: '{face}' lies on none of them"
     )]
     ObliqueFace {
-        /// The face's name.
+        /// Name of the face.
         face: String,
     },
-    /// The field does not move the points where it is checked within the time of the run.
-    #[error("the field does not move the surface and the structure within {duration} s")]
+    /// An incident field that does not move the checked points within the duration of the run.
+    #[error("the incident field does not move the surface and the structure within {duration} s")]
     StillField {
-        /// The run's duration (s).
+        /// Duration of the run (s).
         duration: f64,
     },
-    /// The run of the check was stopped from outside.
+    /// Cancellation of a run from outside.
     #[error("interrupted")]
     Interrupted,
-    /// The error of the free field is above what the scene permits.
+    /// A free-field error above the limit of the scene.
     #[error(
-        "the free field of this mesh, step and boundary errs by {error:.4}, above the scene's self_check = {limit}"
+        "the relative error {error:.4} of the free field with this mesh, step and boundary is above the scene's self_check = {limit}"
     )]
     TooCoarse {
-        /// The relative L2 error.
+        /// Relative L2 error of velocity.
         error: f64,
-        /// The permitted error.
+        /// Permitted relative error.
         limit: f64,
     },
 }
 
 impl StudyError {
-    /// The same of a case of a sweep, unless it is none of the case's own.
+    /// The error as one of a case of a sweep, unless it concerns the whole sweep.
     pub(crate) fn in_case(self, case: &str) -> Self {
         match self {
             Self::Interrupted | Self::Changed { .. } => self,

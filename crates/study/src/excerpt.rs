@@ -1,9 +1,8 @@
-//! A mesh of some elements of another one.
+//! Extraction of elements into a mesh of their own.
 
 use powerhouse::model::{Mesh, MeshError};
 
-/// A mesh of some elements of another one, in their order and with their numbers, all in the set
-/// `shown`.
+/// The mesh of some elements of another mesh, with the same order and element numbers, all in the set `shown`.
 pub(crate) fn excerpt(mesh: &Mesh, elements: &[u32]) -> Result<Mesh, MeshError> {
     let mut builder = Mesh::builder();
     for node in mesh.nodes_of_elements(elements) {

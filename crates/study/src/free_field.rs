@@ -1,4 +1,4 @@
-//! The scene's box without the structure.
+//! Free-field check: the scene's box without the structure.
 
 use std::time::Duration;
 
@@ -14,36 +14,36 @@ use powerhouse::{
 };
 
 use crate::StudyError;
-use crate::cost::Clock;
+use crate::cost::StepTimer;
 use crate::resolution::longest_edge_of;
-use crate::sides::bring_over;
+use crate::sides::transfer_supports;
 
-/// How well the free field of a scene is reproduced.
+/// Errors of the computed free field of a scene: box without structure against the incident field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeFieldReport {
-    /// Cells of the box along x, y and z.
+    /// Numbers of elements of the box along x, y and z.
     pub cells: [usize; 3],
-    /// The step that was taken (s).
+    /// Time step (s).
     pub step: f64,
-    /// The time that was computed (s).
+    /// Computed duration (s).
     pub window: f64,
-    /// Errors at the points that were compared.
+    /// Errors at the compared points without damping.
     pub points: Vec<PointError>,
-    /// The same with the damping of the part behind the absorbing faces and its rim, if it is damped;
-    /// no limit applies to them, since the free field has no damping.
+    /// Errors with the damping and the rim of the part behind the absorbing faces; `None` if it is undamped. No limit
+    /// applies to them, since the free field has no damping.
     pub damped: Option<Vec<PointError>>,
 }
 
 impl FreeFieldReport {
-    /// The largest relative error of velocity at any point: strain, which loads a structure, goes
-    /// with velocity. Not a number if one of them is none.
+    /// Largest relative error of velocity among the points; NaN if one of them is NaN. Velocity is proportional to
+    /// strain, which loads a structure.
     pub fn largest(&self) -> f64 {
         let errors = self.points.iter().map(|point| point.velocity);
-        // What is not a number stands above all numbers in this order, whatever its sign.
+        // `total_cmp` orders NaN above all numbers, whatever its sign.
         let errors = errors.map(f64::abs);
         errors.max_by(f64::total_cmp).unwrap_or(f64::NAN)
     }
-    /// Accepts an error up to a limit, and none that is not a number.
+    /// Checks that the largest error is at most a limit; NaN fails.
     ///
     /// # Errors
     /// [`StudyError::TooCoarse`].
@@ -55,25 +55,25 @@ impl FreeFieldReport {
     }
 }
 
-/// The error at one point, over the whole window: `sqrt(sum |u_h - u|^2 / sum |u|^2)`.
+/// Relative L2 errors `sqrt(sum |u_h - u|^2 / sum |u|^2)` of the motion at one point over the computed duration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointError {
-    /// What the point is.
+    /// Name of the point: `surface` or `structure`.
     pub name: &'static str,
-    /// Where it is (m).
+    /// Position (m).
     pub position: Vec3,
     /// Relative error of displacement.
     pub displacement: f64,
-    /// Relative error of velocity, in which high frequencies weigh more.
+    /// Relative error of velocity, in which high frequencies have more weight.
     pub velocity: f64,
 }
 
-/// The box of a scene without the structure, ready to be compared with the field that comes in.
+/// Free-field check of a scene: a run of its box without the structure, compared with the incident field.
 ///
-/// The box is that of the scene's mesh, of the medium behind its absorbing faces, cut into equal
-/// bricks as long as the longest edge of the parts there. It has the scene's boundary, field and
-/// kernel, a region around which the field enters within the box around the scene's, no damping and no structure; supports and periodic pairs that hold the whole of a side
-/// hold it here too. It is compared at the middle of its top and at the scatterer.
+/// The box has the extent of the scene's mesh and the medium behind its absorbing faces, with equal hexahedra as long
+/// as the longest edge of the parts there. It has the scene's boundary, field and kernel, the region around which the
+/// field enters, and neither damping nor structure. Supports and periodic pairs of whole sides are applied to it, too.
+/// The motion is compared at the middle of the top and at the scatterer.
 pub struct FreeFieldCheck {
     elastic: Scene,
     damped: Option<Scene>,
@@ -84,29 +84,28 @@ pub struct FreeFieldCheck {
     window: f64,
 }
 
-/// The window ends when this share of the motion at the surface is over.
+/// Share of the squared velocity at the surface that the computed duration contains.
 const SHARE_OF_MOTION: f64 = 0.9;
-/// Instants at which the field is looked at to find the window.
+/// Instants at which the field is sampled to find that duration.
 const INSTANTS: usize = 4000;
-/// The least share of the box's own stable step. A scene whose small elements force a smaller step
-/// has the same error within a few per cent, since that of the step falls with its square.
+/// Least time step over the box's own stable step. With a smaller step, forced by small elements of the scene, the
+/// error is the same within a few per cent, since that of the step falls with its square.
 const LEAST_SHARE_OF_STEP: f64 = 0.25;
 
 impl FreeFieldCheck {
-    /// The box of a scene.
+    /// Builds the free-field box of a scene.
     ///
     /// # Errors
-    /// A scene without a field, one whose field does not move the points, or one with a side of its
-    /// box, but the top, that neither absorbs nor is held.
+    /// A scene without an incident field, with a field that does not move the points, or with a side of its box, other
+    /// than the top, that neither absorbs nor is supported.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
-        let (Some(field), Some(boundary)) = (scene.incident_field(), scene.absorbing_boundary())
-        else {
+        let (Some(field), Some(boundary)) = (scene.field(), scene.boundary()) else {
             return Err(StudyError::NoField);
         };
         let (low, high) = scene.mesh().bounding_box();
         let cells = cells(scene)?;
         let mut mesh = Mesh::box_of_hexes(low, high, cells, "ground").map_err(Error::from)?;
-        let held = bring_over(scene, &mut mesh)?;
+        let held = transfer_supports(scene, &mut mesh)?;
         let centre = scene.scatterer()?;
         let middle = (low + high) / 2.0;
         let points = [
@@ -116,14 +115,11 @@ impl FreeFieldCheck {
         let sampler = field
             .prepare(&points.map(|(_, point)| point))
             .map_err(Error::from)?;
-        let (start, duration) = (scene.start_time(), scene.run_duration());
+        let (start, duration) = (scene.start_time(), scene.duration());
         let window =
             window(sampler.as_ref(), start, duration).ok_or(StudyError::StillField { duration })?;
-        let mut output = OutputPlan {
-            // At every step.
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        // At every step.
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let wanted = Motion {
             acceleration: false,
             ..Motion::ALL
@@ -140,26 +136,27 @@ impl FreeFieldCheck {
             boundary.region = region;
             let mut composed = Scene::new(format!("{}: free field", scene.title()), mesh.clone())
                 .part(part)
-                .shared_field(field.clone())
-                .boundary(boundary)
-                .start(start, scene.initial_motion())
-                .duration(window)
-                .output(output.clone())
+                .with_shared_field(field.clone())
+                .with_boundary(boundary)
+                .with_start_time(start)
+                .with_initial_motion(scene.initial_motion())
+                .with_duration(window)
+                .with_output(output.clone())
                 .allow_magnitudes();
             for support in &held.supports {
                 composed = composed.support(support.clone());
             }
             for pairs in &held.periodic {
-                composed = composed.periodic(pairs.clone());
+                composed = composed.with_periodic_pairs(pairs.clone());
             }
-            if let Some(threads) = scene.thread_count() {
-                composed = composed.threads(threads);
+            if let Some(threads) = scene.threads() {
+                composed = composed.with_threads(threads);
             }
             composed
         };
         let (part, damped) = ground(scene, field.medium())?;
         Ok(Self {
-            // Damped ground is no layer for an elastic field.
+            // An elastic field cannot enter through a layer of damped ground.
             damped: damped.map(|part| compose(part, None)),
             elastic: compose(part, region),
             cells,
@@ -170,11 +167,11 @@ impl FreeFieldCheck {
         })
     }
 
-    /// Computes the box with the step of the scene (s), as far as that is between a quarter of
-    /// the box's own stable step and the whole of it.
+    /// Runs the box with the time step of the scene (s), limited to between a quarter and the whole of the box's own
+    /// stable step.
     ///
     /// # Errors
-    /// What ended the run before its time, [`StudyError::Interrupted`] among it.
+    /// Any error of the run; [`StudyError::Interrupted`] if it was cancelled.
     pub fn run(self, scene_step: f64, hooks: RunHooks) -> Result<FreeFieldReport, StudyError> {
         let Self {
             elastic, damped, ..
@@ -184,25 +181,18 @@ impl FreeFieldCheck {
             points: self.points,
         };
         let (stop, mut progress) = (hooks.stop.clone(), hooks.progress);
-        let first = RunHooks {
-            progress: progress
-                .as_mut()
-                .map(|tell| -> ProgressHook { Box::new(|now: Progress| tell(now)) }),
-            stop: hooks.stop,
-            snapshots: hooks.snapshots,
-            stages: hooks.stages,
-            observers: hooks.observers,
-            ..RunHooks::default()
-        };
+        let mut first = RunHooks::default();
+        first.progress = progress
+            .as_mut()
+            .map(|hook| -> ProgressHook { Box::new(|now: Progress| hook(now)) });
+        (first.stop, first.snapshots) = (hooks.stop, hooks.snapshots);
+        (first.stages, first.observers) = (hooks.stages, hooks.observers);
         let (points, step, time) = compare.run(elastic, scene_step, first)?;
         let damped = match damped {
             None => None,
             Some(damped) => {
-                let hooks = RunHooks {
-                    progress,
-                    stop,
-                    ..RunHooks::default()
-                };
+                let mut hooks = RunHooks::default();
+                (hooks.progress, hooks.stop) = (progress, stop);
                 Some(compare.run(damped, scene_step, hooks)?.0)
             }
         };
@@ -215,27 +205,27 @@ impl FreeFieldCheck {
         })
     }
 
-    /// The time that will be computed (s).
+    /// Duration that is computed (s).
     pub fn window(&self) -> f64 {
         self.window
     }
 
-    /// The wall time that [`run`](Self::run) would take, from some steps that are computed.
+    /// Predicts the wall time of [`run`](Self::run) from some computed steps, for the time step of the scene (s).
     ///
     /// # Errors
-    /// What would keep it from running.
+    /// Any error that would prevent the run.
     pub fn wall_time(self, scene_step: f64) -> Result<Duration, StudyError> {
         let mut sum = Duration::ZERO;
         for scene in [Some(self.elastic), self.damped].into_iter().flatten() {
             let (mut simulation, step) = prepare(scene, scene_step)?;
-            let of_step = Clock::of(&mut simulation)?.time_of_step()?;
+            let of_step = StepTimer::of(&mut simulation)?.time_of_step()?;
             sum += of_step.mul_f64(self.window / step);
         }
         Ok(sum)
     }
 }
 
-/// A box with the step that it takes for one of the scene (s).
+/// Prepares a box, with its time step (s) for that of the scene.
 fn prepare(scene: Scene, scene_step: f64) -> Result<(Simulation, f64), StudyError> {
     let mut simulation = scene.prepare()?;
     let own = simulation.stable_step()?.step;
@@ -244,7 +234,7 @@ fn prepare(scene: Scene, scene_step: f64) -> Result<(Simulation, f64), StudyErro
     Ok((simulation, step))
 }
 
-/// Runs boxes and compares them with the field.
+/// Comparison of boxes with the incident field.
 struct Comparison {
     sampler: Box<dyn FieldSampler>,
     points: [(&'static str, Vec3); 2],
@@ -290,7 +280,7 @@ impl Comparison {
     }
 }
 
-/// A vector of a history at a row, without numbers if it was not recorded.
+/// A vector of a history at a row; NaN if it was not recorded.
 fn vector(table: &HistoryTable, name: &str, letter: char, row: usize) -> Vec3 {
     let component = |axis: char| {
         let column = table.column(&format!("{name}.{letter}{axis}"));
@@ -299,7 +289,7 @@ fn vector(table: &HistoryTable, name: &str, letter: char, row: usize) -> Vec3 {
     Vec3::new(component('x'), component('y'), component('z'))
 }
 
-/// Nearly cubic cells as long as the longest edge of the parts behind the absorbing faces.
+/// Numbers of nearly cubic elements as long as the longest edge of the parts behind the absorbing faces.
 fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
     let mut longest = 0.0_f64;
     for part in scene.parts_behind_boundary()? {
@@ -307,14 +297,14 @@ fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
     }
     let (low, high) = scene.mesh().bounding_box();
     let extent = high - low;
-    // No shorter than that, but for rounding and what is thinner than one cell.
+    // Never shorter than that edge, except for rounding and boxes thinner than one element.
     Ok(core::array::from_fn(|axis| {
         ((extent[axis] / longest + 1e-6).floor() as usize).max(1)
     }))
 }
 
-/// The bricks of a box within that of a region of another mesh, but for those that touch its sides and
-/// bottom; nothing if there are none.
+/// The elements of a box within the bounding box of a region of another mesh, except those at its sides and bottom;
+/// `None` if there are none.
 fn region_in(mesh: &Mesh, region: &[u32], ground: &Mesh) -> Option<Vec<u32>> {
     let positions = |nodes: Vec<u32>| {
         nodes
@@ -335,8 +325,8 @@ fn region_in(mesh: &Mesh, region: &[u32], ground: &Mesh) -> Option<Vec<u32>> {
     (!within.is_empty()).then_some(within)
 }
 
-/// The part behind the absorbing faces, elastic and undamped, with its kernel if that takes bricks;
-/// and the same with its damping and rim, if it is damped.
+/// The part behind the absorbing faces, elastic and undamped, with its kernel if that is one of hexahedra; and the
+/// same with its damping and rim, if it is damped.
 fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Part>), StudyError> {
     let part = Part::new("ground", Material::from(LinearElastic::new(medium)));
     let behind: Vec<&Part> = scene
@@ -346,22 +336,21 @@ fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Part>), 
         .collect();
     let kernel = behind.first().and_then(|part| part.kernel.clone());
     let part = match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
-        Some(kernel) => part.kernel(kernel),
+        Some(kernel) => part.with_kernel(kernel),
         None => part,
     };
     let damped = behind.iter().find(|part| part.damping != Damping::None);
     let damped = damped.map(|of| {
-        let damped = part.clone().damping(of.damping.clone());
+        let damped = part.clone().with_damping(of.damping.clone());
         match of.rim {
-            Some(width) => damped.rim(width),
+            Some(width) => damped.with_rim(width),
             None => damped,
         }
     });
     Ok((part, damped))
 }
 
-/// The time in which most of the motion at the first point is over (s); nothing if a point does
-/// not move in it.
+/// Duration (s) that contains most of the motion at the first point; `None` if a point does not move in it.
 fn window(sampler: &dyn FieldSampler, start: f64, duration: f64) -> Option<f64> {
     let interval = duration / INSTANTS as f64;
     let mut sums = vec![0.0; sampler.len()];

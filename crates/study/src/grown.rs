@@ -1,4 +1,4 @@
-//! A mesh with more ground beyond one of its faces.
+//! Extension of a mesh beyond one of its faces.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -6,16 +6,15 @@ use powerhouse::model::{ElementKind, Facet, Mesh, MeshError, ParameterError, Vec
 
 use crate::StudyError;
 
-/// Mean over sum of the areas of a face that passes as plane.
+/// Norm of the summed area vectors over the sum of areas from which on a face counts as plane.
 const PLANE: f64 = 1.0 - 1e-9;
 
-/// The mesh with layers of elements of the given thicknesses (m) beyond a plane facet set, one after
-/// the other outwards.
+/// Extends a mesh by layers of elements that are extruded outwards from a plane facet set, with thicknesses (m) from
+/// the face outwards.
 ///
-/// Nodes and elements of the mesh keep their places and numbers; new ones come after them. A new
-/// element belongs to the element sets of the one that it grows from. Its facets move out to
-/// the last layer in whatever set they are, and facet sets that meet it at an edge go on along the new
-/// elements; node sets stay.
+/// Nodes and elements of the mesh keep their indices and numbers; new ones follow them. A new element belongs to the
+/// element sets of the element from which it is extruded. Facet sets on the face move to the outermost layer, facet
+/// sets that meet the face at an edge are continued along the new elements, and node sets are unchanged.
 ///
 /// # Errors
 /// A set that does not exist, is empty or not plane; a thickness that is not positive.
@@ -42,7 +41,7 @@ pub fn grown(mesh: &Mesh, face: &str, thicknesses: &[f64]) -> Result<Mesh, Study
     if mean.norm() < PLANE * sum || sum <= 0.0 {
         return Err(StudyError::NotPlane { face: face.into() });
     }
-    let growth = Growth {
+    let extrusion = Extrusion {
         mesh,
         facets,
         on_face: facets.iter().copied().collect(),
@@ -50,28 +49,29 @@ pub fn grown(mesh: &Mesh, face: &str, thicknesses: &[f64]) -> Result<Mesh, Study
         base: mesh.nodes_of_facets(facets),
         last: mesh.node_tags().iter().max().copied().unwrap_or(0),
     };
-    Ok(growth.mesh(thicknesses)?)
+    Ok(extrusion.mesh(thicknesses)?)
 }
 
-struct Growth<'m> {
+/// Extrusion of a mesh beyond one of its faces.
+struct Extrusion<'m> {
     mesh: &'m Mesh,
     facets: &'m [Facet],
     on_face: HashSet<Facet>,
     normal: Vec3,
     /// Nodes of the face.
     base: Vec<u32>,
-    /// The greatest number of a node.
+    /// Greatest node number.
     last: u64,
 }
 
-impl Growth<'_> {
-    /// The number of the node above one of the face, so many layers out.
+impl Extrusion<'_> {
+    /// The number of the node in a layer above a node of the face (layer 0).
     fn tag(&self, node: u32, layer: usize) -> u64 {
         if layer == 0 {
             return self.mesh.node_tags()[node as usize];
         }
-        let place = self.base.partition_point(|&other| other < node);
-        self.last + 1 + ((layer - 1) * self.base.len() + place) as u64
+        let index = self.base.partition_point(|&other| other < node);
+        self.last + 1 + ((layer - 1) * self.base.len() + index) as u64
     }
 
     fn mesh(&self, thicknesses: &[f64]) -> Result<Mesh, MeshError> {
@@ -130,7 +130,7 @@ impl Growth<'_> {
                 builder.facet(set, &tags(&mesh.facet_nodes(*facet), layer));
             }
         }
-        for (edge, sets) in self.rim() {
+        for (edge, sets) in self.boundary_edges() {
             for layer in 0..thicknesses.len() {
                 let side = [tags(&edge, layer), tags(&edge, layer + 1)].concat();
                 for set in &sets {
@@ -142,7 +142,7 @@ impl Growth<'_> {
             builder.node_set(set, &tags(nodes, 0));
         }
         let mut grown = builder.build()?;
-        // Sets without anything stay, too.
+        // Empty sets are kept, too.
         for set in mesh.facet_sets().keys() {
             if grown.facet_set(set).is_err() {
                 grown.set_facet_set(set, Vec::new())?;
@@ -151,21 +151,21 @@ impl Growth<'_> {
         Ok(grown)
     }
 
-    /// The edges of the face that only one of its facets has, with the facet sets that meet it there.
-    fn rim(&self) -> BTreeMap<[u32; 2], Vec<&str>> {
+    /// The boundary edges of the face, with the other facet sets that contain them.
+    fn boundary_edges(&self) -> BTreeMap<[u32; 2], Vec<&str>> {
         let mut counts: HashMap<[u32; 2], usize> = HashMap::new();
         for facet in self.facets {
             for edge in edges(&self.mesh.facet_nodes(*facet)) {
                 *counts.entry(edge).or_default() += 1;
             }
         }
-        let alone = counts.into_iter().filter(|(_, count)| *count == 1);
-        let mut rim: BTreeMap<[u32; 2], Vec<&str>> =
-            alone.map(|(edge, _)| (edge, Vec::new())).collect();
+        let single = counts.into_iter().filter(|(_, count)| *count == 1);
+        let mut found: BTreeMap<[u32; 2], Vec<&str>> =
+            single.map(|(edge, _)| (edge, Vec::new())).collect();
         for (set, facets) in self.mesh.facet_sets() {
             for facet in facets.iter().filter(|facet| !self.on_face.contains(facet)) {
                 for edge in edges(&self.mesh.facet_nodes(*facet)) {
-                    if let Some(sets) = rim.get_mut(&edge)
+                    if let Some(sets) = found.get_mut(&edge)
                         && !sets.contains(&set.as_str())
                     {
                         sets.push(set);
@@ -173,11 +173,11 @@ impl Growth<'_> {
                 }
             }
         }
-        rim
+        found
     }
 }
 
-/// The edges of a facet, the lower node first.
+/// The edges of a facet, each with its lower node first.
 fn edges(nodes: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     (0..nodes.len()).map(|i| {
         let mut edge = [nodes[i], nodes[(i + 1) % nodes.len()]];

@@ -1,4 +1,4 @@
-//! What can be said of joints before a run.
+//! Overview of joints and warnings about them before a run.
 
 use std::collections::HashSet;
 
@@ -9,30 +9,30 @@ use powerhouse::{Error, Scene};
 use crate::StudyError;
 use crate::check::Warning;
 
-/// A joint as it stands in the mesh.
+/// Geometry and law of a joint in the mesh, before the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointOverview {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// The name of its law.
+    /// Name of its contact law.
     pub law: String,
-    /// How many pairs it has.
+    /// Number of node pairs.
     pub pairs: usize,
-    /// Their area (m2).
+    /// Area of the joint (m2).
     pub area: f64,
-    /// The largest distance between the nodes of a pair (m).
+    /// Largest distance between the nodes of a pair (m).
     pub worst_gap: f64,
-    /// The numbers of those nodes.
+    /// User numbers of the nodes of that pair.
     pub worst_nodes: [u64; 2],
-    /// The shortest edge of its facets (m).
+    /// Shortest edge of the facets of the joint (m).
     pub shortest_edge: f64,
 }
 
-/// Above this share of the shortest edge a distance of nodes that face each other is doubtful.
+/// Distance of paired nodes over the shortest edge above which a warning is due.
 const LARGEST_MISMATCH: f64 = 0.05;
 
 impl JointOverview {
-    /// All joints of a scene.
+    /// The overviews of all joints of a scene.
     pub(crate) fn all(scene: &Scene) -> Vec<Self> {
         let joints = scene.joints();
         joints
@@ -49,9 +49,9 @@ impl JointOverview {
     }
 }
 
-/// Doubts about the joints of a scene: nodes far apart that face each other, and joints that run into
-/// absorbing faces, behind which the field knows nothing of them.
-pub(crate) fn doubts(scene: &Scene) -> Result<Vec<Warning>, StudyError> {
+/// Warnings about the joints of a scene: node pairs with large distances, and node pairs on absorbing faces, behind
+/// which the free field has no joint.
+pub(crate) fn warnings(scene: &Scene) -> Result<Vec<Warning>, StudyError> {
     let mut warnings = Vec::new();
     let mesh = scene.mesh();
     let mut absorbing = HashSet::new();
@@ -70,7 +70,7 @@ pub(crate) fn doubts(scene: &Scene) -> Result<Vec<Warning>, StudyError> {
         }
         let reaches = |pair: &&JointPair| pair.nodes.iter().any(|node| absorbing.contains(node));
         let pairs = surface.pairs.iter().filter(reaches).count();
-        // A tie is no joint to a wave.
+        // A tie does not disturb a wave.
         if pairs > 0 && law.name() != Tied.name() {
             warnings.push(Warning::JointAtBoundary {
                 joint: name.into(),

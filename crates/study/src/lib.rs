@@ -1,29 +1,26 @@
-//! What is built on whole scenes: checks, predictions, advice, the free-field self-check, sweeps, reports,
-//! the mesh of a machine bay, and meshes of sites with known answers.
+//! Studies of whole scenes: checks and cost predictions before a run, comparison of absorbing boundaries, the
+//! free-field check, parameter sweeps, trade studies of cost against accuracy, reports, and mesh generators.
 //!
-//! [`check`] looks at a scene without running it: mesh quality, the frequencies that its elements
-//! carry, the stable step and who limits it, what its stages and its run will cost, and which changes
-//! would save most ([`saving`]). [`FreeFieldCheck`] computes
-//! the scene's box without the structure and compares it with the field that comes in: what is left
-//! is the error of mesh, step and boundary, on which no result of the scene can improve. [`mod@sweep`]
-//! runs the cases of a scene, [`trade`] finds what accuracy costs it, [`write_report`] tells of them on one page, and [`bay`] makes the mesh of
-//! a machine bay, which scenes name through [`registry`].
-//!
-//! [`advise_boundary`] names the absorbing boundary that a scene needs for a stated error;
-//! [`probe_errors`] and [`grown`](fn@grown) measure what a scene's own boundary does to it.
-//!
-//! [`OpeningSlice`] and [`ShellOctant`] are meshes of ground around a round opening, for studies of
-//! what an opening does to waves and of what a boundary does to their results.
+//! - [`check`] assesses a scene before its run: mesh quality, resolved frequencies, stable step and the element that
+//!   limits it, predicted cost of stages and run, and the changes that save most ([`saving`]).
+//! - [`FreeFieldCheck`] runs the scene's box without the structure and compares it with the incident field. The
+//!   difference is the error of mesh, time step and boundary, a lower bound of the errors of the scene.
+//! - [`mod@sweep`] runs the cases of a scene, and [`write_report`] writes their results to one HTML page.
+//! - [`trade`] measures cost and error of a scene's numerical options and finds the Pareto front.
+//! - [`advise_boundary`] recommends an absorbing boundary for a permitted error, [`advise_box`] the extent of the
+//!   mesh; [`probe_errors`] and [`grown`](fn@grown) measure the error of a given boundary.
+//! - [`bay`] generates the mesh of a machine bay, which scenes name through [`registry`]; [`OpeningSlice`] and
+//!   [`ShellOctant`] generate meshes of ground around a circular and a spherical opening.
 //!
 //! # Why so
-//! *The self-check runs the scene's own parts.* The box takes its boundary, field and kernel from
-//! the scene; only the mesh is its own, since that of a scene has a hole where the structure is.
+//! *The free-field check runs the scene's own components.* The box takes boundary, field and kernel from the scene;
+//! only the mesh is its own, since that of the scene has an opening where the structure is.
 //!
-//! *Its bricks are as long as the longest edge behind the absorbing faces.* A mesh is finer near its
-//! structure; the mean of its elements would promise what its coarse end cannot keep.
+//! *Its elements are as long as the longest edge behind the absorbing faces.* A mesh is finer near its structure; a
+//! box with the mean element size would underestimate the error of the coarse elements.
 //!
-//! *It runs undamped.* The free field is elastic, so a damped box cannot reproduce it. Where the
-//! ground of a scene is damped, the error with that damping is told beside.
+//! *It runs undamped.* The free field is elastic, so a damped box cannot reproduce it. Where the ground of a scene is
+//! damped, the error with this damping is reported separately.
 
 pub mod advice;
 pub mod bay;
@@ -63,7 +60,7 @@ pub use grown::grown;
 pub use joints::JointOverview;
 pub use names::registry;
 pub use opening_slice::OpeningSlice;
-pub use price::{Price, draw_prices, price_front};
+pub use price::{ParetoPoint, draw_pareto_front, pareto_front};
 pub use report::{read_outcomes, report_gaps, write_report};
 pub use resolution::Resolution;
 pub use sensitivity::{Variation, VariedFigure, sensitivity};

@@ -1,4 +1,4 @@
-//! What a case was computed from, so that finished work is known again.
+//! Fingerprint of the inputs of a case, by which finished results are recognised.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,25 +7,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 
-/// The software as far as results depend on it: its version, and a number that rises whenever the same inputs
-/// come to other results within a version.
+/// Version of the software, with a revision that is raised whenever the same inputs give other results within a
+/// version.
 pub(crate) const REVISION: &str = concat!("powerhouse ", env!("CARGO_PKG_VERSION"), " revision 5");
 
-/// What a case was computed from.
+/// Fingerprint of the inputs of a case: software revision, checksum of scene and files, duration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Mark {
-    /// The [`REVISION`] of the software.
+pub(crate) struct Fingerprint {
+    /// The [`REVISION`] of the software that computed the case.
     software: String,
-    /// The scene and the files beside it that it names, as a checksum of their bytes.
+    /// Checksum of the bytes of the scene and of the files that it names.
     inputs: String,
-    /// The duration, if it is not the scene's (s).
+    /// Duration (s), if it is not that of the scene.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     duration: Option<f64>,
+    /// The version of a program's own laws, boundaries and kernels, if it says one.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    registered: String,
 }
 
-impl Mark {
-    /// The mark of a scene, of files by their bytes, and of a duration of its own.
-    pub(crate) fn of(scene: &str, files: &[Vec<u8>], duration: Option<f64>) -> Self {
+impl Fingerprint {
+    /// The fingerprint of a scene's text, of the bytes of its files, of a duration that replaces the scene's, and of the version of what is
+    /// registered.
+    pub(crate) fn of(
+        scene: &str,
+        files: &[Vec<u8>],
+        duration: Option<f64>,
+        registered: &str,
+    ) -> Self {
         let mut sum = Checksum::default();
         sum.add(scene.as_bytes());
         files.iter().for_each(|bytes| sum.add(bytes));
@@ -33,18 +42,20 @@ impl Mark {
             software: REVISION.into(),
             inputs: sum.text(),
             duration,
+            registered: registered.into(),
         }
     }
 
-    /// The marks of the cases of a scene: of what the scene and the case say, whatever other cases there
-    /// are, where results go and how many threads compute them; and of the files that are named there.
+    /// The fingerprints of the cases of a scene, from the keys of the scene and of the case and the named files. Other
+    /// cases, the result folder and the number of threads have no influence.
     ///
     /// # Errors
-    /// A scene that is no TOML, a file that cannot be read.
+    /// A scene that is not valid TOML, a file that cannot be read.
     pub(crate) fn of_cases(
         (path, scene): (&Path, &str),
         cases: &[String],
         duration: Option<f64>,
+        registered: &str,
     ) -> Result<BTreeMap<String, Self>, StudyError> {
         let mut all = table(path, scene)?;
         if let Some(toml::Value::Table(output)) = all.get_mut("output") {
@@ -57,12 +68,13 @@ impl Mark {
                 cases.retain(|own| is_case(own, case));
             }
             let files = files_of(path, &table)?;
-            Ok((case.clone(), Self::of(&table.to_string(), &files, duration)))
+            let mark = Self::of(&table.to_string(), &files, duration, registered);
+            Ok((case.clone(), mark))
         };
         cases.iter().map(of_case).collect()
     }
 
-    /// Whether a file holds this mark.
+    /// Whether a file contains this fingerprint.
     pub(crate) fn is_in(&self, file: &Path) -> bool {
         let text = std::fs::read(file).unwrap_or_default();
         let found: Option<Self> = serde_json::from_slice(&text).ok();
@@ -70,13 +82,12 @@ impl Mark {
     }
 }
 
-/// The bytes of the files that a scene names, mesh, records and others: of every text in it that is
-/// the path of a file.
+/// The bytes of all files that a scene names, such as mesh and records: of every string that is the path of a file.
 pub(crate) fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
     files_of(path, &table(path, text)?)
 }
 
-/// Whether a table of a scene is the case of a name.
+/// Whether a table of a scene is the case with a name.
 pub(crate) fn is_case(own: &toml::Value, name: &str) -> bool {
     own.get("name").and_then(toml::Value::as_str) == Some(name)
 }
@@ -107,7 +118,7 @@ fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
     })
 }
 
-/// All texts in a value.
+/// Collects all strings in a value.
 fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
     match value {
         toml::Value::String(text) => texts.push(text.clone()),
@@ -117,7 +128,7 @@ fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
     }
 }
 
-/// FNV-1a over 64 bits (Fowler, Noll & Vo): tells an edited file from the old one, not a forged one.
+/// FNV-1a checksum of 64 bits (Fowler, Noll & Vo); it detects edited files, not forged ones.
 pub(crate) struct Checksum(u64);
 
 impl Default for Checksum {
@@ -127,16 +138,16 @@ impl Default for Checksum {
 }
 
 impl Checksum {
-    /// Goes on over these bytes.
+    /// Adds bytes to the checksum.
     pub(crate) fn add(&mut self, bytes: &[u8]) {
-        // The length too, so that bytes cannot wander from one file into the next.
+        // With the length, so that bytes cannot move from one file to the next unnoticed.
         let length = (bytes.len() as u64).to_le_bytes();
         for &byte in length.iter().chain(bytes) {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
 
-    /// The sum as text.
+    /// The checksum in hexadecimal digits.
     pub(crate) fn text(&self) -> String {
         format!("{:016x}", self.0)
     }

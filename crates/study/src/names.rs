@@ -1,4 +1,4 @@
-//! What scenes can name beside what comes with the facade.
+//! Registry of the names that scenes can use.
 
 use std::path::Path;
 
@@ -6,8 +6,8 @@ use powerhouse::Registry;
 
 use crate::bay::Bay;
 
-/// The names that come with the software, and `bay`: the generator of meshes that makes a
-/// [machine bay](crate::bay) from its file.
+/// Registry with all built-in names and the mesh generator `bay`, which generates a [machine bay](crate::bay) from
+/// its file.
 ///
 /// ```
 /// let registry = powerhouse_study::registry();

@@ -1,10 +1,10 @@
-//! The mesh of a vertical slice of ground with a circular opening.
+//! Mesh generator: vertical slice of ground with a circular opening.
 
 use powerhouse::model::{Axis, ElementKind, Mesh, MeshError, ParameterError, Vec3};
 
 use crate::StudyError;
 
-/// A slice of ground across a long circular opening (a tunnel, a cavity), one element thick.
+/// Mesh generator of a plane-strain slice of ground, one element thick, across a long circular opening.
 ///
 /// ```text
 ///   z = 0  --------------------------------   `top`
@@ -17,10 +17,10 @@ use crate::StudyError;
 ///      x = -half_width      0        half_width
 /// ```
 ///
-/// Bricks are `fine` long around the opening and on the surface above it, and from there each row
-/// is longer than the one before by `growth`, up to `coarse`. Waves that come up steeply are bent by
-/// the height of the bricks, not by their width, so that bricks may be longer to the sides than
-/// below. All are in the set `rock`; facet sets
+/// Elements have edges of length `fine` around the opening and on the surface above it; from there each row is longer
+/// than the one before by the factor `growth`, up to `coarse`. The numerical dispersion of steeply incident waves
+/// depends on the height of the elements, not on their width, so that elements may be longer to the sides than below.
+/// All elements are in the set `rock`; facet sets
 /// are `left`, `right`, `bottom`, `top`, the wall `opening`, and the cuts `front` (y = 0) and
 /// `back` (y = `fine`). With both cuts on rollers along y the slice is in plane strain.
 ///
@@ -44,36 +44,35 @@ use crate::StudyError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpeningSlice {
-    /// Radius of the opening (m).
+    /// Radius of the opening (m), 0.001 to 1e6.
     pub radius: f64,
-    /// Depth of its centre below the surface z = 0 (m), from 1.05 radii.
+    /// Depth of the centre of the opening below the surface z = 0 (m), at least 1.05 radii.
     pub depth: f64,
-    /// From the centre to the left and right ends (m).
+    /// Distance from the centre to the left and right ends (m).
     pub half_width: f64,
-    /// From the surface to the bottom (m).
+    /// Distance from the surface to the bottom (m).
     pub height: f64,
-    /// Edge of the bricks around the opening, and thickness of the slice (m), at most half the
-    /// radius.
+    /// Edge length of the elements around the opening, and thickness of the slice (m), at most half the radius.
     pub fine: f64,
-    /// Longest edges of the bricks far to its sides and far below it (m).
+    /// Longest edges of the elements far to the sides and far below (m).
     pub coarse: [f64; 2],
-    /// Length of a row of bricks over that of the row before it, from 1 to 1.5.
+    /// Ratio of element lengths of consecutive rows, from 1 to 1.5.
     pub growth: f64,
 }
 
 /// Half the side of the square around a deep opening, over its radius; the square around a shallow
 /// one reaches up to the surface.
 const SQUARE: f64 = 2.0;
-/// Down to this depth, over the radius, an opening is shallow.
+/// Greatest depth of a shallow opening, over its radius.
 const SHALLOW: f64 = 2.5;
-/// The least depth of the centre, over the radius.
+/// Least depth of the centre, over the radius.
 const LEAST_DEPTH: f64 = 1.05;
 
 impl OpeningSlice {
-    /// The mesh.
+    /// Generates the mesh.
     ///
     /// # Errors
-    /// A length out of its range, or a mesh too large.
+    /// A length out of its range, or a mesh with too many nodes.
     pub fn mesh(&self) -> Result<Mesh, StudyError> {
         self.check()?;
         let grid = Grid::around(self);
@@ -103,7 +102,7 @@ impl OpeningSlice {
             ("coarse", self.coarse[1], self.fine, most),
             ("growth", self.growth, 1.0, 1.5),
         ];
-        /// What rounding may take from a sum of lengths.
+        /// Relative rounding error of a sum of lengths.
         const ROUNDING: f64 = 1e-12;
         for (name, value, least, most) in ranges {
             let least = least * (1.0 - ROUNDING);
@@ -175,23 +174,24 @@ impl Grid {
             let cells = (above / slice.fine).ceil();
             z.extend((1..=cells as usize).map(|k| -above * (1.0 - k as f64 / cells)));
         }
-        // Mean way from the circle to the square, in edges.
-        let way = 0.5 * (1.0 + core::f64::consts::SQRT_2) * half - slice.radius;
+        // Mean distance from the circle to the square.
+        let distance = 0.5 * (1.0 + core::f64::consts::SQRT_2) * half - slice.radius;
         Self {
             x,
             z,
             corner: [outwards.len() - 1, below],
             along,
-            rings: (way / slice.fine).round().max(2.0) as usize,
+            rings: (distance / slice.fine).round().max(2.0) as usize,
         }
     }
 
-    /// The place on the square's outline, counted from its lower right corner against the clock.
-    fn outline(&self, place: usize) -> [usize; 2] {
+    /// The grid indices of a point on the outline of the square, counted counter-clockwise from its lower right
+    /// corner.
+    fn outline(&self, point: usize) -> [usize; 2] {
         let [x, z] = self.corner;
         let n = self.along;
-        let along = place % n;
-        match place / n % 4 {
+        let along = point % n;
+        match point / n % 4 {
             0 => [x + n, z + along],
             1 => [x + n - along, z + n],
             2 => [x, z + n - along],
@@ -210,13 +210,13 @@ impl Grid {
     }
 
     /// The number of a node on a ring from the circle (0) to the square.
-    fn ring_node(&self, place: usize, ring: usize) -> u64 {
+    fn ring_node(&self, point: usize, ring: usize) -> u64 {
         let around = 4 * self.along;
         if ring == self.rings {
-            return self.grid_node(self.outline(place));
+            return self.grid_node(self.outline(point));
         }
         let after_grid = self.x.len() * self.z.len();
-        1 + (after_grid + ring * around + place % around) as u64
+        1 + (after_grid + ring * around + point % around) as u64
     }
 
     fn mesh(&self, slice: &OpeningSlice) -> Result<Mesh, MeshError> {
@@ -235,15 +235,15 @@ impl Grid {
             }
             for ring in 0..self.rings {
                 let share = ring as f64 / self.rings as f64;
-                for place in 0..around {
+                for point in 0..around {
                     let angle =
-                        core::f64::consts::FRAC_PI_2 * (place as f64 / self.along as f64 - 0.5);
-                    let [i, k] = self.outline(place);
+                        core::f64::consts::FRAC_PI_2 * (point as f64 / self.along as f64 - 0.5);
+                    let [i, k] = self.outline(point);
                     let (sine, cosine) = angle.sin_cos();
                     let (x, z) = (slice.radius * cosine, slice.radius * sine - slice.depth);
                     let (dx, dz) = (self.x[i] - x, self.z[k] - z);
                     let position = at(x + share * dx, z + share * dz);
-                    builder.node(shift + self.ring_node(place, ring), position);
+                    builder.node(shift + self.ring_node(point, ring), position);
                 }
             }
         }
@@ -261,23 +261,23 @@ impl Grid {
                     continue;
                 }
                 let corners = [[i, k], [i, k + 1], [i + 1, k + 1], [i + 1, k]];
-                brick(corners.map(|place| self.grid_node(place)));
+                brick(corners.map(|point| self.grid_node(point)));
             }
         }
         for ring in 0..self.rings {
-            for place in 0..around {
-                let next = place + 1;
+            for point in 0..around {
+                let next = point + 1;
                 let corners = [
-                    (place, ring),
+                    (point, ring),
                     (next, ring),
                     (next, ring + 1),
-                    (place, ring + 1),
+                    (point, ring + 1),
                 ];
-                brick(corners.map(|(place, ring)| self.ring_node(place, ring)));
+                brick(corners.map(|(point, ring)| self.ring_node(point, ring)));
             }
         }
-        for place in 0..around {
-            let edge = [self.ring_node(place, 0), self.ring_node(place + 1, 0)];
+        for point in 0..around {
+            let edge = [self.ring_node(point, 0), self.ring_node(point + 1, 0)];
             let facet = [edge[0], edge[1], edge[1] + behind, edge[0] + behind];
             builder.facet("opening", &facet);
         }

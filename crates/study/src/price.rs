@@ -1,4 +1,4 @@
-//! What choices cost and err: those that no other betters, and their picture.
+//! Pareto front of cost and error, and its plot.
 
 use std::path::Path;
 
@@ -6,58 +6,60 @@ use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 
 use crate::StudyError;
 
-/// Half the size of a cross, over width and height of the picture, which is four times as wide as high.
+/// Half the size of a cross, over width and height of the plot, which is four times as wide as high.
 const CROSS: [f64; 2] = [0.006, 0.024];
-/// Errors below this are drawn here: zero has no place among decades.
+/// Least error that is drawn on the logarithmic axis; smaller ones are drawn there.
 const LEAST: f64 = 1e-9;
 
-/// A choice with its cost and its error.
+/// Point of a cost-error diagram: an alternative with its cost and its error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Price {
-    /// What was chosen.
+pub struct ParetoPoint {
+    /// Name of the alternative.
     pub name: String,
-    /// What it costs, in any unit.
+    /// Cost, in any unit.
     pub cost: f64,
-    /// By how much it errs, in any unit.
+    /// Error, in any unit.
     pub error: f64,
 }
 
-/// The places of those that no other one betters in both cost and error, the cheapest first.
-pub fn price_front(prices: &[Price]) -> Vec<usize> {
-    let mut places: Vec<usize> = (0..prices.len()).collect();
-    places.sort_by(|&a, &b| {
-        let (a, b) = (&prices[a], &prices[b]);
+/// Indices of the points on the Pareto front: those for which no other has both less cost and less error; the
+/// cheapest first.
+pub fn pareto_front(alternatives: &[ParetoPoint]) -> Vec<usize> {
+    let mut front: Vec<usize> = (0..alternatives.len()).collect();
+    front.sort_by(|&a, &b| {
+        let (a, b) = (&alternatives[a], &alternatives[b]);
         a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error))
     });
     let mut least = f64::INFINITY;
-    places.retain(|&place| {
-        let better = prices[place].error < least;
-        least = least.min(prices[place].error);
+    front.retain(|&index| {
+        let better = alternatives[index].error < least;
+        least = least.min(alternatives[index].error);
         better
     });
-    places
+    front
 }
 
-/// Draws choices as crosses and their front as a line, decades of cost along and of error up.
+/// Draws points as crosses and their Pareto front as a line, with logarithmic axes of cost (x) and error (y), into an
+/// SVG file.
 ///
-/// `cost` says what the cost is and in which unit. An error below `uncertainty`, that of what errors are
-/// measured against, or below 1e-9, is drawn there.
+/// The label and the unit are those of the cost. An error below `uncertainty`, the error of the reference, or below
+/// 1e-9, is drawn at that value.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn draw_prices(
+pub fn draw_pareto_front(
     file: &Path,
     title: &str,
     (label, unit): (&str, &str),
-    prices: &[Price],
+    alternatives: &[ParetoPoint],
     uncertainty: f64,
 ) -> Result<(), StudyError> {
     let least = uncertainty.max(LEAST);
-    let at = |price: &Price| {
-        let cost = price.cost.max(f64::MIN_POSITIVE);
-        [cost.log10(), price.error.max(least).log10()]
+    let at = |alternative: &ParetoPoint| {
+        let cost = alternative.cost.max(f64::MIN_POSITIVE);
+        [cost.log10(), alternative.error.max(least).log10()]
     };
-    let points: Vec<[f64; 2]> = prices.iter().map(at).collect();
+    let points: Vec<[f64; 2]> = alternatives.iter().map(at).collect();
     let range = |axis: usize| {
         let values = points.iter().map(|point| point[axis]);
         let least = values.clone().fold(f64::INFINITY, f64::min);
@@ -72,17 +74,17 @@ pub fn draw_prices(
             ]
         })
         .collect();
-    let front = price_front(prices);
+    let front = pareto_front(alternatives);
     let front: [Vec<f64>; 2] =
-        [0, 1].map(|axis| front.iter().map(|&place| points[place][axis]).collect());
+        [0, 1].map(|axis| front.iter().map(|&index| points[index][axis]).collect());
     let mut curves = vec![PlotCurve {
         name: "front",
         x: &front[0],
         y: &front[1],
     }];
-    let named = crosses.iter().zip(prices);
-    curves.extend(named.map(|([x, y], price)| PlotCurve {
-        name: &price.name,
+    let named = crosses.iter().zip(alternatives);
+    curves.extend(named.map(|([x, y], alternative)| PlotCurve {
+        name: &alternative.name,
         x,
         y,
     }));
@@ -103,16 +105,17 @@ pub fn draw_prices(
 mod tests {
     use super::*;
 
-    /// The front holds what nothing betters in both respects, equal ones once, in rising cost.
+    /// The front contains the points that no other dominates, equal ones once, by rising cost.
     #[test]
-    fn the_front_holds_what_nothing_betters() {
-        let prices: Vec<Price> = [(3.0, 0.1), (1.0, 0.5), (2.0, 0.5), (2.0, 0.3), (9.0, 0.2)]
-            .map(|(cost, error)| Price {
-                name: String::new(),
-                cost,
-                error,
-            })
-            .into();
-        assert_eq!(price_front(&prices), [1, 3, 0]);
+    fn the_front_contains_the_points_that_none_dominates() {
+        let alternatives: Vec<ParetoPoint> =
+            [(3.0, 0.1), (1.0, 0.5), (2.0, 0.5), (2.0, 0.3), (9.0, 0.2)]
+                .map(|(cost, error)| ParetoPoint {
+                    name: String::new(),
+                    cost,
+                    error,
+                })
+                .into();
+        assert_eq!(pareto_front(&alternatives), [1, 3, 0]);
     }
 }

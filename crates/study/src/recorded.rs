@@ -1,36 +1,39 @@
-//! Where a scene records, as nodes and elements of its mesh.
+//! Recorded nodes, elements and points of a scene.
 
 use powerhouse::Scene;
-use powerhouse::engine::observe::{Place, Spot, StressPlace};
+use powerhouse::engine::observe::{ObservationPoint, Place, StressPlace};
 use powerhouse::model::{Mesh, Vec3};
 
-/// What of a mesh a scene records.
+/// Nodes, elements and points that the output requests of a scene refer to.
 #[derive(Default)]
 pub(crate) struct Recorded {
-    /// Nodes whose motion, or whose mean motion, is recorded.
+    /// Nodes whose motion or mean motion is recorded.
     pub(crate) nodes: Vec<u32>,
-    /// Elements that are recorded, or in which points are.
+    /// Elements that are recorded or contain recorded points.
     pub(crate) elements: Vec<u32>,
-    /// The points (m).
+    /// Recorded points (m).
     pub(crate) points: Vec<Vec3>,
 }
 
 impl Recorded {
-    /// What a scene records of motion, stress and state.
+    /// Collects the nodes, elements and points of all requests of motion, stress and history variables.
     pub(crate) fn of(scene: &Scene) -> Self {
-        let (mesh, plan) = (scene.mesh(), scene.output_plan());
+        let (mesh, plan) = (scene.mesh(), scene.output());
         let mut recorded = Self::default();
-        let places = (plan.histories.iter().map(|wish| &wish.place))
-            .chain(plan.relative.iter().flat_map(|wish| [&wish.at, &wish.from]));
+        let places = (plan.histories.iter().map(|request| &request.place)).chain(
+            plan.relative
+                .iter()
+                .flat_map(|request| [&request.at, &request.from]),
+        );
         for place in places {
             match place {
-                Place::Spot(spot) => recorded.add_spot(mesh, spot),
+                Place::Point(spot) => recorded.add_spot(mesh, spot),
                 Place::Node(_) | Place::NodeSet(_) => recorded.nodes.extend(nodes_of(mesh, place)),
             }
         }
-        for wish in plan.stresses.iter().chain(&plan.state.places) {
-            match &wish.place {
-                StressPlace::Spot(spot) => recorded.add_spot(mesh, spot),
+        for request in plan.stresses.iter().chain(&plan.state.places) {
+            match &request.place {
+                StressPlace::Point(spot) => recorded.add_spot(mesh, spot),
                 StressPlace::Element(tag) => {
                     let known = mesh.element_tags().iter().position(|other| other == tag);
                     recorded
@@ -42,23 +45,23 @@ impl Recorded {
         recorded
     }
 
-    fn add_spot(&mut self, mesh: &Mesh, spot: &Spot) {
+    fn add_spot(&mut self, mesh: &Mesh, spot: &ObservationPoint) {
         self.points.push(spot.position);
         let among = spot.elements.as_ref().map(|set| mesh.element_set(set));
         let all = || (0..mesh.element_count() as u32).collect();
         let among = among.and_then(Result::ok).map_or_else(all, <[u32]>::to_vec);
-        // One that lies nowhere is refused where the scene is prepared.
+        // A point outside all elements is an error when the scene is prepared.
         let found = mesh.locate_among(&among, &[spot.position], spot.tolerance);
         let found = found.into_iter().flatten();
-        self.elements.extend(found.map(|place| place.element));
+        self.elements.extend(found.map(|location| location.element));
     }
 }
 
-/// The nodes whose mean motion a place without coordinates has; none of a set that does not exist, which is
-/// refused where the scene is prepared.
+/// The nodes of an output location without coordinates; none for a set that does not exist, which is an error when
+/// the scene is prepared.
 pub(crate) fn nodes_of(mesh: &Mesh, place: &Place) -> Vec<u32> {
     match place {
-        Place::Spot(_) => Vec::new(),
+        Place::Point(_) => Vec::new(),
         Place::Node(tag) => {
             let known = mesh.node_tags().iter().position(|other| other == tag);
             known.map(|node| node as u32).into_iter().collect()

@@ -1,4 +1,4 @@
-//! What elements carry, and what comes in.
+//! Frequencies that the mesh resolves, and the frequency content of the input.
 
 use powerhouse::model::{FieldMotion, Mesh, Vec3};
 use powerhouse::wavefield::TimeHistory;
@@ -8,29 +8,29 @@ use crate::{StudyError, Warning};
 
 /// Elements per wavelength that a mesh should have for waves to travel without visible dispersion.
 const PER_WAVELENGTH: f64 = 10.0;
-/// A warning is due if more than this share of a motion's energy lies above what a set carries.
+/// Share of a motion's energy above the resolved frequency from which on a warning is due.
 const LOST_SHARE: f64 = 0.01;
-/// Instants at which the incoming motion is looked at.
+/// Instants at which the incident motion is sampled.
 const INSTANTS: usize = 16_384;
-/// How long after the run the motion, which may go on, is let fade: at least this share of the run.
+/// Least duration of the taper after the run, over the duration of the run.
 const FADING_SHARE: f64 = 0.05;
-/// And at least so long (s): what is cut off within a few periods has energy at all frequencies.
+/// Least duration of the taper (s): a cut-off within a few periods would have energy at all frequencies.
 const LEAST_FADING: f64 = 1.0;
 
-/// The highest frequency that a part carries, with ten elements per wavelength of shear waves.
+/// Highest frequency that the mesh of a part resolves, with ten elements per shear wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolution {
-    /// The part's set.
+    /// Element set of the part.
     pub set: String,
-    /// Speed of shear waves (m/s).
+    /// Shear wave speed (m/s).
     pub s_speed: f64,
-    /// Longest edge (m).
+    /// Longest element edge (m).
     pub longest_edge: f64,
-    /// `s_speed / (10 longest_edge)` (Hz).
+    /// Highest resolved frequency `s_speed / (10 longest_edge)` (Hz).
     pub frequency: f64,
 }
 
-/// What each part carries.
+/// The resolution of each part of a scene.
 pub(crate) fn resolution(scene: &Scene) -> Result<Vec<Resolution>, StudyError> {
     let mesh = scene.mesh();
     scene
@@ -67,20 +67,22 @@ fn longest_edge(mesh: &Mesh, element: u32) -> f64 {
     edges.fold(0.0, f64::max)
 }
 
-/// Energy of acceleration against frequency (Hz).
+/// Energy spectrum of acceleration: frequency (Hz) and energy of each line.
 pub(crate) type Spectrum = Vec<(f64, f64)>;
 
-/// The incoming motion and the records, if parts cannot carry all of them; a field that brings no
-/// motion in the time of the run.
-pub(crate) fn doubts(scene: &Scene, resolution: &[Resolution]) -> Result<Vec<Warning>, StudyError> {
+/// Warnings of motion that parts do not resolve, and of a field without motion within the run.
+pub(crate) fn warnings(
+    scene: &Scene,
+    resolution: &[Resolution],
+) -> Result<Vec<Warning>, StudyError> {
     let mut motions: Vec<(String, Spectrum)> = Vec::new();
     let mut warnings = Vec::new();
     if let Some(spectrum) = incoming(scene)? {
         if spectrum.iter().all(|(_, energy)| *energy == 0.0) {
-            let duration = scene.run_duration();
+            let duration = scene.duration();
             warnings.push(Warning::StillField { duration });
         }
-        motions.push(("the incoming motion".into(), spectrum));
+        motions.push(("the incident motion".into(), spectrum));
     } else {
         for (name, history) in scene.records() {
             let mut spectrum = Vec::new();
@@ -109,9 +111,9 @@ pub(crate) fn doubts(scene: &Scene, resolution: &[Resolution]) -> Result<Vec<War
     Ok(warnings)
 }
 
-/// The spectrum of the field's motion in the middle of the mesh's top, if there is a field.
+/// The spectrum of the incident field at the middle of the top of the mesh; `None` without a field.
 pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
-    let Some(field) = scene.incident_field() else {
+    let Some(field) = scene.field() else {
         return Ok(None);
     };
     let (low, high) = scene.mesh().bounding_box();
@@ -119,7 +121,7 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     let sampler = field
         .prepare(&[Vec3::new(middle.x, middle.y, high.z)])
         .map_err(Error::from)?;
-    let run = scene.run_duration();
+    let run = scene.duration();
     let fading = LEAST_FADING.max(FADING_SHARE * run);
     let interval = (run + fading) / INSTANTS as f64;
     let velocities: Vec<Vec3> = (0..=INSTANTS)
@@ -137,8 +139,8 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     let mut spectrum = Vec::new();
     for axis in 0..3 {
         let accelerations = velocities.windows(2).enumerate().map(|(instant, pair)| {
-            let faded = (instant as f64 * interval - run).max(0.0) / fading;
-            let left = 0.5 * (1.0 + (core::f64::consts::PI * faded).cos());
+            let taper = (instant as f64 * interval - run).max(0.0) / fading;
+            let left = 0.5 * (1.0 + (core::f64::consts::PI * taper).cos());
             left * (pair[1][axis] - pair[0][axis]) / interval
         });
         let history = TimeHistory::new(interval, accelerations.collect());

@@ -1,6 +1,6 @@
-//! Numbers as reports show them.
+//! Formatting of numbers in reports.
 
-/// A number with three digits that count.
+/// A number with three significant digits.
 pub(crate) fn rounded(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),

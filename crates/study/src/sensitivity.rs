@@ -1,29 +1,29 @@
-//! What single choices do to the headline figures of a sweep.
+//! Sensitivity of the main results of a sweep to single parameters.
 
 use std::fmt;
 
 use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, Peak};
 
-/// A figure of a case and of the one that it is compared with.
+/// Value of a main result in a varied case and in its base case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VariedFigure {
-    /// What it is, with its unit.
+    /// Name of the result, with its unit.
     pub name: String,
-    /// In the case that varies nothing.
+    /// Value in the base case.
     pub base: f64,
-    /// In the case that varies a choice.
+    /// Value in the varied case.
     pub here: f64,
 }
 
 impl VariedFigure {
-    /// The change over the value of the base; none if that is zero.
+    /// Relative change from the base case; `None` if the base value is zero.
     pub fn change(&self) -> Option<f64> {
         (self.base != 0.0).then(|| (self.here - self.base) / self.base.abs())
     }
 
-    /// The figure here and its change in percent.
-    pub(crate) fn told(&self) -> String {
+    /// The value in the varied case with its change in percent, as text.
+    pub(crate) fn text(&self) -> String {
         let here = rounded(self.here);
         match self.change() {
             Some(change) => format!("{here} ({:+.1} %)", 100.0 * change),
@@ -33,35 +33,34 @@ impl VariedFigure {
 }
 
 impl fmt::Display for VariedFigure {
-    /// `relative displacement B-O1 (mm) 12.3 (+4.5 %)`.
+    /// Writes the result as `relative displacement B-O1 (mm) 12.3 (+4.5 %)`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{} {}", self.name, self.told())
+        write!(f, "{} {}", self.name, self.text())
     }
 }
 
-/// A case that differs from another one by one choice.
+/// Comparison of a case that varies one parameter with its base case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation {
-    /// Its name.
+    /// Name of the varied case.
     pub case: String,
-    /// The choice.
+    /// Description of the varied parameter.
     pub varies: String,
-    /// The case that it is compared with: the first of the same waves that varies nothing, of the same record
-    /// if there is one.
+    /// Name of the base case: the first unvaried case with the same waves, and with the same record if there is one.
     pub base: String,
-    /// The headline figures that both have: relative displacement, principal stress, mean damage of the
-    /// lining, share of the joint that failed.
+    /// Main results that both cases have: relative displacement, principal stress, mean damage of the lining, failed
+    /// share of the joint.
     pub figures: Vec<VariedFigure>,
 }
 
-/// The peak that is the headline's by its name, or else the first.
+/// The peak that a condition on its name selects, or else the first.
 fn headline(peaks: &[Peak], is_headline: impl Fn(&str) -> bool) -> Option<&Peak> {
     let found = peaks.iter().find(|peak| is_headline(&peak.name));
     found.or(peaks.first())
 }
 
-/// The headline figures of a case by their names: relative displacement of the upstream wall, stress at
-/// the crown, where there are such points.
+/// The main results of a case by their names; of displacement and stress those of the upstream wall and of the crown,
+/// if there are such points.
 pub(crate) fn headlines(outcome: &CaseOutcome) -> Vec<(String, f64)> {
     let relative = headline(&outcome.relative, |name| name == "B-O1");
     let stress = headline(&outcome.stresses, |name| {
@@ -84,8 +83,8 @@ pub(crate) fn headlines(outcome: &CaseOutcome) -> Vec<(String, f64)> {
     figures.into_iter().flatten().collect()
 }
 
-/// The cases of a sweep that say what they vary, each beside the one that it is compared with. Cases of
-/// other waves than any that varies nothing are left out.
+/// Compares each varied case of a sweep with its base case; varied cases without an unvaried case of the same waves
+/// are left out.
 pub fn sensitivity(outcomes: &[CaseOutcome]) -> Vec<Variation> {
     let found = outcomes.iter().filter_map(|case| {
         let varies = case.input.varies.clone()?;

@@ -1,15 +1,16 @@
-//! The mesh of an eighth of the ground around a spherical cavity.
+//! Mesh generator: one eighth of a spherical shell.
 
 use powerhouse::model::{Axis, ElementKind, Mesh, MeshError, ParameterError, Vec3};
 
 use crate::StudyError;
 
-/// An eighth of a spherical shell around the origin, between the planes x = 0, y = 0 and z = 0.
+/// Mesh generator of one eighth of a spherical shell around the origin, between the planes x = 0, y = 0 and z = 0.
 ///
-/// Three patches of `around` by `around` bricks, one about each axis, meet on the diagonal; along
-/// the radius each brick is longer than the one within by the same ratio. All are in the set `rock`;
+/// Three patches of `around` by `around` elements, one around each axis, meet on the diagonal; along the radius the
+/// lengths of the elements grow geometrically. All elements are in the set `rock`;
 /// facet sets are the cuts `left` (x = 0), `front` (y = 0) and `bottom` (z = 0), and `wall` and
-/// `outside`. With each cut on rollers along its normal the whole sphere moves.
+/// `outside`. Roller supports along the normals of the
+/// cuts make them symmetry planes of the whole shell.
 ///
 /// ```
 /// use powerhouse_study::ShellOctant;
@@ -20,24 +21,24 @@ use crate::StudyError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShellOctant {
-    /// Radius of the wall (m).
+    /// Inner radius, of the wall of the cavity (m).
     pub inner: f64,
-    /// Radius of the outside (m), at least a hundredth larger.
+    /// Outer radius (m), at least 1.01 of the inner one.
     pub outer: f64,
-    /// Bricks along each side of a patch, of which each edge of the eighth has two.
+    /// Number of elements along each side of a patch; each edge of the octant has two patches.
     pub around: usize,
-    /// Bricks along the radius.
+    /// Number of elements along the radius.
     pub rings: usize,
 }
 
-/// Bricks along an edge, at most.
+/// Greatest number of elements along an edge.
 const MOST: f64 = 1.0e4;
 
 impl ShellOctant {
-    /// The mesh.
+    /// Generates the mesh.
     ///
     /// # Errors
-    /// A radius or a number out of its range, or a mesh too large.
+    /// A radius or a number of elements out of its range, or a mesh with too many nodes.
     pub fn mesh(&self) -> Result<Mesh, StudyError> {
         for (name, value, least, most) in [
             ("inner", self.inner, 1.0e-3, 1.0e6),
@@ -50,11 +51,11 @@ impl ShellOctant {
         Ok(self.built().map_err(powerhouse::Error::from)?)
     }
 
-    /// The number of a node on a ray through a point of a cube's faces.
+    /// The number of a node on the ray through a grid point on the faces of a cube.
     fn node(&self, point: [usize; 3], ring: usize) -> u64 {
         let along = self.around + 1;
-        let place = point.iter().fold(0, |place, i| place * along + i);
-        1 + (place * (self.rings + 1) + ring) as u64
+        let index = point.iter().fold(0, |index, i| index * along + i);
+        1 + (index * (self.rings + 1) + ring) as u64
     }
 
     fn built(&self) -> Result<Mesh, MeshError> {
@@ -65,7 +66,7 @@ impl ShellOctant {
         let points =
             (0..(n + 1).pow(3)).map(|i| [i / (n + 1).pow(2), i / (n + 1) % (n + 1), i % (n + 1)]);
         for point in points.filter(on_faces) {
-            // Equal angles from the axes; exact in the cuts.
+            // Equal angles from the axes; exactly zero on the cuts.
             let along = point.map(|i| match i {
                 _ if i == n => 1.0,
                 _ => (core::f64::consts::FRAC_PI_4 * i as f64 / n as f64).tan(),
@@ -80,7 +81,7 @@ impl ShellOctant {
         for axis in 0..3 {
             for i in 0..n {
                 for j in 0..n {
-                    // The two axes after this one: outwards is to the left of going around.
+                    // The two axes after this one, so that the corners turn counter-clockwise seen from outside.
                     let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|[i, j]| {
                         let mut point = [n; 3];
                         (point[(axis + 1) % 3], point[(axis + 2) % 3]) = (i, j);

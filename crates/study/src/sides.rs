@@ -1,4 +1,4 @@
-//! What holds the sides of a scene's box, brought over to the sides of another box.
+//! Transfer of the supports of a box's sides to the sides of another box.
 
 use std::collections::HashSet;
 
@@ -8,7 +8,7 @@ use powerhouse::{Error, Scene};
 
 use crate::StudyError;
 
-/// The sides of a box as its mesh names them, with axis and whether they are the upper one.
+/// Names of the sides of a box mesh, their axis, and whether they are the upper side.
 const SIDES: [(&str, usize, bool); 6] = [
     ("left", 0, false),
     ("right", 0, true),
@@ -17,21 +17,24 @@ const SIDES: [(&str, usize, bool); 6] = [
     ("bottom", 2, false),
     ("top", 2, true),
 ];
-/// What lies within this share of the diagonal of a side lies on it.
+/// Tolerance for nodes on a side, over the diagonal of the box.
 const TOLERANCE: f64 = 1e-6;
 
-/// What holds the sides of a box that do not absorb.
+/// Supports and periodic pairs of the sides of a box that do not absorb.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Held {
+pub(crate) struct SideSupports {
     pub(crate) supports: Vec<Support>,
     pub(crate) periodic: Vec<PeriodicPairs>,
 }
 
-/// Gives the sides of a box the names of the scene's absorbing faces that lie on them, and the
-/// supports and periodic pairs that hold the whole of a side.
-pub(crate) fn bring_over(scene: &Scene, ground: &mut Mesh) -> Result<Held, StudyError> {
+/// Names the sides of a box after the scene's absorbing faces on them, and transfers supports and periodic pairs of
+/// whole sides.
+pub(crate) fn transfer_supports(
+    scene: &Scene,
+    ground: &mut Mesh,
+) -> Result<SideSupports, StudyError> {
     let absorbing = name_faces(scene, ground)?;
-    let mut held = Held::default();
+    let mut held = SideSupports::default();
     let mut paired = [false; 3];
     for (side, &(face, axis, upper)) in SIDES[..5].iter().enumerate() {
         if absorbing[side] {
@@ -82,7 +85,7 @@ fn nodes_on(mesh: &Mesh, axis: usize, upper: bool) -> Vec<u32> {
         .collect()
 }
 
-/// Names the sides of a box as the scene's absorbing faces that lie on them; which sides those are.
+/// Names the sides of a box after the scene's absorbing faces on them; returns which sides absorb.
 fn name_faces(scene: &Scene, ground: &mut Mesh) -> Result<[bool; SIDES.len()], StudyError> {
     let mesh = scene.mesh();
     let (low, high) = mesh.bounding_box();

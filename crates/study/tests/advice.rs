@@ -1,4 +1,4 @@
-//! Advice on boundaries: what it sees of a scene, what it names, and that scenes take it as it is.
+//! Boundary advice: input taken from a scene, recommendation, and use of the printed tables in scenes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
 use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
-use powerhouse_study::advice::{BoundaryKind, Drive, Obstacle, Setting};
+use powerhouse_study::advice::{BoundaryKind, BoundaryProblem, Excitation, Obstacle};
 use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary, advise_box};
 
 const ROCK: ElasticMedium = ElasticMedium {
@@ -98,7 +98,7 @@ fn histories(scene: Scene) -> Vec<Vec<f64>> {
     columns.map(|column| column.values).collect()
 }
 
-/// A cube without anything in it, in which waves are known to be plane or are not.
+/// A cube without a structure, whose field is declared as plane waves or not.
 fn cube(known: bool) -> Scene {
     let (low, high) = (Vec3::new(0.0, 0.0, -90.0), Vec3::new(90.0, 90.0, 0.0));
     let mesh = Mesh::box_of_hexes(low, high, [6; 3], "rock").unwrap();
@@ -110,24 +110,24 @@ fn cube(known: bool) -> Scene {
     let faces = ["left", "right", "front", "back", "bottom"];
     let scene = Scene::new("cube", mesh)
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
-        .boundary(Boundary::new(ViscousSpring::default(), faces))
-        .duration(0.4);
+        .with_boundary(Boundary::new(ViscousSpring::default(), faces))
+        .with_duration(0.4);
     match known {
-        true => scene.plane_waves(vec![wave]).unwrap(),
-        false => scene.field(wave),
+        true => scene.with_plane_waves(vec![wave]).unwrap(),
+        false => scene.with_field(wave),
     }
 }
 
-/// Of a scene are seen: where what scatters is and how large, the faces around it, how waves spread,
-/// which waves come and up to which frequency they move the surface.
+/// Position and size of the scatterer, distances of the faces, spreading, waves and frequency band are taken from a
+/// scene.
 #[test]
-fn a_setting_is_what_the_scene_says() {
-    let folder = Folder::new("setting", &OPENING.mesh().unwrap());
-    let setting = Setting::of(&folder.read(BOUNDARY)).unwrap();
-    assert!((setting.radius.unwrap() - 2.0).abs() < 1e-9);
-    assert!((setting.depth.unwrap() - 4.0).abs() < 1e-9);
+fn the_problem_is_taken_from_the_scene() {
+    let folder = Folder::new("problem", &OPENING.mesh().unwrap());
+    let problem = BoundaryProblem::of(&folder.read(BOUNDARY)).unwrap();
+    assert!((problem.radius.unwrap() - 2.0).abs() < 1e-9);
+    assert!((problem.depth.unwrap() - 4.0).abs() < 1e-9);
     let expected = [[Some(12.0), Some(12.0)], [None, None], [Some(8.0), None]];
-    for (found, expected) in setting
+    for (found, expected) in problem
         .distances
         .iter()
         .flatten()
@@ -136,8 +136,8 @@ fn a_setting_is_what_the_scene_says() {
         assert_eq!(found.is_some(), expected.is_some());
         assert!((found.unwrap_or(0.0) - expected.unwrap_or(0.0)).abs() < 1e-9);
     }
-    assert_eq!(setting.spreading, Spreading::Cylindrical);
-    let Drive::Waves { waves, band } = &setting.drive else {
+    assert_eq!(problem.spreading, Spreading::Cylindrical);
+    let Excitation::Waves { waves, band } = &problem.excitation else {
         panic!("waves come in")
     };
     assert_eq!((waves.len(), waves[0].kind), (1, WaveKind::P));
@@ -149,15 +149,15 @@ fn a_setting_is_what_the_scene_says() {
     assert!(band.lines.windows(2).all(|pair| pair[0].0 < pair[1].0));
 }
 
-/// The best comes first, nothing is named where none is good enough, and the table that is printed makes
-/// the boundary of the advice when it is pasted into the scene.
+/// The best boundary comes first, none is recommended if none meets the permitted error, and a scene with the printed
+/// table has the recommended boundary.
 #[test]
-fn the_table_makes_the_boundary_that_is_named() {
+fn the_table_gives_the_recommended_boundary() {
     let folder = Folder::new("table", &OPENING.mesh().unwrap());
     let advice =
         |error: f64| -> BoundaryAdvice { advise_boundary(&folder.read(BOUNDARY), error).unwrap() };
     let generous = advice(0.9);
-    let named = generous.named().unwrap().clone();
+    let named = generous.recommended().unwrap().clone();
     assert!(
         generous
             .candidates
@@ -168,15 +168,15 @@ fn the_table_makes_the_boundary_that_is_named() {
     let table = generous.table().unwrap();
     let pasted = histories(folder.read(&table));
     let mut scene = folder.read(BOUNDARY);
-    let mut boundary = scene.absorbing_boundary().unwrap().clone();
-    boundary.condition = generous.condition(named.kind).unwrap();
-    scene = scene.boundary(boundary);
+    let mut boundary = scene.boundary().unwrap().clone();
+    boundary.condition = generous.condition(&named.kind).unwrap();
+    scene = scene.with_boundary(boundary);
     assert_eq!(pasted, histories(scene), "{table}");
     assert!(generous.to_string().contains(&table));
 
-    // Nothing meets a billionth: the best is told, and no table.
+    // Nothing meets a billionth: the best error is reported, without a table.
     let strict = advice(1e-9);
-    assert!(strict.named().is_none() && strict.table().is_none());
+    assert!(strict.recommended().is_none() && strict.table().is_none());
     assert_eq!(strict.candidates[0].kind, named.kind);
     assert!(
         strict.reason().contains("no boundary meets"),
@@ -185,8 +185,8 @@ fn the_table_makes_the_boundary_that_is_named() {
     );
 }
 
-/// Faces come as near as the stated error permits and no nearer; the scene with the key that is printed
-/// has them there, and differs by no more than that from the one with all of its ground.
+/// Faces come as near as the permitted error allows; the scene with the printed key has them there, and its difference
+/// from the whole scene is within the permitted error.
 #[test]
 fn a_box_is_as_small_as_the_error_permits() {
     let wide = OpeningSlice {
@@ -198,13 +198,13 @@ fn a_box_is_as_small_as_the_error_permits() {
     let whole = folder.read(BOUNDARY);
     let generous = advise_box(&whole, 0.9).unwrap();
     let near = generous.nearer.as_ref().unwrap();
-    assert!(near.predicted > generous.as_it_stands);
-    let limit = 0.5 * (near.predicted + generous.as_it_stands);
+    assert!(near.predicted > generous.unchanged);
+    let limit = 0.5 * (near.predicted + generous.unchanged);
     let strict = advise_box(&whole, limit).unwrap();
     let far = strict.nearer.as_ref().unwrap();
     assert!(far.predicted <= limit && near.predicted <= 0.9);
     assert!(near.share < far.share && near.elements < far.elements);
-    // Nothing stands above the ground, or before and behind the slice.
+    // No face absorbs above the ground, or before and behind the slice.
     assert_eq!(far.within[1], None);
     assert_eq!(far.within[2].unwrap()[1], whole.mesh().bounding_box().1.z);
     let table = strict.table().unwrap();
@@ -214,7 +214,7 @@ fn a_box_is_as_small_as_the_error_permits() {
     let read = |key: &str| {
         let mesh = "[mesh]\nfile = \"opening.msh\"\n";
         let text = format!("{TEXT}{BOUNDARY}").replace(mesh, &format!("{mesh}{key}"));
-        // The wave sets out at one place, whatever the box.
+        // The wave has the same reference point for any box.
         let text = text.replace(
             "incidence = 10\n",
             "incidence = 10\nreference = [-20, 0, -20]\n",
@@ -223,7 +223,7 @@ fn a_box_is_as_small_as_the_error_permits() {
     };
     let small = read(key);
     assert_eq!(small.mesh().element_count(), far.elements);
-    let [x, _, z] = Setting::of(&small).unwrap().distances;
+    let [x, _, z] = BoundaryProblem::of(&small).unwrap().distances;
     for (own, whole) in [(x[0], 20.0), (x[1], 20.0), (z[0], 16.0)] {
         let own = own.unwrap();
         assert!((own - far.share * whole).abs() <= 0.6, "{own} {whole}");
@@ -237,8 +237,8 @@ fn a_box_is_as_small_as_the_error_permits() {
         }
     }
     let error = (apart / all).sqrt();
-    // Either of them errs.
-    let permitted = limit + strict.as_it_stands;
+    // Both have an error.
+    let permitted = limit + strict.unchanged;
     assert!(error <= permitted, "{error} {permitted}");
 
     let refused = advise_box(&read(""), 1e-9).unwrap();
@@ -246,34 +246,34 @@ fn a_box_is_as_small_as_the_error_permits() {
     assert!(refused.to_string().contains("no nearer faces"));
 }
 
-/// A body in which nothing scatters needs no more than dashpots; each kind's keys name its parameters.
+/// A body without a scatterer needs no more than dashpots; the keys of each kind contain its parameters.
 #[test]
-fn where_nothing_scatters_anything_will_do() {
+fn without_a_scatterer_dashpots_suffice() {
     let advice = advise_boundary(&cube(true), 0.05).unwrap();
-    assert_eq!(advice.setting.radius, None);
-    assert_eq!(advice.named().unwrap().kind, BoundaryKind::Viscous);
+    assert_eq!(advice.problem.radius, None);
+    assert_eq!(advice.recommended().unwrap().kind, BoundaryKind::Viscous);
     assert!(
         advice
             .candidates
             .iter()
             .all(|candidate| candidate.predicted == 0.0)
     );
-    assert!(advice.reason().contains("nothing scatters"));
+    assert!(advice.reason().contains("has no scatterer"));
     assert!(advice.table().unwrap().contains("kind = \"viscous\""));
     // Springs of 4 G/r stand in for a distance of (lambda + 2 G) r/(4 G (1 + A)).
     let kind = BoundaryKind::StaticSprings;
-    let standing = powerhouse_study::advice::Standing {
+    let surroundings = powerhouse_study::advice::Surroundings {
         medium: ROCK,
         spreading: Spreading::Spherical,
         distances: [45.0; 3],
     };
-    let face = kind.face(&standing, 45.0);
+    let face = kind.face(&surroundings, 45.0).unwrap();
     assert!((face.normal_spring / (4.0 * ROCK.shear() / 45.0) - 1.0).abs() < 1e-12);
 }
 
-/// Advice that cannot be given is refused with the reason.
+/// A scene without a prediction is an error with its reason.
 #[test]
-fn what_advice_needs_is_asked_for() {
+fn missing_input_of_a_prediction_is_an_error() {
     let refused = |scene: &Scene| advise_boundary(scene, 0.05).unwrap_err();
     assert!(matches!(refused(&cube(false)), StudyError::UnknownField));
     let mesh = || Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(3.0), [3; 3], "rock").unwrap();
@@ -282,9 +282,9 @@ fn what_advice_needs_is_asked_for() {
     assert!(matches!(refused(&bare), StudyError::NoBoundary));
     let still = Scene::new("still", mesh())
         .part(rock())
-        .boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
-        .output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
-    assert!(matches!(refused(&still), StudyError::Undriven));
+        .with_boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
+        .with_output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
+    assert!(matches!(refused(&still), StudyError::NoExcitation));
     let narrow = OpeningSlice {
         half_width: 4.4,
         fine: 0.25,
@@ -301,9 +301,9 @@ fn what_advice_needs_is_asked_for() {
     }
 }
 
-/// What is predicted of a scene as it stands is that of the B which it has, 1 where it says nothing.
+/// The error predicted for the unchanged scene is that of its own B, 1 by default.
 #[test]
-fn predictions_know_the_dashpots_of_the_scene() {
+fn predictions_use_the_dashpots_of_the_scene() {
     for (depth, half_width) in [(4.0, 12.0)] {
         let opening = OpeningSlice {
             depth,
@@ -326,15 +326,15 @@ fn predictions_know_the_dashpots_of_the_scene() {
         };
         assert_ne!(error(1.0), error(1.1));
         for (ratio, expected) in [("", 1.0), ("b = \"paper\"", 1.1), ("b = 1.1", 1.1)] {
-            // An error that no face meets is not asked of any nearer one.
-            let found = advise_box(&read(ratio), 1e-6).unwrap().as_it_stands;
+            // For an error that the present faces exceed, no nearer ones are tried.
+            let found = advise_box(&read(ratio), 1e-6).unwrap().unchanged;
             assert_eq!(found, error(expected), "{ratio}");
         }
     }
 }
 
-/// A mesh whose elements do not stand in plane layers is not offered to be cut off: its new faces would have
-/// steps, on which a boundary cannot stand. The reason is told. (One in plane layers is cut:
+/// A mesh whose elements are not in plane layers is not reduced, since its new faces would have steps. The reason is
+/// reported. (One in plane layers is reduced:
 /// `a_box_is_as_small_as_the_error_permits`.)
 #[test]
 fn a_box_with_steps_is_not_offered() {
@@ -358,10 +358,10 @@ fn a_box_with_steps_is_not_offered() {
     assert!(advice.to_string().contains("would have steps"), "{advice}");
 }
 
-/// Sums of lengths that rounding leaves a little too short are accepted, as of any mesh whose ends are not
-/// whole numbers; faces at the bottom alone are refused as what they are.
+/// Sums of lengths that are too short by rounding are accepted, as for any mesh whose dimensions are not whole numbers;
+/// faces only at the bottom are an error of their own.
 #[test]
-fn rounding_and_faces_at_the_bottom_are_told_apart() {
+fn rounding_and_faces_at_the_bottom_are_distinguished() {
     let mut short = 0;
     for i in 0..400 {
         let (depth, height) = (20.1 + 0.0137 * f64::from(i), 59.37);

@@ -1,4 +1,4 @@
-//! The mesh of a machine bay: counts, shapes, places, sets.
+//! The mesh of a machine bay: numbers of elements, quality, positions, sets.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -54,9 +54,9 @@ fn the_paper_size_has_the_counts_of_the_paper() {
     assert!(report.scaled_jacobian[0] >= 0.4, "{report}");
 }
 
-/// Coarse and medium sizes are about 16,000 and 50,000 elements of sound shape.
+/// The coarse and medium meshes have about 16,000 and 50,000 elements of good quality.
 #[test]
-fn the_smaller_sizes_are_as_large_as_they_say() {
+fn the_smaller_meshes_have_the_documented_sizes() {
     for (size, elements) in [(BaySize::Coarse, 16_000.0), (BaySize::Medium, 50_000.0)] {
         let report = mesh(size).report;
         assert!((report.elements() as f64 / elements - 1.0).abs() < 0.05);
@@ -64,8 +64,8 @@ fn the_smaller_sizes_are_as_large_as_they_say() {
     }
 }
 
-/// Every element belongs to one part; structure, lining and interior are what they say, and the
-/// stages of excavation take each cell of the caverns out once and no rock.
+/// Every element belongs to one part; structure, lining and interior contain the right parts, and the excavation stages
+/// contain each cell of the caverns once and no rock.
 #[test]
 fn parts_and_stages_cover_each_cell_once() {
     let bay = mesh(BaySize::Coarse);
@@ -163,10 +163,10 @@ fn both_faces_of_the_bay_have_one_grid() {
     }
 }
 
-/// The monitoring points stand on the inner face of the concrete at mid-bay, and half a row at most
-/// from where they were to be.
+/// The monitoring points lie on the inner face of the concrete at mid-bay, at most half a row from their intended
+/// positions.
 #[test]
-fn monitoring_points_stand_on_the_inner_face() {
+fn monitoring_points_lie_on_the_inner_face() {
     for size in BaySize::ALL {
         let bay = mesh(size);
         let of = |name: &str| bay.report.points.iter().find(|p| p.name == name).unwrap();
@@ -231,10 +231,10 @@ fn the_joint_is_the_whole_of_the_lining() {
     assert_eq!(BAY_BOLT_ROWS, 9);
 }
 
-/// A parameter outside its range is refused with its name, value and what is permitted; so is a main
-/// powerhouse too low for its floors, an unknown key with its line, a file that is not there.
+/// A parameter outside its range is an error with its name, value and range; so are a main powerhouse too low for its
+/// floors, an unknown key with its line, and a missing file.
 #[test]
-fn what_no_bay_has_is_refused_by_name() {
+fn invalid_bays_are_errors_by_name() {
     let folder = Folder::new("bay-refused");
     let refused = |text: &str| Bay::from_file(folder.file("bay.toml", text)).unwrap_err();
     for (name, least, most) in BayDimensions::ranges() {
@@ -257,9 +257,9 @@ fn what_no_bay_has_is_refused_by_name() {
     assert!(matches!(lost, StudyError::Read { .. }), "{lost}");
 }
 
-/// A file says what a bay is: size, dimensions, rock beyond its ends.
+/// A file sets the size, the dimensions and the rock beyond the ends of a bay.
 #[test]
-fn a_file_says_what_a_bay_is() {
+fn a_file_describes_a_bay() {
     let folder = Folder::new("bay-file");
     let text = "size = \"medium\"\n[dimensions]\ncover = 200\n[ends]\nrock = 60\ncells = 7\n";
     let bay = Bay::from_file(folder.file("bay.toml", text)).unwrap();
@@ -335,8 +335,7 @@ fn gmsh_files_hold_the_bay() {
     }
 }
 
-/// Worst scaled Jacobian of bays whose dimensions are anywhere in their ranges, and how many there
-/// were.
+/// Worst scaled Jacobian of bays with random dimensions within their ranges, and the number of valid bays.
 fn worst_of_random_bays(count: usize, size: BaySize) -> (f64, usize) {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut uniform = || {

@@ -1,4 +1,4 @@
-//! The conclusions of the paper and the sensitivity of figures, from outcomes that are made up.
+//! The conclusions of the paper and the sensitivity of results, for artificial outcomes.
 
 use powerhouse_study::sweep::Coverage;
 use powerhouse_study::sweep::{
@@ -103,7 +103,7 @@ fn continuous(mut case: CaseOutcome) -> CaseOutcome {
     case
 }
 
-/// Cases as the paper has them.
+/// Cases as in the paper.
 fn as_in_the_paper() -> Vec<CaseOutcome> {
     let sv = [(0.0, 0.1), (15.0, 0.2), (25.0, 0.4), (30.0, 0.6)];
     let p = [(0.0, 0.2), (30.0, 0.6), (60.0, 0.4), (90.0, 0.1)];
@@ -120,10 +120,10 @@ fn of<'c>(found: &'c [Conclusion], key: &str) -> &'c Conclusion {
     found.iter().find(|claim| claim.key == key).unwrap()
 }
 
-/// Cases that do what the paper says bear out all of its conclusions, and not what its abstract says to the
-/// contrary; figures are told with each.
+/// Outcomes as in the paper confirm all of its conclusions, and not the contradicting claims of its abstract; each has
+/// its values.
 #[test]
-fn what_the_paper_says_is_confirmed() {
+fn outcomes_as_in_the_paper_confirm_it() {
     let found = conclusions(&as_in_the_paper());
     for claim in &found {
         let expected = match claim.number {
@@ -141,13 +141,13 @@ fn what_the_paper_says_is_confirmed() {
     assert_eq!(
         line,
         "conclusion.1.sv_stress_rises = confirmed (0: 0.100, 15: 0.200, 25: 0.400, 30: 0.600 MPa, mean of 2 \
-         points; so at 2 of them)"
+         points; the same trend at 2 of them)"
     );
     let moved = &of(&found, "p_oblique_displaces_more").figures;
     assert_eq!(
         moved,
-        "0: 3.00, 30: 9.00, 90: 1.50 mm, mean of 2 points; so at 2 of them; the ground alone 0: 4.00, 30: \
-         4.00, 90: 4.00"
+        "0: 3.00, 30: 9.00, 90: 1.50 mm, mean of 2 points; the same trend at 2 of them; free field 0: \
+         4.00, 30: 4.00, 90: 4.00"
     );
     let abstract_line = of(&found, "p_interaction_spares_damage").to_string();
     assert!(
@@ -155,9 +155,9 @@ fn what_the_paper_says_is_confirmed() {
     );
 }
 
-/// Each claim falls with the figures that it rests on, and with no others.
+/// Each claim depends on its own values and on no others.
 #[test]
-fn a_claim_falls_with_its_figures() {
+fn a_claim_depends_on_its_values() {
     let falls = |change: &dyn Fn(&mut Vec<CaseOutcome>)| -> Vec<&'static str> {
         let mut cases = as_in_the_paper();
         change(&mut cases);
@@ -232,7 +232,7 @@ fn a_claim_falls_with_its_figures() {
     // Much more damage with it than without is not a little more, nor what the abstract says.
     let much = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0] = part("structure", 0.3);
     assert_eq!(falls(&much), ["sv_interaction_adds_damage"]);
-    // Cases of other records do not count, wherever they stand.
+    // Cases of other records do not count, at any position.
     let others = |cases: &mut Vec<CaseOutcome>| {
         let mut other = case("sv", 30.0, 0.05);
         other.input.waves[0].motion = "kobe".into();
@@ -245,7 +245,7 @@ fn a_claim_falls_with_its_figures() {
     // A little more is not much more.
     let alike = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0] = part("structure", 0.65);
     assert_eq!(falls(&alike), ["sv_interaction_adds_damage"]);
-    // More damage on less volume bears out neither.
+    // More damage on less volume confirms neither.
     let mixed = |cases: &mut Vec<CaseOutcome>| cases[8].parts[0].damaged = 0.9;
     assert_eq!(falls(&mixed), ["sv_interaction_adds_damage"]);
     let shear = |cases: &mut Vec<CaseOutcome>| cases[5].parts[0].severe_tension = 0.2;
@@ -277,8 +277,8 @@ fn a_claim_falls_with_its_figures() {
     assert_eq!(falls(&contrary), ["damage_goes_with_joint_failure"]);
 }
 
-/// A claim is open as long as a case is missing, which it names; cases that vary something, or come from
-/// another side, do not stand in.
+/// A claim is open as long as a case is missing, which it names; varied cases, or those with another azimuth, do not
+/// replace it.
 #[test]
 fn missing_cases_are_named() {
     let mut cases = as_in_the_paper();
@@ -308,11 +308,11 @@ fn missing_cases_are_named() {
         Verdict::Confirmed
     );
     let line = of(&found, "sv_stress_rises").to_string();
-    assert_eq!(line, "conclusion.1.sv_stress_rises = open, without SV 15");
+    assert_eq!(line, "conclusion.1.sv_stress_rises = open, missing SV 15");
 }
 
-/// A case that says what it varies stands beside the first case of the same waves that varies nothing,
-/// figure by figure; one of other waves stands alone and is left out.
+/// A varied case is compared with the first unvaried case of the same waves, value by value; one of other waves is left
+/// out.
 #[test]
 fn variations_are_compared_with_their_base() {
     let vary = |mut case: CaseOutcome, name: &str, what: &str| {
@@ -338,11 +338,11 @@ fn variations_are_compared_with_their_base() {
     let other = vary(case("p", 60.0, 0.4), "p-60-kobe-smooth", "friction");
     cases.push(of_kobe(other, "p-60-kobe-smooth"));
     let found = sensitivity(&cases);
-    let told: Vec<(&str, &str, &str)> = (found.iter())
+    let printed: Vec<(&str, &str, &str)> = (found.iter())
         .map(|found| (&*found.case, &*found.varies, &*found.base))
         .collect();
     assert_eq!(
-        told,
+        printed,
         [
             ("sv-30-smooth", "friction", "sv-30"),
             ("p-30-whole", "joint", "p-30"),
@@ -365,10 +365,10 @@ fn variations_are_compared_with_their_base() {
     assert!((found[1].figures[0].change().unwrap() + 0.5).abs() < 1e-12);
 }
 
-/// Cases that end before the strong motion of their record tell nothing of it: no claim that has its cases is
-/// judged, and each says what was shortened. Cases that have seen it are judged.
+/// Claims with cases that end before the strong motion of their record are not judged, and each states what was
+/// shortened. Claims with cases that cover it are judged.
 #[test]
-fn what_ends_before_the_strong_motion_is_not_judged() {
+fn cases_without_the_strong_motion_are_not_judged() {
     let covered = |intensity: f64| {
         let mut cases = as_in_the_paper();
         // One that is short is enough: claims compare cases.
@@ -382,11 +382,11 @@ fn what_ends_before_the_strong_motion_is_not_judged() {
         conclusions(&cases)
     };
     for claim in covered(0.12) {
-        let told = claim.to_string();
-        assert!(matches!(claim.verdict, Verdict::NotJudged(_)), "{told}");
+        let printed = claim.to_string();
+        assert!(matches!(claim.verdict, Verdict::NotJudged(_)), "{printed}");
         assert!(
-            told.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"),
-            "{told}"
+            printed.contains("not judged (shortened to 1.500 of 20.000 s of record 'horizontal'"),
+            "{printed}"
         );
     }
     let judged = |claim: &Conclusion| !matches!(claim.verdict, Verdict::NotJudged(_));

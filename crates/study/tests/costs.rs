@@ -1,4 +1,4 @@
-//! What stages cost, and what changes of a scene would save, against scenes that were so changed.
+//! Predicted costs of stages and savings of changes, compared with changed scenes.
 
 use std::sync::Arc;
 
@@ -40,15 +40,15 @@ fn scene(mesh: Mesh, faces: &[&str]) -> Scene {
     let wave = PlaneWave::new(parameters, pulse).unwrap();
     let boundary = Boundary::new(ViscousSpring::default(), faces.iter().copied());
     Scene::new("ground", mesh)
-        .plane_waves(vec![wave])
+        .with_plane_waves(vec![wave])
         .unwrap()
-        .boundary(boundary.scatterer(TOP - Vec3::new(0.0, 0.0, 15.0)))
-        .duration(0.4)
+        .with_boundary(boundary.with_scatterer(TOP - Vec3::new(0.0, 0.0, 15.0)))
+        .with_duration(0.4)
 }
 
 /// Steps and elements of a run.
 fn counts(scene: Scene) -> [f64; 2] {
-    let duration = scene.run_duration();
+    let duration = scene.duration();
     let mut simulation = scene.prepare().unwrap();
     let step = simulation.step().unwrap();
     let elements = simulation.mesh().element_count() as f64;
@@ -60,12 +60,12 @@ fn of(savings: &[Saving], change: impl Fn(&Change) -> bool) -> &Saving {
     found.unwrap_or_else(|| panic!("{savings:?}"))
 }
 
-/// Half of a symmetric body and the whole of the stable step take the elements and steps that were
-/// predicted, and no more than three changes are named, the best first.
+/// Half of a symmetric body and a step equal to the stable one have the predicted numbers of elements and steps, and no
+/// more than three changes are named, the best first.
 #[test]
-fn halves_and_whole_steps_save_what_is_predicted() {
+fn halves_and_stable_steps_save_as_predicted() {
     let whole = || scene(ground(1.0), &SIDES).part(Part::new("rock", rock()));
-    let slow = || whole().step(TimeStep::OfStable(0.6));
+    let slow = || whole().with_step(TimeStep::OfStable(0.6));
     let report = check(slow()).unwrap();
     let savings = &report.savings;
     assert_eq!(savings.len(), 3);
@@ -94,7 +94,7 @@ fn halves_and_whole_steps_save_what_is_predicted() {
     };
     let halved = scene(mesh, &["right", "front", "back", "bottom"]);
     let halved = halved.part(Part::new("rock", rock())).mirror(mirror);
-    let found = counts(halved.step(TimeStep::OfStable(0.6)));
+    let found = counts(halved.with_step(TimeStep::OfStable(0.6)));
     assert_eq!(found[1] / elements, half.elements);
     assert!((found[0] / steps - half.steps).abs() < 0.02);
     assert_eq!(half.time, half.elements);
@@ -133,11 +133,10 @@ fn halves_need_a_mirror_image() {
     );
 }
 
-/// A body that is the same all along an axis needs one of its layers, faces nearer to a structure leave the
-/// elements that were predicted, and a few thin elements that limit the step are found: without them it
-/// grows as predicted.
+/// A body with a constant section needs one layer, nearer faces leave the predicted number of elements, and a few thin
+/// elements that limit the step are found: without them it grows as predicted.
 #[test]
-fn slices_nearer_faces_and_larger_elements_save_what_is_predicted() {
+fn slices_nearer_faces_and_larger_elements_save_as_predicted() {
     let inside = |mesh: &mut Mesh| {
         let (low, high) = (Vec3::new(20.0, 0.0, -20.0), Vec3::new(40.0, 60.0, -10.0));
         let lining = mesh.elements_in_box(&low, &high);
@@ -212,9 +211,9 @@ fn slices_nearer_faces_and_larger_elements_save_what_is_predicted() {
     );
 }
 
-/// Faces nearer to a structure leave the elements that were predicted.
+/// Nearer faces leave the predicted number of elements.
 #[test]
-fn nearer_faces_leave_the_elements_that_are_predicted() {
+fn nearer_faces_leave_the_predicted_elements() {
     let of_share = |share: f64| {
         let mut mesh = ground(share);
         let (low, high) = (Vec3::new(25.0, 25.0, -20.0), Vec3::new(35.0, 35.0, -10.0));
@@ -233,7 +232,7 @@ fn nearer_faces_leave_the_elements_that_are_predicted() {
         |change| matches!(change, Change::NearerFaces { share } if *share == 0.75),
     );
     // The sides are 30 m from the middle of the structure, the lower face is 45 m below it; the surface
-    // stays. Elements that stand across a new face stay too.
+    // stays. Elements across a new face are kept, too.
     let [steps, elements] = counts(of_share(1.0));
     let found = counts(of_share(0.75));
     let (low, high) = (Vec3::new(7.5, 7.5, -48.75), Vec3::new(52.5, 52.5, 0.0));
@@ -246,9 +245,9 @@ fn nearer_faces_leave_the_elements_that_are_predicted() {
     assert!(error > 0.0 && error < 1.0);
 }
 
-/// Changes of a scene's file take the steps that were predicted: flat damping in place of Rayleigh's.
+/// A changed scene file has the predicted number of steps: flat damping in place of Rayleigh damping.
 #[test]
-fn changes_of_a_file_save_what_is_predicted() {
+fn changes_of_a_file_save_as_predicted() {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../data/scenes/cavern_small.toml"
@@ -273,8 +272,8 @@ fn changes_of_a_file_save_what_is_predicted() {
     );
 }
 
-/// Stages that are gone through while they are timed cost what they took, in corrections too; memory is
-/// more than that of the run.
+/// Stages that are completed during the timing have their measured time and corrections; their memory is more than that
+/// of the run.
 #[test]
 fn short_stages_are_known_not_predicted() {
     let staged = || {
@@ -290,10 +289,10 @@ fn short_stages_are_known_not_predicted() {
             .stage(
                 SceneStage::new("pit")
                     .excavate("pit")
-                    .options(StaticOptions::default().with_increments(2)),
+                    .with_options(StaticOptions::default().with_increments(2)),
             )
     };
-    let body = staged().prepare().unwrap().bring_to_rest(None, None);
+    let body = staged().prepare().unwrap().equilibrate(None, None);
     let body = body.unwrap().unwrap();
     let corrections: u32 = (body.stages().iter())
         .map(|stage| stage.solution.corrections)

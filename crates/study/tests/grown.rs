@@ -1,4 +1,4 @@
-//! Meshes with more ground around them.
+//! Extension of meshes by extruded layers.
 
 use powerhouse::model::{Facet, Mesh, Vec3};
 use powerhouse_study::{StudyError, grown};
@@ -8,11 +8,10 @@ fn area(mesh: &Mesh, set: &str) -> f64 {
     facets.iter().map(|f| mesh.facet_geometry(*f).area()).sum()
 }
 
-/// A box of bricks or wedges that grows on three sides is a sound box of the larger size: nodes and
-/// elements keep their places, sets cover what they covered and go on, and the whole surface bears one
-/// name.
+/// A box of hexahedra or wedges that is extended on three sides is a valid box of the larger size: nodes and elements
+/// keep their numbers, sets are continued, and every surface facet belongs to one set.
 #[test]
-fn a_box_grows_into_a_box() {
+fn an_extended_box_is_a_box() {
     let size = Vec3::new(4.0, 3.0, 2.0);
     // The first brick is the corner: two layers to the left, two down, and where both meet. The first
     // wedge has no side on the left.
@@ -72,9 +71,9 @@ fn a_box_grows_into_a_box() {
     }
 }
 
-/// A face that is bent, a set that does not exist and a thickness of nothing are refused.
+/// A face that is not plane, an unknown set and a zero thickness are errors.
 #[test]
-fn what_cannot_grow_is_refused() {
+fn invalid_extensions_are_errors() {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(2.0), [2; 3], "rock").unwrap();
     let bent = mesh
         .clone()

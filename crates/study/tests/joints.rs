@@ -1,4 +1,4 @@
-//! What is said of joints before a run.
+//! Overview of joints and warnings about them before a run.
 
 use powerhouse::boundary::{InputMode, ViscousSpring};
 use powerhouse::contact::{BondedCoulomb, JointSurface, SurfaceOptions, Tied};
@@ -29,23 +29,24 @@ fn cut(
             "rock",
             Material::from(LinearElastic::new(media::ROCK)),
         ))
-        .boundary(Boundary::new(boundary, faces.iter().copied()).scatterer(Vec3::repeat(20.0)))
+        .with_boundary(
+            Boundary::new(boundary, faces.iter().copied()).with_scatterer(Vec3::repeat(20.0)),
+        )
         .joint(SceneJoint::new("bedding", surface, law))
-        .duration(0.1)
+        .with_duration(0.1)
 }
 
-fn doubts(scene: &Scene) -> Vec<Warning> {
+fn warnings_of(scene: &Scene) -> Vec<Warning> {
     let all = warnings(scene).unwrap().into_iter();
-    all.filter(|warning| !matches!(warning, Warning::Undriven))
+    all.filter(|warning| !matches!(warning, Warning::NoExcitation))
         .collect()
 }
 
-/// The overview of a joint is what its surface is; a joint away from absorbing faces with matching
-/// sides raises no doubt.
+/// The overview describes the surface of a joint; a joint with matching sides away from absorbing faces has no warning.
 #[test]
 fn joints_are_listed() {
     let friction = BondedCoulomb::unbonded(0.6, 0.5).unwrap();
-    assert_eq!(doubts(&cut(friction, |_| {}, &["bottom"])), []);
+    assert_eq!(warnings_of(&cut(friction, |_| {}, &["bottom"])), []);
     let report = check(cut(friction, |_| {}, &["bottom"])).unwrap();
     let [joint] = &report.joints[..] else {
         panic!("one joint")
@@ -65,20 +66,19 @@ fn joints_are_listed() {
         "rock",
         Material::from(LinearElastic::new(media::ROCK)),
     ))
-    .duration(0.1);
+    .with_duration(0.1);
     let plain = check(plain).unwrap();
     assert!(report.cost.output > plain.cost.output && report.cost.memory > plain.cost.memory);
 }
 
-/// Nodes that face each other from afar, and joints that run into absorbing faces, raise doubts; a tie
-/// there is none.
+/// Distant paired nodes, and joints with nodes on absorbing faces, have warnings; a tie has none.
 #[test]
-fn doubtful_joints_are_told() {
+fn joints_have_warnings() {
     let friction = BondedCoulomb::unbonded(0.6, 0.5).unwrap();
     let apart = |surface: &mut JointSurface| {
         (surface.worst_gap, surface.worst_nodes) = (0.6, [7, 130]);
     };
-    let found = doubts(&cut(friction, apart, &["bottom"]));
+    let found = warnings_of(&cut(friction, apart, &["bottom"]));
     let [
         Warning::Mismatch {
             joint,
@@ -94,16 +94,12 @@ fn doubtful_joints_are_told() {
         (joint.as_str(), *distance, *nodes),
         ("bedding", 0.6, [7, 130])
     );
-    assert!(
-        found[0]
-            .to_string()
-            .contains("face each other from 6.000e-1 m")
-    );
-    let found = doubts(&cut(friction, |_| {}, &["bottom", "left"]));
+    assert!(found[0].to_string().contains("are 6.000e-1 m apart"));
+    let found = warnings_of(&cut(friction, |_| {}, &["bottom", "left"]));
     let [Warning::JointAtBoundary { joint, pairs: 5 }] = &found[..] else {
         panic!("{found:?}")
     };
     assert_eq!(joint, "bedding");
     assert!(found[0].to_string().contains("5 pairs"));
-    assert_eq!(doubts(&cut(Tied, |_| {}, &["bottom", "left"])), []);
+    assert_eq!(warnings_of(&cut(Tied, |_| {}, &["bottom", "left"])), []);
 }

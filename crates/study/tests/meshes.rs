@@ -31,8 +31,8 @@ const SHALLOW: OpeningSlice = OpeningSlice {
     growth: 1.1,
 };
 
-/// Shallow and deep openings are sound meshes: every surface facet bears one name, the body is the
-/// box less the polygon in the circle, and bricks are as long as was asked.
+/// Meshes of shallow and deep openings are valid: every surface facet belongs to one set, the volume is that of the box
+/// less the polygon in the circle, and elements have the given lengths.
 #[test]
 fn slices_fill_the_ground_around_their_opening() {
     for (depth, height) in [
@@ -84,9 +84,9 @@ fn slices_fill_the_ground_around_their_opening() {
     }
 }
 
-/// What gives no mesh is refused by the name of the field.
+/// Invalid dimensions are errors with the name of the field.
 #[test]
-fn impossible_slices_are_refused() {
+fn invalid_slices_are_errors() {
     let wrong = [
         (
             OpeningSlice {

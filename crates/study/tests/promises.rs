@@ -1,4 +1,4 @@
-//! What is promised of a change of a scene against what it does in full.
+//! Predicted errors and savings of number formats, compared with whole runs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use powerhouse::{RunHooks, Scene, TimeStep};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::{OpeningSlice, check, registry};
 
-/// A scene that no figure of the predictions was fitted to.
+/// A scene to which no constant of the predictions was fitted.
 #[derive(Clone, Copy)]
 struct Case {
     name: &'static str,
@@ -246,7 +246,7 @@ fn read(folder: &Path, precision: &str) -> Scene {
     let text = format!("precision = \"{precision}\"\n{text}");
     Scene::from_toml(text, path, &registry())
         .unwrap()
-        .threads(1)
+        .with_threads(1)
 }
 
 /// Histories of a whole run, and what its steps take (s).
@@ -281,7 +281,7 @@ fn error(reference: &HistoryTable, found: &HistoryTable) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Errors of number formats, promised over measured in full: prints both and their ratio for each format.
+/// Ratios of predicted and measured errors of the number formats, with both errors printed.
 fn ratios(case: &Case) -> Vec<(&'static str, f64, f64)> {
     let folder = case.write();
     let (reference, _) = run(&folder.0, "f64");
@@ -316,8 +316,8 @@ fn ratios(case: &Case) -> Vec<(&'static str, f64, f64)> {
     found
 }
 
-/// The error that is promised of a number format is between half and five times that of the whole run, in
-/// ten scenes whose shapes, sizes, angles, materials and laws differ, or is said not to be known.
+/// The predicted error of a number format is between half and five times that of the whole run, in ten scenes of
+/// different shapes, sizes, angles, materials and laws, or is declared unknown.
 ///
 /// `cargo test --release --workspace --test promises -- --ignored --nocapture errors`
 #[test]
@@ -335,8 +335,8 @@ fn errors_of_formats_are_as_promised_in_ten_scenes() {
     assert!(beyond.is_empty(), "{beyond:?}");
 }
 
-/// The error that is promised of a number format is between half and five times that of the whole run, and
-/// is known, in a scene with a lining and in one without a stiff part.
+/// The predicted error of a number format is known and between half and five times that of the whole run, in a scene
+/// with a lining and in one without a stiff part.
 #[test]
 fn errors_of_formats_are_as_promised() {
     let [lined, .., wall, _] = cases();
@@ -388,8 +388,8 @@ fn formats_keep_the_accelerations_of_a_lining() {
     }
 }
 
-/// What mixed precision is said to save is within a quarter of what it saves: prints both. Times are those of
-/// the machine, so that it wants a quiet one.
+/// The predicted saving of mixed precision is within a quarter of the measured one; both are printed. The times need an
+/// otherwise idle machine.
 ///
 /// `cargo test --release --workspace --test promises -- --ignored --nocapture savings`
 #[test]
@@ -431,8 +431,8 @@ fn savings_are_as_promised_in_ten_scenes() {
     assert!(beyond.is_empty(), "{beyond:?}");
 }
 
-/// No step is taken after the end of a run, not even to see how long steps take: a body that nothing holds
-/// falls for the hundredth of a second of its run, and does not diverge.
+/// No step is computed after the end of a run, not even for timing: an unsupported body falls for the hundredth of a
+/// second of its run, and does not diverge.
 #[test]
 fn a_short_scene_is_not_run_past_its_end() {
     for (cells, duration) in [(1, 0.01), (2, 0.002), (3, 1e-5)] {
@@ -448,7 +448,7 @@ fn a_short_scene_is_not_run_past_its_end() {
                 assert!(time <= 0.02, "the load of {time} s was asked for");
                 1.0
             })
-            .duration(duration);
+            .with_duration(duration);
         let report = check(scene).unwrap();
         assert!(report.cost.steps >= 1);
     }

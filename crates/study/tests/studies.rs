@@ -1,4 +1,4 @@
-//! What studies say of scenes whose answers are known.
+//! Checks of scenes with known results.
 
 use std::sync::Arc;
 
@@ -47,12 +47,12 @@ fn scene(cells: usize, faces: &[&str]) -> Scene {
     let (mesh, wave) = cube(cells);
     Scene::new("cube", mesh)
         .part(rock())
-        .field(wave)
-        .boundary(
+        .with_field(wave)
+        .with_boundary(
             Boundary::new(ViscousSpring::default(), faces.iter().copied())
-                .scatterer(Vec3::new(150.0, 150.0, -100.0)),
+                .with_scatterer(Vec3::new(150.0, 150.0, -100.0)),
         )
-        .duration(1.5)
+        .with_duration(1.5)
 }
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
@@ -88,7 +88,7 @@ fn the_free_field_error_falls_with_the_square_of_the_size() {
     ));
 }
 
-/// The box of a scene takes its absorbing faces whatever they are called, one or several.
+/// The free-field box takes over absorbing faces of any names, one or several.
 #[test]
 fn faces_may_have_any_names() {
     let (mut mesh, wave) = cube(6);
@@ -99,12 +99,12 @@ fn faces_may_have_any_names() {
     mesh.set_facet_set("outer", outer).unwrap();
     let scene_with_one = Scene::new("cube", mesh)
         .part(rock())
-        .field(wave)
-        .boundary(
+        .with_field(wave)
+        .with_boundary(
             Boundary::new(ViscousSpring::default(), ["outer"])
-                .scatterer(Vec3::new(150.0, 150.0, -100.0)),
+                .with_scatterer(Vec3::new(150.0, 150.0, -100.0)),
         )
-        .duration(1.5);
+        .with_duration(1.5);
     let (one, five) = (free_field(&scene_with_one), free_field(&scene(6, &SIDES)));
     // Edges sum their faces in another order: rounding is all that may differ.
     for (one, five) in one.points.iter().zip(&five.points) {
@@ -112,9 +112,9 @@ fn faces_may_have_any_names() {
     }
 }
 
-/// A box that is open on a side has no free field to be compared with.
+/// A box with an unsupported side has no free field for comparison.
 #[test]
-fn an_open_side_is_refused_by_name() {
+fn an_open_side_is_an_error_by_name() {
     let open = FreeFieldCheck::of(&scene(4, &["left", "front", "back", "bottom"]));
     assert!(matches!(open, Err(StudyError::OpenFace { face: "right" })));
     let (mesh, _) = cube(4);
@@ -122,10 +122,10 @@ fn an_open_side_is_refused_by_name() {
     assert!(matches!(still, Err(StudyError::NoField)));
 }
 
-/// A part carries ten elements per wavelength of shear waves; a run takes the stable step as often
-/// as the duration needs, and one step to see its end.
+/// A part resolves ten elements per shear wavelength; a run takes as many stable steps as the duration needs, and one
+/// more.
 #[test]
-fn a_check_says_what_elements_carry_and_how_many_steps_a_run_takes() {
+fn a_check_reports_resolved_frequencies_and_steps() {
     let report = check(scene(16, &SIDES)).unwrap();
     let carried = &report.resolution[0];
     assert_eq!(carried.set, "rock");
@@ -144,30 +144,30 @@ fn a_check_says_what_elements_carry_and_how_many_steps_a_run_takes() {
     assert!(report.stable.assembled_limit > 1.1 * bound);
 }
 
-/// A pulse that is too fast for the elements is told, like a record; so is a scene in which nothing
-/// moves, or to which its field comes too late.
+/// There are warnings for a pulse or a record with unresolved frequencies, for a scene without excitation, and for a
+/// field that arrives after the run.
 #[test]
-fn what_comes_in_is_held_against_the_elements() {
-    let told = warnings(&scene(4, &SIDES)).unwrap();
+fn the_input_is_compared_with_the_resolution() {
+    let printed = warnings(&scene(4, &SIDES)).unwrap();
     assert!(
-        matches!(&told[..], [Warning::Unresolved { set, share, frequency, .. }]
+        matches!(&printed[..], [Warning::Unresolved { set, share, frequency, .. }]
             if set == "rock" && *share > 0.5 && (frequency - ROCK.s_speed() / 750.0).abs() < 1e-9),
-        "{told:?}"
+        "{printed:?}"
     );
     let (mesh, _) = cube(4);
     let undriven = Scene::new("undriven", mesh).part(rock());
-    assert_eq!(warnings(&undriven).unwrap(), [Warning::Undriven]);
+    assert_eq!(warnings(&undriven).unwrap(), [Warning::NoExcitation]);
     // The pulse needs a quarter of a second to the surface.
     let (mesh, wave) = cube_under(4, Arc::new(SmoothPulse::new(0.01, 0.5).unwrap()));
     let early = Scene::new("early", mesh)
         .part(rock())
-        .field(wave)
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::zeros()))
-        .duration(0.01);
-    let told = warnings(&early).unwrap();
+        .with_field(wave)
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(Vec3::zeros()))
+        .with_duration(0.01);
+    let printed = warnings(&early).unwrap();
     assert!(
-        told.contains(&Warning::StillField { duration: 0.01 }),
-        "{told:?}"
+        printed.contains(&Warning::StillField { duration: 0.01 }),
+        "{printed:?}"
     );
     assert!(matches!(
         FreeFieldCheck::of(&early),
@@ -175,9 +175,9 @@ fn what_comes_in_is_held_against_the_elements() {
     ));
 }
 
-/// An error that is not a number is never accepted.
+/// An error of NaN is never accepted.
 #[test]
-fn an_error_that_is_no_number_is_refused() {
+fn an_error_of_nan_is_not_accepted() {
     let mut report = free_field(&scene(4, &SIDES));
     report.points[0].velocity = f64::NAN;
     assert!(report.largest().is_nan());
@@ -206,20 +206,20 @@ fn the_box_is_as_coarse_as_the_rock_at_its_coarsest() {
             })
             .unwrap();
         let scatterer = Vec3::new(150.0, 150.0, -100.0);
-        let boundary = Boundary::new(ViscousSpring::default(), SIDES).scatterer(scatterer);
+        let boundary = Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(scatterer);
         Scene::new("graded", mesh)
             .part(rock())
-            .field(wave)
-            .boundary(boundary)
-            .duration(1.5)
+            .with_field(wave)
+            .with_boundary(boundary)
+            .with_duration(1.5)
     };
     let cells = |scene: &Scene| free_field(scene).cells;
     assert_eq!(cells(&graded(1.0)), [12; 3]);
     assert_eq!(cells(&graded(1.5)), [8; 3]);
 }
 
-/// A slice has its check too: rollers or periodic pairs that hold a whole side hold it in the box,
-/// and the wave in its plane passes as in the block.
+/// A slice has a free-field check, too: roller supports or periodic pairs of whole sides are applied to the box, and the
+/// wave in its plane travels as in the block.
 #[test]
 fn slices_are_checked() {
     let in_plane = ["left", "right", "bottom"];
@@ -237,7 +237,7 @@ fn slices_are_checked() {
     });
     let periodic = sliced(&|scene, mesh| {
         let (front, back) = (nodes(mesh, "front"), nodes(mesh, "back"));
-        scene.periodic(PeriodicPairs::by_translation(mesh, &front, &back, 1e-6).unwrap())
+        scene.with_periodic_pairs(PeriodicPairs::by_translation(mesh, &front, &back, 1e-6).unwrap())
     });
     let block = free_field(&scene(12, &SIDES));
     for slice in [rollers, periodic] {
@@ -268,19 +268,19 @@ fn slices_are_checked() {
     ));
 }
 
-/// Where the ground is damped the check stays elastic, and tells the error with damping beside.
+/// For damped ground the check is elastic, and the error with damping is reported separately.
 #[test]
-fn damping_is_told_beside() {
+fn damping_is_reported_separately() {
     let elastic = free_field(&scene(12, &SIDES));
     assert_eq!(elastic.damped, None);
     let (mesh, wave) = cube(12);
     let rayleigh = Rayleigh::from_ratio(0.05, 1.0, 10.0).unwrap();
     let scatterer = Vec3::new(150.0, 150.0, -100.0);
     let damped = Scene::new("damped", mesh)
-        .part(rock().damping(rayleigh))
-        .field(wave)
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(scatterer))
-        .duration(1.5);
+        .part(rock().with_damping(rayleigh))
+        .with_field(wave)
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(scatterer))
+        .with_duration(1.5);
     let damped = free_field(&damped);
     assert_eq!(damped.points, elastic.points);
     let with = &damped.damped.unwrap()[0];
@@ -288,19 +288,15 @@ fn damping_is_told_beside() {
     assert!(with.velocity < 0.5);
 }
 
-/// What a run would write and hold stays a number, and grows with what is asked of it only as far
-/// as there are steps.
+/// Predicted output and memory are finite, and grow with the requests only up to the number of steps.
 #[test]
-fn costs_of_any_plan_are_numbers() {
+fn costs_of_any_plan_are_finite() {
     let cost = |every: f64, snapshots: f64| {
         let mut plan =
             OutputPlan::default().history("top", Vec3::new(150.0, 150.0, 0.0), Motion::ALL);
         plan.every = every;
-        plan.snapshots = Some(SnapshotRequest {
-            fields: Default::default(),
-            every: snapshots,
-        });
-        check(scene(4, &SIDES).output(plan)).unwrap().cost
+        plan.snapshots = Some(SnapshotRequest::new(snapshots));
+        check(scene(4, &SIDES).with_output(plan)).unwrap().cost
     };
     let (each, tiny) = (cost(1e-9, 0.1), cost(f64::MIN_POSITIVE, 0.1));
     assert_eq!((each.output, each.memory), (tiny.output, tiny.memory));
@@ -310,8 +306,7 @@ fn costs_of_any_plan_are_numbers() {
     assert!(each.output < rows + cost(0.1, 0.1).output, "{each:?}");
 }
 
-/// Doubts are told: long elements, damping before an absorbing face, motion that is too fast for
-/// the elements.
+/// There are warnings for long elements, damping at an absorbing face, and motion with unresolved frequencies.
 #[test]
 fn a_check_warns() {
     let damped = {
@@ -321,11 +316,11 @@ fn a_check_warns() {
             .unwrap();
         let rayleigh = Rayleigh::from_ratio(0.05, 1.0, 10.0).unwrap();
         Scene::new("flat", mesh)
-            .part(rock().damping(rayleigh))
-            .field(wave)
-            .boundary(
+            .part(rock().with_damping(rayleigh))
+            .with_field(wave)
+            .with_boundary(
                 Boundary::new(ViscousSpring::default(), SIDES)
-                    .scatterer(Vec3::new(150.0, 150.0, -7.0)),
+                    .with_scatterer(Vec3::new(150.0, 150.0, -7.0)),
             )
     };
     let report = check(damped).unwrap();

@@ -1,4 +1,4 @@
-//! Trades: what a scene leaves to choose, what is run, what is written, what is not run again.
+//! Trade studies: factors, runs, files, reuse of earlier runs.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{RunHooks, Scene};
 use powerhouse_study::trade::{
-    Factor, Goal, Quantity, Reference, Silent, Trade, TradeCase, TradeWatch,
+    Factor, Goal, NoProgress, Quantity, Reference, Trade, TradeCase, TradeWatch,
 };
 use powerhouse_study::{StudyError, registry};
 
@@ -70,7 +70,7 @@ impl Drop for Folder {
     }
 }
 
-/// Counts what is told.
+/// Counts the progress callbacks.
 #[derive(Default)]
 struct Counted {
     announced: Option<(usize, f64, Duration)>,
@@ -83,10 +83,10 @@ impl TradeWatch for Counted {
         assert_eq!(self.begun, 0);
         self.announced = Some((runs, window, at_most));
     }
-    fn begins(&mut self, _name: &str, _place: usize) {
+    fn begins(&mut self, _name: &str, _number: usize) {
         self.begun += 1;
     }
-    fn kept(&mut self, _name: &str) {
+    fn reused(&mut self, _name: &str) {
         self.kept += 1;
     }
 }
@@ -121,9 +121,8 @@ fn difference(scene: &Path, reference: &Path) -> f64 {
     f64::sqrt(difference / size)
 }
 
-/// A trade tells what it will cost before it runs, finds the cheapest run within an error, writes its
-/// scene, and another trade runs nothing again. The scene that it writes keeps the promised error when
-/// it is run in full.
+/// A trade study predicts its cost, finds the cheapest run within an error and writes its scene, and another study runs
+/// nothing again. The written scene has the predicted error in a whole run.
 #[test]
 fn the_scene_of_a_trade_keeps_its_promise() {
     let folder = Folder::new("error", SCENE);
@@ -201,14 +200,17 @@ fn the_scene_of_a_trade_keeps_its_promise() {
     assert!(error <= 0.03, "{error}");
 }
 
-/// Against the closed form of the ground the finest run has the error of its mesh, which a run on smaller elements
-/// tells as well; less ground errs less. A wave of which the ground knows nothing has none.
+/// Compared with the closed form the finest run has the error of its mesh, which a run on smaller elements estimates as
+/// well; less ground has a smaller error. A field of another medium has no closed form.
 #[test]
 fn ground_without_a_structure_has_a_closed_form() {
     let folder = Folder::new("closed", SCENE);
-    let trade = folder.trade().window(0.2).against(Reference::ClosedForm);
+    let trade = folder
+        .trade()
+        .window(0.2)
+        .with_reference(Reference::ClosedForm);
     let mut trade = trade.with_mesh_error();
-    let report = trade.run(Goal::Front, None, &mut Silent).unwrap();
+    let report = trade.run(Goal::Front, None, &mut NoProgress).unwrap();
     let finest = &report.cases[0];
     // Eight bricks to the shortest wavelength of the pulse.
     assert!(
@@ -217,9 +219,9 @@ fn ground_without_a_structure_has_a_closed_form() {
         finest.error
     );
     assert_eq!((report.reference_error, report.chosen), (Some(0.0), None));
-    // What is told of the mesh without a closed form is what it errs by; some of that is the boundary's.
-    let told = report.mesh.as_ref().unwrap().error / finest.error;
-    assert!((told - 1.0).abs() < 0.25, "{told}");
+    // The estimate without a closed form is the error of the mesh; some of the error is that of the boundary.
+    let printed = report.mesh.as_ref().unwrap().error / finest.error;
+    assert!((printed - 1.0).abs() < 0.25, "{printed}");
     // Of ground alone less is as good: waves have a shorter way to go wrong, and pass when they would.
     // By itself: which combinations are run depends on what they cost here.
     let of_ground =
@@ -236,26 +238,32 @@ fn ground_without_a_structure_has_a_closed_form() {
         "material = \"rock\"\ndamping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 10] }\nrim = 0\n[[wave]]",
     );
     let folder = Folder::new("damped", &damped);
-    let mut trade = folder.trade().window(0.01).against(Reference::ClosedForm);
+    let mut trade = folder
+        .trade()
+        .window(0.01)
+        .with_reference(Reference::ClosedForm);
     assert!(
         trade
             .factors()
             .iter()
             .any(|factor| factor.name == "damping")
     );
-    let refused = trade.run(Goal::Front, None, &mut Silent).unwrap_err();
+    let refused = trade.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
         matches!(refused, StudyError::NoClosedForm { .. }),
         "{refused}"
     );
 }
 
-/// Ground that is loaded, held or hollow moves otherwise than the field that comes in.
+/// The motion of ground with loads, supports or openings differs from the incident field.
 #[test]
 fn disturbed_ground_has_no_closed_form() {
     let refused = |folder: &Folder| {
-        let mut trade = folder.trade().window(0.01).against(Reference::ClosedForm);
-        match trade.run(Goal::Front, None, &mut Silent) {
+        let mut trade = folder
+            .trade()
+            .window(0.01)
+            .with_reference(Reference::ClosedForm);
+        match trade.run(Goal::Front, None, &mut NoProgress) {
             Err(StudyError::NoClosedForm { reason }) => reason,
             other => panic!("{other:?}"),
         }
@@ -265,7 +273,7 @@ fn disturbed_ground_has_no_closed_form() {
         (
             "held",
             "[[support]]\nkind = \"fixed\"\nset = \"top\"\n",
-            "held",
+            "fixed",
         ),
     ] {
         let folder = Folder::new(name, &format!("{SCENE}{section}"));
@@ -282,9 +290,8 @@ fn disturbed_ground_has_no_closed_form() {
     assert!(refused(&hollow).contains("opening"));
 }
 
-/// Every combination of the factors that are left to choose is run, and what was run counts for a trade of
-/// more factors; errors are those of what is compared. Factors and histories that there are none of are
-/// refused before a run.
+/// Every combination of the chosen factors is run, and these runs are reused by a study of more factors; errors are those
+/// of the compared quantities. Unknown factors and missing histories are errors before a run.
 #[test]
 fn all_combinations_of_some_factors_are_run() {
     let folder = Folder::new("every", SCENE);
@@ -305,9 +312,9 @@ fn all_combinations_of_some_factors_are_run() {
         ]
     );
     assert_eq!(watch.announced.map(|(runs, ..)| runs), Some(6));
-    assert_eq!(report.foreseen, None, "no history variables");
+    assert_eq!(report.partial_window, None, "no history variables");
 
-    // The scene's own step is not the finest: with all factors its runs are others, and are not taken for these.
+    // The scene's own step is not the finest: with all factors its runs differ, and are not reused for these.
     let mut watch = Counted::default();
     let mut with_step = trade().only(&["kernel", "step"]).unwrap();
     let of_step = with_step.run(Goal::Front, None, &mut watch).unwrap();
@@ -319,10 +326,10 @@ fn all_combinations_of_some_factors_are_run() {
 
     let of = |quantity| every().comparing(&[quantity]).unwrap();
     let velocity = of(Quantity::Velocity)
-        .run(Goal::Front, None, &mut Silent)
+        .run(Goal::Front, None, &mut NoProgress)
         .unwrap();
     let displacement = of(Quantity::Displacement)
-        .run(Goal::Front, None, &mut Silent)
+        .run(Goal::Front, None, &mut NoProgress)
         .unwrap();
     for ((all, v), u) in report
         .cases
@@ -340,7 +347,7 @@ fn all_combinations_of_some_factors_are_run() {
             "{all:?} {v:?} {u:?}"
         );
     }
-    let early = trade().window(0.01).run(Goal::Front, None, &mut Silent);
+    let early = trade().window(0.01).run(Goal::Front, None, &mut NoProgress);
     let refused = early.unwrap_err();
     assert!(
         matches!(refused, StudyError::StillHistories { window: 0.01 }),
@@ -350,9 +357,9 @@ fn all_combinations_of_some_factors_are_run() {
     let stress = "quantities = [\"displacement\", \"stress\"]";
     let with_stress = SCENE.replace("quantities = [\"displacement\", \"velocity\"]", stress);
     let of_stress = Folder::new("stress", &with_stress);
-    let closed = of_stress.trade().against(Reference::ClosedForm);
+    let closed = of_stress.trade().with_reference(Reference::ClosedForm);
     let mut closed = closed.comparing(&[Quantity::Stress]).unwrap();
-    let refused = closed.run(Goal::Front, None, &mut Silent).unwrap_err();
+    let refused = closed.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
         matches!(refused, StudyError::NoClosedForm { .. }),
         "{refused}"
@@ -366,13 +373,13 @@ fn all_combinations_of_some_factors_are_run() {
     assert!(
         refused
             .to_string()
-            .contains("no 'kernels' to choose, but kernel, step"),
+            .contains("no factor 'kernels'; available: kernel, step"),
         "{refused}"
     );
 }
 
-/// Ground stays where something is recorded, loaded or moved, where springs have distances of their own and where
-/// a region lets the waves in; a nodal load on more nodes is not that of the same scene.
+/// The mesh is not reduced where something is recorded, loaded or moved, where springs have given distances, and where
+/// waves enter through a region; a nodal load on more nodes is not that of the same scene.
 #[test]
 fn ground_stays_where_it_is_needed() {
     let history = "[[output.history]]\n";
@@ -421,7 +428,7 @@ fn ground_stays_where_it_is_needed() {
     }
     let folder = Folder::new("loaded", &load("top"));
     let mut trade = folder.trade().window(0.1).with_mesh_error();
-    let refused = trade.run(Goal::Front, None, &mut Silent).unwrap_err();
+    let refused = trade.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
         matches!(
             refused,
@@ -435,7 +442,7 @@ fn ground_stays_where_it_is_needed() {
     );
 }
 
-/// A level that a scene refuses is told and left out; the others go on.
+/// A level that is invalid for a scene is reported and left out; the others are run.
 #[test]
 fn a_level_that_fails_is_left_out() {
     // Single precision cannot balance energies so well.
@@ -444,7 +451,10 @@ fn a_level_that_fails_is_left_out() {
         "title = \"block\"\nenergy_residual = 1e-9",
     );
     let folder = Folder::new("failing", &strict);
-    let report = folder.trade().run(Goal::Front, None, &mut Silent).unwrap();
+    let report = folder
+        .trade()
+        .run(Goal::Front, None, &mut NoProgress)
+        .unwrap();
     let failed: Vec<&str> = report
         .failed
         .iter()
@@ -463,9 +473,9 @@ fn a_level_that_fails_is_left_out() {
     assert!(!report.cases.iter().any(within) && report.cases.len() > 5);
 }
 
-/// Where a body comes to rest no more closely than its stages ask, what they ask for is the finest.
+/// If a stage cannot reach a finer tolerance than that of the scene, the scene's own tolerance is the finest.
 #[test]
-fn a_rest_that_is_out_of_reach_is_given_up() {
+fn an_unreachable_tolerance_is_dropped() {
     // Half a per cent more than the ground bears in uniaxial compression, 2 c cos(phi) / (1 - sin(phi)).
     let stage = r#"
 [[stage]]
@@ -481,7 +491,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     let run = || {
         let trade = folder.trade().window(0.3);
         let mut trade = trade.only(&["statics", "input"]).unwrap();
-        trade.run(Goal::Front, None, &mut Silent).unwrap()
+        trade.run(Goal::Front, None, &mut NoProgress).unwrap()
     };
     let report = run();
     let names: Vec<&str> = report.cases.iter().map(|case| case.name.as_str()).collect();
@@ -490,24 +500,24 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
         ["reference", "input incident wave at the bottom"]
     );
     assert!(names.contains(&"statics a hundred times"), "{names:?}");
-    // Rock that yields may do so later.
-    assert_eq!(report.foreseen, Some(0.3));
+    // Rock may yield later.
+    assert_eq!(report.partial_window, Some(0.3));
     let [(name, why)] = report.failed.as_slice() else {
         panic!("{:?}", report.failed);
     };
     assert_eq!(name, "statics a hundredth");
     assert!(why.contains("out of balance"), "{why}");
-    // A trade that goes on from the reference takes its second run through its stages as closely.
+    // A study that continues from the reference computes the stages of its second run with the same tolerance.
     let folders = std::fs::read_dir(folder.0.join("out")).unwrap();
     let nudged = folders.map(|entry| entry.unwrap().path());
     let mut nudged = nudged.filter(|path| path.to_string_lossy().ends_with("-nudged"));
     std::fs::remove_dir_all(nudged.next().unwrap()).unwrap();
-    assert_eq!(run().unrepeated, report.unrepeated);
+    assert_eq!(run().sensitive, report.sensitive);
 }
 
-/// A reference whose stage fails for another reason than its tolerance is not tried with a coarser one.
+/// A reference whose stage fails for another reason than its tolerance is not repeated with a coarser one.
 #[test]
-fn a_reference_that_no_tolerance_helps_is_told_at_once() {
+fn a_failed_reference_is_reported_at_once() {
     let floating = "[[stage]]\nname = \"nothing\"\ntolerance = 0.02\n[[wave]]";
     let folder = Folder::new("floating", &SCENE.replace("[[wave]]", floating));
     let mut watch = Failures::default();
@@ -517,7 +527,7 @@ fn a_reference_that_no_tolerance_helps_is_told_at_once() {
     assert_eq!(watch.0, 0, "{error}");
 }
 
-/// Counts what fails.
+/// Counts the failed runs.
 #[derive(Default)]
 struct Failures(usize);
 
@@ -527,9 +537,9 @@ impl TradeWatch for Failures {
     }
 }
 
-/// A scene that records nothing has nothing to be compared by.
+/// A scene without recorded histories is an error.
 #[test]
-fn a_scene_without_histories_is_refused() {
+fn a_scene_without_histories_is_an_error() {
     let bare = SCENE.split("[[output.history]]").next().unwrap();
     let folder = Folder::new("bare", bare);
     let refused = Trade::of_file(folder.scene(), None).err().unwrap();

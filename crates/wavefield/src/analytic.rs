@@ -1,4 +1,4 @@
-//! Analytic signals: what complex reflection coefficients and decay with depth make of a signal.
+//! Analytic signals: a signal under complex reflection coefficients and decay with depth.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -8,17 +8,17 @@ use crate::fourier::Fourier;
 use crate::hermite::Quintic;
 use crate::{Complex, Signal, WaveError};
 
-/// Tables per doubling of the height; see [`AnalyticTables`].
+/// Number of tables per doubling of the height; see [`AnalyticTables`].
 const ROWS_PER_OCTAVE: f64 = 8.0;
-/// From this many half lengths of the signal on, its moments give the field: with twelve of them
-/// to 2^-12 of the leading one.
+/// Distance from the signal's centre, in half lengths of the signal, from which on the moment
+/// expansion is used: its twelfth term is 2^-12 of the leading one.
 const FAR_RADII: f64 = 2.0;
-/// Terms of the far expansion.
+/// Number of terms of the moment expansion.
 const MOMENTS: usize = 12;
-/// No transform is longer than this.
+/// Greatest length of a transform.
 const MOST_SAMPLES: usize = 1 << 22;
 
-/// Takes the forerunner of an acausal field away; see
+/// Smooth taper that removes the forerunner of an acausal field; see
 /// [`PlaneWave::with_quiet_start`](crate::PlaneWave::with_quiet_start).
 ///
 /// The factor `1 / (1 + exp(-(z - centre) / width))` is analytic up to the height `pi width`, so
@@ -26,14 +26,14 @@ const MOST_SAMPLES: usize = 1 << 22;
 /// and leave the surface free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StartTaper {
-    /// Where half is left (s, on the signal's own axis).
+    /// Time at which the factor is one half (s, on the signal's own axis).
     pub(crate) centre: f64,
-    /// Within this time (s) the factor falls by e.
+    /// Time in which the factor falls by e (s).
     pub(crate) width: f64,
 }
 
 impl StartTaper {
-    /// The factor and its first two derivatives.
+    /// Factor and its first two derivatives at a complex time.
     fn factor(&self, z: Complex) -> [Complex; 3] {
         let exponent = (z - self.centre) / self.width;
         let zero = Complex::new(0.0, 0.0);
@@ -46,73 +46,73 @@ impl StartTaper {
         [factor, first, first * (one - factor * 2.0) / self.width]
     }
 
-    /// Product rule for displacement, velocity and acceleration.
+    /// Displacement, velocity and acceleration times the factor, by the product rule.
     fn apply(&self, z: Complex, [d, v, a]: [Complex; 3]) -> [Complex; 3] {
         let [w, w1, w2] = self.factor(z);
         [d * w, v * w + d * w1, a * w + v * w1 * 2.0 + d * w2]
     }
 }
 
-/// Where the values of one height are found.
+/// Table and offset in it that belong to one height.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Level {
     table: u32,
-    /// Height above the table's own, in its steps.
+    /// Height above that of the table, in steps of the table.
     offset: f64,
-    /// The height itself (s).
+    /// Height itself (s).
     height: f64,
 }
 
-/// Stands for no table: so far up that the far expansion serves at all times.
+/// Table index of heights without a table, at which the moment expansion holds at all times.
 const FAR: u32 = u32::MAX;
 
-/// Values along one height.
+/// Quintics in time at one height, over uniform intervals.
 struct Table<T> {
     start: f64,
     per_step: f64,
     intervals: Vec<Quintic<T>>,
 }
 
-/// Values of the analytic signal along one height.
+/// Table of the analytic signal at one height.
 type HeightTable = Table<Complex>;
 
 impl<T> Table<T> {
-    /// The interval of a time (s), and the place in it from 0 to 1; none beyond the table.
+    /// Interval of a time (s) and the position in it from 0 to 1; none outside the table.
     #[inline(always)]
     fn interval(&self, time: f64) -> Option<(&Quintic<T>, f64)> {
-        let place = (time - self.start) * self.per_step;
-        // Beyond the range of the integer stands its end, where no table reaches.
-        let index = place as i32;
+        let position = (time - self.start) * self.per_step;
+        // Out of its range the conversion saturates, beyond any table.
+        let index = position as i32;
         let interval = self.intervals.get(usize::try_from(index).ok()?)?;
-        (place >= 0.0).then_some((interval, place - f64::from(index)))
+        (position >= 0.0).then_some((interval, position - f64::from(index)))
     }
 }
 
-/// The analytic signal `A(t + i h)` of a signal f, tabulated over time and height on demand.
+/// Analytic signal `A(t + i h)` of a signal f, tabulated over time and height on demand.
 ///
 /// `A = f + i H f` on the real axis (H the Hilbert transform) has positive frequencies only, and
-/// `A(t + i h)` is it with each of them damped by `exp(-w h)`. So `Re[c A(t + i h)]` is the signal
+/// `A(t + i h)` is A with each of them damped by `exp(-w h)`. So `Re[c A(t + i h)]` is the signal
 /// under a complex coefficient c (for `exp(+i w t)`, `w > 0`) at depth `h / kappa` of a wave that
 /// decays as `exp(-w kappa depth)`.
 ///
 /// Tables hold A and two derivatives at uniform times, joined by quintics, which are evaluated at
 /// complex arguments: A is analytic above the real axis, so one table serves a band of heights. By
 /// Cauchy's bound the error of interpolation at heights from 8 steps up is below 1e-6 of the peak;
-/// below that the signal's own smoothness on its [`step`](crate::Support::step) decides, and the
+/// below that the signal's own smoothness on its [`step`](crate::SignalSupport::step) decides, and the
 /// real part at height zero is as exact as quintics through its samples. Higher bands are smoother
-/// and take coarser steps. Away from the signal its moments give the far field.
+/// and take coarser steps. Far from the signal the moment expansion is used.
 ///
-/// The transform is periodic; what the images of the signal add is taken off by its moments,
-/// `cot x = 1/x - x/3 - x^3/45 - ...`.
+/// The transform is periodic; the contribution of the signal's periodic images is subtracted by its
+/// moments, `cot x = 1/x - x/3 - x^3/45 - ...`.
 pub(crate) struct AnalyticTables {
     sampled: SampledSpectra,
     taper: Option<StartTaper>,
-    /// By coarsening and row; a table is made when a point first needs it.
+    /// Tables made so far, by coarsening and row; each is made when a point first needs it.
     made: Mutex<BTreeMap<(u32, u64), Arc<HeightTable>>>,
 }
 
 impl AnalyticTables {
-    /// The spectra of a signal, no table yet.
+    /// Spectra of a signal, without tables yet.
     pub(crate) fn new(signal: &dyn Signal, taper: Option<StartTaper>) -> Result<Self, WaveError> {
         Ok(Self {
             sampled: SampledSpectra::new(signal)?,
@@ -121,7 +121,7 @@ impl AnalyticTables {
         })
     }
 
-    /// The signal at the given heights (s), none negative, and the level of each.
+    /// Tables of the signal at the given heights (s, not negative), and the level of each height.
     pub(crate) fn at(&self, heights: &[f64]) -> (AnalyticSignal, Vec<Level>) {
         let sampled = &self.sampled;
         let mut tables = Vec::new();
@@ -156,20 +156,20 @@ impl AnalyticTables {
         (signal, levels)
     }
 
-    /// The step of the tables of one coarsening (s).
+    /// Time step of the tables of one coarsening (s).
     fn step(&self, coarsening: u32) -> f64 {
         self.sampled.step * (1u64 << coarsening) as f64
     }
 
-    /// The table of one band, made at the first demand.
+    /// Table of one band of heights, made at the first request.
     fn shared(&self, coarsening: u32, row: u64) -> Arc<HeightTable> {
-        // A panic of another thread leaves whole tables behind.
+        // If another thread panics, every table in the map is still complete.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || Arc::new(self.table(coarsening, row as f64 * self.step(coarsening)));
         made.entry((coarsening, row)).or_insert_with(make).clone()
     }
 
-    /// Samples along one height, `2^coarsening` steps apart, joined by quintics.
+    /// Table at one height, with nodes `2^coarsening` steps apart.
     fn table(&self, coarsening: u32, height: f64) -> HeightTable {
         let sampled = &self.sampled;
         let step = self.step(coarsening);
@@ -204,7 +204,7 @@ impl AnalyticTables {
     }
 }
 
-/// The signal on the levels of some points; see [`AnalyticTables`].
+/// Analytic signal at the levels of some points; see [`AnalyticTables`].
 pub(crate) struct AnalyticSignal {
     tables: Vec<Arc<HeightTable>>,
     moments: [f64; MOMENTS],
@@ -231,8 +231,8 @@ impl AnalyticSignal {
         self.far(Complex::new(time, level.height))
     }
 
-    /// The real part of a factor times the signal, on a level at the height of its table.
-    pub(crate) fn turned(&self, factor: Complex, level: &Level) -> TurnedSignal {
+    /// Real part of a factor times the signal, on a level at the height of its table.
+    pub(crate) fn phase_shifted(&self, factor: Complex, level: &Level) -> ShiftedSignal {
         let table = self.tables.get(level.table as usize);
         let real = |table: &Arc<HeightTable>| Table {
             start: table.start,
@@ -241,13 +241,14 @@ impl AnalyticSignal {
                 .map(|interval| interval.map(|c| (factor * c).re))
                 .collect(),
         };
-        TurnedSignal {
+        ShiftedSignal {
             factor,
             table: table.map(real),
             height: level.height,
         }
     }
 
+    /// Complex displacement and velocity by the moment expansion,
     /// `A = (i / pi) sum_n M_n / (z - centre)^(n + 1)`.
     #[cold]
     fn far(&self, z: Complex) -> (Complex, Complex) {
@@ -273,16 +274,18 @@ impl AnalyticSignal {
     }
 }
 
-/// The real part of a factor times an [`AnalyticSignal`] at one height. The tables are linear in what
-/// they interpolate, so this is the same to rounding, at half of the arithmetic and memory.
-pub(crate) struct TurnedSignal {
+/// Real part of a factor times an [`AnalyticSignal`] at one height: a signal with a phase shift.
+///
+/// The tables are linear in their nodes, so this is the same to rounding, at half of the arithmetic
+/// and memory.
+pub(crate) struct ShiftedSignal {
     factor: Complex,
     table: Option<Table<f64>>,
     height: f64,
 }
 
-impl TurnedSignal {
-    /// Displacement and velocity at a time (s), of the signal that this one was made from.
+impl ShiftedSignal {
+    /// Displacement and velocity at a time (s); `of` is the signal that this one was made from.
     #[inline(always)]
     pub(crate) fn value(&self, time: f64, of: &AnalyticSignal) -> (f64, f64) {
         let table = self.table.as_ref();
@@ -297,9 +300,9 @@ impl TurnedSignal {
     }
 }
 
-/// How often the step is doubled at a height given in steps, and the nearest row at that step.
+/// Number of doublings of the step at a height given in steps, and the nearest row at that step.
 ///
-/// Heights stay below the far ones, so that even the coarsest transform has 128 samples.
+/// Heights stay below those of the moment expansion, so that even the coarsest transform has 128 samples.
 fn band(height: f64) -> (u32, u64) {
     let mut coarsening = 0;
     let mut rows = height;
@@ -310,8 +313,8 @@ fn band(height: f64) -> (u32, u64) {
     (coarsening, rows.round() as u64)
 }
 
-/// What to add to the periodic transform so that it becomes that of the signal alone:
-/// `(i / P) int f(s) [1/x - cot x] ds`, `x = pi (z - s) / P`: a polynomial of z.
+/// Correction of the periodic transform for the signal's periodic images, a polynomial of z:
+/// `(i / P) int f(s) [1/x - cot x] ds`, `x = pi (z - s) / P`.
 struct Images {
     /// Coefficients of the powers of `pi z / P`.
     coefficients: [f64; 8],
@@ -373,7 +376,7 @@ struct SampledSpectra {
     period: f64,
     centre: f64,
     radius: f64,
-    /// `int f ((s - centre) / radius)^n ds`.
+    /// Moments of the displacement, `int f ((s - centre) / radius)^n ds`.
     moments: [f64; MOMENTS],
     length: usize,
 }
@@ -381,9 +384,9 @@ struct SampledSpectra {
 impl SampledSpectra {
     fn new(signal: &dyn Signal) -> Result<Self, WaveError> {
         let support = signal.support();
-        let wanted = 8.0 * (support.end - support.start) / support.step;
-        WaveError::check_samples("the transform of a signal", wanted, MOST_SAMPLES)?;
-        let count = (wanted / 8.0).ceil().max(1.0) as usize;
+        let needed = 8.0 * (support.end - support.start) / support.step;
+        WaveError::check_samples("the transform of a signal", needed, MOST_SAMPLES)?;
+        let count = (needed / 8.0).ceil().max(1.0) as usize;
         let mut fourier = Fourier::new(8 * count);
         let radius = 0.5 * count as f64 * support.step;
         let centre = support.start + radius;

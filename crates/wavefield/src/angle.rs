@@ -1,6 +1,6 @@
-//! Angles with their unit in the name.
+//! Angles, converted from and to degrees and radians by name.
 
-/// An angle; its unit is named where it is made and where it is read.
+/// Plane angle; constructors and accessors name its unit.
 ///
 /// ```
 /// use powerhouse_wavefield::Angle;
@@ -10,22 +10,22 @@
 pub struct Angle(f64);
 
 impl Angle {
-    /// No angle.
+    /// Zero angle.
     pub const ZERO: Self = Self(0.0);
 
-    /// From degrees.
+    /// Angle of a value in degrees.
     pub fn from_degrees(degrees: f64) -> Self {
         Self(degrees.to_radians())
     }
-    /// From radians.
+    /// Angle of a value in radians.
     pub fn from_radians(radians: f64) -> Self {
         Self(radians)
     }
-    /// In degrees.
+    /// Value in degrees.
     pub fn degrees(self) -> f64 {
         self.0.to_degrees()
     }
-    /// In radians.
+    /// Value in radians.
     pub fn radians(self) -> f64 {
         self.0
     }

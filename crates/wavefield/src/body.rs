@@ -1,4 +1,4 @@
-//! Sampling waves that are real multiples of their signal.
+//! Sampler of fields below the critical angle, whose waves are real multiples of the signal.
 
 use powerhouse_model::{FieldMotion, FieldSampler, Vec3};
 use std::sync::Arc;
@@ -6,17 +6,18 @@ use std::sync::Arc;
 use crate::Signal;
 use crate::partial::{PartialWave, Vectors};
 
-/// Points whose signals are fetched with one virtual call.
+/// Number of points per virtual call of the signal.
 const BATCH: usize = 32;
 
-/// The constants of one wave.
+/// Constants of one wave.
 struct RealWave {
     vectors: Vectors,
-    /// One per point (s).
+    /// Delay of each point (s).
     delays: Vec<f64>,
 }
 
-/// Per point and wave: one delay, one look-up, twelve multiplications.
+/// Sampler of waves without phase shift: per point and wave one delay, one look-up and twelve
+/// multiplications.
 pub(crate) struct BodySampler {
     signal: Arc<dyn Signal>,
     waves: Vec<RealWave>,

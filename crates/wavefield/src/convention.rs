@@ -1,15 +1,15 @@
-//! What a record is.
+//! Input conventions: the motion that a record represents.
 
 use crate::{Complex, SurfaceReflection, WaveError, WithinReport};
 
-/// A component of motion in the frame of a wave.
+/// Component of the ground motion in the frame of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceComponent {
-    /// Along the horizontal direction of travel (x at azimuth zero).
+    /// Horizontal component along the direction of travel (x at azimuth zero).
     X,
-    /// Across it (y at azimuth zero); SH moves in it alone.
+    /// Horizontal component across the direction of travel (y at azimuth zero); SH has this one alone.
     Y,
-    /// Up.
+    /// Vertical component, upwards positive.
     Z,
 }
 
@@ -19,39 +19,39 @@ impl SurfaceComponent {
     }
 }
 
-/// What a record is, so that no factor hides in a comment.
+/// Motion that a record represents: incident wave, outcrop, surface, or motion at a depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum InputConvention {
     /// The incident wave itself, along its own polarisation.
     #[default]
     Incident,
-    /// The motion of rock outcropping, defined as twice the incident wave.
+    /// The motion of a rock outcrop, defined as twice the incident wave.
     Outcrop,
-    /// A component of the motion of the free surface under this very wave: the incident wave is
-    /// the record divided by the surface coefficient of its type and angle. Past the critical
-    /// angle the coefficient is complex and the incident wave a phase-shifted record.
+    /// A component of the motion of the free surface under the wave itself: the incident wave is the
+    /// record divided by the surface coefficient of its type and angle. Past the critical angle the
+    /// coefficient is complex and the incident wave a phase-shifted record.
     SurfaceComponent(SurfaceComponent),
-    /// A component of the motion at a depth below the free surface under this very wave, incident
-    /// and reflected together. The record's time zero becomes that of the incident wave at the
-    /// place of the record; the incident wave begins before it where the record is to be explained
-    /// by waves that are on their way.
+    /// A component of the motion at a depth below the free surface under the wave itself, incident
+    /// and reflected waves together (a within motion). The record's time zero becomes that of the
+    /// incident wave at the location of the record; the incident wave begins before it where the start
+    /// of the record requires waves that arrived earlier.
     ///
-    /// That motion vanishes at some frequencies, where no record can tell the incident wave: the
+    /// That motion vanishes at some frequencies, at which the incident wave cannot be recovered: the
     /// division by the transfer function H is regularised, `F conj(H) / (|H|^2 + (r Hm)^2)`, with
     /// Hm the sum of the waves' magnitudes. [`PlaneWave::conversion`](crate::PlaneWave::conversion)
-    /// reports what that costs.
+    /// reports the misfit that results.
     Within {
-        /// Depth below the surface (m), above zero.
+        /// Depth below the surface (m), above zero and at most 1e9.
         depth: f64,
-        /// The component.
+        /// Component of the record.
         component: SurfaceComponent,
-        /// Regularisation r, 0.001 to 0.5.
+        /// Regularisation r (1), 0.001 to 0.5.
         regularisation: f64,
     },
 }
 
 impl InputConvention {
-    /// The name in scenes and reports.
+    /// Name of the convention in scenes and reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Incident => "incident",
@@ -61,9 +61,9 @@ impl InputConvention {
         }
     }
 
-    /// The incident amplitude per unit of the record, where that is one number.
+    /// Incident amplitude per unit of the record, where that is one number for all frequencies.
     pub(crate) fn amplitude(&self, reflection: &SurfaceReflection) -> Result<Complex, WaveError> {
-        /// Below this the record would be amplified more than fivefold.
+        /// Least surface coefficient: below it the record would be amplified more than fivefold.
         const LEAST_COEFFICIENT: f64 = 0.2;
         let one = Complex::new(1.0, 0.0);
         match *self {
@@ -85,12 +85,12 @@ impl InputConvention {
     }
 }
 
-/// How a record became the incident wave.
+/// Conversion of a record into the incident wave, as it was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputConversion {
-    /// Incident amplitude per unit of the record, for spectra of `exp(+i w t)`, `w > 0`; one where
-    /// [`within`](Self::within) tells more.
+    /// Incident amplitude per unit of the record (1), for spectra of `exp(+i w t)`, `w > 0`; one where
+    /// [`within`](Self::within) is set.
     pub amplitude: Complex,
-    /// What the regularised division did, for [`InputConvention::Within`].
+    /// Report of the regularised division, for [`InputConvention::Within`].
     pub within: Option<WithinReport>,
 }

@@ -1,23 +1,23 @@
-//! Sampling waves with complex coefficients or decay with depth.
+//! Sampler of fields past the critical angle, with phase shifts and a wave that decays with depth.
 
 use powerhouse_model::{FieldMotion, FieldSampler, Vec3};
 
 use crate::Complex;
-use crate::analytic::{AnalyticSignal, AnalyticTables, Level, TurnedSignal};
+use crate::analytic::{AnalyticSignal, AnalyticTables, Level, ShiftedSignal};
 use crate::partial::{PartialWave, Vectors};
 
-/// Points of which all waves are evaluated before any motion is written.
+/// Number of points of which all waves are evaluated before any motion is written.
 const BATCH: usize = 32;
 
-/// A wave that travels: the signal under one phase shift.
+/// Constants of a travelling wave: the signal under one phase shift.
 struct TravellingWave {
     vectors: Vectors,
-    signal: TurnedSignal,
-    /// One per point (s).
+    signal: ShiftedSignal,
+    /// Delay of each point (s).
     delays: Vec<f64>,
 }
 
-/// A wave that decays with depth.
+/// Constants of an evanescent wave, which decays with depth.
 struct DecayingWave {
     polarisation: [Complex; 3],
     stress: [Complex; 6],
@@ -25,7 +25,8 @@ struct DecayingWave {
     arrivals: Vec<(f64, Level)>,
 }
 
-/// Per point and wave: one delay, one look-up in the table of the point's height.
+/// Sampler of phase-shifted waves: per point and wave one delay and one look-up in the table of the
+/// point's height.
 ///
 /// All waves read tables of the same coefficients, the incident one too: at the surface they then
 /// cancel to rounding, whatever the tables' own error.
@@ -53,7 +54,7 @@ impl AnalyticSampler {
             let (phase, vectors) = wave.phase_and_vectors();
             TravellingWave {
                 vectors,
-                signal: signal.turned(phase, &levels[0]),
+                signal: signal.phase_shifted(phase, &levels[0]),
                 delays: delays(wave).iter().map(|delay| delay.re).collect(),
             }
         });
@@ -105,7 +106,7 @@ impl AnalyticSampler {
 }
 
 impl DecayingWave {
-    /// Adds the wave under a displacement and velocity of its signal.
+    /// Adds the wave's motion for a complex displacement and velocity of its signal.
     #[inline(always)]
     fn add(&self, (d, v): (Complex, Complex), motion: &mut FieldMotion) {
         for i in 0..3 {

@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use crate::Complex;
 
-/// Transforms of one length: spectra of `exp(+i w t)`, from zero to the highest frequency.
+/// Forward and inverse transform of one length: spectra of `exp(+i w t)`, from zero to the Nyquist
+/// frequency.
 pub(crate) struct Fourier {
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
 
 impl Fourier {
-    /// A transform of at least `least` samples: the next power of two.
+    /// Transform of at least `least` samples: its length is the next power of two.
     pub(crate) fn new(least: usize) -> Self {
         let length = least.max(4).next_power_of_two();
         let mut planner = RealFftPlanner::new();
@@ -27,7 +28,7 @@ impl Fourier {
         self.forward.len()
     }
 
-    /// `sum_k x_k exp(-2 pi i j k / n)` for j from 0 to n/2; missing samples are zero.
+    /// Spectrum `sum_k x_k exp(-2 pi i j k / n)` for j from 0 to n/2; missing samples are zero.
     pub(crate) fn forward(&mut self, samples: &[f64]) -> Vec<Complex> {
         let mut input = self.forward.make_input_vec();
         let mut output = self.forward.make_output_vec();
@@ -37,7 +38,7 @@ impl Fourier {
         output
     }
 
-    /// The samples of which this is the spectrum, scaled so that it undoes
+    /// Samples of a spectrum, scaled so that this is the inverse of
     /// [`forward`](Self::forward).
     pub(crate) fn inverse(&mut self, spectrum: &[Complex]) -> Vec<f64> {
         let mut input = self.inverse.make_input_vec();
@@ -57,7 +58,7 @@ impl Fourier {
     }
 }
 
-/// A transform fails only when the lengths of its arrays are wrong, and the plan made them.
+/// Asserts that a transform succeeded: it fails only for arrays of wrong lengths, which the plan made.
 fn transformed(result: Result<(), realfft::FftError>) {
     debug_assert!(result.is_ok(), "{result:?}");
 }

@@ -1,8 +1,9 @@
-//! Quintics through displacement, velocity and acceleration at both ends of an interval.
+//! Quintic Hermite interpolation.
 
 use core::ops::{Add, Mul, Sub};
 
-/// Coefficients of `sum_k c_k s^k`, `s` from 0 to 1 over an interval of length `step`.
+/// Quintic that interpolates displacement, velocity and acceleration at both ends of an interval:
+/// coefficients of `sum_k c_k s^k`, `s` from 0 to 1 over an interval of length `step`.
 ///
 /// The interpolation error of the displacement is at most `step^6/46080 max|d^6 u/dt^6|`, and the
 /// velocity is the exact derivative of the displacement. `s` may be complex where the function is
@@ -14,7 +15,7 @@ impl<T> Quintic<T>
 where
     T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>,
 {
-    /// From displacement, velocity and acceleration at the start and the end.
+    /// Quintic of displacement, velocity and acceleration at the start and at the end.
     pub(crate) fn new(start: [T; 3], end: [T; 3], step: f64) -> Self {
         let [d0, v0, a0] = [start[0], start[1] * step, start[2] * (step * step)];
         let [d1, v1, a1] = [end[0], end[1] * step, end[2] * (step * step)];
@@ -29,12 +30,12 @@ where
         ])
     }
 
-    /// A linear function of every coefficient, hence of the whole quintic.
+    /// Quintic whose coefficients are a linear function of these.
     pub(crate) fn map<U>(&self, of: impl Fn(T) -> U) -> Quintic<U> {
         Quintic(self.0.map(of))
     }
 
-    /// Displacement and velocity times the step's length.
+    /// Displacement, and velocity times the step's length, at `s`.
     #[inline(always)]
     pub(crate) fn value(&self, s: T) -> (T, T) {
         let c = &self.0;
@@ -47,7 +48,7 @@ where
         (value * s + c[0], derivative)
     }
 
-    /// As [`value`](Self::value), at a real place.
+    /// As [`value`](Self::value), at a real `s`.
     #[inline(always)]
     pub(crate) fn real_value(&self, s: f64) -> (T, T) {
         let c = &self.0;
@@ -60,7 +61,7 @@ where
         (value * s + c[0], derivative)
     }
 
-    /// The second derivative times the step's length squared.
+    /// Second derivative times the step's length squared, at `s`.
     #[inline(always)]
     pub(crate) fn second_derivative(&self, s: T) -> T {
         let c = &self.0;

@@ -1,12 +1,12 @@
-//! The motion of the site without the structure: time histories and plane waves in a half-space
-//! or full space.
+//! Free-field ground motion: time histories and plane waves in a half-space or full space.
 //!
-//! A [`Signal`] is the displacement that a wave carries: a test pulse ([`SmoothPulse`],
-//! [`RaisedCosinePulse`], [`ZeroMeanPulse`], [`Ricker`], [`HarmonicBurst`]) or a record ([`TimeHistory`], made into a
-//! [`RecordSignal`]). A [`PlaneWave`] carries it through a medium, under a free surface with its
-//! reflections, and is the [`IncidentField`](powerhouse_model::IncidentField) of a boundary;
-//! several add up in a [`Superposition`]. What a record *is* (the incident wave, an outcrop, the
-//! surface, the motion at a depth) is an [`InputConvention`].
+//! A [`Signal`] is the displacement of a wave as a function of time: a test pulse ([`SmoothPulse`],
+//! [`RaisedCosinePulse`], [`ZeroMeanPulse`], [`Ricker`], [`HarmonicBurst`]) or a record
+//! ([`TimeHistory`], made into a [`RecordSignal`]). A [`PlaneWave`] propagates it through a medium,
+//! with the reflections of a free surface, and is the
+//! [`IncidentField`](powerhouse_model::IncidentField) of a boundary; several add up in a
+//! [`Superposition`]. The motion that a record represents (the incident wave, an outcrop, the
+//! surface, the motion at a depth) is its [`InputConvention`].
 //!
 //! ```
 //! use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Vec3};
@@ -15,7 +15,7 @@
 //! };
 //! use std::sync::Arc;
 //!
-//! // A cube of 1200 m under a free surface, struck by an SV wave at 15 degrees.
+//! // A cube of 1200 m under a free surface and an SV wave at 15 degrees.
 //! let rock = ElasticMedium::new(10e9, 0.3, 3000.0)?;
 //! let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, rock, 1200.0);
 //! parameters.incidence = Angle::from_degrees(15.0);
@@ -40,12 +40,12 @@
 //! is its arrival at the reference point.
 //!
 //! # Why so
-//! *A record becomes a signal only if it comes to rest.* Its displacement enters the springs of a
-//! boundary, so a drift would pull the whole model along; [`TimeHistory::into_signal`] is the one
-//! gate, and what follows the record's end is defined behind it.
+//! *A record becomes a signal only if it ends at rest.* Its displacement acts on the springs of a
+//! boundary, so a drift would displace the whole model; [`TimeHistory::into_signal`] checks the record
+//! and defines the motion after its end.
 //!
-//! *Piecewise-linear acceleration* is what a digitised record says, and the one assumption under
-//! which velocity, displacement, response spectrum and Fourier spectrum are all exact.
+//! *Piecewise-linear acceleration* is the usual reading of a digitised record, and the one assumption
+//! under which velocity, displacement, response spectrum and Fourier spectrum are all exact.
 //!
 //! *One horizontal slowness.* The delay of every wave is `(x - x0).s` with the same horizontal
 //! slowness, in any direction. Stress follows from velocity, `-(1/c) sym(d (x) p) v`, so that no
@@ -55,15 +55,15 @@
 //! *Past the critical angle* the reflected waves are phase-shifted by an amount that no delay can
 //! express, and the P wave decays with depth, each frequency at its own rate. Both follow from one
 //! function, the signal's analytic continuation above the real axis of time: a phase shift is a
-//! complex factor, decay is an imaginary delay. It is tabulated over time and height, once for all
-//! points, and quintics through its values and derivatives are evaluated at complex arguments. All
-//! waves, the incident one too, read the same tables, so that the surface is free to rounding
-//! there as well.
+//! complex factor, decay is an imaginary delay. It is tabulated over time and height for all points
+//! together, and quintics through its values and derivatives are evaluated at complex arguments. All
+//! waves, the incident one too, use the same tables, so that the traction at the surface vanishes to
+//! rounding there as well.
 //!
-//! *A quiet start.* Such a field begins before its incident wave, and its forerunner falls only as
-//! a power of time. Cutting it off would leave a field that is no solution. Here it is multiplied
-//! by a function of time that is analytic down to the depth of the points: the product still
-//! satisfies the equation of motion and leaves the surface free, and what was taken away is
+//! *A quiet start.* Such a field begins before its incident wave, and its forerunner decays only as
+//! a power of time. A field that is cut off does not satisfy the equation of motion. Here it is
+//! multiplied by a function of time that is analytic down to the depth of the points: the product
+//! satisfies the equation of motion and leaves the surface free, and the part that is removed is
 //! reported ([`QuietStart`]).
 
 mod analytic;
@@ -96,11 +96,11 @@ pub use pulse::{
 };
 pub use quiet::{QuietStart, QuietStartLimits, StartLevel};
 pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
-pub use signal::{Signal, SignalMotion, Support};
+pub use signal::{Signal, SignalMotion, SignalSupport};
 pub use spectrum::{OscillatorResponse, SpectralLine};
 pub use superposition::Superposition;
 pub use wave::{PlaneWave, PlaneWaveParameters, Site, first_hit_corner};
 pub use within::WithinReport;
 
-/// A complex number, for spectra of `exp(+i w t)`.
+/// Complex number, for spectra of `exp(+i w t)`.
 pub type Complex = nalgebra::Complex<f64>;

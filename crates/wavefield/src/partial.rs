@@ -1,19 +1,19 @@
-//! One of the up to three plane waves of a field.
+//! Partial waves: the incident, reflected and converted plane wave of a field.
 
 use powerhouse_model::{ElasticMedium, FieldMotion, Vec3};
 
 use crate::{Complex, SurfaceReflection};
 
-/// What a wave moves and stresses for unit displacement and velocity of its signal.
+/// Displacement and stress of a wave for unit displacement and unit velocity of its signal.
 #[derive(Clone, Copy)]
 pub(crate) struct Vectors {
     pub(crate) polarisation: [f64; 3],
-    /// In Pa.
+    /// Stress per velocity of the signal (Pa s/m).
     pub(crate) stress: [f64; 6],
 }
 
 impl Vectors {
-    /// Adds the wave under a displacement and velocity of its signal.
+    /// Adds the wave's motion for a displacement (m) and velocity (m/s) of its signal.
     #[inline(always)]
     pub(crate) fn add(&self, (displacement, velocity): (f64, f64), motion: &mut FieldMotion) {
         for i in 0..3 {
@@ -26,15 +26,15 @@ impl Vectors {
     }
 }
 
-/// A plane wave `u = Re[P A(t - delay(x))]`, `delay(x) = base + s.(x - datum)`, with `A` the
-/// signal, made analytic where `P` or the slowness `s` are complex.
+/// Plane wave `u = Re[P A(t - delay(x))]`, `delay(x) = base + s.(x - datum)`, with `A` the
+/// signal, or its analytic signal where `P` or the slowness `s` are complex.
 ///
 /// Its stress is `Re[S A'(t - delay)]`, `S = C : (-sym(s (x) P))`.
 #[derive(Clone, Debug)]
 pub(crate) struct PartialWave {
-    /// Displacement for unit signal.
+    /// Displacement vector P for unit signal (1).
     pub(crate) polarisation: [Complex; 3],
-    /// Stress (Pa) for unit velocity of the signal.
+    /// Stress S for unit velocity of the signal (Pa s/m).
     pub(crate) stress: [Complex; 6],
     slowness: [Complex; 3],
     datum: Vec3,
@@ -42,7 +42,7 @@ pub(crate) struct PartialWave {
 }
 
 impl PartialWave {
-    /// A wave of a displacement vector and a slowness vector (s/m) that passes `datum` at `base`.
+    /// Wave of a displacement vector and a slowness vector (s/m) that passes `datum` at time `base` (s).
     pub(crate) fn new(
         polarisation: [Complex; 3],
         slowness: [Complex; 3],
@@ -82,7 +82,7 @@ impl PartialWave {
         self.slowness.iter().any(|value| value.im != 0.0)
     }
 
-    /// The one phase of a wave that does not decay, and its vectors without it.
+    /// Phase factor of a wave that does not decay, and its real vectors without that factor.
     pub(crate) fn phase_and_vectors(&self) -> (Complex, Vectors) {
         let largest = self
             .polarisation
@@ -102,13 +102,13 @@ impl PartialWave {
         (phase, vectors)
     }
 
-    /// Lets the wave come later by a time (s).
+    /// Delays the wave by a time (s).
     pub(crate) fn delay_by(&mut self, time: f64) {
         self.base += time;
     }
 
-    /// The time after which the signal reaches a point (s); its imaginary part, never above zero
-    /// below the surface, is the decay of one radian per second.
+    /// Delay of the signal at a point (s); its imaginary part, never above zero below the surface, is
+    /// the decay exponent per angular frequency.
     pub(crate) fn delay(&self, point: &Vec3) -> Complex {
         let offset = point - self.datum;
         let horizontal = self.slowness[0] * offset.x + self.slowness[1] * offset.y;
@@ -117,28 +117,44 @@ impl PartialWave {
     }
 }
 
-/// The incident wave and its reflections, for an amplitude that converts the signal into the
-/// incident wave, turned by the azimuth's cosine and sine.
+/// Where and when an incident wave arrives in a half-space.
+#[derive(Clone, Copy)]
+pub(crate) struct Arrival {
+    /// The point (m) that it passes at `time`.
+    pub(crate) reference: Vec3,
+    /// The time of arrival there (s).
+    pub(crate) time: f64,
+    /// Height z of the free surface (m).
+    pub(crate) surface: f64,
+}
+
+/// Incident wave and its reflections. The amplitude converts the signal into the incident wave;
+/// cosine and sine are those of the azimuth.
 pub(crate) fn half_space_waves(
     reflection: &SurfaceReflection,
     amplitude: Complex,
     (cosine, sine): (f64, f64),
     medium: &ElasticMedium,
-    (reference, arrival, surface): (Vec3, f64, f64),
+    arrival: Arrival,
 ) -> Vec<PartialWave> {
+    let Arrival {
+        reference,
+        time,
+        surface,
+    } = arrival;
     let rise = reflection.vertical_slowness;
     let at_surface = Vec3::new(reference.x, reference.y, surface);
-    let surface_time = Complex::new(rise, 0.0) * (surface - reference.z) + arrival;
+    let surface_time = Complex::new(rise, 0.0) * (surface - reference.z) + time;
     let downward = [Complex::new(-rise, 0.0), -reflection.converted_slowness];
     let [incident, same, converted] = reflection.polarisations();
-    let turned = |vector: [Complex; 3]| turned(vector.map(|v| v * amplitude), cosine, sine);
+    let rotated = |vector: [Complex; 3]| rotated(vector.map(|v| v * amplitude), cosine, sine);
     let slowness = |vertical: Complex| {
         let p = Complex::new(reflection.horizontal_slowness, 0.0);
         [p * cosine, p * sine, vertical]
     };
     let wave = |polarisation, vertical, datum, base| {
         PartialWave::new(
-            turned(polarisation),
+            rotated(polarisation),
             slowness(vertical),
             medium,
             datum,
@@ -146,7 +162,7 @@ pub(crate) fn half_space_waves(
         )
     };
     let mut waves = vec![
-        wave(incident, Complex::new(rise, 0.0), reference, arrival),
+        wave(incident, Complex::new(rise, 0.0), reference, time),
         wave(same, downward[0], at_surface, surface_time.re),
     ];
     if reflection.converted != Complex::new(0.0, 0.0) {
@@ -155,7 +171,7 @@ pub(crate) fn half_space_waves(
     waves
 }
 
-/// Turns a vector about the vertical.
-pub(crate) fn turned([x, y, z]: [Complex; 3], cosine: f64, sine: f64) -> [Complex; 3] {
+/// Vector rotated about the vertical.
+pub(crate) fn rotated([x, y, z]: [Complex; 3], cosine: f64, sine: f64) -> [Complex; 3] {
     [x * cosine - y * sine, x * sine + y * cosine, z]
 }

@@ -3,9 +3,9 @@
 use powerhouse_model::ParameterError;
 use std::f64::consts::PI;
 
-use crate::{Signal, SignalMotion, Support, WaveError};
+use crate::{Signal, SignalMotion, SignalSupport, WaveError};
 
-/// Times and amplitudes of pulses stay in this range.
+/// Checks that amplitude and times of a pulse are in their ranges.
 fn check_pulse(amplitude: f64, positive: &[(&'static str, f64)]) -> Result<(), WaveError> {
     ParameterError::check("amplitude", amplitude, -1e12, 1e12)?;
     for (name, value) in positive {
@@ -14,7 +14,7 @@ fn check_pulse(amplitude: f64, positive: &[(&'static str, f64)]) -> Result<(), W
     Ok(())
 }
 
-/// A smooth one-sided displacement pulse that leaves nothing behind: a cubic B-spline.
+/// One-sided smooth displacement pulse without permanent displacement: a cubic B-spline.
 ///
 /// `u(t) = 16 A [G(x) - 4 G(x - 1/4) + 6 G(x - 1/2) - 4 G(x - 3/4) + G(x - 1)]`, `G(x) = max(x, 0)^3`,
 /// `x = t / duration`; displacement, velocity and acceleration are continuous, the peak `A` is
@@ -30,12 +30,12 @@ fn check_pulse(amplitude: f64, positive: &[(&'static str, f64)]) -> Result<(), W
 pub struct SmoothPulse {
     /// Peak displacement (m).
     pub amplitude: f64,
-    /// From rest to rest (s).
+    /// Duration of the motion (s).
     pub duration: f64,
 }
 
 impl SmoothPulse {
-    /// A pulse of a peak displacement (m) and a duration (s).
+    /// Pulse of a peak displacement (m) and a duration (s).
     ///
     /// # Errors
     /// If the amplitude is not finite or the duration not above zero.
@@ -55,7 +55,7 @@ impl Signal for SmoothPulse {
         if !(0.0..=1.0).contains(&x) {
             return SignalMotion::default();
         }
-        // Symmetric about x = 1/2; from the nearer end only two terms are left.
+        // Symmetric about x = 1/2; from the nearer end only two terms remain.
         let (y, sign) = if x <= 0.5 { (x, 1.0) } else { (1.0 - x, -1.0) };
         let z = (y - 0.25).max(0.0);
         let (scale, rate) = (16.0 * self.amplitude, 1.0 / self.duration);
@@ -65,8 +65,8 @@ impl Signal for SmoothPulse {
             acceleration: rate * rate * scale * (6.0 * y - 24.0 * z),
         }
     }
-    fn support(&self) -> Support {
-        Support {
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: 0.0,
             end: self.duration,
             step: self.duration / 200.0,
@@ -74,11 +74,11 @@ impl Signal for SmoothPulse {
     }
 }
 
-/// A one-sided displacement pulse in the shape of a raised cosine.
+/// One-sided displacement pulse in the shape of a raised cosine.
 ///
 /// `u(t) = A sin^2(pi t / duration)`; displacement and velocity are continuous, acceleration jumps
-/// at both ends. It is wider than a [`SmoothPulse`] of the same duration, and so asks less of
-/// a mesh.
+/// at both ends. It is wider than a [`SmoothPulse`] of the same duration, and so needs a less fine
+/// mesh.
 /// ```
 /// use powerhouse_wavefield::{RaisedCosinePulse, Signal};
 /// let pulse = RaisedCosinePulse::new(1.0, 0.8)?;
@@ -91,12 +91,12 @@ impl Signal for SmoothPulse {
 pub struct RaisedCosinePulse {
     /// Peak displacement (m).
     pub amplitude: f64,
-    /// From rest to rest (s).
+    /// Duration of the motion (s).
     pub duration: f64,
 }
 
 impl RaisedCosinePulse {
-    /// A pulse of a peak displacement (m) and a duration (s).
+    /// Pulse of a peak displacement (m) and a duration (s).
     ///
     /// # Errors
     /// If the amplitude is not finite or the duration not above zero.
@@ -123,8 +123,8 @@ impl Signal for RaisedCosinePulse {
             acceleration: 2.0 * self.amplitude * rate * rate * (cosine * cosine - sine * sine),
         }
     }
-    fn support(&self) -> Support {
-        Support {
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: 0.0,
             end: self.duration,
             step: self.duration / 200.0,
@@ -132,21 +132,21 @@ impl Signal for RaisedCosinePulse {
     }
 }
 
-/// A two-sided displacement pulse without mean: its lasting parts and its first moment vanish.
+/// Two-sided displacement pulse whose time integral and first moment vanish.
 ///
 /// `u(t) = A (1 - y^2)^3 (1 - 9 y^2)`, `y = 2 t / duration - 1`: the second derivative of
 /// `(1 - y^2)^5`, scaled. Displacement, velocity and acceleration are continuous. Past the
 /// critical angle, where fields are not causal, its forerunner falls with the third power of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZeroMeanPulse {
-    /// Displacement at the centre (m), the peak.
+    /// Displacement at the centre (m), which is the peak.
     pub amplitude: f64,
-    /// From rest to rest (s).
+    /// Duration of the motion (s).
     pub duration: f64,
 }
 
 impl ZeroMeanPulse {
-    /// A pulse of a peak displacement (m) and a duration (s).
+    /// Pulse of a peak displacement (m) and a duration (s).
     ///
     /// # Errors
     /// If the amplitude is not finite or the duration not above zero.
@@ -178,8 +178,8 @@ impl Signal for ZeroMeanPulse {
                 * (-24.0 + square * (336.0 - 504.0 * square)),
         }
     }
-    fn support(&self) -> Support {
-        Support {
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: 0.0,
             end: self.duration,
             step: self.duration / 400.0,
@@ -187,22 +187,22 @@ impl Signal for ZeroMeanPulse {
     }
 }
 
-/// Which quantity of a [`Ricker`] pulse has the Ricker shape.
+/// Quantity of a [`Ricker`] pulse that has the Ricker shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RickerQuantity {
-    /// Displacement; the amplitude is in m.
+    /// Displacement, amplitude in m.
     Displacement,
-    /// Velocity; the amplitude is in m/s.
+    /// Velocity, amplitude in m/s.
     Velocity,
 }
 
-/// A Ricker pulse, `A (1 - 2 q) exp(-q)` with `q = (pi f (t - delay))^2`.
+/// Ricker pulse `A (1 - 2 q) exp(-q)` with `q = (pi f (t - delay))^2`.
 ///
-/// Source: N. Ricker (1953), Geophysics 18(1). The pulse never quite begins: with a delay of
-/// `1.5 / frequency` it stands at 1e-8 of its peak at time zero.
+/// Source: N. Ricker (1953), Geophysics 18(1). The pulse has no finite start: with a delay of
+/// `1.5 / frequency` it is 1e-8 of its peak at time zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ricker {
-    /// Which quantity has the shape.
+    /// Quantity that has the Ricker shape.
     pub quantity: RickerQuantity,
     /// Peak of that quantity (m or m/s).
     pub amplitude: f64,
@@ -213,7 +213,7 @@ pub struct Ricker {
 }
 
 impl Ricker {
-    /// A pulse of a peak (m or m/s), a frequency (Hz) and the time of its peak (s).
+    /// Pulse of a peak (m or m/s), a frequency (Hz) and the time of its peak (s).
     ///
     /// # Errors
     /// If a number is not finite or the frequency not above zero.
@@ -244,7 +244,7 @@ impl Signal for Ricker {
         if shape == 0.0 {
             return SignalMotion::default();
         }
-        // exp(-x^2) and its derivatives by Hermite's polynomials.
+        // exp(-x^2) and its derivatives by Hermite polynomials.
         let second = 1.0 - 2.0 * q;
         let third = x * (4.0 * q - 6.0);
         match self.quantity {
@@ -260,9 +260,9 @@ impl Signal for Ricker {
             },
         }
     }
-    fn support(&self) -> Support {
+    fn support(&self) -> SignalSupport {
         let half = 2.0 / self.frequency;
-        Support {
+        SignalSupport {
             start: self.delay - half,
             end: self.delay + half,
             step: half / 200.0,
@@ -270,7 +270,7 @@ impl Signal for Ricker {
     }
 }
 
-/// A harmonic displacement under a sine-squared window: `A sin(2 pi f t) sin^2(pi f t / cycles)`.
+/// Harmonic displacement under a sine-squared window: `A sin(2 pi f t) sin^2(pi f t / cycles)`.
 ///
 /// With three cycles or more its spectrum is a narrow peak at `f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -279,12 +279,12 @@ pub struct HarmonicBurst {
     pub amplitude: f64,
     /// Frequency (Hz).
     pub frequency: f64,
-    /// How many cycles the window holds.
+    /// Number of cycles in the window (1), 1 to 1e4.
     pub cycles: f64,
 }
 
 impl HarmonicBurst {
-    /// A burst of an amplitude (m), a frequency (Hz) and a number of cycles.
+    /// Burst of an amplitude (m), a frequency (Hz) and a number of cycles.
     ///
     /// # Errors
     /// If a number is not finite or the frequency not above zero; the cycles range from 1 to 1e4.
@@ -319,8 +319,8 @@ impl Signal for HarmonicBurst {
                     + 2.0 * carrier * cosine * window * window_sine),
         }
     }
-    fn support(&self) -> Support {
-        Support {
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: 0.0,
             end: self.cycles / self.frequency,
             step: 1.0 / (100.0 * self.frequency),

@@ -1,4 +1,4 @@
-//! How quietly a field starts.
+//! Motion of a field at the start of an analysis, and a taper that makes it small.
 
 use powerhouse_model::{FieldMotion, IncidentField, ModelError, ParameterError, Vec3};
 use std::f64::consts::FRAC_2_PI;
@@ -6,37 +6,38 @@ use std::f64::consts::FRAC_2_PI;
 use crate::analytic::StartTaper;
 use crate::{PlaneWave, WaveError};
 
-/// The field at one time, over its peak at the same points.
+/// Motion of a field at one time relative to its peak at the same points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StartLevel {
-    /// Largest displacement over largest displacement.
+    /// Largest displacement over the peak displacement (1).
     pub displacement: f64,
-    /// Largest velocity over largest velocity.
+    /// Largest velocity over the peak velocity (1).
     pub velocity: f64,
 }
 
 impl StartLevel {
-    /// The larger of the two.
+    /// Larger one of the displacement and velocity levels (1).
     pub fn largest(&self) -> f64 {
         self.displacement.max(self.velocity)
     }
 }
 
-/// How quietly a field is to start, and what that may cost.
+/// Permitted motion of a field at the start of an analysis, and limits of the delay and taper that
+/// achieve it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuietStartLimits {
-    /// Displacement and velocity at the start over their peaks, 1e-12 to 0.5.
+    /// Displacement and velocity at the start over their peaks (1), 1e-12 to 0.5.
     pub threshold: f64,
-    /// The greatest permitted delay of the wave (s), at most 1000; the search takes one evaluation
-    /// of all points for every four steps of the signal in it.
+    /// Greatest permitted delay of the wave (s), at most 1000; the search evaluates all points once for
+    /// every four steps of the signal in it.
     pub most_padding: f64,
-    /// The least width of the taper (s). A wider one keeps more of the forerunner, and costs about
-    /// twice `ln(1 / threshold)` of its width in padding.
+    /// Least width of the taper (s). A wider one retains more of the forerunner, and needs about
+    /// twice `ln(1 / threshold)` of its width as delay.
     pub least_taper: f64,
 }
 
 impl Default for QuietStartLimits {
-    /// 1e-4 of the peak, at most 20 s of padding, the narrowest taper.
+    /// Threshold 1e-4 of the peak, at most 20 s of padding, the narrowest taper.
     fn default() -> Self {
         Self {
             threshold: 1e-4,
@@ -46,25 +47,25 @@ impl Default for QuietStartLimits {
     }
 }
 
-/// What it took to let a field start at rest.
+/// Delay and taper that let a field start at rest, and the error that they make.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuietStart {
-    /// By how much the wave now arrives later (s).
+    /// Delay of the wave (s).
     pub padding: f64,
-    /// The field at the start over its peak.
+    /// Motion at the start over the peak.
     pub level: StartLevel,
-    /// The largest displacement that the taper took away from the field as it was, over its peak;
-    /// zero without a taper.
+    /// Largest displacement that the taper removed from the field, over the peak (1); zero without a
+    /// taper.
     pub removed: f64,
-    /// Within this time (s) the taper falls by a factor e; zero without a taper.
+    /// Time in which the taper falls by a factor e (s); zero without a taper.
     pub taper: f64,
 }
 
 impl PlaneWave {
-    /// The field at a time (s) over its peak, both taken over the given points.
+    /// Motion of the field at a time (s) over its peak, both taken over the given points.
     ///
-    /// Below the critical angle and before the first arrival it is zero; past it the forerunner of
-    /// the reflected waves is already there.
+    /// Before the first arrival it is zero below the critical angle; past it the forerunner of the
+    /// reflected waves already moves the points.
     ///
     /// # Errors
     /// As [`prepare`](IncidentField::prepare).
@@ -73,15 +74,15 @@ impl PlaneWave {
         Ok(envelope.level(time))
     }
 
-    /// The wave, delayed and tapered so that at `start` (s) displacement and velocity at all the
-    /// points are below the threshold, with the least delay that does it.
+    /// Wave with the least delay, and past the critical angle a taper, for which displacement and
+    /// velocity at all points are below the threshold at `start` (s).
     ///
     /// Past the critical angle the analytic signal is multiplied by `1 / (1 + exp(-(z - c) / w))`:
     /// the surface stays free and the equation of motion satisfied at all depths of the points.
     /// `w` is ten of the signal's own steps or more, as much as the depth demands; `c` lies before
     /// the signal's start by so much that the signal itself changes by less than the threshold.
-    /// The forerunner before `c` is taken away, which the report shows; it is no error of the
-    /// field, but another field, whose waves from below differ by that much.
+    /// The forerunner before `c` is removed; the report states how much. The result is still an exact
+    /// field, of incident waves that differ by that much.
     ///
     /// # Errors
     /// [`WaveError::NotQuiet`] if the permitted padding does not suffice; parameter errors for
@@ -124,17 +125,17 @@ impl PlaneWave {
             .max(10.0 * support.step)
             .max(limits.least_taper);
         StartTaper {
-            // The factor's lack at the signal's start is exp(-(start - centre) / width).
+            // 1 - factor at the signal's start is exp(-(start - centre) / width).
             centre: support.start + width * limits.threshold.ln(),
             width,
         }
     }
 }
 
-/// A field at its points, and its peaks.
+/// Field at some points, with its peaks.
 struct Envelope {
     sampler: Box<dyn powerhouse_model::FieldSampler>,
-    /// Between these times (s) the signal passes the points.
+    /// First and last time (s) at which the signal moves a point.
     window: [f64; 2],
     step: f64,
     peak: [f64; 2],
@@ -200,7 +201,7 @@ impl Envelope {
         }
     }
 
-    /// The least padding from which on all larger ones are quiet too.
+    /// Least padding such that all larger paddings satisfy the threshold too.
     fn padding(&self, start: f64, limits: &QuietStartLimits) -> Result<f64, WaveError> {
         let (threshold, most) = (limits.threshold, limits.most_padding);
         let count = (most / self.step).floor() as usize;

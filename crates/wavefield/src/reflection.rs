@@ -1,17 +1,17 @@
-//! What a plane wave becomes at a free surface.
+//! Reflection of plane waves at a free surface.
 
 use powerhouse_model::{ElasticMedium, ParameterError};
 
 use crate::{Angle, Complex, WaveError};
 
-/// The type of a plane body wave.
+/// Type of a plane body wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WaveKind {
-    /// Compressional: moves along its direction.
+    /// Compressional wave, polarised along its direction of travel.
     P,
-    /// Shear in the vertical plane of travel.
+    /// Shear wave polarised in the vertical plane of travel.
     SV,
-    /// Shear in the horizontal plane.
+    /// Shear wave polarised horizontally.
     SH,
 }
 
@@ -26,14 +26,14 @@ impl core::fmt::Display for WaveKind {
 }
 
 impl WaveKind {
-    /// The speed of this wave in a medium (m/s).
+    /// Speed of this type of wave in a medium (m/s).
     pub fn speed(self, medium: &ElasticMedium) -> f64 {
         match self {
             Self::P => medium.p_speed(),
             Self::SV | Self::SH => medium.s_speed(),
         }
     }
-    /// The greatest incidence under a free surface (degrees).
+    /// Greatest incidence under a free surface (degrees).
     pub(crate) fn greatest_incidence(self) -> f64 {
         match self {
             Self::P => 89.0,
@@ -43,20 +43,20 @@ impl WaveKind {
     }
 }
 
-/// The angle of SV incidence at which the reflected P wave travels along the surface,
-/// `asin(cs/cp)`; beyond it the P wave decays with depth and the field is not causal.
+/// Critical angle of SV incidence, `asin(cs/cp)`, at which the reflected P wave travels along the
+/// surface; beyond it the P wave decays with depth and the field is not causal.
 pub fn critical_angle(medium: &ElasticMedium) -> Angle {
     Angle::from_radians((medium.s_speed() / medium.p_speed()).asin())
 }
 
-/// Reflection of a unit plane wave at a free surface, for spectra of `exp(+i w t)`, `w > 0`.
+/// Reflection coefficients of a unit plane wave at a free surface, for spectra of `exp(+i w t)`, `w > 0`.
 ///
 /// With `p` the horizontal slowness, `xi` and `eta` the vertical slownesses of P and S,
 /// `k = 1/cs^2 - 2 p^2`, `D = k^2 + 4 p^2 xi eta`:
 /// `B1 = -(k^2 - 4 p^2 xi eta)/D`, `B2 = 4 (cs/cp) p eta k/D` for SV incidence,
 /// `B3 = (k^2 - 4 p^2 xi eta)/D`, `B4 = 4 (cp/cs) p xi k/D` for P incidence, names and signs as in
 /// X. Wang, J. Chen, M. Xiao (2019), Soil Dyn. Earthq. Eng. 119, Eqs. 8-9. Past the critical angle
-/// `xi = -i sqrt(p^2 - 1/cp^2)`. SH is reflected as it is.
+/// `xi = -i sqrt(p^2 - 1/cp^2)`. SH is reflected with amplitude 1.
 /// ```
 /// use powerhouse_model::ElasticMedium;
 /// use powerhouse_wavefield::{Angle, SurfaceReflection, WaveKind};
@@ -68,9 +68,9 @@ pub fn critical_angle(medium: &ElasticMedium) -> Angle {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceReflection {
-    /// The incident wave.
+    /// Type of the incident wave.
     pub kind: WaveKind,
-    /// Its angle from the vertical.
+    /// Angle of incidence from the vertical.
     pub incidence: Angle,
     /// Amplitude of the reflected wave of the same type: B1, B3, or 1 for SH.
     pub same: Complex,
@@ -80,14 +80,14 @@ pub struct SurfaceReflection {
     pub horizontal_slowness: f64,
     /// Vertical slowness of the incident wave and the reflected one of its type (s/m).
     pub vertical_slowness: f64,
-    /// Vertical slowness of the converted wave (s/m), `-i` times its decay past the critical angle.
+    /// Vertical slowness of the converted wave (s/m); past the critical angle `-i` times its decay rate.
     pub converted_slowness: Complex,
     /// Speed of the converted wave (m/s).
     pub(crate) converted_speed: f64,
 }
 
 impl SurfaceReflection {
-    /// The reflection of a wave that comes from below.
+    /// Reflection of a wave that is incident from below.
     ///
     /// # Errors
     /// [`WaveError::GrazingIncidence`] above 89 degrees for P, 89.9 for SV, 90 for SH; a
@@ -160,13 +160,13 @@ impl SurfaceReflection {
         })
     }
 
-    /// Whether the reflected P wave decays with depth instead of travelling down.
+    /// Whether the incidence is past the critical angle, so that the reflected P wave decays with depth.
     pub fn past_critical(&self) -> bool {
         self.kind == WaveKind::SV && self.converted_slowness.im < 0.0
     }
 
-    /// Motion of the surface for unit incidence: along the horizontal direction of travel, across
-    /// it, and up.
+    /// Displacement of the surface for unit incident amplitude: along the horizontal direction of
+    /// travel, across it, and up.
     pub fn surface_motion(&self) -> [Complex; 3] {
         let [incident, same, converted] = self.polarisations();
         core::array::from_fn(|i| incident[i] + same[i] + converted[i])
@@ -200,8 +200,8 @@ impl SurfaceReflection {
         ]
     }
 
-    /// Shares of the incident energy flux that the reflected wave of the same type and the
-    /// converted one carry away; they sum to one. A decaying wave carries none.
+    /// Shares of the incident energy flux in the reflected wave of the same type and in the converted
+    /// wave; they sum to one. An evanescent wave has none.
     pub fn energy(&self) -> [f64; 2] {
         // Flux through the surface: rho c^2 q |B|^2, q the vertical slowness.
         // The incident speed follows from its two slownesses.

@@ -1,4 +1,4 @@
-//! The time function of a wave.
+//! Time functions of waves.
 
 use crate::WaveError;
 
@@ -13,22 +13,22 @@ pub struct SignalMotion {
     pub acceleration: f64,
 }
 
-/// When a signal moves, and how finely.
+/// Time interval in which a signal moves, and the step that resolves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Support {
-    /// Before this time (s) the signal is at rest at zero.
+pub struct SignalSupport {
+    /// Start of the motion (s); before it the signal is at rest at zero.
     pub start: f64,
-    /// After this time (s) the signal is at rest, possibly displaced.
+    /// End of the motion (s); after it the signal is at rest, possibly displaced.
     pub end: f64,
-    /// A time step (s) at which samples of displacement, velocity and acceleration, joined by
-    /// quintics, represent the signal. Where the acceleration has kinks they fall on these steps.
+    /// Time step (s) at which quintic interpolation of displacement, velocity and acceleration
+    /// represents the signal. Kinks of the acceleration fall on these steps.
     pub step: f64,
 }
 
-/// The displacement that a wave carries, with its derivatives, as a function of time.
+/// Displacement of a wave, with its derivatives, as a function of time.
 ///
 /// ```
-/// use powerhouse_wavefield::{Signal, SignalMotion, Support};
+/// use powerhouse_wavefield::{Signal, SignalMotion, SignalSupport};
 /// /// One swing of 1 mm and 2 s.
 /// struct Swing;
 /// impl Signal for Swing {
@@ -44,18 +44,18 @@ pub struct Support {
 ///             acceleration: amplitude * rate * rate * cosine,
 ///         }
 ///     }
-///     fn support(&self) -> Support { Support { start: 0.0, end: 2.0, step: 0.01 } }
+///     fn support(&self) -> SignalSupport { SignalSupport { start: 0.0, end: 2.0, step: 0.01 } }
 /// }
 /// let mut motion = ([0.0; 2], [0.0; 2]);
 /// Swing.sample(&[1.0, 5.0], &mut motion.0, &mut motion.1);
 /// assert!((motion.0[0] - 1e-3).abs() < 1e-15 && motion.0[1] == 0.0);
 /// ```
 pub trait Signal: Send + Sync {
-    /// The motion at a time (s); finite at every time.
+    /// Motion at a time (s); finite at every time.
     fn motion(&self, time: f64) -> SignalMotion;
-    /// When the signal moves.
-    fn support(&self) -> Support;
-    /// Displacements (m) and velocities (m/s) at many times (s): one virtual call for a batch.
+    /// Time interval and resolution of the motion.
+    fn support(&self) -> SignalSupport;
+    /// Computes displacements (m) and velocities (m/s) at many times (s), in one virtual call per batch.
     ///
     /// # Panics
     /// May panic if the outputs are shorter than `times`.
@@ -69,10 +69,10 @@ pub trait Signal: Send + Sync {
     }
 }
 
-/// Refuses a signal that ends displaced, as far as an operation cannot take that.
+/// Returns an error if the signal ends displaced; `operation` is named in it.
 pub(crate) fn check_return(signal: &dyn Signal, operation: &'static str) -> Result<(), WaveError> {
     const INSTANTS: usize = 1000;
-    /// Of the peak: what a pulse that never quite begins and ends leaves.
+    /// Permitted end displacement over the peak, for pulses of unbounded duration.
     const PERMITTED_SHARE: f64 = 1e-9;
     let support = signal.support();
     let displacement = signal.motion(support.end + support.step).displacement;
@@ -82,7 +82,7 @@ pub(crate) fn check_return(signal: &dyn Signal, operation: &'static str) -> Resu
         peak.max(motion.displacement.abs())
     });
     if displacement.abs() > PERMITTED_SHARE * peak {
-        return Err(WaveError::LastingDisplacement {
+        return Err(WaveError::PermanentDisplacement {
             operation,
             displacement,
         });

@@ -1,4 +1,4 @@
-//! Response and Fourier spectra of records.
+//! Response spectra and Fourier spectra of records.
 
 use powerhouse_model::ParameterError;
 use std::f64::consts::PI;
@@ -6,16 +6,16 @@ use std::f64::consts::PI;
 use crate::fourier::Fourier;
 use crate::{TimeHistory, WaveError};
 
-/// Largest response of one linear oscillator to a record.
+/// Peak response of a linear single-degree-of-freedom oscillator to a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OscillatorResponse {
     /// Natural period (s).
     pub period: f64,
-    /// Relative displacement (m), SD.
+    /// Peak relative displacement (m), SD.
     pub displacement: f64,
-    /// Relative velocity (m/s), SV.
+    /// Peak relative velocity (m/s), SV.
     pub velocity: f64,
-    /// Absolute acceleration (m/s2), SA.
+    /// Peak absolute acceleration (m/s2), SA.
     pub acceleration: f64,
 }
 
@@ -30,21 +30,22 @@ impl OscillatorResponse {
     }
 }
 
-/// One line of a Fourier amplitude spectrum.
+/// Ordinate of a Fourier amplitude spectrum at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectralLine {
     /// Frequency (Hz).
     pub frequency: f64,
-    /// `|int a exp(-i w t) dt|` (m/s).
+    /// Fourier amplitude of the acceleration, `|int a exp(-i w t) dt|` (m/s).
     pub amplitude: f64,
 }
 
 impl TimeHistory {
-    /// The elastic response spectrum for a damping ratio, at the given periods (s).
+    /// Elastic response spectrum for a damping ratio, at the given periods (s).
     ///
     /// The oscillator `u'' + 2 z w u' + w^2 u = -a(t)` is solved exactly for the piecewise-linear
-    /// record (N. C. Nigam and P. C. Jennings (1969), Bull. Seism. Soc. Am. 59(2)) and read at
-    /// least 32 times a period and four times a step, during the record and one period of free vibration after it.
+    /// record (N. C. Nigam and P. C. Jennings (1969), Bull. Seism. Soc. Am. 59(2)). Peaks are taken over
+    /// at least 32 instants a period and four a step, during the record and one period of free vibration
+    /// after it.
     ///
     /// # Errors
     /// If the damping is not in [0, 0.99], or a period not above a thousandth of the step.
@@ -63,10 +64,10 @@ impl TimeHistory {
     }
 
     fn oscillator(&self, acceleration: &[f64], damping: f64, period: f64) -> OscillatorResponse {
-        const READINGS_PER_PERIOD: f64 = 32.0;
-        const READINGS_PER_STEP: f64 = 4.0;
-        let parts = READINGS_PER_PERIOD * self.step() / period;
-        let parts = parts.ceil().max(READINGS_PER_STEP);
+        const INSTANTS_PER_PERIOD: f64 = 32.0;
+        const INSTANTS_PER_STEP: f64 = 4.0;
+        let parts = INSTANTS_PER_PERIOD * self.step() / period;
+        let parts = parts.ceil().max(INSTANTS_PER_STEP);
         let step = self.step() / parts;
         let oscillator = Oscillator::new(2.0 * PI / period, damping, step);
         let mut largest = OscillatorResponse {
@@ -96,8 +97,8 @@ impl TimeHistory {
         largest
     }
 
-    /// The Fourier amplitude spectrum of the acceleration, from zero to the Nyquist frequency,
-    /// at `1 / (n step)` with n the power of two from twice the number of samples up.
+    /// Fourier amplitude spectrum of the acceleration, from zero to the Nyquist frequency, at multiples
+    /// of `1 / (n step)` with n the least power of two of at least twice the number of samples.
     ///
     /// Exact for the piecewise-linear record, taken to fall to zero within one step beyond both
     /// ends: the discrete transform times `step sinc^2(pi f step)`.
@@ -118,12 +119,12 @@ impl TimeHistory {
     }
 }
 
-/// Exact propagation of one oscillator over one step.
+/// Exact propagator of one oscillator over one step.
 struct Oscillator {
     frequency: f64,
     damping: f64,
     step: f64,
-    /// (u, u') after a step of free vibration, from unit displacement and from unit velocity.
+    /// State (u, u') after a step of free vibration, from unit displacement and from unit velocity.
     free: [[f64; 2]; 2],
 }
 
@@ -147,9 +148,9 @@ impl Oscillator {
         }
     }
 
-    /// The state after a step under ground acceleration `a + slope t`.
+    /// State (u, u') after a step under ground acceleration `a + slope t`.
     ///
-    /// `u_p = -(a + slope t) / w^2 + 2 z slope / w^3` solves the forced equation; the rest vibrates
+    /// `u_p = -(a + slope t) / w^2 + 2 z slope / w^3` solves the forced equation; the difference vibrates
     /// freely.
     fn advance(&self, (u, v): (f64, f64), a: f64, slope: f64) -> (f64, f64) {
         let stiffness = self.frequency * self.frequency;
@@ -163,7 +164,7 @@ impl Oscillator {
         )
     }
 
-    /// `u'' + a = -2 z w u' - w^2 u`.
+    /// Absolute acceleration `u'' + a = -2 z w u' - w^2 u`.
     fn absolute_acceleration(&self, (u, v): (f64, f64)) -> f64 {
         -self.frequency * (2.0 * self.damping * v + self.frequency * u)
     }

@@ -1,10 +1,10 @@
-//! Several waves at once.
+//! Superposition of several fields.
 
 use powerhouse_model::{ElasticMedium, FieldMotion, FieldSampler, IncidentField, ModelError, Vec3};
 
 use crate::WaveError;
 
-/// The sum of several fields in one medium, such as a horizontal and a vertical record, each with
+/// Sum of several fields in one medium, such as a horizontal and a vertical record, each with
 /// its angle and arrival.
 pub struct Superposition {
     fields: Vec<Box<dyn IncidentField>>,
@@ -12,10 +12,10 @@ pub struct Superposition {
 }
 
 impl Superposition {
-    /// The sum of the given fields.
+    /// Sum of the given fields.
     ///
     /// # Errors
-    /// If there are none, or they live in different media.
+    /// If there are none, or their media differ.
     pub fn new(fields: Vec<Box<dyn IncidentField>>) -> Result<Self, WaveError> {
         let first = fields.first().ok_or(WaveError::NoFields)?.medium();
         if let Some(index) = fields.iter().position(|field| field.medium() != first) {
@@ -38,7 +38,7 @@ impl IncidentField for Superposition {
         self.fields[0].medium()
     }
 
-    /// The sum of the incident parts, if every field knows its own.
+    /// Sum of the incident parts, if every field has one.
     fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
         let parts = self.fields.iter().map(|field| field.incident_part());
         let sum = Self {

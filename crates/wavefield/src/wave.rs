@@ -8,57 +8,56 @@ use std::sync::{Arc, OnceLock};
 use crate::analytic::{AnalyticTables, StartTaper};
 use crate::body::BodySampler;
 use crate::evanescent::AnalyticSampler;
-use crate::partial::{PartialWave, half_space_waves, turned};
+use crate::partial::{Arrival, PartialWave, half_space_waves, rotated};
 use crate::signal::check_return;
-use crate::within::incident_of_within;
+use crate::within::{WithinRecord, incident_of_within};
 use crate::{
     Angle, Complex, InputConvention, InputConversion, Signal, SurfaceReflection, WaveError,
     WaveKind,
 };
 
-/// What the wave travels in.
+/// Domain in which a plane wave travels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Site {
     /// A homogeneous half-space under a horizontal free surface.
     HalfSpace {
-        /// Height z of the surface (m).
+        /// Height z of the free surface (m).
         surface: f64,
     },
-    /// A homogeneous full space: the incident wave alone, in any direction. A model whose top is
-    /// free then needs the field and an absorbing boundary on its top too, since the stress of the
-    /// wave does not vanish there.
+    /// A homogeneous full space: the incident wave alone, in any direction. The stress of the wave does
+    /// not vanish on the top of a model, which therefore needs the field and an absorbing boundary too.
     FullSpace,
 }
 
-/// Everything about a plane wave but its time function.
+/// Parameters of a plane wave: all but its time function.
 ///
 /// The direction of travel is `(sin a cos f, sin a sin f, cos a)`, `a` the incidence and `f` the
-/// azimuth. For unit signal P moves by `(sin a, 0, cos a)`, SV by `(cos a, 0, -sin a)`, SH by
-/// `(0, 1, 0)`, each turned by the azimuth about the vertical.
+/// azimuth. For unit signal P has the displacement `(sin a, 0, cos a)`, SV `(cos a, 0, -sin a)`, SH
+/// `(0, 1, 0)`, each rotated by the azimuth about the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneWaveParameters {
-    /// The incident wave.
+    /// Type of the incident wave.
     pub kind: WaveKind,
-    /// Angle of travel from the vertical, 0 straight up. Under a free surface at most 89 degrees
+    /// Angle of incidence from the vertical, 0 straight up. Under a free surface at most 89 degrees
     /// for P, 89.9 for SV and 90 for SH; in a full space up to 180.
     pub incidence: Angle,
-    /// Horizontal direction of travel, from +x towards +y.
+    /// Azimuth: horizontal direction of travel, from +x towards +y.
     pub azimuth: Angle,
-    /// The medium.
+    /// Elastic medium of the site.
     pub medium: ElasticMedium,
-    /// Half-space or full space.
+    /// Domain: half-space or full space.
     pub site: Site,
-    /// The point where the incident wave is the signal (m); see [`first_hit_corner`].
+    /// Reference point (m), at which the incident wave equals the signal; see [`first_hit_corner`].
     pub reference: Vec3,
-    /// When the signal's time zero passes the reference point (s).
+    /// Time at which the signal's time zero passes the reference point (s).
     pub arrival: f64,
-    /// What the signal is.
+    /// Motion that the signal represents.
     pub convention: InputConvention,
 }
 
 impl PlaneWaveParameters {
-    /// A wave that travels straight up, incident as it is given, arriving at the origin at time
-    /// zero under a free surface at the given height. Change the fields that differ.
+    /// Parameters of a vertically incident wave under a free surface at the given height z (m), with the
+    /// signal as the incident wave at the origin at time zero. Change the fields that differ.
     pub fn vertical(kind: WaveKind, medium: ElasticMedium, surface: f64) -> Self {
         Self {
             kind,
@@ -72,7 +71,7 @@ impl PlaneWaveParameters {
         }
     }
 
-    /// Unit vector of the incident wave's travel.
+    /// Unit vector of the incident wave's direction of travel.
     pub fn direction(&self) -> Vec3 {
         let (sine, cosine) = self.incidence.radians().sin_cos();
         let (across, along) = self.azimuth.radians().sin_cos();
@@ -80,7 +79,7 @@ impl PlaneWaveParameters {
     }
 }
 
-/// The corner of the box from `low` to `high` that a plane wave of the given direction hits first.
+/// Corner of the box from `low` to `high` that a plane wave of the given direction reaches first.
 ///
 /// ```
 /// use powerhouse_model::Vec3;
@@ -99,11 +98,11 @@ pub fn first_hit_corner(low: &Vec3, high: &Vec3, direction: &Vec3) -> Vec3 {
     )
 }
 
-/// A plane P, SV or SH wave and what a free surface makes of it.
+/// Plane P, SV or SH wave with its reflections from the free surface: the incident field of a site.
 ///
 /// The sampler of a [`prepare`](IncidentField::prepare)d set of points does one table look-up per
 /// wave and point. Below the critical angle the waves are real multiples of the signal, exact at
-/// all times. Past it ([`critical_angle`](crate::critical_angle)) the reflected waves are made
+/// all times. Past it ([`critical_angle`](crate::critical_angle)) the reflected waves are computed
 /// from tables of the analytic signal, and begin before the incident wave arrives: see
 /// [`start_level`](Self::start_level) and [`with_quiet_start`](Self::with_quiet_start). The tables
 /// agree with the formulas to 1e-6 of the peak displacement and 1e-4 of the peak velocity for
@@ -121,7 +120,7 @@ pub struct PlaneWave {
     waves: Vec<PartialWave>,
     conversion: InputConversion,
     taper: Option<StartTaper>,
-    /// Tables of the analytic signal, once they are needed; clones share them.
+    /// Tables of the analytic signal, made when first needed; clones share them.
     tables: Arc<OnceLock<AnalyticTables>>,
     name: String,
 }
@@ -137,12 +136,12 @@ impl core::fmt::Debug for PlaneWave {
 }
 
 impl PlaneWave {
-    /// A wave of the given parameters that carries a signal.
+    /// Wave of the given parameters and signal.
     ///
     /// # Errors
-    /// Grazing incidence under a free surface; a convention that needs a free surface in a full
-    /// space, or names a component that this wave hardly moves; a signal with a lasting
-    /// displacement where it is to be shifted in phase; a number outside its range.
+    /// Grazing incidence under a free surface; a convention that needs a free surface in a full space, or
+    /// a component whose surface coefficient is too small; a signal with a permanent displacement where
+    /// it is to be phase-shifted; a number outside its range.
     pub fn new(
         parameters: PlaneWaveParameters,
         signal: Arc<dyn Signal>,
@@ -184,7 +183,11 @@ impl PlaneWave {
                     regularisation,
                 } = convention
                 {
-                    let record = (depth, component, regularisation);
+                    let record = WithinRecord {
+                        depth,
+                        component,
+                        regularisation,
+                    };
                     let (found, report) = incident_of_within(&*signal, &reflection, record)?;
                     signal = Arc::new(found);
                     conversion.within = Some(report);
@@ -194,7 +197,11 @@ impl PlaneWave {
                     conversion.amplitude,
                     (cosine, sine),
                     &medium,
-                    (reference, arrival, surface),
+                    Arrival {
+                        reference,
+                        time: arrival,
+                        surface,
+                    },
                 )
             }
             Site::FullSpace => {
@@ -222,35 +229,35 @@ impl PlaneWave {
         Ok(wave)
     }
 
-    /// The parameters of the wave.
+    /// Parameters of the wave.
     pub fn parameters(&self) -> &PlaneWaveParameters {
         &self.parameters
     }
 
-    /// How the record became the incident wave.
+    /// Conversion of the record into the incident wave.
     pub fn conversion(&self) -> &InputConversion {
         &self.conversion
     }
 
-    /// Whether all waves are delayed real multiples of the signal; if not, the field begins before
-    /// the signal does.
+    /// Whether all waves are delayed real multiples of the signal. If not, the field begins before the
+    /// signal does.
     pub fn is_causal(&self) -> bool {
         self.waves.iter().all(PartialWave::is_real)
     }
 
-    /// The waves of the field, the incident one first.
+    /// Partial waves of the field, the incident one first.
     pub(crate) fn partial_waves(&self) -> &[PartialWave] {
         &self.waves
     }
 
-    /// The same wave, later by a time (s), with the taper that it has. Several waves keep their
-    /// order in time if all are delayed alike.
+    /// This wave delayed by a time (s), with the taper that it has. Equal delays of several waves keep
+    /// their relative arrivals.
     #[must_use]
     pub fn later(&self, time: f64) -> Self {
         self.delayed(time, self.taper)
     }
 
-    /// The same wave, later.
+    /// This wave delayed by a time (s), with a taper.
     pub(crate) fn delayed(&self, time: f64, taper: Option<StartTaper>) -> Self {
         let mut later = self.clone();
         later.parameters.arrival += time;
@@ -264,7 +271,7 @@ impl PlaneWave {
         later
     }
 
-    /// The tables of the analytic signal.
+    /// Tables of the analytic signal.
     fn tables(&self) -> Result<&AnalyticTables, WaveError> {
         if let Some(tables) = self.tables.get() {
             return Ok(tables);
@@ -282,7 +289,7 @@ impl PlaneWave {
             reach = reach.max(point.amax());
         }
         if let Site::HalfSpace { surface } = self.parameters.site {
-            // Room for the rounding of coordinates in mesh files.
+            // Tolerance for the rounding of coordinates in mesh files.
             let highest = surface + 1e-6 * reach;
             if let Some(index) = points.iter().position(|point| point.z > highest) {
                 return Err(WaveError::AboveSurface {
@@ -334,8 +341,8 @@ fn full_space_wave(parameters: &PlaneWaveParameters, (cosine, sine): (f64, f64))
     let real = |vector: [f64; 3]| vector.map(|value| Complex::new(value, 0.0));
     let slowness = 1.0 / parameters.kind.speed(&parameters.medium);
     PartialWave::new(
-        turned(real(polarisation), cosine, sine),
-        turned(real([rise * slowness, 0.0, lift * slowness]), cosine, sine),
+        rotated(real(polarisation), cosine, sine),
+        rotated(real([rise * slowness, 0.0, lift * slowness]), cosine, sine),
         &parameters.medium,
         parameters.reference,
         parameters.arrival,

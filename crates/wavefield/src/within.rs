@@ -1,4 +1,4 @@
-//! From the motion inside a half-space to the wave that caused it.
+//! Deconvolution of a motion at a depth in a half-space into the incident wave.
 
 use powerhouse_model::ParameterError;
 use std::f64::consts::PI;
@@ -7,25 +7,25 @@ use crate::fourier::Fourier;
 use crate::hermite::Quintic;
 use crate::signal::check_return;
 use crate::{
-    Complex, Signal, SignalMotion, Support, SurfaceComponent, SurfaceReflection, WaveError,
+    Complex, Signal, SignalMotion, SignalSupport, SurfaceComponent, SurfaceReflection, WaveError,
 };
 
-/// What a regularised division by a transfer function did.
+/// Quality of the regularised division of a within motion by its transfer function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WithinReport {
-    /// The regularisation, relative to the sum of the waves' magnitudes.
+    /// Regularisation r, relative to the sum of the waves' magnitudes (1).
     pub regularisation: f64,
-    /// Least magnitude of the transfer function where the record has 1 % of its peak spectrum or
-    /// more.
+    /// Least magnitude of the transfer function (1) over the frequencies at which the record has at
+    /// least 1 % of its peak spectrum.
     pub least_transfer: f64,
-    /// Relative L2 misfit, in velocity, between the record and the motion that the incident wave
-    /// found causes at its depth.
+    /// Relative L2 misfit, in velocity, between the record and the motion at its depth under the
+    /// incident wave that was found (1).
     pub misfit: f64,
-    /// Largest displacement of the incident wave over that of the record.
+    /// Peak displacement of the incident wave over that of the record (1).
     pub amplification: f64,
 }
 
-/// A signal by its samples, joined by quintics.
+/// Signal given by samples with quintic interpolation.
 pub(crate) struct SampledSignal {
     start: f64,
     step: f64,
@@ -35,10 +35,10 @@ pub(crate) struct SampledSignal {
 
 impl Signal for SampledSignal {
     fn motion(&self, time: f64) -> SignalMotion {
-        let place = (time - self.start) * self.per_step;
-        if place >= 0.0 && place < self.intervals.len() as f64 {
-            let index = place as usize;
-            let local = place - index as f64;
+        let position = (time - self.start) * self.per_step;
+        if position >= 0.0 && position < self.intervals.len() as f64 {
+            let index = position as usize;
+            let local = position - index as f64;
             let (displacement, velocity) = self.intervals[index].real_value(local);
             let curvature = self.intervals[index].second_derivative(local);
             return SignalMotion {
@@ -49,8 +49,8 @@ impl Signal for SampledSignal {
         }
         SignalMotion::default()
     }
-    fn support(&self) -> Support {
-        Support {
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: self.start,
             end: self.start + self.step * self.intervals.len() as f64,
             step: self.step,
@@ -58,32 +58,47 @@ impl Signal for SampledSignal {
     }
 }
 
-/// The incident wave, at the same place, of which `signal` is the given component at a depth.
+/// A record of one component of the motion within a half-space.
+#[derive(Clone, Copy)]
+pub(crate) struct WithinRecord {
+    /// Depth below the free surface (m).
+    pub(crate) depth: f64,
+    pub(crate) component: SurfaceComponent,
+    /// Regularisation of the division, relative to the sum of the waves' magnitudes, 1e-3 to 0.5.
+    pub(crate) regularisation: f64,
+}
+
+/// Incident wave at the recording point, of which `signal` is the given component at a depth.
 ///
-/// The incident wave precedes the record by the way to the surface and rings after it: it is
-/// sought from two lengths of the record before to four lengths after, and faded out over the
+/// The incident wave precedes the record by the travel time to the surface and rings after it: it is
+/// computed from two lengths of the record before to four lengths after, and faded out over the
 /// outer tenths of that.
 pub(crate) fn incident_of_within(
     signal: &dyn Signal,
     reflection: &SurfaceReflection,
-    (depth, component, regularisation): (f64, SurfaceComponent, f64),
+    record: WithinRecord,
 ) -> Result<(SampledSignal, WithinReport), WaveError> {
     const MOST_SAMPLES: usize = 1 << 20;
+    let WithinRecord {
+        depth,
+        component,
+        regularisation,
+    } = record;
     ParameterError::check("depth", depth, f64::MIN_POSITIVE, 1e9)?;
     ParameterError::check("regularisation", regularisation, 1e-3, 0.5)?;
     let transfer = Transfer::new(reflection, depth, component)?;
     let support = signal.support();
     let step = support.step;
     check_return(signal, "the motion within a half-space")?;
-    // The longest way to the surface and back is part of the length.
+    // The longest travel time to the surface and back is part of the length.
     let length = support.end - support.start + transfer.longest_delay();
-    let wanted = 8.0 * length / step;
+    let needed = 8.0 * length / step;
     WaveError::check_samples(
         "the division by the motion within a half-space",
-        wanted,
+        needed,
         MOST_SAMPLES,
     )?;
-    let mut fourier = Fourier::new(wanted.ceil() as usize);
+    let mut fourier = Fourier::new(needed.ceil() as usize);
     let count = fourier.len();
     let filter = Filter::new(&transfer, regularisation, count, step);
 
@@ -127,7 +142,7 @@ pub(crate) fn incident_of_within(
     Ok((signal, report))
 }
 
-/// Motion at a depth for unit incidence at the same place.
+/// Transfer function: motion at a depth for unit incident amplitude at the same point.
 struct Transfer {
     /// Amplitude of each wave, and its delay (s) after the incident one.
     waves: [(Complex, Complex); 3],
@@ -181,7 +196,7 @@ impl Transfer {
     }
 }
 
-/// The regularised inverse at the frequencies of a transform.
+/// Transfer function and its regularised inverse at the frequencies of a transform.
 struct Filter {
     transfer: Vec<Complex>,
     inverse: Vec<Complex>,
@@ -248,7 +263,7 @@ fn fade([displacement, velocity, acceleration]: &mut [Vec<f64>; 3], step: f64) {
 mod tests {
     use super::*;
 
-    /// What is faded stays a motion: velocity and acceleration are the derivatives of displacement
+    /// A faded motion is consistent: velocity and acceleration are the derivatives of displacement
     /// and velocity, and the ends are at rest.
     #[test]
     fn a_faded_motion_is_a_motion() {

@@ -1,4 +1,4 @@
-//! What a record is: each convention gives back the motion that it was said to be.
+//! Input conventions: each reproduces the motion that the record represents.
 
 mod support;
 
@@ -57,7 +57,7 @@ fn an_outcrop_is_twice_the_incident_wave() {
     }
 }
 
-/// The surface moves, in the component that the record was said to be, exactly as the record:
+/// The surface moves, in the component that the record represents, exactly as the record:
 /// below the critical angle, and past it, where the incident wave is a phase-shifted record.
 #[test]
 fn a_surface_component_comes_back_at_the_surface() {
@@ -81,7 +81,7 @@ fn a_surface_component_comes_back_at_the_surface() {
     }
 }
 
-/// A component that the wave hardly moves is refused with its coefficient.
+/// A component with a small surface coefficient is refused, and the error states the coefficient.
 #[test]
 fn weak_components_are_refused() {
     use SurfaceComponent::{X, Y, Z};
@@ -150,8 +150,8 @@ fn a_record_from_a_depth_comes_back_there() {
     }
 }
 
-/// A depth of nothing and a regularisation of nothing are refused by name, a full space has no
-/// surface to refer to.
+/// A depth of zero and a regularisation of zero are refused by name; in a full space the convention is
+/// refused, since it has no surface.
 #[test]
 fn impossible_conventions_are_refused() {
     let within = |depth, regularisation| {

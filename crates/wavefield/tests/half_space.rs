@@ -91,7 +91,7 @@ fn the_surface_moves_as_the_closed_form_says() {
     }
 }
 
-/// Each wave arrives inside at the time and with the vector that the geometry of its own ray says.
+/// Each wave arrives inside at the time and with the vector that follow from the geometry of its ray.
 #[test]
 fn every_reflection_arrives_along_its_own_ray() {
     let (depth, degrees, poisson) = (400.0, 20.0f64, 0.25);
@@ -255,7 +255,7 @@ fn points_are_independent() {
     }
 }
 
-/// Points above the surface or nowhere are refused with their index; rounding of a mesh file is not.
+/// Points above the surface or with NaN are refused with their index; rounding of a mesh file is not.
 #[test]
 fn points_above_the_surface_are_refused() {
     let field = wave(WaveKind::SV, 0.27, 20.0, 0.0, ricker());

@@ -1,4 +1,4 @@
-//! Records: exact integration, editing, baseline, coming to rest.
+//! Records: exact integration, editing, baseline, motion at the end.
 
 use powerhouse_wavefield::{BaselineCorrection, EndDisplacement, Signal, TimeHistory, WaveError};
 
@@ -36,8 +36,8 @@ fn linear_acceleration_is_exact() {
     }
 }
 
-/// Before its start a history is at rest, after its end displaced and still, also at times that are
-/// no numbers; two samples and a step suffice.
+/// Before its start a history is at rest, after its end at rest and displaced, also at times that are
+/// NaN; two samples and a step suffice.
 #[test]
 fn a_history_is_defined_at_all_times() {
     for samples in [vec![0.0, 1.0], vec![1.0, 1.0], vec![0.0, 0.0, 5.0, 5.0]] {
@@ -98,11 +98,11 @@ fn peaks_between_samples_are_found() {
     }
 }
 
-/// The main record path works: first 20 s, baseline by name, scaled to 1.7 m/s2, a signal at rest
+/// A usual sequence of operations: 20 s of a record, baseline, scaled to 1.7 m/s2, a signal at rest
 /// at its end.
 #[test]
 fn el_centro_becomes_a_signal() {
-    let cut = el_centro().first(20.0, 0.0).unwrap();
+    let cut = el_centro().truncated(20.0, 0.0).unwrap();
     assert_eq!(cut.samples(), 1001);
     let method = BaselineCorrection::VelocityPolynomial { order: 5 };
     let (corrected, report) = cut.corrected(method).unwrap();
@@ -118,12 +118,12 @@ fn el_centro_becomes_a_signal() {
     let support = signal.support();
     assert!(support.end > 20.0 && support.end < 22.0);
     assert_eq!(signal.motion(support.end + 1.0), Default::default());
-    // The run-down stays within the record's own range.
+    // The closing segment stays within the record's own range.
     let report = signal.history().report();
     assert!((report.peak_acceleration - 1.7).abs() < 1e-12);
 }
 
-/// A drifting record is refused with its figures, and the named corrections do what they say.
+/// A drifting record is refused with its end values, and the corrections do what is documented.
 #[test]
 fn drifting_records_are_refused() {
     let drifting = TimeHistory::new(0.1, vec![1.0; 20]).unwrap();
@@ -141,11 +141,11 @@ fn drifting_records_are_refused() {
     assert_eq!((rest.displacement, rest.velocity), (end, 0.0));
 }
 
-/// After its run-down a record rests exactly at the declared displacement, without a jump.
+/// After its closing segment a record has exactly the declared displacement, without a jump.
 #[test]
-fn the_run_down_is_smooth() {
+fn the_closing_segment_is_smooth() {
     let (history, _) = el_centro()
-        .first(11.3, 0.0)
+        .truncated(11.3, 0.0)
         .unwrap()
         .corrected(BaselineCorrection::Mean)
         .unwrap();
@@ -247,15 +247,15 @@ fn edits_change_what_they_name() {
             assert!((found.displacement - expected.displacement).abs() < 1e-9);
         }
     }
-    let tapered = record.first(10.0, 2.0).unwrap();
+    let tapered = record.truncated(10.0, 2.0).unwrap();
     assert_eq!(tapered.motion(7.9), record.motion(7.9));
     assert!(tapered.motion(10.0).acceleration.abs() < 1e-15);
     let half = tapered.motion(9.0).acceleration / record.motion(9.0).acceleration;
     assert!((half - 0.5).abs() < 1e-12);
 }
 
-/// Histories that cannot be are refused by name: no samples, one, a number that is none, a step
-/// that is none, a coarser step, a cut beyond the end, a scale of nothing.
+/// Invalid histories are refused by name: no samples, one, a sample or a step that is
+/// NaN, a coarser step, a cut beyond the end, a scale of zero to a peak.
 #[test]
 fn impossible_histories_are_refused() {
     let few = TimeHistory::new(0.1, vec![1.0]);
@@ -275,7 +275,7 @@ fn impossible_histories_are_refused() {
     }
     let record = el_centro();
     assert!(record.resampled(0.04).is_err() && record.resampled(1e-9).is_err());
-    assert!(record.first(40.0, 0.0).is_err() && record.first(10.0, 11.0).is_err());
+    assert!(record.truncated(40.0, 0.0).is_err() && record.truncated(10.0, 11.0).is_err());
     assert!(record.padded(-1.0, 0.0).is_err() && record.padded(1e9, 0.0).is_err());
     let nothing = TimeHistory::new(0.1, vec![0.0; 5]).unwrap();
     assert_eq!(nothing.scaled_to_peak(1.0), Err(WaveError::ZeroPeak));
@@ -285,7 +285,7 @@ fn impossible_histories_are_refused() {
     assert!(matches!(fitted, Err(WaveError::TooFewSamples { .. })));
 }
 
-/// Short histories survive everything that is permitted, without numbers that are none.
+/// Every permitted operation on a short history gives finite numbers.
 #[test]
 fn short_histories_stay_finite() {
     for samples in [2, 3, 5] {
@@ -315,7 +315,7 @@ fn short_histories_stay_finite() {
     }
 }
 
-/// A batch of a signal's samples is its motion at those times, outside its support too.
+/// A batch of a signal's samples is its motion at those times, outside its interval too.
 #[test]
 fn samples_of_a_signal_are_its_motion() {
     let method = BaselineCorrection::VelocityPolynomial { order: 5 };

@@ -41,8 +41,8 @@ fn analytic(signal: &dyn Signal, time: f64, height: f64) -> [Complex; 2] {
     sum
 }
 
-/// A wave that comes later is the same wave at an earlier time, and keeps the taper that lets it
-/// start quietly.
+/// A delayed wave is the same wave at an earlier time, and keeps the taper of its quiet
+/// start.
 #[test]
 fn a_later_wave_is_the_same_wave() {
     let pulse: Arc<dyn Signal> = Arc::new(ZeroMeanPulse::new(0.01, 0.4).unwrap());
@@ -71,7 +71,7 @@ fn a_later_wave_is_the_same_wave() {
     }
 }
 
-/// Displacement and velocity by the formulas, with nothing of the tables.
+/// Displacement and velocity by the formulas, without the tables.
 fn oracle(field: &PlaneWave, signal: &dyn Signal, point: Vec3, time: f64) -> [Vec3; 2] {
     let parameters = field.parameters();
     let reflection =
@@ -199,7 +199,7 @@ fn el_centro() -> Arc<dyn Signal> {
     let record = TimeHistory::new(0.02, samples.collect()).unwrap();
     let method = BaselineCorrection::VelocityPolynomial { order: 5 };
     let record = record
-        .first(20.0, 0.0)
+        .truncated(20.0, 0.0)
         .unwrap()
         .corrected(method)
         .unwrap()
@@ -251,9 +251,9 @@ fn the_field_is_continuous_across_the_critical_angle() {
     }
 }
 
-/// A signal that ends displaced has no field past the critical angle, and the error says so.
+/// A signal that ends displaced has no field past the critical angle, and is refused.
 #[test]
-fn a_lasting_displacement_is_refused() {
+fn a_permanent_displacement_is_refused() {
     let swing = |i: usize| (0.05 * PI * i as f64).sin();
     let record = TimeHistory::new(0.1, (0..=40).map(swing).collect()).unwrap();
     let end = EndDisplacement::Declared(record.report().end_displacement);
@@ -262,7 +262,7 @@ fn a_lasting_displacement_is_refused() {
     let refused = PlaneWave::new(parameters(WaveKind::SV, POISSON, 50.0, 0.0), signal);
     assert!(matches!(
         refused,
-        Err(WaveError::LastingDisplacement { .. })
+        Err(WaveError::PermanentDisplacement { .. })
     ));
 }
 
@@ -299,8 +299,8 @@ fn points_move_alike_however_they_are_prepared() {
     }
 }
 
-/// Before its arrival the field past the critical angle is already there, and falls only as 1/t for
-/// a one-sided pulse: at -1 s by some per cent; below the critical angle there is nothing.
+/// Past the critical angle the field begins before its arrival, and its forerunner falls only as 1/t for
+/// a one-sided pulse: some per cent are left at -1 s; below the critical angle the field is zero.
 #[test]
 fn the_forerunner_is_reported() {
     let pulse = Arc::new(SmoothPulse::new(1.0, 0.8).unwrap());
@@ -349,10 +349,10 @@ fn a_quiet_start_is_still_a_field() {
                 report.level.largest() < threshold && report.padding < 2.5,
                 "{report:?}"
             );
-            // Read anew, its peaks on instants that differ by rounding.
+            // Computed again, with peaks at instants that differ by rounding.
             let again = quiet.start_level(&points, 0.0).unwrap().largest();
             assert!((again / report.level.largest() - 1.0).abs() < 1e-2);
-            // Free and in motion, also where the taper is at work.
+            // Free surface and equation of motion, also where the taper acts.
             for time in [0.7 * report.padding, report.padding + 0.5] {
                 let surface = motion(&quiet, points[2], time).stress;
                 let inside = motion(&quiet, points[1], time).stress;
@@ -387,7 +387,7 @@ fn a_quiet_start_is_still_a_field() {
     }
 }
 
-/// Under a taper the equation of motion holds as it does without.
+/// The equation of motion holds with a taper as without one.
 #[test]
 fn a_tapered_field_is_in_motion() {
     let ricker = Arc::new(Ricker::new(RickerQuantity::Displacement, 1.0, 3.0, 0.6).unwrap());
@@ -404,7 +404,7 @@ fn a_tapered_field_is_in_motion() {
     }
 }
 
-/// Where the permitted padding does not suffice the error says by how much; a causal field needs
+/// Where the permitted padding does not suffice the error states the level; a causal field needs
 /// none.
 #[test]
 fn padding_has_its_limit() {

@@ -40,7 +40,7 @@ fn derivatives_are_derivatives() {
     }
 }
 
-/// At both ends of its support a pulse is at rest with all that it promises to be continuous.
+/// At both ends of its interval a pulse is at rest in every quantity that is documented as continuous.
 #[test]
 fn pulses_begin_and_end_at_rest() {
     for (name, pulse) in pulses() {
@@ -112,7 +112,7 @@ fn zero_means_are_zero() {
     }
 }
 
-/// Batches give what single values give, also where they straddle the support's ends.
+/// Batches and single values agree, also across the ends of the interval.
 #[test]
 fn samples_are_motions() {
     for (name, pulse) in pulses() {
@@ -130,7 +130,7 @@ fn samples_are_motions() {
     }
 }
 
-/// Pulses of no duration or frequency, or of amplitudes that are no numbers, are refused by name.
+/// Pulses of zero duration or frequency, or of amplitudes that are NaN, are refused by name.
 #[test]
 fn impossible_pulses_are_refused() {
     let text = |error: powerhouse_wavefield::WaveError| error.to_string();

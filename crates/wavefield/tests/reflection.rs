@@ -111,7 +111,7 @@ fn the_critical_angle_divides_delays_from_phase_shifts() {
     }
 }
 
-/// Waves along the surface are refused, and the error names the way out.
+/// Grazing incidence is refused, and the error names the alternatives.
 #[test]
 fn grazing_incidence_is_refused() {
     for (kind, permitted, refused) in [
@@ -129,7 +129,7 @@ fn grazing_incidence_is_refused() {
     }
 }
 
-/// Negative angles, angles that are no numbers and impossible media are refused by name.
+/// Negative angles, angles that are NaN and impossible media are refused by name.
 #[test]
 fn impossible_parameters_are_named() {
     let rock = support::rock(0.27);

@@ -3,7 +3,7 @@
 use powerhouse_wavefield::TimeHistory;
 use std::f64::consts::PI;
 
-/// A step of ground acceleration lets an undamped oscillator swing to twice the static
+/// Under a step of ground acceleration an undamped oscillator reaches twice the static
 /// displacement, whatever its period and the record's step.
 #[test]
 fn a_step_doubles_the_static_response() {
@@ -11,7 +11,7 @@ fn a_step_doubles_the_static_response() {
     for period in [0.01, 0.1, 0.7, 3.0] {
         let response = history.response_spectrum(0.0, &[period]).unwrap()[0];
         let stiffness = (2.0 * PI / period).powi(2);
-        // Read 32 times a period, a peak is missed by at most 1 - cos(pi/32) of its half.
+        // At 32 instants a period, a peak is missed by at most 1 - cos(pi/32) of its half.
         let share = response.displacement * stiffness / 2.0;
         assert!(
             (1.0 - 0.5 * (1.0 - (PI / 32.0).cos())..=1.0 + 1e-9).contains(&share),
@@ -39,8 +39,8 @@ fn resonance_grows_as_theory_says() {
     );
 }
 
-/// Refining a record's step by a whole number changes its response spectrum only by where it is
-/// read: the solution is exact for straight lines.
+/// Refining a record's step by a whole number changes its response spectrum only by the instants at
+/// which peaks are taken: the solution is exact for straight lines.
 #[test]
 fn the_response_is_exact_for_straight_lines() {
     let samples: Vec<f64> = (0..200)
@@ -48,7 +48,7 @@ fn the_response_is_exact_for_straight_lines() {
         .collect();
     let coarse = TimeHistory::new(0.05, samples).unwrap();
     let fine = coarse.resampled(0.005).unwrap();
-    // Read at 12.5 ms, a motion of 12 rad/s is missed by 1 - cos(12 x 0.0125 / 2) = 0.3 %.
+    // At instants of 12.5 ms, a motion of 12 rad/s is missed by 1 - cos(12 x 0.0125 / 2) = 0.3 %.
     for period in [0.08, 0.3, 1.0, 5.0] {
         let read = |history: &TimeHistory| history.response_spectrum(0.05, &[period]).unwrap()[0];
         let (a, b) = (read(&coarse), read(&fine));
@@ -57,12 +57,12 @@ fn the_response_is_exact_for_straight_lines() {
     }
 }
 
-/// A stiff oscillator feels the ground's acceleration, a soft one its displacement.
+/// The response of a stiff oscillator is the ground's acceleration, that of a soft one its displacement.
 #[test]
 fn the_spectrum_has_its_limits() {
     let samples = (0..=200).map(|i| {
         let x = i as f64 / 200.0;
-        // The second derivative of (x (1 - x))^4 comes to rest.
+        // The integrals of the second derivative of (x (1 - x))^4 end at zero.
         let y = x * (1.0 - x);
         12.0 * y * y * (1.0 - 2.0 * x).powi(2) - 8.0 * y * y * y
     });

@@ -24,15 +24,10 @@ fn sprung<'a>(
 ) -> ModelBuilder<'a> {
     let mut spring = Mat3::zeros();
     spring[(axis, axis)] = stiffness / nodes.len() as f64;
-    let impedance = nodes.iter().map(|&node| NodalImpedance {
-        node,
-        spring,
-        dashpot: Mat3::zeros(),
-    });
-    builder.boundary(BoundaryParts {
-        impedance: impedance.collect(),
-        ..Default::default()
-    })
+    let impedance = nodes
+        .iter()
+        .map(|&node| NodalImpedance::new(node, spring, Mat3::zeros()));
+    builder.boundary(BoundaryParts::default().with_impedance(impedance))
 }
 
 fn relaxed(model: &mut Model) -> StaticReport {

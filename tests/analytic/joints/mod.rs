@@ -2,9 +2,12 @@
 
 mod at_rest;
 mod bars;
+mod block;
 mod bonded;
 mod crack;
+mod dilatant;
 mod friction;
+mod rate_and_state;
 
 use std::sync::{Arc, Mutex};
 
@@ -99,13 +102,11 @@ impl Column {
         let mut parts = BoundaryParts::default();
         for (level, impedance) in [0.0, self.height].into_iter().zip(impedance) {
             let dashpot = Mat3::identity() * (impedance / 4.0);
-            parts
-                .impedance
-                .extend(self.level(level).into_iter().map(|node| NodalImpedance {
-                    node,
-                    spring: Mat3::zeros(),
-                    dashpot,
-                }));
+            parts.impedance.extend(
+                self.level(level)
+                    .into_iter()
+                    .map(|node| NodalImpedance::new(node, Mat3::zeros(), dashpot)),
+            );
         }
         let force = Vec3::ith(axis, 2.0 * impedance[0] / 4.0);
         let input = NodalForce::new(self.level(0.0), force, Box::new(wave));

@@ -1,4 +1,4 @@
-//! Motion so small or large that only its scale differs, and motion on top of a rigid one.
+//! Motions of extreme amplitudes, and motions on top of a rigid displacement.
 
 use powerhouse_explicit_core::{Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
@@ -24,13 +24,13 @@ pub(super) fn rows() -> Vec<Row> {
     scaled.into_iter().chain(moved).collect()
 }
 
-/// A body in the column's scheme and number format.
+/// A body with the column's scheme and number format.
 fn resting(column: &Column) -> Result<Model, Refusal> {
     Trial::of(column)
         .model(|damping| body(column, &irregular(column)?, &elastic(media::ROCK), damping))
 }
 
-/// Displacements after some steps from an initial motion, or why it was refused.
+/// Displacements after some steps from an initial motion, or the reason of a refusal.
 fn displacements(
     column: &Column,
     (steps, speed_limit): (u64, f64),
@@ -47,8 +47,8 @@ fn displacements(
         Ok(moving) => moving,
         Err(refusal) => return Ok(Err(refusal)),
     };
-    // Motion of any size is small for a medium that is linear at every strain; energies, the squares
-    // of which leave the range of numbers, are not kept.
+    // Any amplitude is admissible for a medium that is linear at every strain; energies, whose squares exceed
+    // the range of numbers, are not computed.
     let options = RunOptions::steps(steps)
         .with_step(StepChoice::Fixed(step))
         .with_speed_limit(speed_limit);
@@ -93,7 +93,7 @@ fn same_bits(column: &Column, exponent: i32) -> Found {
     }
 }
 
-/// A wave of 1 mm on a body that is somewhere else moves it as where it was.
+/// A wave of 1 mm has the same effect on a rigidly displaced body.
 fn offset_by(column: &Column, offset: f64) -> Found {
     const WAVE: f64 = 1e-3;
     let at = |offset: Vec3| {
@@ -115,8 +115,8 @@ fn offset_by(column: &Column, offset: f64) -> Found {
     };
     let pairs = at_home.iter().zip(&elsewhere);
     let worst = pairs.fold(0.0_f64, |worst, (a, b)| worst.max((b - away - a).norm()));
-    // What rounding the displacement once to the nodes' digits is worth, summed over all steps, and
-    // the same in strains, whose waves it starts.
+    // Rounding error of the displacement in the nodes' number format, summed over all steps, and that of the
+    // strains and their waves.
     let digits = match column.precision {
         powerhouse_explicit_core::Precision::F32 => f64::from(f32::EPSILON),
         _ => f64::EPSILON,

@@ -2,22 +2,22 @@
 
 use super::column::Column;
 
-/// Why something was refused.
+/// Reason of a refusal.
 pub(super) type Refusal = Box<dyn std::error::Error>;
 
-/// What a cell came to.
+/// Result of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Cell {
-    /// It ran, stayed within its bounds and kept its account of energies.
+    /// Stable: bounded motion and a closed energy balance.
     Stable,
-    /// It was refused before its first step, for this reason.
+    /// Refused before its first step, with the reason.
     Refused(String),
 }
 
-/// A cell, or what no cell may come to.
+/// A cell, or a fault that no cell may have.
 pub(super) type Found = Result<Cell, String>;
 
-/// An extreme, tried in every column.
+/// A row: an extreme, tested in every column.
 pub(super) struct Row {
     pub(super) name: String,
     pub(super) cell: Box<dyn Fn(&Column) -> Found + Sync>,

@@ -59,7 +59,7 @@ impl Column {
         make(Vec3::zeros(), size, cells, SET)
     }
 
-    /// How many elements a cell of such a box becomes.
+    /// Number of elements of a cell of such a box.
     pub(super) fn elements_per_cell(&self) -> usize {
         match self.kernel.kind() {
             ElementKind::Tet4 => 6,
@@ -68,7 +68,7 @@ impl Column {
         }
     }
 
-    /// What computes elements of a material.
+    /// The kernel with a material.
     pub(super) fn factory(&self, material: &Material, damping: Rayleigh) -> Box<dyn BlockFactory> {
         let mut options = BlockOptions::default();
         (options.precision, options.damping) = (self.precision, damping);

@@ -24,7 +24,7 @@ fn flat(ratio: f64) -> Result<Material, Refusal> {
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    // The box swings at some 100 to 1000 Hz.
+    // The frequencies of the box are some 100 to 1000 Hz.
     let amounts = [
         ("Rayleigh damping, none", rayleigh(0.0, 0.0)),
         (

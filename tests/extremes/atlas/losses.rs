@@ -1,4 +1,4 @@
-//! What is lost around an element: stiffness, neighbours, softening.
+//! Loss of stiffness and of neighbouring elements, and softening.
 
 use powerhouse::Material;
 use powerhouse_explicit_core::{Model, Rayleigh};
@@ -60,7 +60,7 @@ fn cracking(
     shaken(builder.threads(1).build()?, speed)
 }
 
-/// A body of which every so manieth element is left, the first always unless none is.
+/// A body of which every n-th element is left, including the first, or none.
 fn excavated(column: &Column, left: usize, damping: Rayleigh) -> Result<Model, Refusal> {
     let mesh = irregular(column)?;
     let goes = |&element: &u32| left == 0 || !(element as usize).is_multiple_of(left);

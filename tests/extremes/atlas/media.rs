@@ -1,4 +1,4 @@
-//! Media: nearly incompressible ones, ones that widen when they are drawn, and contrasts.
+//! Media: nearly incompressible ones, auxetic ones, and contrasts.
 
 use powerhouse_explicit_core::{Model, Rayleigh};
 use powerhouse_material_damage::media;
@@ -34,7 +34,7 @@ pub(super) fn rows() -> Vec<Row> {
     poisson.into_iter().chain(contrasts).collect()
 }
 
-/// Rock, and above it a medium of so many times its stiffness and density.
+/// Rock, and above it a medium with multiples of its stiffness and density.
 fn two_halves(
     column: &Column,
     (stiffness, density): (f64, f64),

@@ -1,8 +1,8 @@
 //! The atlas of extremes: each row is an extreme, each column a kernel, number format and scheme, and
 //! every cell is stable, or refused before its first step with a reason.
 //!
-//! The atlas is written down in `docs/extremes.md`; the tests here compute it and compare. To write it
-//! anew, set `POWERHOUSE_ATLAS=write` and run them once more.
+//! The atlas is stored in `docs/extremes.md`; the tests here compute it and compare. To write it again, run
+//! them with `POWERHOUSE_ATLAS=write`.
 
 mod amplitudes;
 mod cell;
@@ -20,7 +20,7 @@ mod trial;
 use cell::Row;
 use column::Column;
 
-/// All rows that are computed in a moment.
+/// All rows with short computing times.
 fn rows() -> Vec<Row> {
     let shelves = [
         media::rows(),

@@ -1,4 +1,4 @@
-//! Boundaries and the waves and records that come in through them.
+//! Boundaries, and the waves and records that enter through them.
 
 use std::sync::Arc;
 
@@ -17,8 +17,8 @@ use super::trial::{Trial, elastic, shaken};
 
 const SIZE: Vec3 = Vec3::new(30.0, 30.0, 20.0);
 const FACES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
-/// Peak displacement of the incident waves (m), and what the ground may at most be moved by them: the
-/// surface coefficients of rock are below 6 at every angle.
+/// Peak displacement of the incident waves (m), and greatest permitted displacement of the ground: the surface
+/// coefficients of rock are below 6 at every angle.
 const AMPLITUDE: f64 = 0.01;
 const MOST: f64 = 10.0 * AMPLITUDE;
 
@@ -87,7 +87,7 @@ pub(super) fn rows() -> Vec<Row> {
     rows
 }
 
-/// A row of a box under a wave.
+/// A row: a box under a wave.
 fn driven(
     name: impl Into<String>,
     wave: impl Fn() -> Result<PlaneWave, Refusal> + Sync + 'static,
@@ -128,8 +128,8 @@ fn incidences() -> Vec<Row> {
     angles.into_iter().map(row).collect()
 }
 
-/// Acceleration of one sign, twice as long of the other and once more of the first, each `samples` long
-/// between samples of zero: at rest where it was in the end.
+/// Acceleration of one sign, twice as long of the other and again of the first, each `samples` long between
+/// samples of zero: zero velocity and displacement at the end.
 fn there_and_back(samples: usize, step: f64) -> Vec<f64> {
     let peak = AMPLITUDE / (samples as f64 * step).powi(2);
     let mut history = vec![0.0];

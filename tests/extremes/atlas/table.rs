@@ -1,4 +1,4 @@
-//! The atlas as a table, computed and written down.
+//! The atlas as a table, computed and stored.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use super::cell::{Cell, Row};
 use super::column::Column;
 
-/// Where the atlas is written down.
+/// File of the atlas.
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/extremes.md");
 
 /// All cells of some rows.
@@ -95,8 +95,8 @@ fn table(heading: &str, rows: &[Row], cells: &[Vec<Cell>]) -> String {
     text
 }
 
-/// Compares a table with what is written down under its heading, or writes it there if the environment
-/// says so.
+/// Compares a table with the stored one under its heading, or writes it there if the environment variable is
+/// set.
 ///
 /// # Panics
 /// If they differ.

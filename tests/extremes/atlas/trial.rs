@@ -1,4 +1,4 @@
-//! How a cell is tried: a model is built, set in motion, run and looked at.
+//! Test of a cell: a model is built, set in motion, run and judged.
 
 use powerhouse::Material;
 use powerhouse_explicit_core::{
@@ -12,8 +12,8 @@ use super::cell::{Cell, Found, Refusal};
 use super::column::Column;
 use crate::stable_step::scatter;
 
-/// What elastic energy may grow to, over what the motion began with. A mode of a frequency w holds
-/// `1 / (1 - (w dt / 2)^2)` times its energy at most, 25.3 times at 0.98 of its limit.
+/// Greatest permitted growth of the elastic energy. A mode of a frequency w has at most `1 / (1 - (w dt /
+/// 2)^2)` times its energy, 25.3 times at 0.98 of its limit.
 const MOST_ELASTIC: f64 = 25.3;
 
 /// A trial of a model in a column.
@@ -27,7 +27,7 @@ pub(super) struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// A thousand steps, each the stable one. A scheme that needs damping gets what suits it.
+    /// A thousand steps at the stable step, with damping if the scheme needs it.
     pub(super) fn of(column: &'a Column) -> Self {
         Self {
             column,
@@ -41,22 +41,22 @@ impl<'a> Trial<'a> {
         self.steps = steps;
         self
     }
-    /// With this share of the stable step.
+    /// Sets the step as a share of the stable step.
     pub(super) fn share(mut self, share: f64) -> Self {
         self.share = share;
         self
     }
-    /// With this damping, whether the scheme needs another or not.
+    /// Sets the damping, in place of that which the scheme needs.
     pub(super) fn damped(mut self, damping: Rayleigh) -> Self {
         self.damping = Some(damping);
         self
     }
-    /// No node may move farther (m).
+    /// Sets the greatest permitted displacement of a node (m).
     pub(super) fn within(mut self, displacement: f64) -> Self {
         self.largest_displacement = displacement;
         self
     }
-    /// Builds a model, which begins in motion or is driven, runs it and looks at what became of it.
+    /// Builds a model with initial motion or loads, runs it and judges the result.
     pub(super) fn play(&self, make: impl Fn(Rayleigh) -> Result<Model, Refusal>) -> Found {
         match self.model(make) {
             Ok(mut model) => match (motion_energy(&model), self.run(&mut model)) {
@@ -163,7 +163,7 @@ pub(super) fn random_velocities(nodes: usize, speed: f64) -> Vec<Vec3> {
     (0..nodes).map(|node| random(node) * speed).collect()
 }
 
-/// Sets a body in random motion, without drift and spin: by small strains none can turn far.
+/// Sets a body in random motion, without rigid-body motion, since strains are small.
 pub(super) fn shaken(mut model: Model, speed: f64) -> Result<Model, Refusal> {
     let positions = model.mesh().positions().to_vec();
     let mut velocity = random_velocities(positions.len(), speed);

@@ -82,7 +82,7 @@ impl Drop for Block {
     }
 }
 
-/// What a stream said.
+/// The text of a stream.
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }

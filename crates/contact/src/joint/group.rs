@@ -1,44 +1,46 @@
-//! Pairs that share nodes, or whose effective masses differ between directions.
+//! Groups of connected pairs: pairs that share nodes, or whose effective masses differ between directions.
 
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::{
-    ConstraintWork, ContactLaw, JointPair, JointRecord, Mat3, PredictedMotion, Vec3,
+    ConstraintWork, ContactLaw, ContactState, JointInput, JointPair, JointRecord, JointState, Mat3,
+    PredictedMotion, Vec3,
 };
 
-use super::account::{PairStep, book};
+use super::bookkeeping::{PairStep, update_by_step};
 use super::isolated::held_back;
 use super::matrices::Matrices;
 use super::solve::{Contact, Effort, solve};
-use super::{Laws, Side};
+use super::{Members, Side};
 
-/// Pairs connected by nodes.
+/// Group of pairs that nodes connect.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
-    /// Places among the joint's pairs.
+    /// Indices among the pairs of the joint.
     pairs: Vec<u32>,
-    /// Places of their nodes among the joint's.
+    /// Indices of their nodes among those of the joint.
     nodes: Vec<[u32; 2]>,
-    /// Inverse effective masses of those (1/kg).
+    /// Inverse effective masses of the nodes (1/kg).
     inverse_mass: Vec<[Mat3; 2]>,
-    /// Relative velocity per impulse, `G` (1/kg).
+    /// Relative velocities of pairs per impulses on pairs, `G` (1/kg).
     coupling: DMatrix<f64>,
     matrices: Matrices,
-    /// Pairs in an order in which each but the first hangs on an earlier one, and which node of
-    /// each follows the other one.
+    /// Spanning tree of the nodes: pairs in an order in which each but the first shares a node with an
+    /// earlier one, and the node of each that follows the other one.
     branches: Vec<Branch>,
 }
 
-/// A pair whose second node follows the first where all pairs of its group stick.
+/// Pair of a spanning tree, one node of which takes the velocity of the other where all pairs of the
+/// group stick.
 #[derive(Clone, Copy, Debug)]
 struct Branch {
-    /// Place among the group's pairs.
+    /// Index among the pairs of the group.
     pair: u32,
-    /// Which of its nodes follows: 0 or 1.
+    /// Side of the node that follows: 0 or 1.
     follower: u8,
 }
 
 impl Group {
-    /// A group of pairs with the places of their nodes.
+    /// Group of pairs with the indices of their nodes.
     pub(super) fn new(pairs: Vec<u32>, nodes: Vec<[u32; 2]>) -> Self {
         let none = DMatrix::zeros(0, 0);
         Self {
@@ -51,12 +53,12 @@ impl Group {
         }
     }
 
-    /// How many pairs it has.
+    /// Number of pairs.
     pub(super) fn pair_count(&self) -> usize {
         self.pairs.len()
     }
 
-    /// Takes the inverse effective masses of all nodes of the joint.
+    /// Builds the matrices for inverse effective masses of all nodes of the joint.
     pub(super) fn prepare(&mut self, pairs: &[JointPair], inverse_mass: &[Mat3]) {
         let of = |node: u32| inverse_mass[node as usize];
         self.inverse_mass = self.nodes.iter().map(|nodes| nodes.map(of)).collect();
@@ -83,7 +85,7 @@ impl Group {
             }
         }
         for a in 0..count {
-            // A direction in which supports hold both nodes; what is left there is rounding.
+            // A direction in which supports hold both nodes: nothing but rounding.
             let trace: f64 = (3 * a..3 * a + 3).map(|row| coupling[(row, row)]).sum();
             for row in 3 * a..3 * a + 3 {
                 if coupling[(row, row)] < 1e-12 * trace {
@@ -101,15 +103,15 @@ impl Group {
         );
     }
 
-    /// Corrects the motion of the group's nodes; returns what it took.
+    /// Corrects the motion of the nodes of the group; returns the effort.
     ///
     /// # Errors
-    /// What was left after the most sweeps.
+    /// Sweeps and residual if the solution has not converged.
     pub(super) fn correct<L: ContactLaw>(
         &mut self,
-        laws: &Laws<L>,
+        members: &Members<L>,
         (pairs, sides): (&[JointPair], &[Side]),
-        records: &mut [JointRecord],
+        (records, history): (&mut [JointRecord], &mut [f64]),
         motion: &mut PredictedMotion,
         work: &mut ConstraintWork,
     ) -> Result<Effort, Effort> {
@@ -125,16 +127,32 @@ impl Group {
             let mut offset = pair.to_local(&relative(motion.displacement, nodes));
             offset.x += side.gap;
             offset -= side.origin;
-            let hold = held_back(&offset, record) * rate;
+            let member = members.of(index);
+            let mut held = held_back(&offset, record);
+            if member.variables > 0 {
+                held.x -= record.dilation;
+            }
+            let hold = held * rate;
             let wanted = pair.to_local(&relative(motion.velocity, nodes)) + hold;
             excess.fixed_rows_mut::<3>(3 * a).copy_from(&wanted);
-            // Where the last step left the impulses is a good start.
+            // The impulses of the last step are a good start.
             let per_traction = pair.projected_area * step;
             let start = (record.traction - side.preload) * per_traction;
             impulses.fixed_rows_mut::<3>(3 * a).copy_from(&start);
-            let law = laws.of(index);
-            contacts.push(Contact::new(law, record.state, side.preload, per_traction));
-            before.push(pair.to_local(&relative(motion.previous, nodes)));
+            let old = pair.to_local(&relative(motion.previous, nodes));
+            let mobility = 0.5
+                * [1, 2]
+                    .map(|c| self.coupling[(3 * a + c, 3 * a + c)])
+                    .iter()
+                    .sum::<f64>();
+            let input = JointInput::new(record.traction, &record.state)
+                .with_history(&history[member.history_of(index)])
+                .with_motion(offset.x, [old.y, old.z])
+                .with_dilation(record.dilation)
+                .with_step(motion.time, step, mobility * per_traction)
+                .with_site(pair.position, pair.projected_area);
+            contacts.push(Contact::new(&member.law, input, side.preload, per_traction));
+            before.push(old);
             offsets.push((offset, hold));
         }
         let matrices = &mut self.matrices;
@@ -150,27 +168,43 @@ impl Group {
         if contacts.iter().all(|contact| contact.held) {
             self.align(&offsets, pairs, motion);
         }
+        let mut changed = Vec::new();
         for (a, nodes) in self.nodes.iter().enumerate() {
             let index = self.pairs[a] as usize;
             let (pair, contact) = (&pairs[index], &contacts[a]);
             let traction = contact.traction(&impulses.fixed_rows::<3>(3 * a).into_owned());
-            let step = PairStep {
+            let after = pair.to_local(&relative(motion.velocity, nodes));
+            let record = &mut records[index];
+            let mut step = PairStep {
                 time: motion.time,
                 length: step,
                 area: pair.projected_area,
                 preload: contact.preload,
                 offset: offsets[a].0,
                 before: before[a],
-                after: pair.to_local(&relative(motion.velocity, nodes)),
+                after,
                 state: contact.outcome(&traction),
                 traction,
+                dilation: 0.0,
             };
-            book(&mut records[index], &step, work);
+            let slots = members.of(index).history_of(index);
+            if slots.is_empty() {
+                update_by_step::<false>(record, &step, work);
+                continue;
+            }
+            let left = after + offsets[a].1;
+            let (dilation, new) = advance(contact, &record.state, &step, &left);
+            step.dilation = dilation;
+            changed.push((slots, new));
+            update_by_step::<true>(record, &step, work);
+        }
+        for (slots, new) in changed {
+            history[slots].copy_from_slice(&new);
         }
         Ok(effort)
     }
 
-    /// Changes velocities by the impulses.
+    /// Changes the velocities by the impulses.
     fn apply(&self, impulses: &DVector<f64>, pairs: &[JointPair], motion: &mut PredictedMotion) {
         for (a, nodes) in self.nodes.iter().enumerate() {
             let local: Vec3 = impulses.fixed_rows::<3>(3 * a).into_owned();
@@ -181,7 +215,7 @@ impl Group {
         }
     }
 
-    /// Gives nodes that all stick together the same velocity to the last bit.
+    /// Gives nodes that all stick together the same velocity, to the last bit.
     fn align(&self, offsets: &[(Vec3, Vec3)], pairs: &[JointPair], motion: &mut PredictedMotion) {
         for branch in &self.branches {
             let a = branch.pair as usize;
@@ -196,18 +230,40 @@ impl Group {
     }
 }
 
-/// The second node's value less the first's.
+/// Value at the second node less that at the first.
 fn relative(values: &[Vec3], nodes: &[u32; 2]) -> Vec3 {
     values[nodes[1] as usize] - values[nodes[0] as usize]
 }
 
-/// Whether a node can move in all directions.
+/// Whether a node is free to move in all directions.
 fn movable(inverse_mass: &Mat3) -> bool {
     inverse_mass.symmetric_eigenvalues().min() > 1e-14 * inverse_mass.amax()
 }
 
-/// A tree over the nodes of pairs, from the node that is hardest to move; nodes that are held in
-/// some direction follow nobody.
+/// New dilation (m) and history variables of a pair of a law with history after a step that is solved, from
+/// its committed state; `left` is its relative velocity (m/s) beyond that which closes it and holds it.
+///
+/// The trial is the traction that would have taken off what is left: the law finds the solution that the
+/// sweeps have found with it.
+fn advance<L: ContactLaw>(
+    contact: &Contact<L>,
+    committed: &JointState,
+    step: &PairStep,
+    left: &Vec3,
+) -> (f64, Vec<f64>) {
+    let mut input = contact.input;
+    (input.state, input.trial) = (*committed, step.traction);
+    let compliance = input.compliance;
+    if step.state.contact != ContactState::Stick && compliance > 0.0 {
+        input.trial += Vec3::new(left.x.max(0.0), left.y, left.z) / compliance;
+    }
+    let mut new = input.history.to_vec();
+    let response = contact.law.admissible(&input, &mut new);
+    (response.dilation, new)
+}
+
+/// Spanning tree over the nodes of pairs, from the node of the greatest mass; nodes that are held in
+/// some direction follow no other.
 fn branches(
     nodes: &[[u32; 2]],
     mobility: impl Fn(u32) -> f64,

@@ -1,32 +1,37 @@
-//! Pairs that share no node with another, with effective masses that are the same in all directions
-//! in which they move: one pass. This is hot code.
+//! Solution of isolated pairs in one pass: pairs that share no node with another, with effective masses
+//! that are the same in all directions in which they move. This is hot code.
 
 use powerhouse_model::{
-    ConstraintWork, ContactLaw, ContactState, JointPair, JointRecord, JointState, Mat3,
-    PredictedMotion, Vec3,
+    ConstraintWork, ContactLaw, ContactState, JointInputs, JointPair, JointRecord, JointResponses,
+    JointState, Mat3, PredictedMotion, Vec3,
 };
 
 use super::Side;
-use super::account::{Outcome, enter};
+use super::bookkeeping::{Outcome, update};
+use super::history::PairHistories;
 
-/// Pairs that go side by side through the loops.
+/// Number of pairs that the loops process side by side.
 const TILE: usize = 16;
 
 /// One number of each pair of a tile.
 type Row = [f64; TILE];
 
-/// A vector of each pair of a tile, component by component.
+/// One vector of each pair of a tile, component by component.
 type Rows = [Row; 3];
 
-/// What is left by the rounding of a 3 x 3 inversion.
+/// Relative rounding error of a 3 x 3 inversion.
 const ROUNDING: f64 = 1e-14;
 
-/// The inverse effective masses (1/kg) of a pair whose nodes resist alike in all directions, or in all
+/// Inverse effective masses (1/kg) of a pair whose nodes have the same in all directions, or in all
 /// but a tangent along which supports hold both of them, as at the ends of a slice: neither a motion
-/// nor a force ever has a part along that one.
-pub(super) fn alike(pair: &JointPair, side: &Side, inverse_mass: [&Mat3; 2]) -> Option<[f64; 2]> {
+/// nor a force ever has a part along that one. None of other pairs.
+pub(super) fn isotropic_masses(
+    pair: &JointPair,
+    side: &Side,
+    inverse_mass: [&Mat3; 2],
+) -> Option<[f64; 2]> {
     let [first, second] = inverse_mass;
-    // The values of both if they are of a shape, which they are multiples of.
+    // The values of both if they are multiples of a matrix.
     let of_shape = |shape: Mat3, value: fn(&Mat3) -> f64| {
         let multiple = |matrix: &Mat3| {
             let value = value(matrix);
@@ -47,12 +52,12 @@ pub(super) fn alike(pair: &JointPair, side: &Side, inverse_mass: [&Mat3; 2]) -> 
         .or_else(|| tangents.into_iter().find_map(held_along))
 }
 
-/// A pair with what depends on masses and step.
+/// Isolated pair with its nodes, initial conditions and masses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IsolatedPair {
-    /// Place among the joint's pairs.
+    /// Index among the pairs of the joint.
     pub(super) index: u32,
-    /// Places among the joint's nodes: first side, second side.
+    /// Indices among the nodes of the joint: first side, second side.
     pub(super) nodes: [u32; 2],
     pub(super) pair: JointPair,
     pub(super) side: Side,
@@ -60,19 +65,19 @@ pub(super) struct IsolatedPair {
     pub(super) inverse_mass: [f64; 2],
 }
 
-/// Some pairs of one law, side by side, with all that a step needs of them.
+/// Up to [`TILE`] isolated pairs of one law, side by side, with all constants of a step.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct Tile {
     count: usize,
-    /// Places among the joint's pairs.
+    /// Indices among the pairs of the joint.
     index: [u32; TILE],
-    /// Places among the joint's nodes: those that are harder to move, the others.
+    /// Indices among the nodes of the joint: the heavier node of each pair, the lighter one.
     heavy: [u32; TILE],
     light: [u32; TILE],
-    /// Which side the heavy nodes are: 1 for the first side, -1 for the second.
+    /// Side of the heavier nodes: 1 for the first side, -1 for the second.
     sign: Row,
-    /// Share of a change of relative velocity that the heavy nodes take, with that sign.
+    /// Share of a change of relative velocity that the heavier nodes take, with that sign.
     share: Row,
     /// Normals and both tangents.
     frame: [Rows; 3],
@@ -80,14 +85,16 @@ pub(super) struct Tile {
     area: Row,
     /// Distance of the sides without displacement (m).
     gap: Row,
-    /// Relative displacement that counts as none (m).
+    /// Relative displacement from which opening and slip count (m).
     origin: Rows,
-    /// Traction in the static state that displacements are counted from (Pa), local.
+    /// Traction in the static state from which displacements count (Pa), local.
     preload: Rows,
     /// Traction per relative velocity that it stops, `1 / (dt W A)` (Pa s/m).
     stiffness: Row,
     /// Its inverse (m/(Pa s)).
     compliance: Row,
+    /// Positions (m), for the law.
+    position: Rows,
 }
 
 impl Tile {
@@ -112,6 +119,7 @@ impl Tile {
             preload: [ZEROS; 3],
             stiffness: ZEROS,
             compliance: ZEROS,
+            position: [ZEROS; 3],
         };
         for (k, own) in pairs.iter().enumerate() {
             let [first, second] = own.inverse_mass;
@@ -138,6 +146,7 @@ impl Tile {
             tile.gap[k] = own.side.gap;
             put(&mut tile.origin, k, &own.side.origin);
             put(&mut tile.preload, k, &own.side.preload);
+            put(&mut tile.position, k, &own.pair.position);
             tile.compliance[k] = step * (first + second) * own.pair.projected_area;
             tile.stiffness[k] = 1.0 / tile.compliance[k];
         }
@@ -157,54 +166,79 @@ fn get(rows: &Rows, k: usize) -> Vec3 {
     Vec3::new(rows[0][k], rows[1][k], rows[2][k])
 }
 
-/// Corrects the motion of isolated pairs; returns what their forces did.
+/// Corrects the motion of isolated pairs; returns the work of their forces.
 ///
 /// The stick trial is the traction that ends a step without overlap and without slip,
 /// `T = T0 + (w + g / dt) / (dt W A)` with `W = 1/a_i + 1/a_j` (Wang, Chen & Xiao 2019, Eq. 20, for
-/// velocities half a step apart and effective masses `a`). The law cuts it down.
+/// velocities half a step apart and effective masses `a`). The law reduces it to what is admissible.
 pub(super) fn correct<L: ContactLaw>(
     law: &L,
     tiles: &[Tile],
     records: &mut [JointRecord],
+    history: PairHistories,
     motion: &mut PredictedMotion,
 ) -> ConstraintWork {
-    // Wider instructions where the processor has them; they change no bit.
-    pulp::Arch::new().dispatch(Pass {
-        law,
-        tiles,
-        records,
-        motion,
-    })
+    // Wider instructions where the processor has them; they change no bit. Laws without history have
+    // a pass of their own, which is spared that of the others.
+    if history.variables == 0 {
+        pulp::Arch::new().dispatch(Pass::<L, false> {
+            law,
+            tiles,
+            records,
+            history,
+            motion,
+        })
+    } else {
+        pulp::Arch::new().dispatch(Pass::<L, true> {
+            law,
+            tiles,
+            records,
+            history,
+            motion,
+        })
+    }
 }
 
-/// The pass over the tiles of a law. A type of its own, since a closure handed to the dispatch may
-/// end up in a function that knows nothing of the processor.
-struct Pass<'a, 'm, L> {
+/// Pass over the tiles of a law with or without history. A type of its own, since a closure passed to
+/// the dispatch may end up in a function that is not compiled for the processor at hand.
+struct Pass<'a, 'm, L, const HISTORY: bool> {
     law: &'a L,
     tiles: &'a [Tile],
     records: &'a mut [JointRecord],
+    history: PairHistories<'a>,
     motion: &'a mut PredictedMotion<'m>,
 }
 
-impl<L: ContactLaw> pulp::NullaryFnOnce for Pass<'_, '_, L> {
+impl<L: ContactLaw, const HISTORY: bool> pulp::NullaryFnOnce for Pass<'_, '_, L, HISTORY> {
     type Output = ConstraintWork;
     #[inline(always)]
-    fn call(self) -> ConstraintWork {
+    fn call(mut self) -> ConstraintWork {
         let mut work = ConstraintWork::default();
         let mut step = TileStep::default();
+        // Committed and new history variables of a tile.
+        let mut rows = [const { Vec::new() }; 2];
+        if HISTORY {
+            rows = [0, 1].map(|_| vec![0.0; TILE * self.history.variables]);
+        }
         for tile in self.tiles {
-            tile.predict(&mut step, self.records, self.motion);
-            let count = tile.count;
-            self.law
-                .admit(&mut step.traction[..count], &mut step.state[..count]);
+            tile.predict::<HISTORY>(&mut step, self.records, self.motion);
+            if HISTORY {
+                self.history.gather(&tile.index[..tile.count], &mut rows);
+            }
+            let variables = if HISTORY { self.history.variables } else { 0 };
+            tile.admit(self.law, &mut step, self.motion, (variables, &mut rows));
+            if HISTORY {
+                let new = &rows[1];
+                self.history.scatter(&tile.index[..tile.count], new);
+            }
             tile.correct(&mut step, self.motion);
-            tile.book(&step, self.records, self.motion, &mut work);
+            tile.update::<HISTORY>(&step, self.records, self.motion, &mut work);
         }
         work
     }
 }
 
-/// What a step is about to do to a tile: everything along normals and tangents, unless it says
+/// Working arrays of a tile in one step: components along normals and tangents, unless stated
 /// otherwise.
 #[repr(align(64))]
 struct TileStep {
@@ -212,30 +246,32 @@ struct TileStep {
     displacement: Rows,
     previous: Rows,
     predicted: Rows,
-    /// Where a pair sticks along its tangents (m), and 1 if it does.
+    /// Tangential displacement at which a pair sticks (m), and 1 if it does.
     anchor: [Row; 2],
     stuck: Row,
-    /// Relative displacement, gap included, from the pair's origin (m).
+    /// Opening at which a pair counts as closed (m), old and then new; used with history only.
+    dilation: Row,
+    /// Relative displacement, gap included, from the origin of the pair (m).
     offset: Rows,
     /// Relative velocity before the step (m/s).
     before: Rows,
-    /// The velocity that would have to go for the pair to end the step closed and where it sticks
-    /// (m/s), and all that would have to go for it to stop there.
+    /// Velocity that has to be taken off to end the step closed and at the point of sticking (m/s), and
+    /// the whole velocity to be taken off to stop there.
     hold: Rows,
     excess: Rows,
-    /// The traction of a pair that sticks (Pa).
+    /// Trial traction: that of a pair that sticks (Pa).
     trial: Rows,
-    /// What the law made of it, and of the state.
+    /// Traction admitted by the law, and new state.
     traction: [Vec3; TILE],
     state: [JointState; TILE],
-    /// Change of relative velocity, and what it leaves (m/s), in space.
+    /// Change of relative velocity, and relative velocity after it (m/s), in space.
     change: Rows,
     after: Rows,
-    /// Work of the traction across the pair and along it, and of the preload (J).
+    /// Work of the traction along the normal and along the tangents, and of the preload (J).
     across: Row,
     along: Row,
     external: Row,
-    /// Length of the path along the tangents in the step (m).
+    /// Length of the tangential path in the step (m).
     path: Row,
 }
 
@@ -249,6 +285,7 @@ impl Default for TileStep {
             predicted: VECTORS,
             anchor: [ZEROS; 2],
             stuck: ZEROS,
+            dilation: ZEROS,
             offset: VECTORS,
             before: VECTORS,
             hold: VECTORS,
@@ -267,9 +304,14 @@ impl Default for TileStep {
 }
 
 impl Tile {
-    /// Finds the trial tractions.
+    /// Computes the trial tractions.
     #[inline(always)]
-    fn predict(&self, step: &mut TileStep, records: &[JointRecord], motion: &PredictedMotion) {
+    fn predict<const HISTORY: bool>(
+        &self,
+        step: &mut TileStep,
+        records: &[JointRecord],
+        motion: &PredictedMotion,
+    ) {
         for k in 0..self.count {
             let (heavy, light) = (self.heavy[k] as usize, self.light[k] as usize);
             let relative = |values: &[Vec3]| values[light] - values[heavy];
@@ -282,6 +324,9 @@ impl Tile {
             (step.anchor[0][k], step.anchor[1][k]) = (first, second);
             let stuck = record.anchor.is_some() && record.state.contact == ContactState::Stick;
             step.stuck[k] = f64::from(u8::from(stuck));
+            if HISTORY {
+                step.dilation[k] = record.dilation;
+            }
         }
         let rate = 1.0 / motion.step;
         for k in 0..TILE {
@@ -301,11 +346,15 @@ impl Tile {
                 let along =
                     |v: &Rows| v[0][k] * axis[0][k] + v[1][k] * axis[1][k] + v[2][k] * axis[2][k];
                 let mut offset = along(&step.displacement);
-                // The gap is to go, and for a pair that sticks what rounding has moved it.
+                // Closes the gap, and takes a pair that sticks back by what rounding has moved it.
                 let held = if c == 0 {
                     offset += self.gap[k];
                     offset -= self.origin[c][k];
-                    offset
+                    if HISTORY {
+                        offset - step.dilation[k]
+                    } else {
+                        offset
+                    }
                 } else {
                     offset -= self.origin[c][k];
                     (offset - step.anchor[c - 1][k]) * step.stuck[k]
@@ -324,7 +373,34 @@ impl Tile {
         }
     }
 
-    /// Changes the velocities by what the law admits.
+    /// Evaluates the law; rows are the committed and the new history of so many variables per pair.
+    #[inline(always)]
+    fn admit<L: ContactLaw>(
+        &self,
+        law: &L,
+        step: &mut TileStep,
+        motion: &PredictedMotion,
+        (variables, [old, new]): (usize, &mut [Vec<f64>; 2]),
+    ) {
+        let count = self.count;
+        let mut inputs = JointInputs::default();
+        (inputs.step, inputs.time) = (motion.step, motion.time);
+        inputs.slip_rate = [&step.before[1][..count], &step.before[2][..count]];
+        inputs.opening = &step.offset[0][..count];
+        inputs.compliance = &self.compliance[..count];
+        inputs.area = &self.area[..count];
+        inputs.position = [0, 1, 2].map(|c| &self.position[c][..count]);
+        let (tractions, states) = (&mut step.traction[..count], &mut step.state[..count]);
+        let mut responses = JointResponses::new(tractions, states);
+        if variables > 0 {
+            (inputs.variables, inputs.history) = (variables, &old[..count * variables]);
+            let new = &mut new[..count * variables];
+            responses = responses.with_history(new, &mut step.dilation[..count]);
+        }
+        law.admit(&inputs, &mut responses);
+    }
+
+    /// Changes the velocities by the admitted tractions.
     #[inline(always)]
     fn correct(&self, step: &mut TileStep, motion: &mut PredictedMotion) {
         let mut traction: Rows = [[0.0; TILE]; 3];
@@ -357,7 +433,7 @@ impl Tile {
                 let change =
                     normal[c][k] * local[0] + tangent[c][k] * local[1] + second[c][k] * local[2];
                 let predicted = step.predicted[c][k];
-                // Where there is nothing to hold back both velocities get the same bits.
+                // Without anything to hold both velocities get the same bits.
                 step.change[c][k] = if sticks { predicted + change } else { change };
                 step.after[c][k] = if sticks { -change } else { predicted - change };
             }
@@ -381,9 +457,9 @@ impl Tile {
         }
     }
 
-    /// Writes the step into the records and adds up its work.
+    /// Updates the records by the step and sums up its work.
     #[inline(always)]
-    fn book(
+    fn update<const HISTORY: bool>(
         &self,
         step: &TileStep,
         records: &mut [JointRecord],
@@ -396,18 +472,19 @@ impl Tile {
                 offset: get(&step.offset, k),
                 traction: step.traction[k],
                 state: step.state[k],
+                dilation: if HISTORY { step.dilation[k] } else { 0.0 },
                 across: step.across[k],
                 along: step.along[k],
                 path: step.path[k],
             };
-            enter(&mut records[self.index[k] as usize], &outcome, work);
+            update::<HISTORY>(&mut records[self.index[k] as usize], &outcome, work);
             work.external -= step.external[k];
         }
     }
 }
 
-/// What of an offset (m) is to go: the gap, and for a pair that sticks what rounding has moved it
-/// along its tangents.
+/// Part of an offset (m) that the trial traction takes off: the gap, and for a pair that sticks what
+/// rounding has moved it along its tangents.
 #[inline(always)]
 pub(super) fn held_back(offset: &Vec3, record: &JointRecord) -> Vec3 {
     match record.anchor {

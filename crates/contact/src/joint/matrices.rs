@@ -1,22 +1,21 @@
-//! The matrices of a group of connected pairs.
+//! Matrices of a group of connected pairs.
 
 use nalgebra::{DMatrix, DVector};
 
-/// What is left of a term that cancels, over its size.
+/// Relative rounding error of a term that cancels.
 const ROUNDING: f64 = 1e-12;
 
-/// How the relative velocities of a group's pairs answer to impulses on them, with the pairs that
-/// are held eliminated.
+/// Relative velocities of a group's pairs per impulses on them, with the held pairs eliminated.
 ///
 /// In components along the normals and tangents of the pairs, the relative velocities are
 /// `r - G p` for impulses `p` (N s). Held pairs have none, which gives their impulses
-/// `p_h = H r_h - C^T p_f` with `H` the inverse of `G_hh` and `C = G_fh H`, and what the others obey:
-/// `q - S p_f` with `q = r_f - C r_h` and `S = G_ff - C G_hf`.
+/// `p_h = H r_h - C^T p_f` with `H` the inverse of `G_hh` and `C = G_fh H`, and the relative velocities
+/// of the others: `q - S p_f` with `q = r_f - C r_h` and `S = G_ff - C G_hf`.
 #[derive(Clone, Debug)]
 pub(super) struct Matrices {
-    /// Which pairs are held.
+    /// Whether each pair is held.
     pub(super) held: Vec<bool>,
-    /// Rows of the held pairs, and of the others.
+    /// Rows of the held pairs, and of the free ones.
     held_rows: Vec<usize>,
     free_rows: Vec<usize>,
     /// `H`.
@@ -25,9 +24,9 @@ pub(super) struct Matrices {
     carry: DMatrix<f64>,
     /// `S`.
     pub(super) schur: DMatrix<f64>,
-    /// For each free pair the greatest eigenvalue of the tangential part of its own block of `S`.
+    /// For each free pair, greatest eigenvalue of the tangential part of its own block of `S`.
     pub(super) tangential: Vec<f64>,
-    /// For each free pair how much its shear moves its normal.
+    /// For each free pair, normal relative velocity per tangential impulse (1/kg).
     pub(super) mixed: Vec<f64>,
 }
 
@@ -48,7 +47,7 @@ impl Matrices {
         let carry = part(&free_rows, &held_rows) * &inverse;
         let mut schur = part(&free_rows, &free_rows) - &carry * part(&held_rows, &free_rows);
         for (i, &row) in free_rows.iter().enumerate() {
-            // A direction in which others hold the nodes of a free pair together.
+            // A direction in which other pairs hold the nodes of a free pair together.
             if schur[(i, i)] < ROUNDING * coupling[(row, row)] {
                 schur.row_mut(i).fill(0.0);
                 schur.column_mut(i).fill(0.0);
@@ -71,7 +70,7 @@ impl Matrices {
         }
     }
 
-    /// `q` from `r`.
+    /// Relative velocities `q` of the free pairs without their impulses, from `r`.
     pub(super) fn free_excess(&self, excess: &DVector<f64>) -> DVector<f64> {
         let free = excess.select_rows(&self.free_rows);
         if self.held_rows.is_empty() {
@@ -80,7 +79,7 @@ impl Matrices {
         free - &self.carry * excess.select_rows(&self.held_rows)
     }
 
-    /// Writes all impulses: those of the free pairs, and those of the held ones that follow.
+    /// Writes all impulses: those of the free pairs, and those of the held ones that result.
     pub(super) fn complete(
         &self,
         excess: &DVector<f64>,
@@ -96,24 +95,24 @@ impl Matrices {
         }
     }
 
-    /// The values of the free pairs.
+    /// Values of the free pairs.
     pub(super) fn free_part(&self, values: &DVector<f64>) -> DVector<f64> {
         values.select_rows(&self.free_rows)
     }
 }
 
-/// The greatest eigenvalue of the two tangential rows of a pair's block.
+/// Greatest eigenvalue of the two tangential rows of a pair's block.
 fn greatest_tangential(schur: &DMatrix<f64>, first: usize) -> f64 {
     let (i, j) = (first + 1, first + 2);
     let (a, b, c) = (schur[(i, i)], schur[(j, j)], schur[(i, j)]);
     0.5 * (a + b) + (0.25 * (a - b) * (a - b) + c * c).sqrt()
 }
 
-/// The inverse of a symmetric positive semi-definite matrix on its range.
+/// Pseudo-inverse of a symmetric positive semi-definite matrix.
 ///
-/// Pairs are scaled to a unit greatest diagonal first, so that masses of very different size do not
-/// look like a lost rank; the three rows of a pair alike, so that directions stay what they are. Of
-/// impulses that are not unique this takes those with the least sum of `G_max p^2` over the pairs:
+/// Pairs are scaled to a unit greatest diagonal first, so that masses of very different size are not
+/// mistaken for a lost rank; the three rows of a pair by the same factor, so that directions do not
+/// change. Of impulses that are not unique this takes those with the least sum of `G_max p^2` over the pairs:
 /// around a closed ring no more than needed, and nothing along directions in which supports hold both
 /// nodes of a pair, whose reactions need not pass through the joint.
 fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {

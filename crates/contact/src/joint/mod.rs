@@ -1,89 +1,115 @@
-//! A joint: pairs, a law, and what has become of them.
+//! Joint: node pairs, contact law, and state of the pairs.
 
-mod account;
+mod bookkeeping;
 mod group;
+mod history;
 mod isolated;
 mod matrices;
 mod solve;
 
+use core::ops::Range;
 use std::collections::{HashMap, VecDeque};
 
 use powerhouse_model::{
-    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointHistory, JointPair,
-    JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, Renewal, RunError, Vec3,
+    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointHistory, JointInput,
+    JointPair, JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, Renewal,
+    RunError, Vec3,
 };
 
 use crate::ContactError;
 use crate::connected::connected_pairs;
 use group::Group;
-use isolated::{IsolatedPair, Tile, alike};
+use history::{PairHistories, initial_history, restored_history};
+use isolated::{IsolatedPair, Tile, isotropic_masses};
 use solve::Effort;
 
-/// What a pair starts with beside its geometry.
+/// Initial conditions of a pair.
 #[derive(Clone, Copy, Debug, Default)]
 struct Side {
     /// Distance of the sides without displacement (m).
     gap: f64,
-    /// Relative displacement (m), local and with the gap, that counts as none: where the pair was closed
-    /// anew.
+    /// Relative displacement (m), local and with the gap, from which opening and slip count: that at which
+    /// the pair was closed anew.
     origin: Vec3,
-    /// Traction in the static state that displacements are counted from (Pa), local.
+    /// Traction in the static state from which displacements count (Pa), local.
     preload: Vec3,
 }
 
-/// A pair whose sides start apart.
-const APART: JointState = JointState {
-    contact: ContactState::Open,
-    bond: Bond::Never,
-    slip: 0.0,
-};
+/// State of a pair with an initial gap.
+const APART: JointState = JointState::new(ContactState::Open, Bond::Never);
 
-/// Whether a law pulls sides together that are apart and were never bonded.
-fn pulls<L: ContactLaw>(law: &L) -> bool {
-    law.admissible(Vec3::x(), &APART).0.x > 0.0
-}
-
-/// One joint of a constraint.
+/// One of the joints of a constraint.
 #[derive(Clone, Debug)]
 struct Member<L> {
     name: String,
     law: L,
-    /// Where its pairs end.
+    /// Index of its first pair, and of the first that is not its own.
+    start: usize,
     end: usize,
+    /// Number of history variables of its law.
+    variables: usize,
+    /// Index of its first history variable among those of the constraint.
+    history_start: usize,
     /// Its isolated pairs, for the step in use.
     tiles: Vec<Tile>,
 }
 
-/// The law of each pair.
-struct Laws<'a, L>(&'a [Member<L>]);
-
-impl<L> Laws<'_, L> {
-    fn of(&self, pair: usize) -> &L {
-        let place = self.0.partition_point(|member| member.end <= pair);
-        &self.0[place].law
+impl<L> Member<L> {
+    /// Indices of its pairs.
+    fn pairs(&self) -> Range<usize> {
+        self.start..self.end
+    }
+    /// Indices of the history variables of one of its pairs.
+    fn history_of(&self, pair: usize) -> Range<usize> {
+        let start = self.history_start + (pair - self.start) * self.variables;
+        start..start + self.variables
+    }
+    /// Indices of its history variables.
+    fn history(&self) -> Range<usize> {
+        self.history_start..self.history_start + (self.end - self.start) * self.variables
+    }
+    /// Relative displacement from which opening and slip of a pair count. A law without history, such as a
+    /// tie, holds a pair that has dilated before at its dilation.
+    fn origin(&self, record: &JointRecord) -> Vec3 {
+        let mut origin = record.origin();
+        if self.variables == 0 && record.dilation != 0.0 {
+            origin.x += record.dilation;
+        }
+        origin
     }
 }
 
-/// Node pairs across a joint, and the law of their tractions.
+/// Joints of a constraint, by the pairs that they own.
+struct Members<'a, L>(&'a [Member<L>]);
+
+impl<'a, L> Members<'a, L> {
+    fn of(&self, pair: usize) -> &'a Member<L> {
+        let index = self.0.partition_point(|member| member.end <= pair);
+        &self.0[index]
+    }
+}
+
+/// Node pairs of a joint with their contact law and state, as a constraint on the predicted motion.
 ///
-/// In every step the engine predicts velocities without the joint; the joint finds for each pair the
-/// force that would close its gap and stop its slip (Wang, Chen & Xiao 2019, Eqs. 18 to 21), lets
-/// the law cut it down, and changes the velocities by what is left. Nothing is penalised and the
-/// stable step does not change.
+/// In every step the engine predicts velocities without the joint; the joint computes for each pair the
+/// force that would close its gap and stop its slip (Wang, Chen & Xiao 2019, Eqs. 18 to 21), the law
+/// reduces it to an admissible one, and the velocities change by that. There is no penalty stiffness and
+/// the stable step does not change.
 ///
 /// Displacements are small: normals and tributary areas stay those of the start. Distances count
-/// from the start, too: a small initial distance of the two nodes of a pair is none unless
-/// [`with_gaps`](Self::with_gaps) says so.
+/// from the start, too: a small initial distance of the two nodes of a pair is no gap unless
+/// [`with_gaps`](Self::with_gaps) makes it one.
 ///
 /// ```
 /// use powerhouse_contact::{BondedCoulomb, Joint};
-/// use powerhouse_model::{Constraint, JointPair, Mat3, PredictedMotion, Vec3};
+/// use powerhouse_model::{Constraint, JointPair, Mat3, PredictedMotion, StepTime, Vec3};
 /// // A mass of 2 kg on the ground, pressed by 20 N and pushed by 13 N, with friction 0.5.
 /// let pair = JointPair::new([0, 1], Vec3::z(), 1.0);
 /// let mut joint = Joint::new("base", vec![pair], BondedCoulomb::unbonded(0.5, 0.5)?)?;
 /// let (step, inverse_mass) = (1e-3, [Mat3::zeros(), Mat3::identity() / 2.0]);
 /// let (rest, mut velocity) = ([Vec3::zeros(); 2], [Vec3::zeros(), Vec3::new(6.5, 0.0, -10.0) * step]);
-/// let motion = PredictedMotion::new((0, 0.0, step), &rest, &rest, &mut velocity, &inverse_mass);
+/// let when = StepTime { number: 0, time: 0.0, step };
+/// let motion = PredictedMotion::new(when, &rest, &rest, &mut velocity, &inverse_mass);
 /// joint.correct(motion)?;
 /// // (13 N - 0.5 * 20 N) / 2 kg during one step.
 /// assert!((velocity[1] - Vec3::new(1.5, 0.0, 0.0) * step).norm() < 1e-15);
@@ -93,29 +119,31 @@ impl<L> Laws<'_, L> {
 pub struct Joint<L> {
     name: String,
     members: Vec<Member<L>>,
-    /// Mesh indices, each once, in the order of the pairs: what a pass over them reads lies side by
-    /// side.
+    /// Mesh indices, each once, in the order of the pairs, so that the data of a pass over them are
+    /// contiguous.
     nodes: Vec<u32>,
     pairs: Vec<JointPair>,
     sides: Vec<Side>,
     records: Vec<JointRecord>,
-    /// Places of the pairs' nodes in `nodes`.
-    places: Vec<[u32; 2]>,
-    /// Pairs that nodes connect.
+    /// History variables of the laws, member by member and pair by pair.
+    history: Vec<f64>,
+    /// Indices in `nodes` of the nodes of each pair.
+    pair_nodes: Vec<[u32; 2]>,
+    /// Sets of pairs that nodes connect.
     connected: Vec<Vec<u32>>,
     isolated_count: usize,
     groups: Vec<Group>,
     effort: Effort,
-    /// The step (s) that it is prepared for.
+    /// Length of the step (s) that it is prepared for.
     prepared: Option<f64>,
 }
 
 impl<L: ContactLaw> Joint<L> {
-    /// A joint of these pairs in the initial state of the law.
+    /// Joint of some pairs in the initial state of the law.
     ///
     /// # Errors
-    /// [`ContactError::Empty`], [`ContactError::SelfPair`] or [`ContactError::Pair`], as the refusal
-    /// of a model's part.
+    /// [`ContactError::Empty`], [`ContactError::SelfPair`] or [`ContactError::Pair`], as a
+    /// [`ModelError::Refused`].
     pub fn new(name: impl Into<String>, pairs: Vec<JointPair>, law: L) -> Result<Self, ModelError> {
         if pairs.is_empty() {
             return Err(ContactError::Empty.into());
@@ -139,21 +167,22 @@ impl<L: ContactLaw> Joint<L> {
                 .into());
             }
         }
-        let record = JointRecord {
-            state: law.initial(),
-            ..JointRecord::default()
-        };
+        let record = JointRecord::new(law.initial());
+        let history = initial_history(&law, pairs.len());
         let name = name.into();
         Ok(Self::assemble(
             vec![Member {
                 name: name.clone(),
+                variables: law.history().len(),
                 law,
+                start: 0,
                 end: pairs.len(),
+                history_start: 0,
                 tiles: Vec::new(),
             }],
             name,
             vec![Side::default(); pairs.len()],
-            vec![record; pairs.len()],
+            (vec![record; pairs.len()], history),
             pairs,
         ))
     }
@@ -162,19 +191,19 @@ impl<L: ContactLaw> Joint<L> {
         members: Vec<Member<L>>,
         name: String,
         sides: Vec<Side>,
-        records: Vec<JointRecord>,
+        (records, history): (Vec<JointRecord>, Vec<f64>),
         pairs: Vec<JointPair>,
     ) -> Self {
         let of_pairs: Vec<[u32; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
-        let (mut nodes, mut place_of) = (Vec::new(), HashMap::new());
-        let mut place = |node: u32| {
-            *place_of.entry(node).or_insert_with(|| {
+        let (mut nodes, mut index_of) = (Vec::new(), HashMap::new());
+        let mut index = |node: u32| {
+            *index_of.entry(node).or_insert_with(|| {
                 nodes.push(node);
                 nodes.len() as u32 - 1
             })
         };
         Self {
-            places: of_pairs.iter().map(|pair| pair.map(&mut place)).collect(),
+            pair_nodes: of_pairs.iter().map(|pair| pair.map(&mut index)).collect(),
             connected: connected_pairs(&of_pairs),
             name,
             members,
@@ -182,6 +211,7 @@ impl<L: ContactLaw> Joint<L> {
             pairs,
             sides,
             records,
+            history,
             isolated_count: 0,
             groups: Vec::new(),
             effort: Effort::default(),
@@ -189,37 +219,43 @@ impl<L: ContactLaw> Joint<L> {
         }
     }
 
-    /// Several joints as one constraint: joints that share nodes, such as those that meet at a line,
-    /// have to be solved together. Each keeps its name, law and records. With laws of different
+    /// Joins several joints to one constraint: joints that share nodes, such as those that meet at a line,
+    /// have to be solved together. Each keeps its name, law and state. With laws of different
     /// types `L` is `Box<dyn ContactLaw>`.
     ///
     /// # Errors
     /// [`ContactError::Empty`] for no joints, [`ContactError::SameName`].
     pub fn join(joints: Vec<Self>) -> Result<Self, ModelError> {
         let (mut members, mut pairs) = (Vec::<Member<L>>::new(), Vec::new());
-        let (mut sides, mut records) = (Vec::new(), Vec::new());
+        let (mut sides, mut records, mut history) = (Vec::new(), Vec::new(), Vec::new());
         for joint in joints {
             for member in joint.members {
                 if members.iter().any(|other| other.name == member.name) {
                     return Err(ContactError::SameName { name: member.name }.into());
                 }
-                let end = member.end + pairs.len();
-                members.push(Member { end, ..member });
+                members.push(Member {
+                    start: member.start + pairs.len(),
+                    end: member.end + pairs.len(),
+                    history_start: member.history_start + history.len(),
+                    ..member
+                });
             }
             pairs.extend(joint.pairs);
             sides.extend(joint.sides);
             records.extend(joint.records);
+            history.extend(joint.history);
         }
         let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
         if names.is_empty() {
             return Err(ContactError::Empty.into());
         }
         let name = names.join(" + ");
-        Ok(Self::assemble(members, name, sides, records, pairs))
+        let state = (records, history);
+        Ok(Self::assemble(members, name, sides, state, pairs))
     }
 
-    /// Sets the traction `sigma n` on the first side (Pa) in the static state from which
-    /// displacements are counted, for each pair. The law sees the sum of it and what the motion adds.
+    /// Sets the traction `sigma n` on the first side (Pa) in the static state from which displacements
+    /// count, for each pair. The trial traction of the law is the sum of it and of that by motion.
     ///
     /// # Errors
     /// [`ContactError::Preload`] for one that the law does not admit, or across a gap.
@@ -227,11 +263,17 @@ impl<L: ContactLaw> Joint<L> {
         mut self,
         traction: impl Fn(&JointPair) -> Vec3,
     ) -> Result<Self, ModelError> {
-        let laws = Laws(&self.members);
+        let members = Members(&self.members);
         for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
             let preload = pair.to_local(&traction(pair));
-            let record = &mut self.records[index];
-            let (admitted, _) = laws.of(index).admissible(preload, &record.state);
+            let (record, member) = (&mut self.records[index], members.of(index));
+            let committed = &self.history[member.history_of(index)];
+            let input = JointInput::new(preload, &record.state)
+                .with_history(committed)
+                .with_dilation(record.dilation)
+                .with_site(pair.position, pair.projected_area);
+            let mut new_history = committed.to_vec();
+            let admitted = (member.law.admissible(&input, &mut new_history)).traction;
             let across_gap = side.gap > 0.0 && preload != Vec3::zeros();
             // A NaN is refused here, too.
             if admitted != preload || across_gap {
@@ -251,19 +293,18 @@ impl<L: ContactLaw> Joint<L> {
         Ok(self)
     }
 
-    /// Sets the distance of the sides (m) in the state from which displacements are counted, for
-    /// each pair. A pair apart has no bond.
+    /// Sets the distance of the sides (m) in the state from which displacements count, for each pair. A
+    /// pair with a gap has no bond.
     ///
     /// # Errors
-    /// [`ContactError::Gap`] for one that is negative or not finite, that the law would close by
-    /// pulling, or across which there is a preload.
+    /// [`ContactError::Gap`] for one that is negative or not finite, of a law that
+    /// [bears tension](ContactLaw::bears_tension) across it, or across which there is a preload.
     pub fn with_gaps(mut self, gap: impl Fn(&JointPair) -> f64) -> Result<Self, ModelError> {
-        let laws = Laws(&self.members);
+        let members = Members(&self.members);
         for (index, (pair, side)) in self.pairs.iter().zip(&mut self.sides).enumerate() {
             let gap = gap(pair);
-            let refused =
-                |gap: f64| gap > 0.0 && (pulls(laws.of(index)) || side.preload != Vec3::zeros());
-            if !(gap.is_finite() && gap >= 0.0) || refused(gap) {
+            let held = members.of(index).law.bears_tension() || side.preload != Vec3::zeros();
+            if !(gap.is_finite() && gap >= 0.0) || (gap > 0.0 && held) {
                 let [first, second] = pair.nodes;
                 return Err(ContactError::Gap { first, second, gap }.into());
             }
@@ -276,16 +317,16 @@ impl<L: ContactLaw> Joint<L> {
         Ok(self)
     }
 
-    /// Takes the bond from the pairs for which `unbonded` says so, as where a joint was cracked
-    /// before.
+    /// Removes the bond of the pairs for which `unbonded` is true, as where a joint was cracked before.
     ///
     /// # Errors
-    /// [`ContactError::NoBond`] for one without a bond, or whose law pulls whatever its bond.
+    /// [`ContactError::NoBond`] for one without a bond, or whose law
+    /// [bears tension](ContactLaw::bears_tension) without.
     pub fn without_bond(
         mut self,
         unbonded: impl Fn(&JointPair) -> bool,
     ) -> Result<Self, ModelError> {
-        let laws = Laws(&self.members);
+        let members = Members(&self.members);
         for (index, pair) in self
             .pairs
             .iter()
@@ -293,7 +334,7 @@ impl<L: ContactLaw> Joint<L> {
             .filter(|(_, pair)| unbonded(pair))
         {
             let state = &mut self.records[index].state;
-            if state.bond != Bond::Intact || pulls(laws.of(index)) {
+            if state.bond != Bond::Intact || members.of(index).law.bears_tension() {
                 let [first, second] = pair.nodes;
                 return Err(ContactError::NoBond { first, second }.into());
             }
@@ -302,15 +343,22 @@ impl<L: ContactLaw> Joint<L> {
         Ok(self)
     }
 
-    /// The pairs.
+    /// Node pairs.
     pub fn pairs(&self) -> &[JointPair] {
         &self.pairs
     }
-    /// Their contact states and history variables.
+    /// Contact states, tractions, peak values and energies of the pairs.
     pub fn records(&self) -> &[JointRecord] {
         &self.records
     }
-    /// How many pairs are corrected in one pass, each by itself, once masses are known.
+    /// History variables of the law of a pair, by the index of the pair; empty for a law without.
+    ///
+    /// # Panics
+    /// If there is no such pair.
+    pub fn history_of(&self, pair: usize) -> &[f64] {
+        &self.history[Members(&self.members).of(pair).history_of(pair)]
+    }
+    /// Number of pairs that are solved in one pass, each by itself; zero until masses are known.
     pub fn isolated_count(&self) -> usize {
         self.isolated_count
     }
@@ -329,12 +377,12 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         let mut isolated = Vec::new();
         self.groups.clear();
         for connected in &self.connected {
-            let places: Vec<[u32; 2]> =
-                connected.iter().map(|&p| self.places[p as usize]).collect();
-            if let ([index], [nodes]) = (&connected[..], &places[..]) {
+            let nodes = connected.iter().map(|&p| self.pair_nodes[p as usize]);
+            let pair_nodes: Vec<[u32; 2]> = nodes.collect();
+            if let ([index], [nodes]) = (&connected[..], &pair_nodes[..]) {
                 let masses = nodes.map(|node| &inverse_mass[node as usize]);
                 let (pair, side) = (self.pairs[*index as usize], self.sides[*index as usize]);
-                if let Some(inverse_mass) = alike(&pair, &side, masses) {
+                if let Some(inverse_mass) = isotropic_masses(&pair, &side, masses) {
                     if inverse_mass[0] + inverse_mass[1] > 0.0 {
                         isolated.push(IsolatedPair {
                             index: *index,
@@ -347,7 +395,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                     continue;
                 }
             }
-            let mut group = Group::new(connected.clone(), places);
+            let mut group = Group::new(connected.clone(), pair_nodes);
             group.prepare(&self.pairs, inverse_mass);
             self.groups.push(group);
         }
@@ -368,23 +416,25 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         let mut work = ConstraintWork::default();
         for member in &self.members {
             let records = &mut self.records;
-            let part = isolated::correct(&member.law, &member.tiles, records, &mut motion);
-            work.friction += part.friction;
-            work.bond += part.bond;
-            work.impact += part.impact;
-            work.external += part.external;
+            let history = PairHistories {
+                variables: member.variables,
+                first: member.start,
+                values: &mut self.history[member.history()],
+            };
+            let (law, tiles) = (&member.law, &member.tiles);
+            work += isolated::correct(law, tiles, records, history, &mut motion);
         }
-        let laws = Laws(&self.members);
+        let members = Members(&self.members);
         for group in &mut self.groups {
             let geometry = (&self.pairs[..], &self.sides[..]);
-            let records = &mut self.records;
-            let effort = group.correct(&laws, geometry, records, &mut motion, &mut work);
+            let state = (&mut self.records[..], &mut self.history[..]);
+            let effort = group.correct(&members, geometry, state, &mut motion, &mut work);
             let effort = effort.map_err(|left| RunError::Constraint {
                 name: self.name.clone(),
                 step: motion.number,
                 reason: format!(
-                    "{} connected pairs are not solved after {} sweeps: the last one changed the \
-                     motion by {:.1e} of what they do to it",
+                    "the solution of {} connected pairs has not converged after {} sweeps: the last one \
+                     changed the motion by {:.1e} of the change by all their impulses",
                     group.pair_count(),
                     left.sweeps,
                     left.residual
@@ -397,80 +447,73 @@ impl<L: ContactLaw> Constraint for Joint<L> {
     }
 
     fn joints(&self) -> Vec<JointView<'_>> {
-        let mut start = 0;
-        let view = |member| {
-            let Member { name, law, end, .. }: &Member<L> = member;
-            let range = core::mem::replace(&mut start, *end)..*end;
-            JointView {
-                name,
-                law: law.name(),
-                pairs: &self.pairs[range.clone()],
-                records: &self.records[range],
-                most_sweeps: self.effort.sweeps,
-                worst_residual: self.effort.residual,
-            }
-        };
-        self.members.iter().map(view).collect()
+        let Effort { sweeps, residual } = self.effort;
+        let views = self.members.iter().map(|member| {
+            let (pairs, records) = (&self.pairs[member.pairs()], &self.records[member.pairs()]);
+            JointView::new(&member.name, member.law.name(), pairs, records)
+                .with_history(member.law.history(), &self.history[member.history()])
+                .with_effort(sweeps, residual)
+        });
+        views.collect()
     }
 
     fn restore(&mut self, history: &JointHistory) -> bool {
-        let mut start = 0;
-        for member in &self.members {
-            let range = core::mem::replace(&mut start, member.end)..member.end;
-            if member.name == history.name {
-                let found = in_order_of(&self.pairs[range.clone()], history);
-                return found.is_some_and(|records| {
-                    for (side, record) in self.sides[range.clone()].iter_mut().zip(&records) {
-                        // What is prepared holds the origins of pairs.
-                        if side.origin != record.origin() {
-                            side.origin = record.origin();
-                            self.prepared = None;
-                        }
-                    }
-                    self.records[range].copy_from_slice(&records);
-                    true
-                });
+        let Some(member) = self.members.iter().find(|m| m.name == history.name) else {
+            return false;
+        };
+        let Some(found) = in_order_of(&self.pairs[member.pairs()], history) else {
+            return false;
+        };
+        let Some(values) = restored_history(&member.law, history, &found) else {
+            return false;
+        };
+        for (index, &earlier) in member.pairs().zip(&found) {
+            let record = history.records[earlier];
+            let (side, origin) = (&mut self.sides[index], member.origin(&record));
+            // What is prepared holds the origins of pairs.
+            if side.origin != origin {
+                side.origin = origin;
+                self.prepared = None;
             }
+            self.records[index] = record;
         }
-        false
+        self.history[member.history()].copy_from_slice(&values);
+        true
     }
 
     fn renew(&mut self, joint: &str, renewal: Renewal, displacement: &[Vec3]) -> bool {
-        let mut start = 0;
-        for member in &self.members {
-            let range = core::mem::replace(&mut start, member.end)..member.end;
-            if member.name != joint {
-                continue;
+        let Some(member) = self.members.iter().find(|member| member.name == joint) else {
+            return false;
+        };
+        for index in member.pairs() {
+            let [first, second] = self.pair_nodes[index].map(|node| displacement[node as usize]);
+            let mut closed_at = self.pairs[index].to_local(&(second - first));
+            let (side, record) = (&mut self.sides[index], &mut self.records[index]);
+            if renewal == Renewal::Grouted {
+                closed_at.x += side.gap;
+                *record = JointRecord::new(member.law.initial()).with_traction(side.preload);
+                member
+                    .law
+                    .initial_history(&mut self.history[member.history_of(index)]);
+            } else if record.dilation != 0.0 {
+                // Asperities that ride on each other go on doing so.
+                closed_at.x -= record.dilation;
             }
-            for index in range {
-                let [first, second] = self.places[index].map(|node| displacement[node as usize]);
-                let mut closed_at = self.pairs[index].to_local(&(second - first));
-                let (side, record) = (&mut self.sides[index], &mut self.records[index]);
-                if renewal == Renewal::Grouted {
-                    closed_at.x += side.gap;
-                    *record = JointRecord {
-                        state: member.law.initial(),
-                        traction: side.preload,
-                        ..JointRecord::default()
-                    };
-                }
-                side.origin = closed_at;
-                record.closed_at = Some(closed_at.into());
-            }
-            self.prepared = None;
-            return true;
+            record.closed_at = Some(closed_at.into());
+            side.origin = member.origin(record);
         }
-        false
+        self.prepared = None;
+        true
     }
 }
 
-/// The records of an earlier run in the order of these pairs; none if they are not the same pairs.
-fn in_order_of(pairs: &[JointPair], history: &JointHistory) -> Option<Vec<JointRecord>> {
-    let mut of_nodes: HashMap<[u32; 2], VecDeque<JointRecord>> = HashMap::new();
-    for (nodes, record) in history.nodes.iter().zip(&history.records) {
-        of_nodes.entry(*nodes).or_default().push_back(*record);
+/// Indices in an earlier run of some pairs; none if it did not have the same pairs.
+fn in_order_of(pairs: &[JointPair], history: &JointHistory) -> Option<Vec<usize>> {
+    let mut of_nodes: HashMap<[u32; 2], VecDeque<usize>> = HashMap::new();
+    for (index, (nodes, _)) in history.nodes.iter().zip(&history.records).enumerate() {
+        of_nodes.entry(*nodes).or_default().push_back(index);
     }
     let next = |pair: &JointPair| of_nodes.get_mut(&pair.nodes)?.pop_front();
-    let found: Option<Vec<JointRecord>> = pairs.iter().map(next).collect();
+    let found: Option<Vec<usize>> = pairs.iter().map(next).collect();
     found.filter(|found| found.len() == history.records.len())
 }

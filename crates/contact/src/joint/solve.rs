@@ -1,63 +1,64 @@
-//! The impulses of connected pairs in one step.
+//! Solution for the impulses of connected pairs in one step.
 
 use nalgebra::{DMatrix, DVector};
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, Vec3};
+use powerhouse_model::{Bond, ContactLaw, ContactState, JointInput, JointState, Vec3};
 
 use super::matrices::Matrices;
 
-/// Sweeps over a group in one step beyond which its solution counts as failed.
+/// Number of sweeps over a group in one step after which its solution counts as failed.
 const MOST_SWEEPS: u32 = 20_000;
-/// Sweeps after which pairs that stick are held instead.
+/// Number of sweeps after which pairs that stick are held instead.
 const PATIENCE: u32 = 64;
-/// Change of motion in one sweep, over what the impulses change it by, at which a solution counts as
-/// found; see [`Change`].
+/// Relative change of motion in one sweep at which a solution counts as converged; see [`Change`].
 const TOLERANCE: f64 = 1e-11;
 
-/// Sweeps after which less will do, see [`tolerance`].
+/// Number of sweeps after which the tolerance grows, see [`tolerance`].
 const LONG: u32 = 256;
 
-/// The tolerance after some sweeps.
+/// Tolerance after a number of sweeps.
 ///
-/// It grows with their number: what the faces of a corner bear beside each other is not unique under
-/// friction, and where rounding has left gaps between them they may wander for ever, pressing each
-/// other along. Any motion that obeys all of them will do, and what it leaves of a gap is closed in
-/// the next step.
+/// It grows with their number: the shares of the faces of a corner are not unique under friction, and
+/// where rounding has left gaps between them the sweeps may pass a force around for ever. Any motion that
+/// obeys all of them is a solution, and a gap that it leaves is closed in the next step.
 fn tolerance(sweeps: u32) -> f64 {
     TOLERANCE * (f64::from(sweeps.max(LONG)) / f64::from(LONG)).powi(3)
 }
 
-/// What it took to solve a group.
+/// Effort of the solution of a group, and its residual.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Effort {
+    /// Number of sweeps.
     pub(super) sweeps: u32,
     /// Relative change of the motion in the last sweep.
     pub(super) residual: f64,
 }
 
-/// One pair of a group in one step.
+/// Pair of a group in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact<'a, L> {
     pub(super) law: &'a L,
-    /// What the law starts from; once the pair was let go, what the law made of that.
-    pub(super) state: JointState,
+    /// Input of the law: committed values, but for the state of a pair that was let go, which is the one
+    /// that the law returned then, and trial and compliance, which are those of the last evaluation.
+    pub(super) input: JointInput<'a>,
     /// Traction that acts without the joint's forces (Pa).
     pub(super) preload: Vec3,
     /// Impulse per traction, area times step (N s/Pa).
     pub(super) per_traction: f64,
-    /// Whether it is held together whatever the impulse.
+    /// Whether the pair is held together whatever the impulse.
     pub(super) held: bool,
-    /// Whether it was let go and is not to be held again in this step.
+    /// Whether the pair was let go and is not to be held again in this step.
     let_go: bool,
-    /// Whether its shear is cut down.
+    /// Whether its shear is reduced to the sliding strength.
     slides: bool,
 }
 
 impl<'a, L: ContactLaw> Contact<'a, L> {
-    /// A pair at the start of a step; held if it stuck or is bonded.
-    pub(super) fn new(law: &'a L, state: JointState, preload: Vec3, per_traction: f64) -> Self {
+    /// Pair at the start of a step, with committed input; held if it stuck or is bonded.
+    pub(super) fn new(law: &'a L, input: JointInput<'a>, preload: Vec3, per_traction: f64) -> Self {
+        let state = &input.state;
         Self {
             law,
-            state,
+            input,
             preload,
             per_traction,
             held: state.contact == ContactState::Stick || state.bond == Bond::Intact,
@@ -71,12 +72,15 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
         self.preload + impulse / self.per_traction
     }
 
-    /// Whether it may bear tension: by its bond, or as its law permits without one.
+    /// Whether the pair may bear tension while it is closed: by its bond, or as its law permits without
+    /// one.
     fn bears_tension(&self) -> bool {
-        self.state.bond == Bond::Intact || self.law.unbonded_tension(&self.state) > 0.0
+        let JointState { contact, bond, .. } = self.input.state;
+        let closed = contact != ContactState::Open;
+        bond == Bond::Intact || (closed && self.law.unbonded_tension(&self.input) > 0.0)
     }
 
-    /// The state of the pair after the step, under its final traction.
+    /// State of the pair after the step, under its final traction.
     pub(super) fn outcome(&self, traction: &Vec3) -> JointState {
         let contact = if self.held {
             ContactState::Stick
@@ -87,34 +91,38 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
         } else {
             ContactState::Stick
         };
-        JointState {
-            contact,
-            ..self.state
-        }
+        self.input.state.with_contact(contact)
     }
 
-    /// The normal impulse that is admissible nearest to a trial; of a pair that bears tension any, until
-    /// it is let go.
+    /// Admissible normal impulse nearest to a trial; that of a pair that bears tension is the trial, until
+    /// the pair is let go.
     fn normal(&self, trial: f64) -> f64 {
         if self.bears_tension() {
             return trial;
         }
+        // An open pair may bear the traction of a cohesive zone.
+        let cohesive = self.law.unbonded_tension(&self.input);
+        if cohesive > 0.0 {
+            return trial.min((cohesive - self.preload.x) * self.per_traction);
+        }
         trial.min(-self.preload.x * self.per_traction)
     }
 
-    /// How fast the sliding strength grows with the pressure.
+    /// Derivative of the sliding strength with respect to the pressure.
     fn friction(&self) -> f64 {
-        let strength = |normal| self.law.sliding_strength(normal, &self.state);
+        let strength = |normal| self.law.sliding_strength(normal, &self.input);
         let growth = strength(-2.0) - strength(-1.0);
         if growth.is_finite() { growth } else { 0.0 }
     }
 
-    /// The tangential impulse that is admissible nearest to a trial beside a normal one, and
-    /// whether the pair slides.
-    fn tangential(&self, normal: f64, trial: [f64; 2]) -> ([f64; 2], bool) {
+    /// Admissible tangential impulse nearest to a trial beside a normal one, and whether the pair slides;
+    /// `mobility` is the relative velocity per tangential impulse (1/kg).
+    fn tangential(&mut self, normal: f64, trial: [f64; 2], mobility: f64) -> ([f64; 2], bool) {
         let pressure = self.preload.x + normal / self.per_traction;
-        let strength = self.law.sliding_strength(pressure, &self.state);
         let total = [0, 1].map(|i| self.preload[i + 1] + trial[i] / self.per_traction);
+        self.input.trial = Vec3::new(pressure, total[0], total[1]);
+        self.input.compliance = mobility * self.per_traction;
+        let strength = self.law.sliding_strength(pressure, &self.input);
         let shear = (total[0] * total[0] + total[1] * total[1]).sqrt();
         if shear <= strength && strength > 0.0 {
             return (trial, false);
@@ -125,22 +133,22 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
     }
 }
 
-/// Finds the impulses of a group, from `impulses` on.
+/// Solves for the impulses of a group, starting from `impulses`.
 ///
-/// Pairs that are held have no relative velocity; they are eliminated. The others follow by
-/// projected sweeps: the normal impulse from no normal motion, then the tangential one moved by the
-/// slip over the greatest tangential eigenvalue and cut down to the sliding strength. Where shear
-/// moves the normal, too, the normal step is shortened by friction times that, without which the
+/// Pairs that are held have no relative velocity; they are eliminated. The others are solved by
+/// projected Gauss-Seidel sweeps: the normal impulse from no normal motion, then the tangential one
+/// changed by the slip over the greatest tangential eigenvalue and reduced to the sliding strength. Where
+/// shear moves the normal, too, the normal step is shortened by friction times that, without which the
 /// sweeps diverge under a large coefficient. (Slipping along the trial direction instead errs by up
 /// to 120 % of the force where a dashpot makes masses differ elevenfold; taking the direction of the
 /// last slip diverges.)
 ///
 /// Of the held pairs whose traction the law does not admit the worst is let go, and so on until all
-/// others hold. Sweeps over pairs that turn out to stick can take for ever, most of all around a
-/// closed ring, where impulses are not unique: those are held after a while.
+/// others hold. Sweeps over pairs that turn out to stick may not converge, most of all around a
+/// closed ring, where impulses are not unique: those are held after [`PATIENCE`] sweeps.
 ///
 /// # Errors
-/// What was left after the most sweeps.
+/// Sweeps and residual if it has not converged after [`MOST_SWEEPS`].
 pub(super) fn solve<L: ContactLaw>(
     coupling: &DMatrix<f64>,
     matrices: &mut Matrices,
@@ -183,20 +191,25 @@ pub(super) fn solve<L: ContactLaw>(
     }
 }
 
+/// Impulse of one pair (N s).
 fn impulse_of(impulses: &DVector<f64>, pair: usize) -> Vec3 {
     impulses.fixed_rows::<3>(3 * pair).into_owned()
 }
 
-/// Lets go the pair whose traction exceeds most what its law admits; false if there is none.
+/// Lets go the pair whose traction exceeds the admissible one by most; returns false if there is none.
 fn let_go_worst<L: ContactLaw>(contacts: &mut [Contact<L>], impulses: &DVector<f64>) -> bool {
     let mut worst: Option<(usize, f64, JointState)> = None;
     for (a, contact) in contacts.iter().enumerate() {
         let trial = contact.traction(&impulse_of(impulses, a));
-        let (admitted, state) = contact.law.admissible(trial, &contact.state);
+        let mut input = contact.input;
+        input.trial = trial;
+        let mut new_history = input.history.to_vec();
+        let response = contact.law.admissible(&input, &mut new_history);
+        let (admitted, state) = (response.traction, response.state);
         let stays = if contact.held {
             admitted == trial && state.contact == ContactState::Stick
         } else {
-            // What slides and bears tension is held across; it may still crack.
+            // A pair that slides and bears tension is held along its normal; it may still crack.
             !contact.bears_tension() || state.contact != ContactState::Open
         };
         let over = (trial - admitted).norm() * contact.per_traction;
@@ -208,16 +221,16 @@ fn let_go_worst<L: ContactLaw>(contacts: &mut [Contact<L>], impulses: &DVector<f
         return false;
     };
     let contact = &mut contacts[a];
-    (contact.held, contact.let_go, contact.state) = (false, true, state);
+    (contact.held, contact.let_go, contact.input.state) = (false, true, state);
     true
 }
 
-/// How much a sweep changes the motion.
+/// Measure of the change of motion by a sweep.
 ///
 /// In units in which each direction of each pair has the effective mass one: motion
-/// `(S p)_i / sqrt(S_ii)` over impulses `p_i sqrt(S_ii)`. Impulses themselves need not come to rest:
-/// where pairs of one corner, or around a closed ring, want motions that differ by the rounding of
-/// their gaps, sweeps pass a force on from one to the other, which moves nothing.
+/// `(S p)_i / sqrt(S_ii)` over impulses `p_i sqrt(S_ii)`. Impulses themselves need not converge:
+/// where the gaps of pairs of one corner, or around a closed ring, differ by rounding, sweeps pass a
+/// force from one to the other, which moves nothing.
 struct Change {
     scale: DVector<f64>,
     motion: DVector<f64>,
@@ -232,7 +245,7 @@ impl Change {
         }
     }
 
-    /// The relative change since it was last asked for.
+    /// Relative change since the last call.
     fn since(&mut self, schur: &DMatrix<f64>, impulses: &DVector<f64>) -> f64 {
         let motion = schur * impulses;
         let change = (&motion - &self.motion).component_mul(&self.scale).amax();
@@ -243,8 +256,8 @@ impl Change {
     }
 }
 
-/// Sweeps over the free pairs until the motion no longer changes, or for a while; returns its
-/// relative change in the last one.
+/// Sweeps over the free pairs until the motion no longer changes, [`PATIENCE`] times at most; returns the
+/// relative change in the last sweep.
 fn sweep<L: ContactLaw>(
     matrices: &Matrices,
     contacts: &mut [Contact<L>],
@@ -259,7 +272,7 @@ fn sweep<L: ContactLaw>(
             .sum();
         excess[row] - taken
     };
-    // What moves nothing is only made admissible.
+    // Impulses that move nothing are only made admissible.
     let by = |left: f64, own: f64| if own > 0.0 { left / own } else { 0.0 };
     let mut change = Change::new(schur, impulses);
     let mut residual = 0.0;
@@ -271,7 +284,7 @@ fn sweep<L: ContactLaw>(
             impulses[row] = contact.normal(impulses[row] + by(left(row, impulses), own));
             let own = matrices.tangential[b];
             let trial = [row + 1, row + 2].map(|i| impulses[i] + by(left(i, impulses), own));
-            let (cut, slides) = contact.tangential(impulses[row], trial);
+            let (cut, slides) = contact.tangential(impulses[row], trial, own);
             (impulses[row + 1], impulses[row + 2]) = (cut[0], cut[1]);
             contact.slides = slides;
         }

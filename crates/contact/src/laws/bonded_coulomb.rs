@@ -1,8 +1,10 @@
-//! A brittle bond, then friction.
+//! Brittle bond and Coulomb friction.
 
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, ParameterError, Vec3};
+use powerhouse_model::{
+    Bond, ContactLaw, ContactState, JointInput, JointResponse, JointState, ParameterError,
+};
 
-use super::{at_rest, check_friction, check_strength, failed, opened, shear, with_shear};
+use super::{check_friction, check_strength, failed, initial_state, opened, shear, with_shear};
 
 /// Parameters of [`BondedCoulomb`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,12 +18,13 @@ pub struct BondedCoulombParameters {
     pub static_friction: f64,
     /// Dynamic friction coefficient `mu_d`, at most `mu_s`.
     pub dynamic_friction: f64,
-    /// Whether slip destroys the bond. If not, cohesion acts along with friction while the pair
-    /// slides, and only a tensile crack destroys it.
+    /// Whether slip breaks the bond. If not, cohesion acts along with friction while the pair
+    /// slides, and only a tensile crack breaks it.
     pub cohesion_loss: bool,
 }
 
-/// A bond that breaks for good, then Coulomb friction with a static and a dynamic coefficient.
+/// Contact law with a bond that breaks for good and Coulomb friction with a static and a dynamic
+/// coefficient.
 ///
 /// For a trial traction with normal part `n` (positive in tension) and shear `s`:
 ///
@@ -30,15 +33,15 @@ pub struct BondedCoulombParameters {
 /// - *Not bonded*: no tension, `n > 0` opens the pair. Under pressure it sticks if
 ///   `norm(s) <= -mu n`, else it slides with `norm(t) = -mu_d n` along `s`.
 ///
-/// `mu` is `mu_s` as long as the pair stuck before and `mu_d` if it slid or was open: it re-sticks
+/// `mu` is `mu_s` if the pair stuck in the step before and `mu_d` if it slid or was open: it re-sticks
 /// when the stick trial is within `mu_d N` and slips again past `mu_s N`.
 ///
 /// Wang, Chen & Xiao (2019) have the same parameters (Table 1) but drop the shear of a bond in
-/// tension, Eq. (23), and have no memory of slip; see [`Paper`](crate::Paper).
+/// tension, Eq. (23), and keep no history of slip; see [`Paper`](crate::Paper).
 ///
 /// ```
 /// use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters};
-/// use powerhouse_model::{Bond, ContactLaw, Vec3};
+/// use powerhouse_model::{Bond, ContactLaw, JointInput, Vec3};
 /// let law = BondedCoulomb::new(BondedCoulombParameters {
 ///     cohesion: 1.0e6,
 ///     tensile_strength: 0.5e6,
@@ -46,16 +49,17 @@ pub struct BondedCoulombParameters {
 ///     dynamic_friction: 0.6,
 ///     cohesion_loss: true,
 /// })?;
-/// let (traction, state) = law.admissible(Vec3::new(-1.0e6, 2.0e6, 0.0), &law.initial());
-/// assert_eq!(traction, Vec3::new(-1.0e6, 0.6e6, 0.0));
-/// assert_eq!(state.bond, Bond::Broken);
+/// let input = JointInput::new(Vec3::new(-1.0e6, 2.0e6, 0.0), &law.initial());
+/// let response = law.admissible(&input, &mut []);
+/// assert_eq!(response.traction, Vec3::new(-1.0e6, 0.6e6, 0.0));
+/// assert_eq!(response.state.bond, Bond::Broken);
 /// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BondedCoulomb(BondedCoulombParameters);
 
 impl BondedCoulomb {
-    /// The law with these parameters.
+    /// Law with given parameters.
     ///
     /// # Errors
     /// A negative parameter, or `mu_d > mu_s`.
@@ -65,7 +69,7 @@ impl BondedCoulomb {
         check_friction(parameters.static_friction, parameters.dynamic_friction)?;
         Ok(Self(parameters))
     }
-    /// Coulomb friction without a bond.
+    /// Law of Coulomb friction without a bond.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -78,18 +82,24 @@ impl BondedCoulomb {
             cohesion_loss: true,
         })
     }
-    /// Its parameters.
+    /// Parameters of the law.
     pub fn parameters(&self) -> &BondedCoulombParameters {
         &self.0
     }
 
-    /// Cohesion and tensile strength in force (Pa).
+    /// Cohesion and tensile strength with a bond in this state (Pa).
     #[inline(always)]
     fn strengths(&self, bond: Bond) -> (f64, f64) {
         match bond {
             Bond::Intact => (self.0.cohesion, self.0.tensile_strength),
             Bond::Never | Bond::Broken => (0.0, 0.0),
         }
+    }
+    /// Shear strength (Pa) of a pair that slides under a normal traction (Pa), with a bond in this state.
+    #[inline(always)]
+    fn strength(&self, normal: f64, bond: Bond) -> f64 {
+        let (cohesion, _) = self.strengths(bond);
+        (cohesion - self.0.dynamic_friction * normal).max(0.0)
     }
 }
 
@@ -98,11 +108,11 @@ impl ContactLaw for BondedCoulomb {
         "bonded-coulomb"
     }
     fn initial(&self) -> JointState {
-        at_rest(self.0.cohesion, self.0.tensile_strength)
+        initial_state(self.0.cohesion, self.0.tensile_strength)
     }
     #[inline(always)]
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        let law = &self.0;
+    fn admissible(&self, input: &JointInput, _new_history: &mut [f64]) -> JointResponse {
+        let (law, trial, state) = (&self.0, input.trial, &input.state);
         let normal = trial.x;
         let (cohesion, tensile_strength) = self.strengths(state.bond);
         let broken = failed(state.bond);
@@ -115,8 +125,7 @@ impl ContactLaw for BondedCoulomb {
         };
         let shear = shear(&trial);
         if shear <= cohesion - friction * normal {
-            let contact = ContactState::Stick;
-            return (trial, JointState { contact, ..*state });
+            return JointResponse::new(trial, state.with_contact(ContactState::Stick));
         }
         let bond = if law.cohesion_loss {
             broken
@@ -126,17 +135,12 @@ impl ContactLaw for BondedCoulomb {
         if normal > 0.0 && bond != Bond::Intact {
             return opened(bond, state);
         }
-        let slid = JointState {
-            contact: ContactState::Slide,
-            bond,
-            ..*state
-        };
-        let strength = self.sliding_strength(normal, &slid);
-        (with_shear(normal, &trial, shear, strength), slid)
+        let slid = state.with_contact(ContactState::Slide).with_bond(bond);
+        let strength = self.strength(normal, bond);
+        JointResponse::new(with_shear(normal, &trial, shear, strength), slid)
     }
     #[inline(always)]
-    fn sliding_strength(&self, normal: f64, state: &JointState) -> f64 {
-        let (cohesion, _) = self.strengths(state.bond);
-        (cohesion - self.0.dynamic_friction * normal).max(0.0)
+    fn sliding_strength(&self, normal: f64, input: &JointInput) -> f64 {
+        self.strength(normal, input.state.bond)
     }
 }

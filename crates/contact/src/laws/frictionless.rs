@@ -1,16 +1,16 @@
-//! Pressure alone.
+//! Unilateral contact without friction.
 
-use powerhouse_model::{ContactLaw, ContactState, JointState, Vec3};
+use powerhouse_model::{ContactLaw, ContactState, JointInput, JointResponse, JointState, Vec3};
 
 use super::opened;
 
-/// Presses, never pulls, never rubs: `t = (min(n, 0), 0, 0)` for a trial of normal part `n`.
+/// Unilateral contact law without friction: `t = (min(n, 0), 0, 0)` for a trial of normal part `n`.
 ///
 /// ```
 /// use powerhouse_contact::Frictionless;
-/// use powerhouse_model::{ContactLaw, Vec3};
-/// let (traction, _) = Frictionless.admissible(Vec3::new(-3.0, 1.0, 2.0), &Frictionless.initial());
-/// assert_eq!(traction, Vec3::new(-3.0, 0.0, 0.0));
+/// use powerhouse_model::{ContactLaw, JointInput, Vec3};
+/// let input = JointInput::new(Vec3::new(-3.0, 1.0, 2.0), &Frictionless.initial());
+/// assert_eq!(Frictionless.admissible(&input, &mut []).traction, Vec3::new(-3.0, 0.0, 0.0));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Frictionless;
@@ -20,21 +20,18 @@ impl ContactLaw for Frictionless {
         "frictionless"
     }
     fn initial(&self) -> JointState {
-        JointState {
-            contact: ContactState::Slide,
-            ..JointState::default()
-        }
+        JointState::default().with_contact(ContactState::Slide)
     }
     #[inline(always)]
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        if trial.x > 0.0 {
+    fn admissible(&self, input: &JointInput, _new_history: &mut [f64]) -> JointResponse {
+        let (normal, state) = (input.trial.x, &input.state);
+        if normal > 0.0 {
             return opened(state.bond, state);
         }
-        let contact = ContactState::Slide;
-        let state = JointState { contact, ..*state };
-        (Vec3::new(trial.x, 0.0, 0.0), state)
+        let state = state.with_contact(ContactState::Slide);
+        JointResponse::new(Vec3::new(normal, 0.0, 0.0), state)
     }
-    fn sliding_strength(&self, _normal: f64, _state: &JointState) -> f64 {
+    fn sliding_strength(&self, _normal: f64, _input: &JointInput) -> f64 {
         0.0
     }
 }

@@ -1,4 +1,4 @@
-//! Laws of joints.
+//! Contact laws of joints.
 
 mod bonded_coulomb;
 mod frictionless;
@@ -12,15 +12,15 @@ pub use paper::{Paper, PaperParameters};
 pub use slip_weakening::{SlipWeakening, SlipWeakeningParameters};
 pub use tied::Tied;
 
-use powerhouse_model::{Bond, ContactState, JointState, ParameterError, Vec3};
+use powerhouse_model::{Bond, ContactState, JointResponse, JointState, ParameterError, Vec3};
 
-/// Length of the tangential part of a traction.
+/// Size of the tangential part of a traction (Pa).
 #[inline(always)]
 fn shear(traction: &Vec3) -> f64 {
     (traction.y * traction.y + traction.z * traction.z).sqrt()
 }
 
-/// A traction with a given normal part, and the shear of another one cut down to a strength.
+/// Traction with a given normal part and the shear of a trial, reduced to a strength where it exceeds it (Pa).
 #[inline(always)]
 fn with_shear(normal: f64, trial: &Vec3, shear: f64, strength: f64) -> Vec3 {
     let share = if shear > strength {
@@ -31,17 +31,13 @@ fn with_shear(normal: f64, trial: &Vec3, shear: f64, strength: f64) -> Vec3 {
     Vec3::new(normal, trial.y * share, trial.z * share)
 }
 
-/// The state of a pair before anything has happened: bonded if one of the strengths (Pa) is above
-/// zero.
-fn at_rest(cohesion: f64, tensile_strength: f64) -> JointState {
+/// Initial state of a pair: bonded if one of the strengths (Pa) is above zero.
+fn initial_state(cohesion: f64, tensile_strength: f64) -> JointState {
     let bonded = cohesion > 0.0 || tensile_strength > 0.0;
-    JointState {
-        bond: if bonded { Bond::Intact } else { Bond::Never },
-        ..JointState::default()
-    }
+    JointState::default().with_bond(if bonded { Bond::Intact } else { Bond::Never })
 }
 
-/// What a bond is once its strength is exceeded: broken, if there ever was one.
+/// Bond after its strength is exceeded: broken, if there ever was one.
 #[inline(always)]
 fn failed(bond: Bond) -> Bond {
     match bond {
@@ -50,19 +46,14 @@ fn failed(bond: Bond) -> Bond {
     }
 }
 
-/// No traction: the sides part.
+/// Response of a pair that opens: no traction.
 #[inline(always)]
-fn opened(bond: Bond, state: &JointState) -> (Vec3, JointState) {
-    let contact = ContactState::Open;
-    let state = JointState {
-        contact,
-        bond,
-        ..*state
-    };
-    (Vec3::zeros(), state)
+fn opened(bond: Bond, state: &JointState) -> JointResponse {
+    let state = state.with_contact(ContactState::Open).with_bond(bond);
+    JointResponse::new(Vec3::zeros(), state)
 }
 
-/// Accepts a strength (Pa): not negative, possibly infinite.
+/// Checks a strength (Pa): not negative, possibly infinite.
 fn check_strength(name: &'static str, value: f64) -> Result<(), ParameterError> {
     let (least, most) = (0.0, f64::INFINITY);
     if value >= least {
@@ -76,8 +67,7 @@ fn check_strength(name: &'static str, value: f64) -> Result<(), ParameterError> 
     })
 }
 
-/// Accepts coefficients of static and dynamic friction: not negative, the second not above the
-/// first.
+/// Checks coefficients of static and dynamic friction: not negative, the second not above the first.
 fn check_friction(resting: f64, sliding: f64) -> Result<(), ParameterError> {
     ParameterError::check("static_friction", resting, 0.0, f64::MAX)?;
     ParameterError::check("dynamic_friction", sliding, 0.0, resting)

@@ -1,8 +1,10 @@
-//! The states of Wang, Chen & Xiao (2019).
+//! Contact law of Wang, Chen & Xiao (2019).
 
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, ParameterError, Vec3};
+use powerhouse_model::{
+    Bond, ContactLaw, ContactState, JointInput, JointResponse, JointState, ParameterError, Vec3,
+};
 
-use super::{at_rest, check_friction, check_strength, failed, opened, shear, with_shear};
+use super::{check_friction, check_strength, failed, initial_state, opened, shear, with_shear};
 
 /// Parameters of [`Paper`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +19,7 @@ pub struct PaperParameters {
     pub dynamic_friction: f64,
 }
 
-/// Wang, Chen & Xiao (2019), Eqs. (22) to (24), as printed.
+/// Contact law of Wang, Chen & Xiao (2019), Eqs. (22) to (24), as printed.
 ///
 /// For a trial traction with normal part `n` (positive in tension) and shear `s`:
 ///
@@ -31,12 +33,12 @@ pub struct PaperParameters {
 /// A crack or slip sets `c = 0`. Nothing else is lost, as in the paper: whether a pair slid before
 /// makes no difference to the threshold `mu_s`, and a crack that has closed again carries tension
 /// up to `sigma` once more. Only while the pair is open is there none: the trial would close the gap
-/// by pulling. [`BondedCoulomb`](crate::BondedCoulomb) puts these points right.
+/// in tension. [`BondedCoulomb`](crate::BondedCoulomb) corrects these points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper(PaperParameters);
 
 impl Paper {
-    /// The law with these parameters.
+    /// Law with given parameters.
     ///
     /// # Errors
     /// A negative parameter, or `mu_d > mu_s`.
@@ -46,7 +48,7 @@ impl Paper {
         check_friction(parameters.static_friction, parameters.dynamic_friction)?;
         Ok(Self(parameters))
     }
-    /// Its parameters.
+    /// Parameters of the law.
     pub fn parameters(&self) -> &PaperParameters {
         &self.0
     }
@@ -57,11 +59,11 @@ impl ContactLaw for Paper {
         "paper"
     }
     fn initial(&self) -> JointState {
-        at_rest(self.0.cohesion, self.0.tensile_strength)
+        initial_state(self.0.cohesion, self.0.tensile_strength)
     }
     #[inline(always)]
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        let law = &self.0;
+    fn admissible(&self, input: &JointInput, _new_history: &mut [f64]) -> JointResponse {
+        let (law, trial, state) = (&self.0, input.trial, &input.state);
         let normal = trial.x;
         let after_failure = failed(state.bond);
         if normal > 0.0 {
@@ -69,9 +71,8 @@ impl ContactLaw for Paper {
             if !carries {
                 return opened(after_failure, state);
             }
-            let contact = ContactState::Slide;
-            let state = JointState { contact, ..*state };
-            return (Vec3::new(normal, 0.0, 0.0), state);
+            let state = state.with_contact(ContactState::Slide);
+            return JointResponse::new(Vec3::new(normal, 0.0, 0.0), state);
         }
         let shear = shear(&trial);
         let cohesion = match state.bond {
@@ -79,22 +80,18 @@ impl ContactLaw for Paper {
             Bond::Never | Bond::Broken => 0.0,
         };
         if shear <= law.static_friction * -normal + cohesion {
-            let contact = ContactState::Stick;
-            return (trial, JointState { contact, ..*state });
+            return JointResponse::new(trial, state.with_contact(ContactState::Stick));
         }
-        let slid = JointState {
-            contact: ContactState::Slide,
-            bond: after_failure,
-            ..*state
-        };
+        let slid = state.with_contact(ContactState::Slide);
+        let slid = slid.with_bond(after_failure);
         let strength = law.dynamic_friction * -normal;
-        (with_shear(normal, &trial, shear, strength), slid)
+        JointResponse::new(with_shear(normal, &trial, shear, strength), slid)
     }
-    fn sliding_strength(&self, normal: f64, _state: &JointState) -> f64 {
+    fn sliding_strength(&self, normal: f64, _input: &JointInput) -> f64 {
         self.0.dynamic_friction * (-normal).max(0.0)
     }
-    fn unbonded_tension(&self, state: &JointState) -> f64 {
-        match state.contact {
+    fn unbonded_tension(&self, input: &JointInput) -> f64 {
+        match input.state.contact {
             ContactState::Open => 0.0,
             ContactState::Stick | ContactState::Slide => self.0.tensile_strength,
         }

@@ -1,14 +1,15 @@
-//! A perfect bond.
+//! Perfect bond.
 
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointState, Vec3};
+use powerhouse_model::{Bond, ContactLaw, ContactState, JointInput, JointResponse, JointState};
 
-/// A perfect bond: every traction is admissible.
+/// Contact law of a perfect bond: every traction is admissible.
 ///
 /// ```
 /// use powerhouse_contact::Tied;
-/// use powerhouse_model::{ContactLaw, Vec3};
+/// use powerhouse_model::{ContactLaw, JointInput, Vec3};
 /// let pull = Vec3::new(1.0e6, 2.0e5, 0.0);
-/// assert_eq!(Tied.admissible(pull, &Tied.initial()).0, pull);
+/// let input = JointInput::new(pull, &Tied.initial());
+/// assert_eq!(Tied.admissible(&input, &mut []).traction, pull);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tied;
@@ -18,17 +19,16 @@ impl ContactLaw for Tied {
         "tied"
     }
     fn initial(&self) -> JointState {
-        JointState {
-            bond: Bond::Intact,
-            ..JointState::default()
-        }
+        JointState::default().with_bond(Bond::Intact)
     }
     #[inline(always)]
-    fn admissible(&self, trial: Vec3, state: &JointState) -> (Vec3, JointState) {
-        let contact = ContactState::Stick;
-        (trial, JointState { contact, ..*state })
+    fn admissible(&self, input: &JointInput, _new_history: &mut [f64]) -> JointResponse {
+        JointResponse::new(input.trial, input.state.with_contact(ContactState::Stick))
     }
-    fn sliding_strength(&self, _normal: f64, _state: &JointState) -> f64 {
+    fn sliding_strength(&self, _normal: f64, _input: &JointInput) -> f64 {
         f64::INFINITY
+    }
+    fn bears_tension(&self) -> bool {
+        true
     }
 }

@@ -246,11 +246,11 @@ fn records_find_their_pairs_by_nodes() {
         record.state.slip = slip;
         record
     };
-    let history = JointHistory {
-        name: "joint".into(),
-        nodes: vec![[2, 3], [0, 1], [2, 3]],
-        records: vec![record(2.0), record(1.0), record(3.0)],
-    };
+    let history = JointHistory::new(
+        "joint",
+        vec![[2, 3], [0, 1], [2, 3]],
+        vec![record(2.0), record(1.0), record(3.0)],
+    );
     assert!(joint.restore(&history));
     let slips: Vec<f64> = joint.records().iter().map(|r| r.state.slip).collect();
     assert_eq!(slips, [1.0, 2.0, 3.0]);

@@ -3,7 +3,7 @@
 use powerhouse_contact::{BondedCoulomb, Joint};
 use powerhouse_model::{
     Bond, Constraint, ContactState, JointHistory, JointPair, JointRecord, JointState, Mat3,
-    PredictedMotion, Vec3,
+    PredictedMotion, StepTime, Vec3,
 };
 
 use crate::Noise;
@@ -33,22 +33,12 @@ fn corners_are_solved_whatever_they_do() {
         let record = |noise: &mut Noise| {
             let contacts = [ContactState::Stick, ContactState::Slide, ContactState::Open];
             let contact = contacts[((noise.next() + 1.0) * 1.5) as usize % 3];
-            JointRecord {
-                state: JointState {
-                    contact,
-                    bond: Bond::Broken,
-                    slip: 0.0,
-                },
-                traction: Vec3::new(-noise.next().abs(), 0.0, 0.0),
-                anchor: Some([0.0; 2]),
-                ..JointRecord::default()
-            }
+            JointRecord::new(JointState::new(contact, Bond::Broken))
+                .with_traction(Vec3::new(-noise.next().abs(), 0.0, 0.0))
+                .with_anchor([0.0; 2])
         };
-        assert!(joint.restore(&JointHistory {
-            name: "corner".into(),
-            nodes: vec![[0, 1]; 3],
-            records: (0..3).map(|_| record(&mut noise)).collect(),
-        }));
+        let records = (0..3).map(|_| record(&mut noise)).collect();
+        assert!(joint.restore(&JointHistory::new("corner", vec![[0, 1]; 3], records)));
         let step = 1e-2;
         let masses = [Mat3::identity() / 3.0, Mat3::identity() / 5.0];
         // What rounding leaves is closed along one face's normal, and is a slip along the others.
@@ -56,7 +46,12 @@ fn corners_are_solved_whatever_they_do() {
         let (here, rest) = ([Vec3::zeros(), left], [Vec3::zeros(); 2]);
         let predicted = [Vec3::zeros(), noise.vector()];
         let mut velocity = predicted;
-        let motion = PredictedMotion::new((0, 0.0, step), &here, &rest, &mut velocity, &masses);
+        let when = StepTime {
+            number: 0,
+            time: 0.0,
+            step,
+        };
+        let motion = PredictedMotion::new(when, &here, &rest, &mut velocity, &masses);
         joint
             .correct(motion)
             .unwrap_or_else(|e| panic!("{trial}: {e}"));

@@ -3,7 +3,9 @@
 use core::f64::consts::PI;
 
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
-use powerhouse_model::{Bond, Constraint, ContactState, JointPair, Mat3, PredictedMotion, Vec3};
+use powerhouse_model::{
+    Bond, Constraint, ContactState, JointPair, Mat3, PredictedMotion, StepTime, Vec3,
+};
 
 use crate::{Bodies, Noise, oblique};
 
@@ -247,7 +249,11 @@ fn supports_take_their_share_of_what_a_dipping_joint_carries() {
         let (masses, force) = ([free / 2.0, free / 3.0], Vec3::new(0.0, 0.0, -4.0));
         let rest = [Vec3::zeros(); 2];
         let mut velocity = [masses[0] * -force * step, masses[1] * force * step];
-        let when = (0, 0.0, step);
+        let when = StepTime {
+            number: 0,
+            time: 0.0,
+            step,
+        };
         let motion = PredictedMotion::new(when, &rest, &rest, &mut velocity, &masses);
         joint.correct(motion).unwrap();
         let record = &joint.records()[0];

@@ -6,9 +6,9 @@ use powerhouse_model::{Bond, JointPair, Vec3};
 use crate::{Bodies, Noise};
 
 /// Two masses that meet stay together until they are pulled apart, and lose
-/// `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, which is booked.
+/// `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, which is reported.
 #[test]
-fn the_loss_of_an_impact_is_booked() {
+fn the_loss_of_an_impact_is_reported() {
     let pair = JointPair::new([0, 1], Vec3::x(), 1.0);
     let mut joint = Joint::new("joint", vec![pair], Frictionless).unwrap();
     let mut bodies = Bodies::at_rest(&[2.0, 6.0], 1e-3);

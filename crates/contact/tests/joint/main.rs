@@ -4,10 +4,13 @@ mod connected;
 mod corners;
 mod extremes;
 mod friction;
+mod history;
 mod impact;
 mod pairs;
 
-use powerhouse_model::{Constraint, ConstraintWork, Mat3, PredictedMotion, RunError, Vec3};
+use powerhouse_model::{
+    Constraint, ConstraintWork, Mat3, PredictedMotion, RunError, StepTime, Vec3,
+};
 
 /// Masses in leapfrog steps, each with a force of its own.
 #[derive(Clone, Debug)]
@@ -94,7 +97,11 @@ impl Bodies {
         let mut velocity = of(&predicted);
         let masses: Vec<Mat3> = joint.nodes().iter().map(|&n| inverse[n as usize]).collect();
         let work = joint.correct(PredictedMotion::new(
-            (self.number, self.time(), self.step),
+            StepTime {
+                number: self.number,
+                time: self.time(),
+                step: self.step,
+            },
             &displacement,
             &previous,
             &mut velocity,
@@ -114,10 +121,7 @@ impl Bodies {
             self.displacement[body] += next[body] * self.step;
         }
         self.number += 1;
-        self.work.friction += work.friction;
-        self.work.bond += work.bond;
-        self.work.impact += work.impact;
-        self.work.external += work.external;
+        self.work += work;
         Ok(work)
     }
     /// Energy that is not accounted for (J), if no fixed body moves.
@@ -127,6 +131,7 @@ impl Bodies {
             bond,
             impact,
             external,
+            ..
         } = self.work;
         self.kinetic() + friction + bond + impact + external - self.input - initial
     }

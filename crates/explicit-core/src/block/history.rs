@@ -247,13 +247,11 @@ impl<S: BatchScalar> History<S> {
     /// Committed history of some elements of the mesh, one field per variable.
     pub(super) fn fields(&self, arrangement: &Arrangement, elements: &[u32]) -> Vec<HistoryField> {
         let variables = self.variables.iter().enumerate();
-        let field = |(v, variable): (usize, &HistoryVariable)| HistoryField {
-            name: variable.name.into(),
-            elements: elements.to_vec(),
-            points: self.points,
-            values: (0..elements.len() * self.points)
+        let field = |(v, variable): (usize, &HistoryVariable)| {
+            let values = (0..elements.len() * self.points)
                 .map(|i| self.value(arrangement, i / self.points, (i % self.points, v)))
-                .collect(),
+                .collect();
+            HistoryField::new(variable.name, elements.to_vec(), self.points, values)
         };
         variables.map(field).collect()
     }

@@ -1,8 +1,8 @@
-//! A bar in its grout, along one axis.
+//! Axial model of a bolt: an elastoplastic bar in elastoplastic grout.
 
 use super::{BoltEnd, BoltParameters, Grout};
 
-/// One bolt: segments one behind the other, each with two points in the rock.
+/// The bar of one bolt: consecutive segments, each with two end points in the rock.
 #[derive(Clone, Debug)]
 pub(super) struct Bar {
     /// Axial stiffness of each segment, `E A / l` (N/m).
@@ -16,29 +16,29 @@ pub(super) struct Bar {
 /// History variables of a bar, segment by segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BarState {
-    /// Elongation that does not come back (m).
+    /// Plastic elongation (m) of each segment.
     pub(super) plastic: Vec<f64>,
-    /// Slip of the grout at the two ends that does not come back (m).
+    /// Plastic slip (m) of the grout at the two ends of each segment.
     pub(super) slip: Vec<[f64; 2]>,
-    /// Axial force (N).
+    /// Axial force (N) of each segment.
     pub(super) force: Vec<f64>,
-    /// Force of the grout at the two ends (N).
+    /// Force (N) of the grout at the two ends of each segment.
     pub(super) grout: Vec<[f64; 2]>,
-    /// Dissipated so far (J).
-    pub(super) spent: f64,
+    /// Energy dissipated so far (J).
+    pub(super) dissipated: f64,
 }
 
-/// Corrections along a bolt before it counts as unsolved.
+/// Largest number of Newton corrections along a bolt.
 const MOST_CORRECTIONS: usize = 500;
-/// How often a step along it is halved.
+/// Largest number of bisections in the line search.
 const MOST_HALVINGS: usize = 60;
-/// The share of the first slope of the energy that counts as none.
+/// Slope of the energy over that at the start of the line search which counts as zero.
 const FLAT: f64 = 1.0e-3;
-/// Of the elastic stiffness, what a yielding bar or grout has left for the corrections alone.
+/// Tangent stiffness of a yielding bar or grout over the elastic one, in the corrections alone.
 const LEAST_TANGENT: f64 = 1.0e-7;
-/// Forces out of balance along the bolt over its largest force.
+/// Tolerance of unbalanced forces along the bolt over its largest force.
 const BALANCED: f64 = 1.0e-12;
-/// The same where corrections do not lower them any more.
+/// Tolerance where corrections do not reduce unbalanced forces any more.
 const NEARLY_BALANCED: f64 = 1.0e-9;
 
 impl Bar {
@@ -53,7 +53,7 @@ impl Bar {
         }
     }
 
-    /// The state of a bar that was just installed.
+    /// The state of a newly installed bar.
     pub(super) fn installed(&self) -> BarState {
         let count = self.lengths.len();
         BarState {
@@ -61,11 +61,11 @@ impl Bar {
             slip: vec![[0.0; 2]; count],
             force: vec![self.pretension; count],
             grout: vec![[0.0; 2]; count],
-            spent: 0.0,
+            dissipated: 0.0,
         }
     }
 
-    /// Held energy (J) of a state.
+    /// Stored elastic energy (J) of a state.
     pub(super) fn stored(&self, state: &BarState) -> f64 {
         let bars = state.force.iter().zip(&self.stiffness);
         let mut energy: f64 = bars.map(|(force, k)| 0.5 * force * force / k).sum();
@@ -78,34 +78,33 @@ impl Bar {
         energy
     }
 
-    /// The grout, if the bar may slip in it.
+    /// The grout; none for a bar tied to the rock.
     pub(super) fn grout(&self) -> Option<&Grout> {
         self.grout.as_ref()
     }
 
-    /// Axial forces (N) of the segments of a bar without grout that are longer by `elongation` (m) since
-    /// the installation; they stand in the new state that this writes.
+    /// Writes the new state of a bar without grout whose segments have an `elongation` (m) since installation.
     pub(super) fn stretch(&self, elongation: &[f64], old: &BarState, new: &mut BarState) {
-        new.spent = old.spent;
+        new.dissipated = old.dissipated;
         for (k, &elongation) in elongation.iter().enumerate() {
             self.pull(k, elongation, old, new);
         }
     }
 
-    /// Writes the new state of a segment; yields its axial force (N).
+    /// Writes the new state of a segment and returns its axial force (N).
     fn pull(&self, k: usize, elongation: f64, old: &BarState, new: &mut BarState) -> f64 {
         let trial = self.pretension + self.stiffness[k] * (elongation - old.plastic[k]);
         let force = trial.clamp(-self.yield_force, self.yield_force);
         let flow = (trial - force) / self.stiffness[k];
         new.plastic[k] = old.plastic[k] + flow;
-        new.spent += 0.5 * (old.force[k] + force) * flow;
+        new.dissipated += 0.5 * (old.force[k] + force) * flow;
         new.force[k] = force;
         force
     }
 
-    /// Forces (N) along the axis at the two points of each segment that resist their axial
-    /// displacements `moved` (m) since the installation; writes the new state. Nothing if the bar
-    /// finds no balance in its grout.
+    /// Axial forces (N) at the two ends of each segment that resist their axial
+    /// displacements `moved` (m) since installation; writes the new state. None if the equilibrium of bar and grout does
+    /// not converge.
     pub(super) fn forces(
         &self,
         grout: &Grout,
@@ -115,16 +114,16 @@ impl Bar {
         out: &mut [[f64; 2]],
     ) -> Option<()> {
         let w = self.balance(grout, moved, old)?;
-        new.spent = old.spent;
+        new.dissipated = old.dissipated;
         for k in 0..self.lengths.len() {
             self.pull(k, w[k + 1] - w[k], old, new);
             for end in 0..2 {
-                let (trial, held, stiffness) = self.grout_force(grout, (k, end), &w, moved, old);
-                let flow = (trial - held) / stiffness;
+                let (trial, force, stiffness) = self.grout_force(grout, (k, end), &w, moved, old);
+                let flow = (trial - force) / stiffness;
                 new.slip[k][end] = old.slip[k][end] + flow;
-                new.spent += 0.5 * (old.grout[k][end] + held) * flow;
-                new.grout[k][end] = held;
-                out[k][end] = -held;
+                new.dissipated += 0.5 * (old.grout[k][end] + force) * flow;
+                new.grout[k][end] = force;
+                out[k][end] = -force;
             }
         }
         let last = self.lengths.len() - 1;
@@ -137,8 +136,7 @@ impl Bar {
         Some(())
     }
 
-    /// Force of the grout at an end of a segment as if it never slipped, as it is (N), and its
-    /// stiffness (N/m).
+    /// Elastic trial force and force (N) of the grout at an end of a segment, and its elastic stiffness (N/m).
     fn grout_force(
         &self,
         grout: &Grout,
@@ -154,10 +152,9 @@ impl Bar {
         (trial, trial.clamp(-strength, strength), stiffness)
     }
 
-    /// The axial displacement (m) of the bar between its segments, in balance with the grout.
+    /// Axial displacement (m) of the bar at the ends of its segments, in equilibrium with the grout.
     ///
-    /// Newton's method on a convex energy that is quadratic by pieces: each step goes as far as the
-    /// energy falls.
+    /// Newton's method with line search on a convex, piecewise quadratic energy.
     fn balance(&self, grout: &Grout, moved: &[[f64; 2]], old: &BarState) -> Option<Vec<f64>> {
         let count = self.lengths.len();
         let mut w: Vec<f64> = (0..=count)
@@ -212,7 +209,7 @@ impl Bar {
         None
     }
 
-    /// Fills tangent and forces out of balance; yields the size of the forces in play (N).
+    /// Assembles tangent and unbalanced forces; returns the largest force of bar and grout (N).
     fn assemble(
         &self,
         grout: &Grout,
@@ -239,10 +236,10 @@ impl Bar {
             system.diagonal[k + 1] += tangent;
             system.beside[k] -= tangent;
             for end in 0..2 {
-                let (trial, held, stiffness) = self.grout_force(grout, (k, end), w, moved, old);
-                scale = scale.max(held.abs());
-                system.rest[k + end] -= held;
-                system.diagonal[k + end] += if held == trial {
+                let (trial, force, stiffness) = self.grout_force(grout, (k, end), w, moved, old);
+                scale = scale.max(force.abs());
+                system.rest[k + end] -= force;
+                system.diagonal[k + end] += if force == trial {
                     stiffness
                 } else {
                     stiffness * LEAST_TANGENT
@@ -253,7 +250,7 @@ impl Bar {
         scale
     }
 
-    /// The forces (N) at the two points of each segment under the elastic stiffness.
+    /// Elastic axial forces (N) at the two ends of each segment.
     pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]]) {
         let Some(grout) = self.grout else {
             for ((out, moved), stiffness) in out.iter_mut().zip(moved).zip(&self.stiffness) {
@@ -284,9 +281,11 @@ impl Bar {
 /// A symmetric tridiagonal system of equations.
 struct Tridiagonal {
     diagonal: Vec<f64>,
+    /// Off-diagonal entries.
     beside: Vec<f64>,
+    /// Right-hand side: unbalanced forces (N).
     rest: Vec<f64>,
-    /// Whether the first and the last unknown stay as they are.
+    /// Whether the first and the last unknown are fixed.
     held: [bool; 2],
 }
 
@@ -304,26 +303,26 @@ impl Tridiagonal {
         self.beside.fill(0.0);
         self.rest.fill(0.0);
     }
-    /// Takes the unknowns that are held out of the equations.
+    /// Removes fixed unknowns from the equations.
     fn hold_ends(&mut self) {
         let last = self.diagonal.len() - 1;
-        for (place, beside) in [(0, 0), (last, last - 1)] {
-            if self.held[usize::from(place > 0)] {
-                self.diagonal[place] = 1.0;
-                self.rest[place] = 0.0;
+        for (index, beside) in [(0, 0), (last, last - 1)] {
+            if self.held[usize::from(index > 0)] {
+                self.diagonal[index] = 1.0;
+                self.rest[index] = 0.0;
                 self.beside[beside] = 0.0;
             }
         }
     }
-    /// Norm of what is out of balance.
+    /// Norm of the unbalanced forces (N).
     fn size(&self) -> f64 {
         self.rest.iter().map(|rest| rest * rest).sum::<f64>().sqrt()
     }
-    /// What is out of balance times a step: how fast the energy falls along it.
+    /// Product of the unbalanced forces with a step: the decrease of energy along it.
     fn power(&self, step: &[f64]) -> f64 {
         self.rest.iter().zip(step).map(|(r, s)| r * s).sum()
     }
-    /// The solution, by elimination without pivots: the matrix is positive definite.
+    /// The solution, by elimination without pivoting: the matrix is positive definite.
     fn solve(&self) -> Vec<f64> {
         let count = self.diagonal.len();
         let (mut diagonal, mut rest) = (self.diagonal.clone(), self.rest.clone());
@@ -358,8 +357,8 @@ mod tests {
         Bar::new(&parameters, lengths)
     }
 
-    /// The dissipated and the held energy of a bar that is drawn through its grout are the work
-    /// of its forces, to rounding, step by step, whether it or the grout yields.
+    /// The dissipated and the stored energy of a bar that is drawn through its grout are the work
+    /// of its forces, to rounding, step by step, whether the bar or the grout yields.
     #[test]
     fn energies_of_a_bar_are_its_work() {
         for ends in [BoltEnd::Free, BoltEnd::Anchored] {
@@ -382,14 +381,14 @@ mod tests {
                         work += mean * (moved[k][end] - last[k][end]);
                     }
                 }
-                let energy = bar.stored(&new) + new.spent;
+                let energy = bar.stored(&new) + new.dissipated;
                 assert!(
-                    (energy - work).abs() < 1e-9 * new.spent.max(1.0),
+                    (energy - work).abs() < 1e-9 * new.dissipated.max(1.0),
                     "{energy} {work}"
                 );
                 (old, before) = (new, out);
             }
-            assert!(old.spent > 100.0);
+            assert!(old.dissipated > 100.0);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Bolts as a block.
+//! The element block of a set of bolts.
 
 use std::sync::Arc;
 
@@ -9,50 +9,53 @@ use powerhouse_model::{
 
 use super::BoltSet;
 use super::bar::{Bar, BarState};
-use super::hanging::Hanging;
+use super::interpolation::Interpolation;
 
-/// The name of the axial force in a state, behind that of the set.
+/// Name of the axial force among the history variables of a set.
 pub(crate) const AXIAL_FORCE: &str = "axial_force";
 const PLASTIC: &str = "plastic_elongation";
 const SLIP: &str = "grout_slip";
 const REFERENCE: &str = "installed_at";
 const GROUT: &str = "grout_force";
-/// Of each bolt, at its first segment (J).
-const SPENT: &str = "dissipated_by_bolt";
+/// Energy dissipated by each bolt (J), stored at its first segment.
+const DISSIPATED: &str = "dissipated_by_bolt";
 
 /// One bolt.
 struct Bolt {
     bar: Bar,
-    hanging: Hanging,
-    /// Mesh index of the element that each segment is in.
+    interpolation: Interpolation,
+    /// Mesh index of the host element of each segment.
     hosts: Vec<u32>,
-    /// Axial displacements (m) at which it was installed.
+    /// Axial displacements (m) of the segment ends at installation.
     reference: Vec<[f64; 2]>,
-    /// How much longer (m) its segments were then than without them.
-    slack: Vec<f64>,
+    /// Elongation (m) of the segments by the reference displacements.
+    reference_elongation: Vec<f64>,
     committed: BarState,
-    /// That of the last forces, if it is not committed yet.
-    latest: BarState,
+    /// Trial state of the last forces.
+    trial: BarState,
+    /// Whether the trial state is valid and not committed.
     pending: bool,
 }
 
-/// Why a bolt has no forces, and at which of its segments.
-enum Stop {
+/// Failure of a bolt, with the index of the segment.
+enum Failure {
+    /// A displacement is not finite.
     NotFinite(usize),
-    NoBalance(usize),
+    /// The equilibrium of bar and grout does not converge.
+    NotConverged(usize),
 }
 
-/// All bolts of a set.
+/// Element block of all bolts of a set.
 pub(super) struct BoltBlock {
     name: Arc<str>,
     nodes: Vec<u32>,
     bolts: Vec<Bolt>,
-    room: Room,
+    workspace: Workspace,
 }
 
-/// What is computed in from bolt to bolt.
+/// Reusable buffers.
 #[derive(Default)]
-struct Room {
+struct Workspace {
     sums: Vec<Vec3>,
     line: Vec<f64>,
     moved: Vec<[f64; 2]>,
@@ -60,13 +63,13 @@ struct Room {
     elongations: Vec<f64>,
 }
 
-impl Room {
-    /// No forces yet on so many nodes.
+impl Workspace {
+    /// Sets the forces on `nodes` nodes to zero.
     fn clear(&mut self, nodes: usize) {
         self.sums.clear();
         self.sums.resize(nodes, Vec3::zeros());
     }
-    /// No forces yet at the points of so many segments.
+    /// Sets the forces at the ends of `segments` segments to zero.
     fn clear_bolt(&mut self, segments: usize) {
         self.forces.clear();
         self.forces.resize(segments, [0.0; 2]);
@@ -81,7 +84,7 @@ impl BoltBlock {
         let mut nodes: Vec<u32> = hosts.flat_map(|end| end.nodes.iter().map(engine)).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let place = |node: u32| {
+        let index = |node: u32| {
             let engine = engine(&node);
             nodes.partition_point(|&other| other < engine) as u32
         };
@@ -92,12 +95,12 @@ impl BoltBlock {
                 let hosts = bolt.segments.iter().map(|segment| segment.element);
                 let state = bar.installed();
                 Bolt {
-                    hanging: Hanging::new(bolt.direction, points, place),
+                    interpolation: Interpolation::new(bolt.direction, points, index),
                     hosts: hosts.collect(),
                     reference: vec![[0.0; 2]; bolt.segments.len()],
-                    slack: vec![0.0; bolt.segments.len()],
+                    reference_elongation: vec![0.0; bolt.segments.len()],
                     committed: state.clone(),
-                    latest: state,
+                    trial: state,
                     pending: false,
                     bar,
                 }
@@ -107,27 +110,26 @@ impl BoltBlock {
             name: set.name.clone(),
             bolts,
             nodes,
-            room: Room::default(),
+            workspace: Workspace::default(),
         }
     }
 
-    /// Sums up the forces (N) that resist the displacements (m) of engine nodes.
+    /// Sums the internal forces (N) of all bolts for displacements (m) of engine nodes.
     fn resist(&mut self, displacement: impl Fn(u32) -> Vec3) -> Result<(), ElementFault> {
-        let room = &mut self.room;
-        room.clear(self.nodes.len());
-        let value = |place: u32| displacement(self.nodes[place as usize]);
+        let workspace = &mut self.workspace;
+        workspace.clear(self.nodes.len());
+        let value = |index: u32| displacement(self.nodes[index as usize]);
         for (index, bolt) in self.bolts.iter_mut().enumerate() {
-            bolt.resist(value, room).map_err(|stop| {
-                let (segment, reason) = match stop {
-                    Stop::NotFinite(segment) => (
+            bolt.resist(value, workspace).map_err(|failure| {
+                let (segment, reason) = match failure {
+                    Failure::NotFinite(segment) => (
                         segment,
-                        format!(
-                            "a node has a displacement that is not finite where bolt {index} crosses it"
-                        ),
+                        format!("the displacement of a node at bolt {index} is not finite"),
                     ),
-                    Stop::NoBalance(segment) => {
-                        (segment, format!("bolt {index} finds no balance in its grout"))
-                    }
+                    Failure::NotConverged(segment) => (
+                        segment,
+                        format!("the equilibrium of bolt {index} with its grout does not converge"),
+                    ),
                 };
                 let element = bolt.hosts[segment];
                 ElementFault::new(element, reason)
@@ -140,17 +142,13 @@ impl BoltBlock {
         self.bolts.iter().map(|bolt| bolt.hosts.len()).sum()
     }
 
-    /// A field of so many numbers per segment.
+    /// A history field with `points` values per segment.
     fn field(&self, name: &str, points: usize, values: Vec<f64>) -> HistoryField {
-        HistoryField {
-            name: format!("{}/{name}", self.name),
-            elements: (0..self.segment_count() as u32).collect(),
-            points,
-            values,
-        }
+        let segments = (0..self.segment_count() as u32).collect();
+        HistoryField::new(format!("{}/{name}", self.name), segments, points, values)
     }
 
-    /// The values of a field of an earlier state, if it is of these bolts.
+    /// The values of a history field of these bolts in an earlier state, if there are any.
     fn found<'a>(
         &self,
         fields: &'a [HistoryField],
@@ -165,78 +163,88 @@ impl BoltBlock {
 }
 
 impl Bolt {
-    /// For each of its places, the axial forces (N/m) at all of them if that one alone moves by one
-    /// along the bolt, elastic.
+    /// Calls `show` with each column of the elastic axial stiffness (N/m): the index of a node in the block, and the axial
+    /// forces at all nodes of the bolt per unit axial displacement of that node.
     fn each_column(&self, mut show: impl FnMut(u32, &[f64])) {
-        let places = self.hanging.places();
-        let mut unit = vec![0.0; places.len()];
+        let nodes = self.interpolation.nodes();
+        let mut unit = vec![0.0; nodes.len()];
         let (mut moved, mut column) = (Vec::new(), Vec::new());
         let mut forces = vec![[0.0; 2]; self.hosts.len()];
-        for (own, &place) in places.iter().enumerate() {
+        for (own, &node) in nodes.iter().enumerate() {
             unit[own] = 1.0;
-            self.hanging.interpolate(&unit, &mut moved);
+            self.interpolation.interpolate(&unit, &mut moved);
             unit[own] = 0.0;
             self.bar.elastic(&moved, &mut forces);
-            self.hanging.gather(&forces, &mut column);
-            show(place, &column);
+            self.interpolation.gather(&forces, &mut column);
+            show(node, &column);
         }
     }
 
-    /// The state of the last forces.
+    /// The state of the last forces, committed or not.
     fn present(&self) -> &BarState {
         if self.pending {
-            &self.latest
+            &self.trial
         } else {
             &self.committed
         }
     }
 
-    /// Adds the forces (N) that resist the displacements (m) at places since the installation.
-    fn resist(&mut self, value: impl Fn(u32) -> Vec3, room: &mut Room) -> Result<(), Stop> {
-        let (old, new) = (&self.committed, &mut self.latest);
+    /// Adds the internal forces (N) for the displacements (m) of the block's nodes.
+    fn resist(
+        &mut self,
+        value: impl Fn(u32) -> Vec3,
+        workspace: &mut Workspace,
+    ) -> Result<(), Failure> {
+        let (old, new) = (&self.committed, &mut self.trial);
         let Some(grout) = self.bar.grout() else {
-            let stretched = &mut room.elongations;
-            self.hanging.elongations(value, &mut room.line, stretched);
-            for (elongation, slack) in stretched.iter_mut().zip(&self.slack) {
-                *elongation -= slack;
+            let elongations = &mut workspace.elongations;
+            (self.interpolation).elongations(value, &mut workspace.line, elongations);
+            let references = &self.reference_elongation;
+            for (elongation, reference) in elongations.iter_mut().zip(references) {
+                *elongation -= reference;
             }
-            if let Some(segment) = stretched.iter().position(|e| !e.is_finite()) {
-                return Err(Stop::NotFinite(segment));
+            if let Some(segment) = elongations.iter().position(|e| !e.is_finite()) {
+                return Err(Failure::NotFinite(segment));
             }
-            self.bar.stretch(stretched, old, new);
+            self.bar.stretch(elongations, old, new);
             self.pending = true;
-            let sums = &mut room.sums;
-            (self.hanging).spread_tension(&new.force, &mut room.line, sums);
+            let sums = &mut workspace.sums;
+            (self.interpolation).spread_tension(&new.force, &mut workspace.line, sums);
             return Ok(());
         };
-        self.hanging.axial(value, &mut room.line, &mut room.moved);
-        for (moved, reference) in room.moved.iter_mut().zip(&self.reference) {
+        (self.interpolation).axial(value, &mut workspace.line, &mut workspace.moved);
+        for (moved, reference) in workspace.moved.iter_mut().zip(&self.reference) {
             *moved = [moved[0] - reference[0], moved[1] - reference[1]];
         }
-        let broken = |ends: &[f64; 2]| ends.iter().any(|u| !u.is_finite());
-        if let Some(segment) = room.moved.iter().position(broken) {
-            return Err(Stop::NotFinite(segment));
+        let invalid = |ends: &[f64; 2]| ends.iter().any(|u| !u.is_finite());
+        if let Some(segment) = workspace.moved.iter().position(invalid) {
+            return Err(Failure::NotFinite(segment));
         }
-        room.clear_bolt(self.hosts.len());
-        let found = (self.bar).forces(grout, &room.moved, old, new, &mut room.forces);
+        workspace.clear_bolt(self.hosts.len());
+        let (moved, forces) = (&workspace.moved, &mut workspace.forces);
+        let found = self.bar.forces(grout, moved, old, new, forces);
         self.pending = found.is_some();
         if found.is_none() {
             let stretch = |ends: &[f64; 2]| (ends[1] - ends[0]).abs();
-            let worst = room.moved.iter().map(stretch).enumerate();
+            let worst = workspace.moved.iter().map(stretch).enumerate();
             let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
-            return Err(Stop::NoBalance(worst.map_or(0, |(segment, _)| segment)));
+            let segment = worst.map_or(0, |(segment, _)| segment);
+            return Err(Failure::NotConverged(segment));
         }
-        let sums = &mut room.sums;
-        self.hanging.spread(&room.forces, &mut room.line, sums);
+        let Workspace {
+            sums, line, forces, ..
+        } = workspace;
+        self.interpolation.spread(forces, line, sums);
         Ok(())
     }
 
-    /// As it is installed, with what was moved before.
+    /// Installs the bolt at a reference displacement (m) of its segment ends.
     fn install(&mut self, reference: Vec<[f64; 2]>) {
-        self.slack = reference.iter().map(|ends| ends[1] - ends[0]).collect();
+        let elongations = reference.iter().map(|ends| ends[1] - ends[0]);
+        self.reference_elongation = elongations.collect();
         self.reference = reference;
         self.committed = self.bar.installed();
-        self.latest = self.committed.clone();
+        self.trial = self.committed.clone();
         self.pending = false;
     }
 }
@@ -271,45 +279,52 @@ impl ElementBlock for BoltBlock {
             NodalView::F64(u) => self.resist(|node| u[node as usize].to_vector())?,
             NodalView::F32(u) => self.resist(|node| u[node as usize].to_vector())?,
         }
-        put(&self.room.sums, out);
+        put(&self.workspace.sums, out);
         Ok(())
     }
     fn commit(&mut self) {
         for bolt in self.bolts.iter_mut().filter(|bolt| bolt.pending) {
-            core::mem::swap(&mut bolt.committed, &mut bolt.latest);
+            core::mem::swap(&mut bolt.committed, &mut bolt.trial);
             bolt.pending = false;
         }
     }
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
-        let mut room = Room::default();
-        room.clear(self.nodes.len());
-        let value = |place: u32| x.vector(self.nodes[place as usize] as usize);
+        let mut workspace = Workspace::default();
+        workspace.clear(self.nodes.len());
+        let Workspace {
+            sums,
+            line,
+            moved,
+            forces,
+            ..
+        } = &mut workspace;
+        let value = |index: u32| x.vector(self.nodes[index as usize] as usize);
         for bolt in &self.bolts {
-            bolt.hanging.axial(value, &mut room.line, &mut room.moved);
-            room.clear_bolt(bolt.hosts.len());
-            bolt.bar.elastic(&room.moved, &mut room.forces);
-            let sums = &mut room.sums;
-            bolt.hanging.spread(&room.forces, &mut room.line, sums);
+            bolt.interpolation.axial(value, line, moved);
+            forces.clear();
+            forces.resize(bolt.hosts.len(), [0.0; 2]);
+            bolt.bar.elastic(moved, forces);
+            bolt.interpolation.spread(forces, line, sums);
         }
-        put(&room.sums, out);
+        put(sums, out);
     }
     fn diagonal(&self, _operator: Operator, out: &mut [Mat3]) {
         for bolt in &self.bolts {
-            let direction = bolt.hanging.direction();
+            let direction = bolt.interpolation.direction();
             let across = direction * direction.transpose();
             let mut own = 0;
-            bolt.each_column(|place, forces| {
-                out[place as usize] += across * forces[own];
+            bolt.each_column(|node, forces| {
+                out[node as usize] += across * forces[own];
                 own += 1;
             });
         }
     }
     fn each_matrix(&self, _operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
         for bolt in &self.bolts {
-            let places = bolt.hanging.places();
-            let size = 3 * places.len();
+            let indices = bolt.interpolation.nodes();
+            let size = 3 * indices.len();
             let mut matrix = vec![0.0; size * size];
-            let direction = bolt.hanging.direction();
+            let direction = bolt.interpolation.direction();
             let across = direction * direction.transpose();
             let mut first = 0;
             bolt.each_column(|_, forces| {
@@ -322,8 +337,8 @@ impl ElementBlock for BoltBlock {
                 }
                 first += 3;
             });
-            let nodes: Vec<u32> = (places.iter())
-                .map(|&place| self.nodes[place as usize])
+            let nodes: Vec<u32> = (indices.iter())
+                .map(|&index| self.nodes[index as usize])
                 .collect();
             show(&nodes, &matrix);
         }
@@ -340,11 +355,11 @@ impl ElementBlock for BoltBlock {
     }
     fn set_active(&mut self, _active: &[bool]) {}
     fn set_reference_displacement(&mut self, displacement: NodalView) {
-        let value = |place: u32| displacement.vector(self.nodes[place as usize] as usize);
+        let value = |index: u32| displacement.vector(self.nodes[index as usize] as usize);
         for bolt in &mut self.bolts {
             let mut reference = Vec::new();
-            let line = &mut self.room.line;
-            bolt.hanging.axial(value, line, &mut reference);
+            let line = &mut self.workspace.line;
+            bolt.interpolation.axial(value, line, &mut reference);
             bolt.install(reference);
         }
     }
@@ -354,7 +369,7 @@ impl ElementBlock for BoltBlock {
         let mut energy = BlockEnergy::default();
         for bolt in &self.bolts {
             energy.elastic += bolt.bar.stored(bolt.present());
-            energy.plastic += bolt.present().spent;
+            energy.plastic += bolt.present().dissipated;
         }
         energy
     }
@@ -385,10 +400,12 @@ impl ElementBlock for BoltBlock {
                 pairs(states().flat_map(|s| s.grout.clone()).collect()),
             ),
             self.field(
-                SPENT,
+                DISSIPATED,
                 1,
                 (states())
-                    .flat_map(|s| (0..s.force.len()).map(|k| if k == 0 { s.spent } else { 0.0 }))
+                    .flat_map(|s| {
+                        (0..s.force.len()).map(|k| if k == 0 { s.dissipated } else { 0.0 })
+                    })
                     .collect(),
             ),
         ]
@@ -401,7 +418,7 @@ impl ElementBlock for BoltBlock {
         else {
             return;
         };
-        let (Some(grout), Some(spent)) = (two(GROUT), one(SPENT)) else {
+        let (Some(grout), Some(dissipated)) = (two(GROUT), one(DISSIPATED)) else {
             return;
         };
         let mut start = 0;
@@ -416,8 +433,8 @@ impl ElementBlock for BoltBlock {
             bolt.committed.plastic.copy_from_slice(&plastic[start..end]);
             bolt.committed.slip = pairs(slip);
             bolt.committed.grout = pairs(grout);
-            bolt.committed.spent = spent[start];
-            bolt.latest = bolt.committed.clone();
+            bolt.committed.dissipated = dissipated[start];
+            bolt.trial = bolt.committed.clone();
             start = end;
         }
     }

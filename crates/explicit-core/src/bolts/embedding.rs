@@ -1,20 +1,20 @@
-//! Which elements a bolt crosses, and where.
+//! Embedding of bolts in the elements that they cross.
 
 use powerhouse_model::{Mesh, Vec3};
 
 use super::BoltLine;
 use crate::EngineError;
 
-/// A point of a bolt in an element.
+/// A point of a bolt in its host element.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HostPoint {
     /// Mesh indices of the element's nodes.
     pub(super) nodes: Vec<u32>,
-    /// Their weights.
+    /// Values of their shape functions at the point.
     pub(super) weights: Vec<f64>,
 }
 
-/// A piece of a bolt within one element.
+/// A segment of a bolt within one element.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Segment {
     pub(super) element: u32,
@@ -23,20 +23,21 @@ pub(super) struct Segment {
     pub(super) ends: [HostPoint; 2],
 }
 
-/// Looks along a bolt before elements are told apart.
-const LOOKS: usize = 64;
-/// Shares of a bolt's length below which a piece is none, and by which it may leave the elements.
-const NOTHING: f64 = 1.0e-9;
+/// Number of equal intervals of a bolt in the search for its elements.
+const INTERVALS: usize = 64;
+/// Share of a bolt's length below which a segment is neglected.
+const NEGLIGIBLE: f64 = 1.0e-9;
+/// Share of a bolt's length by which it may leave the elements.
 const OUTSIDE: f64 = 1.0e-3;
 
-/// A place along a bolt, as a share of its length, and the element there.
-type Look = (f64, u32);
+/// A position along a bolt, as a share of its length, and the element there.
+type Sample = (f64, u32);
 
-/// The segments of each bolt.
+/// Segments of each bolt, one per element that it crosses, divided where longer than `longest` (m).
 ///
-/// The element is looked up at places along the bolt; between two places in different elements
-/// the border is found by halving. A piece of less than a 64th of the bolt between two looks in one
-/// element counts to that element, whose shape functions reach as far.
+/// The element is located at 65 samples along the bolt; between two samples in different elements
+/// the border is found by bisection. A segment shorter than a 64th of the bolt between two samples of one
+/// element is assigned to that element, whose shape functions are extrapolated.
 pub(super) fn embed(
     mesh: &Mesh,
     hosts: &[u32],
@@ -55,16 +56,16 @@ pub(super) fn embed(
         }
     }
     let near = near(mesh, hosts, lines);
-    let look = |places: &[(usize, f64)]| -> Result<Vec<u32>, EngineError> {
-        let mut elements = vec![0; places.len()];
-        // Lines of different length permit different distances.
+    let locate = |samples: &[(usize, f64)]| -> Result<Vec<u32>, EngineError> {
+        let mut elements = vec![0; samples.len()];
+        // The tolerance depends on the length of the bolt.
         let mut start = 0;
-        while start < places.len() {
-            let bolt = places[start].0;
-            let end = start + places[start..].partition_point(|&(other, _)| other == bolt);
+        while start < samples.len() {
+            let bolt = samples[start].0;
+            let end = start + samples[start..].partition_point(|&(other, _)| other == bolt);
             let line = &lines[bolt];
             let tolerance = OUTSIDE * (line.toe - line.head).norm();
-            let points: Vec<Vec3> = (places[start..end].iter())
+            let points: Vec<Vec3> = (samples[start..end].iter())
                 .map(|&(_, share)| at(line, share))
                 .collect();
             let found = mesh.locate_among(&near[bolt], &points, tolerance)?;
@@ -77,15 +78,15 @@ pub(super) fn embed(
     };
     let mut all = Vec::new();
     for bolt in 0..lines.len() {
-        let places: Vec<(usize, f64)> = (0..=LOOKS)
-            .map(|i| (bolt, i as f64 / LOOKS as f64))
+        let shares: Vec<(usize, f64)> = (0..=INTERVALS)
+            .map(|i| (bolt, i as f64 / INTERVALS as f64))
             .collect();
-        let elements = look(&places)?;
-        let looks: Vec<Look> = places.iter().map(|p| p.1).zip(elements).collect();
-        let mut borders = vec![(0.0, looks[0].1)];
-        for pair in looks.windows(2) {
+        let elements = locate(&shares)?;
+        let samples: Vec<Sample> = shares.iter().map(|p| p.1).zip(elements).collect();
+        let mut borders = vec![(0.0, samples[0].1)];
+        for pair in samples.windows(2) {
             find_borders(pair[0], pair[1], &mut borders, &mut |share| {
-                Ok(look(&[(bolt, share)])?[0])
+                Ok(locate(&[(bolt, share)])?[0])
             })?;
         }
         all.push(segments(mesh, &lines[bolt], &borders, longest)?);
@@ -97,7 +98,7 @@ fn at(line: &BoltLine, share: f64) -> Vec3 {
     line.head + (line.toe - line.head) * share
 }
 
-/// For each bolt the elements whose boxes come near its own.
+/// For each bolt the elements whose bounding boxes overlap its own.
 fn near(mesh: &Mesh, hosts: &[u32], lines: &[BoltLine]) -> Vec<Vec<u32>> {
     let boxes: Vec<(Vec3, Vec3)> = (lines.iter())
         .map(|line| {
@@ -125,12 +126,12 @@ fn near(mesh: &Mesh, hosts: &[u32], lines: &[BoltLine]) -> Vec<Vec<u32>> {
     near
 }
 
-/// Adds where the element changes between two looks, and to which.
+/// Adds the positions between two samples where the element changes, each with the next element.
 fn find_borders(
-    from: Look,
-    to: Look,
-    borders: &mut Vec<Look>,
-    look: &mut impl FnMut(f64) -> Result<u32, EngineError>,
+    from: Sample,
+    to: Sample,
+    borders: &mut Vec<Sample>,
+    locate: &mut impl FnMut(f64) -> Result<u32, EngineError>,
 ) -> Result<(), EngineError> {
     if from.1 == to.1 {
         return Ok(());
@@ -140,16 +141,16 @@ fn find_borders(
         borders.push((middle, to.1));
         return Ok(());
     }
-    let between = (middle, look(middle)?);
-    find_borders(from, between, borders, look)?;
-    find_borders(between, to, borders, look)
+    let between = (middle, locate(middle)?);
+    find_borders(from, between, borders, locate)?;
+    find_borders(between, to, borders, locate)
 }
 
-/// Pieces between borders, no longer than `longest` (m).
+/// Segments between borders, no longer than `longest` (m).
 fn segments(
     mesh: &Mesh,
     line: &BoltLine,
-    borders: &[Look],
+    borders: &[Sample],
     longest: f64,
 ) -> Result<Vec<Segment>, EngineError> {
     let length = (line.toe - line.head).norm();
@@ -157,13 +158,13 @@ fn segments(
     let mut start = 0.0;
     for (index, &(_, element)) in borders.iter().enumerate() {
         let end = borders.get(index + 1).map_or(1.0, |border| border.0);
-        if end - start < NOTHING && index + 1 < borders.len() {
+        if end - start < NEGLIGIBLE && index + 1 < borders.len() {
             continue;
         }
-        let pieces = ((end - start) * length / longest).ceil().max(1.0) as usize;
-        let share = |piece: usize| start + (end - start) * piece as f64 / pieces as f64;
-        for piece in 0..pieces {
-            let ends = [share(piece), share(piece + 1)];
+        let count = ((end - start) * length / longest).ceil().max(1.0) as usize;
+        let share = |i: usize| start + (end - start) * i as f64 / count as f64;
+        for i in 0..count {
+            let ends = [share(i), share(i + 1)];
             let points = ends.map(|share| at(line, share));
             let found = mesh.locate_among(&[element], &points, 2.0 * OUTSIDE * length)?;
             let host = |i: usize| HostPoint {

@@ -1,9 +1,9 @@
-//! Rock bolts: bars embedded in the elements that they cross.
+//! Rock bolts: bars embedded in the solid elements that they cross.
 
 mod bar;
 mod block;
 mod embedding;
-mod hanging;
+mod interpolation;
 mod pattern;
 
 use std::sync::Arc;
@@ -18,58 +18,59 @@ use embedding::{Segment, embed};
 pub(crate) use block::AXIAL_FORCE;
 pub use pattern::BoltPattern;
 
-/// A bolt as a straight line.
+/// Axis of a bolt: a straight line from head to toe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoltLine {
-    /// Where it comes out of the rock (m).
+    /// Position of the head (m), the end at the rock surface.
     pub head: Vec3,
-    /// Its other end (m).
+    /// Position of the toe (m), the end inside the rock.
     pub toe: Vec3,
 }
 
-/// How the end of a grouted bolt holds.
+/// End condition of a grouted bolt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BoltEnd {
-    /// By the grout alone.
+    /// Free end: load transfer by the grout alone.
     #[default]
     Free,
-    /// Fixed to the rock at its place, by a plate or an expansion shell.
+    /// End fixed to the rock, by a plate or an expansion shell.
     Anchored,
 }
 
-/// Grout in which a bolt may slip.
+/// Grout with elastic-perfectly plastic shear transfer between bolt and rock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grout {
-    /// Shear force per length and slip (N/m2).
+    /// Shear stiffness: shear force per length and relative displacement (N/m2), above zero.
     pub stiffness: f64,
-    /// Greatest shear force per length (N/m), at which it slips on; infinite if it never does.
+    /// Shear strength: greatest shear force per length (N/m), above zero; infinite for grout that never slips.
     pub strength: f64,
-    /// How the head holds.
+    /// End condition at the head.
     pub head: BoltEnd,
-    /// How the toe holds.
+    /// End condition at the toe.
     pub toe: BoltEnd,
 }
 
-/// What bolts are made of.
+/// Mechanical parameters of a bolt: bar, pretension and grout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoltParameters {
-    /// Young's modulus (Pa).
+    /// Young's modulus of the bar (Pa), above zero.
     pub young: f64,
-    /// Section (m2).
+    /// Cross-sectional area of the bar (m2), above zero.
     pub area: f64,
-    /// Axial force (N) at which the bar flows, in tension and compression; infinite if it never
-    /// does.
+    /// Yield force of the bar (N), in tension and compression, above zero; infinite for an elastic
+    /// bar.
     pub yield_force: f64,
-    /// Axial force (N) that is locked in when the bolt is installed.
+    /// Axial force (N) at installation, 0 to the yield force.
     pub pretension: f64,
-    /// Grout that gives way; none ties the bar to the rock all along.
+    /// Grout in which the bar may slip; none for a bar tied to the rock along its length.
     pub grout: Option<Grout>,
-    /// Longest segment (m), where elements are larger: slip is linear within a segment.
+    /// Greatest length of a segment (m), to which the part in a larger element is divided; slip is linear within a
+    /// segment.
     pub longest_segment: f64,
 }
 
 impl BoltParameters {
-    /// A bar of a diameter (m) of steel, 200 GPa, that never yields, without pretension, tied to the
+    /// An elastic steel bar (200 GPa) of a diameter (m), without pretension, tied to the
     /// rock.
     ///
     /// # Errors
@@ -86,11 +87,11 @@ impl BoltParameters {
         })
     }
 
-    /// Whether every field is in its range.
+    /// Checks the ranges of all fields.
     ///
     /// # Errors
-    /// The first that is not: a pretension beyond the yield force, or in grout without an anchored
-    /// head and toe, which would let it go.
+    /// The first field outside its permitted range; a pretension in grout without an anchored
+    /// head and toe is not permitted.
     pub fn check(&self) -> Result<(), ParameterError> {
         let positive =
             |name, value: f64| ParameterError::check(name, value, f64::MIN_POSITIVE, f64::MAX);
@@ -114,7 +115,7 @@ impl BoltParameters {
     }
 }
 
-/// One bolt with the elements that it crosses.
+/// One bolt with its segments in the host elements.
 #[derive(Clone, Debug)]
 struct Embedded {
     /// Unit vector from head to toe.
@@ -122,18 +123,18 @@ struct Embedded {
     segments: Vec<Segment>,
 }
 
-/// Bolts of one make, embedded in elements of a mesh.
+/// A set of rock bolts with the same parameters, embedded in solid elements of a mesh.
 ///
-/// The displacement of a bar is that of the elements around it, by their shape functions, at any
-/// position and angle: an exact strain wherever theirs is. Its axial force
+/// The displacement of a bar is interpolated from its host elements by their shape functions, at any
+/// position and angle, so that its strain is exact wherever theirs is. Its axial force
 ///
 /// `N = clamp(N_0 + E A (e - e_p), -N_y, N_y)`
 ///
-/// with the strain `e` since it was installed flows at `N_y`. In grout that gives way the bar has
-/// an axial displacement `w` of its own: in every state the bar is in balance with the grout,
-/// `dN/dx = clamp(k (w - b . u - s), -c, c)`, solved along the bolt. `w` is no unknown of the
-/// motion and has no mass; it makes the bolt softer, never stiffer, and so costs no step. A bar
-/// that crosses an open joint is one bar in grout; tied all along, it does not feel the joint.
+/// with the strain `e` since installation is limited by the yield force `N_y`. With [`Grout`] the bar has
+/// an axial displacement `w` of its own: in every state the bar is in equilibrium with the grout,
+/// `dN/dx = clamp(k (w - b . u - s), -c, c)`, solved along the bolt. `w` is an internal
+/// variable without mass; it makes the bolt softer, never stiffer, and does not reduce the stable step. A grouted bar
+/// that crosses an open joint is stretched by its opening; a tied bar is not.
 ///
 /// ```
 /// use powerhouse_explicit_core::{BoltLine, BoltParameters, BoltSet};
@@ -148,9 +149,9 @@ struct Embedded {
 /// ```
 ///
 /// # Why so
-/// *No nodes of their own.* A bar element between nodes of its own would halve the stable step of
-/// rock elements of its length, and springs of grout cost ten times as much. Embedded bars of 25 mm
-/// cost 0.1 % in elements of a metre.
+/// *Bolts have no nodes of their own.* A bar element between nodes of its own would halve the stable step of
+/// rock elements of its length, and grout springs would reduce it ten times as much. Embedded bars of 25 mm
+/// reduce it by 0.1 % in elements of a metre.
 #[derive(Clone, Debug)]
 pub struct BoltSet {
     name: Arc<str>,
@@ -158,22 +159,22 @@ pub struct BoltSet {
     bolts: Vec<Embedded>,
 }
 
-/// A piece of a bolt within one element.
+/// A segment of a bolt within one element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoltSegment {
-    /// Mesh index of the element.
+    /// Mesh index of the host element.
     pub element: u32,
-    /// Distance of its start from the head (m).
+    /// Distance of the start of the segment from the head (m).
     pub start: f64,
-    /// Its length (m).
+    /// Length of the segment (m).
     pub length: f64,
 }
 
 impl BoltSet {
-    /// Bolts in some elements (mesh indices): those that are there.
+    /// A set of bolts along `lines`, embedded in the elements `hosts` (mesh indices of active elements).
     ///
     /// # Errors
-    /// A parameter out of its range; a bolt without length, or that leaves the elements by more
+    /// A parameter outside its permitted range; a bolt without length, or one that leaves the host elements by more
     /// than a thousandth of its length.
     pub fn new(
         name: &str,
@@ -197,15 +198,15 @@ impl BoltSet {
         })
     }
 
-    /// The name of the set.
+    /// Name of the set.
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// How many bolts.
+    /// Number of bolts.
     pub fn len(&self) -> usize {
         self.bolts.len()
     }
-    /// Whether there are none.
+    /// Whether the set has no bolts.
     pub fn is_empty(&self) -> bool {
         self.bolts.is_empty()
     }
@@ -221,21 +222,21 @@ impl BoltSet {
         })
     }
 
-    /// What [`ModelBuilder::embed`](crate::ModelBuilder::embed) takes.
+    /// Builder of the element block of these bolts, for [`ModelBuilder::embed`](crate::ModelBuilder::embed).
     pub fn block(&self) -> BuildBlock {
         let set = self.clone();
         Box::new(move |numbering| Box::new(BoltBlock::new(&set, numbering)))
     }
 
-    /// Axial forces (N, tension positive) of all segments, bolt after bolt, in a state; none if it
-    /// does not know these bolts.
+    /// Axial forces (N, tension positive) of all segments in a state, bolt by bolt; none if the state
+    /// has no such bolts.
     pub fn axial_forces(&self, state: &powerhouse_model::State) -> Option<Vec<f64>> {
         let name = format!("{}/{AXIAL_FORCE}", self.name);
         let field = state.history.iter().find(|field| field.name == name)?;
         Some(field.values.clone())
     }
 
-    /// The bars as their laws see them.
+    /// The axial models of all bolts.
     fn bars(&self) -> Vec<Bar> {
         let lengths = |bolt: &Embedded| bolt.segments.iter().map(|s| s.length).collect();
         let bars = self.bolts.iter().map(lengths);

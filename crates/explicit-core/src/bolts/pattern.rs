@@ -1,4 +1,4 @@
-//! Bolts at regular distances on a wall or an arch.
+//! Regular bolt patterns on walls and arches.
 
 use std::collections::HashSet;
 
@@ -7,34 +7,34 @@ use powerhouse_model::{Facet, Mesh, ParameterError, Vec3};
 use super::BoltLine;
 use crate::EngineError;
 
-/// Bolts normal to a surface, in rows along an opening.
+/// A regular pattern of bolts normal to a surface, in rows along an opening.
 ///
-/// Rows stand in planes across the direction `along`, `spacing[1]` apart; in each row bolts stand
-/// `spacing[0]` apart along the surface, both about the middle of the surface. Around a closed
-/// ring the distance is the nearest that divides it.
+/// Rows lie in planes across the direction `along` at a spacing of `spacing[1]`; in each row bolts have a
+/// spacing of `spacing[0]` along the surface; both are centred on the surface. Around a closed
+/// ring the spacing is the nearest one that divides its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoltPattern {
-    /// The direction of the opening, of any length but zero.
+    /// Direction of the axis of the opening, of any length but zero.
     pub along: Vec3,
-    /// Distance of bolts around the opening and along it (m).
+    /// Spacing of bolts around the opening and along it (m), above zero.
     pub spacing: [f64; 2],
-    /// Length of the bolts (m).
+    /// Length of the bolts (m), above zero.
     pub length: f64,
 }
 
-/// Where a row's plane cuts a facet: two places, and the direction of a bolt there.
+/// Intersection of a row's plane with a facet: its two end points, and the direction of a bolt there.
 #[derive(Clone, Copy, Debug)]
-struct Cut {
+struct FacetCut {
     ends: [Vec3; 2],
     inwards: Vec3,
 }
 
 impl BoltPattern {
-    /// The bolts of a surface made of facets, into the elements `hosts` (mesh indices) on either
+    /// Axes of the bolts on a surface made of facets, directed into the elements `hosts` (mesh indices) on either
     /// side of it.
     ///
     /// # Errors
-    /// A parameter out of its range.
+    /// A parameter outside its permitted range.
     ///
     /// # Panics
     /// If a facet does not belong to the mesh.
@@ -62,33 +62,33 @@ impl BoltPattern {
             return Ok(Vec::new());
         }
         let mut lines = Vec::new();
-        for height in about_the_middle(low, high, self.spacing[1]) {
-            let cuts: Vec<Cut> = (facets.iter())
+        for height in centred(low, high, self.spacing[1]) {
+            let cuts: Vec<FacetCut> = (facets.iter())
                 .filter_map(|&facet| cut(mesh, facet, &along, height, &hosts))
                 .collect();
             for row in rows(cuts) {
-                self.place(&row, &mut lines);
+                self.add_row(&row, &mut lines);
             }
         }
         Ok(lines)
     }
 
     /// Adds the bolts of one row of connected cuts.
-    fn place(&self, row: &[Cut], lines: &mut Vec<BoltLine>) {
+    fn add_row(&self, row: &[FacetCut], lines: &mut Vec<BoltLine>) {
         let lengths: Vec<f64> = row.iter().map(|c| (c.ends[1] - c.ends[0]).norm()).collect();
         let whole: f64 = lengths.iter().sum();
         let (first, last) = (row[0].ends[0], row[row.len() - 1].ends[1]);
         let closed = row.len() > 2 && (first - last).norm() < SAME * whole;
-        let places = if closed {
+        let distances = if closed {
             let count = (whole / self.spacing[0]).round().max(1.0);
             (0..count as usize)
                 .map(|i| whole * (i as f64 + 0.5) / count)
                 .collect()
         } else {
-            about_the_middle(0.0, whole, self.spacing[0])
+            centred(0.0, whole, self.spacing[0])
         };
-        for place in places {
-            let mut rest = place;
+        for distance in distances {
+            let mut rest = distance;
             let found = row.iter().zip(&lengths).find(|&(_, &length)| {
                 let inside = rest <= length;
                 if !inside {
@@ -108,12 +108,11 @@ impl BoltPattern {
     }
 }
 
-/// Ends of cuts closer than this share of the row are one place.
+/// Share of the row's length below which ends of cuts count as coincident.
 const SAME: f64 = 1.0e-6;
 
-/// Places at a distance from each other, one for each whole distance but at least one, about the
-/// middle.
-fn about_the_middle(low: f64, high: f64, spacing: f64) -> Vec<f64> {
+/// Equally spaced positions centred between two bounds: as many as whole spacings fit, but at least one.
+fn centred(low: f64, high: f64, spacing: f64) -> Vec<f64> {
     // A whole number counts although rounding makes it a little less.
     let count = ((high - low) / spacing * (1.0 + 1.0e-9)).floor().max(1.0);
     let first = 0.5 * (low + high - (count - 1.0) * spacing);
@@ -122,9 +121,15 @@ fn about_the_middle(low: f64, high: f64, spacing: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Where the plane of a row cuts a facet. Corners in the plane count as above it, so that of two
-/// facets that touch it there one is cut.
-fn cut(mesh: &Mesh, facet: Facet, along: &Vec3, height: f64, hosts: &HashSet<u32>) -> Option<Cut> {
+/// Intersection of the plane of a row with a facet. Corners in the plane count as above it, so that of two
+/// facets that touch it there only one is cut.
+fn cut(
+    mesh: &Mesh,
+    facet: Facet,
+    along: &Vec3,
+    height: f64,
+    hosts: &HashSet<u32>,
+) -> Option<FacetCut> {
     let geometry = mesh.facet_geometry(facet);
     let corners: Vec<Vec3> = (geometry.nodes.iter())
         .map(|&node| mesh.positions()[node as usize])
@@ -144,7 +149,7 @@ fn cut(mesh: &Mesh, facet: Facet, along: &Vec3, height: f64, hosts: &HashSet<u32
         geometry.normal()
     };
     match ends[..] {
-        [a, b] if (b - a).norm() > 0.0 => Some(Cut {
+        [a, b] if (b - a).norm() > 0.0 => Some(FacetCut {
             ends: [a, b],
             inwards,
         }),
@@ -152,8 +157,8 @@ fn cut(mesh: &Mesh, facet: Facet, along: &Vec3, height: f64, hosts: &HashSet<u32
     }
 }
 
-/// Connected cuts in a row, one behind the other; open rows from their lower end.
-fn rows(mut cuts: Vec<Cut>) -> Vec<Vec<Cut>> {
+/// Connected cuts in order, row by row; open rows from their lower end.
+fn rows(mut cuts: Vec<FacetCut>) -> Vec<Vec<FacetCut>> {
     let size: f64 = cuts.iter().map(|c| (c.ends[1] - c.ends[0]).norm()).sum();
     let same = move |a: &Vec3, b: &Vec3| (a - b).norm() < SAME * size;
     let key = |p: &Vec3| (p.z, p.x, p.y);
@@ -180,7 +185,7 @@ fn rows(mut cuts: Vec<Cut>) -> Vec<Vec<Cut>> {
         let Some((index, end, _)) = start else {
             break;
         };
-        let mut row = vec![turned(cuts.swap_remove(index), end)];
+        let mut row = vec![oriented(cuts.swap_remove(index), end)];
         loop {
             let last = row[row.len() - 1].ends[1];
             let next = cuts.iter().enumerate().find_map(|(i, cut)| {
@@ -188,7 +193,7 @@ fn rows(mut cuts: Vec<Cut>) -> Vec<Vec<Cut>> {
                 Some((i, end))
             });
             match next {
-                Some((index, end)) => row.push(turned(cuts.swap_remove(index), end)),
+                Some((index, end)) => row.push(oriented(cuts.swap_remove(index), end)),
                 None => break,
             }
         }
@@ -197,10 +202,10 @@ fn rows(mut cuts: Vec<Cut>) -> Vec<Vec<Cut>> {
     rows
 }
 
-/// A cut that begins at one of its ends.
-fn turned(cut: Cut, end: usize) -> Cut {
-    let Cut { ends, inwards } = cut;
-    Cut {
+/// The cut oriented so that it begins at one of its ends.
+fn oriented(cut: FacetCut, end: usize) -> FacetCut {
+    let FacetCut { ends, inwards } = cut;
+    FacetCut {
         ends: [ends[end], ends[1 - end]],
         inwards,
     }

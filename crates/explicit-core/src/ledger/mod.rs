@@ -1,4 +1,5 @@
-//! The energy ledger: what the elements hold and lose, what the nodes lose, what came in.
+//! The energy ledger (energy balance of a run): energy stored and dissipated in elements, dissipated at nodes, and
+//! external work.
 
 mod sum;
 mod work;
@@ -15,27 +16,27 @@ use crate::groups::Groups;
 use crate::nodes::{Storage, with_nodes};
 use crate::{HourglassShare, Model, Precision};
 use sum::Sum;
-use work::{NodalWork, Present};
+use work::{MidStep, NodalWork};
 
-/// Over what is lost, so that it is no residual.
+/// Factor between the reference energy of the residual and the energy lost to underflow in single precision.
 const FAR_ABOVE: f64 = 1.0e8;
 
-/// What the constraints reported, and what they really did in the present step.
+/// Energies that the constraints reported, and their work in the present step.
 #[derive(Clone, Debug, Default)]
-struct ConstraintAccount {
+struct ConstraintEnergy {
     friction: Sum,
     bond: Sum,
     impact: Sum,
     external: Sum,
     /// Work of the constraints on the body in the halves of the present step (J).
     halves: [f64; 2],
-    /// What they reported for the present step.
+    /// Energies reported for the present step.
     reported: ConstraintWork,
-    /// The part of it that belongs to prescribed motions.
-    driven: f64,
+    /// Work (J) of the present step at nodes with prescribed motion.
+    prescribed: f64,
 }
 
-/// One set's balance.
+/// Energy balance of one element set.
 #[derive(Clone, Debug, Default)]
 struct SetBalance {
     label: String,
@@ -43,56 +44,56 @@ struct SetBalance {
     work: Sum,
     /// Energy of its elements when the ledger was opened (J).
     origin: f64,
-    /// What hourglass resistance took at most, as far as the ledger was read.
+    /// Largest hourglass work over the readings.
     hourglass: HourglassShare,
 }
 
-/// The account of a run from its first step on.
+/// Energy balance of a run from its first step on.
 ///
 /// At the time of the displacement the scheme conserves `1/2 v- . M v+` with the velocities half a step
-/// before and after. Kinetic energy is shown with their mean, never negative; what the scheme's own form
-/// has less, `1/8 (v+ - v-) . M (v+ - v-)`, stands in the column "time step", not positive: it falls with
-/// the square of the step. A nodal force `F` of time
-/// `t` works half with the velocity before, half with that after `t`; the energy of elements is
-/// what their own stresses and strains give. All columns then add up to a constant, to rounding.
-/// Those halves of a force that does not change add up to its product with the displacement since the
-/// ledger was opened, which is all that is ever computed of constant loads.
+/// before and after. Kinetic energy is output with their mean, never negative; the difference to the conserved form,
+/// `-1/8 (v+ - v-) . M (v+ - v-)`, is the column "time step", which falls with the square of the step. The work of a
+/// nodal force at time `t` is half with the velocity before, half with that after `t`; the energy of elements
+/// follows from their stresses and strains. All columns then add up to a constant, to rounding.
+/// The work of a constant load is its product with the displacement since the ledger was opened, which is computed
+/// on demand.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ledger {
-    /// Which set each block belongs to.
+    /// Index of the element set of each block.
     set_of_block: Vec<usize>,
     sets: Vec<SetBalance>,
     by_set: bool,
     nodal: NodalWork<Sum>,
-    constraints: ConstraintAccount,
-    /// Second halves of the present step's work.
+    constraints: ConstraintEnergy,
+    /// Second halves of the nodal work of the present step (J).
     second: NodalWork<f64>,
     /// Kinetic and internal energy when the ledger was opened (J).
     origin: Option<f64>,
-    /// What the constant loads would have done over the displacement of that time (J).
+    /// Product of the constant loads with the displacement when the ledger was opened (J).
     potential: f64,
-    /// Whether the first half of the present step is booked.
-    half_booked: bool,
-    /// The largest energy held or put in so far (J), or what counts as one.
+    /// Whether the first half of the present step has been recorded.
+    first_half_recorded: bool,
+    /// Reference of the residual: largest stored energy or external work so far (J), with a lower bound in single
+    /// precision.
     scale: f64,
 }
 
-/// What the ledger says at a time.
+/// A reading of the energy ledger at one time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reading {
     pub(crate) columns: Vec<(&'static str, f64)>,
-    /// Residual over the largest energy held or put in so far.
+    /// Residual over the largest stored energy or external work so far.
     pub(crate) residual: f64,
-    /// The set with the largest share of it.
+    /// The element set with the largest share of the residual.
     pub(crate) worst_set: String,
-    /// What hourglass resistance took of each set until then.
+    /// Hourglass and internal work of each element set until then.
     pub(crate) hourglass: Vec<HourglassShare>,
 }
 
 impl Model {
-    /// Opens a ledger; `by_set` keeps a balance for each set, so that a fault names its set.
+    /// Opens a ledger; with `by_set` each element set has its own balance, which identifies the set of an error.
     pub(crate) fn open_ledger(&mut self, by_set: bool) {
-        let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut set_of_label: BTreeMap<&str, usize> = BTreeMap::new();
         let scale = match self.precision {
             Precision::F64 => 0.0,
             _ => self.least_single_energy(),
@@ -103,8 +104,8 @@ impl Model {
             ..Ledger::default()
         };
         for block in &self.blocks {
-            let next = places.len();
-            let set = *places.entry(block.label()).or_insert(next);
+            let next = set_of_label.len();
+            let set = *set_of_label.entry(block.label()).or_insert(next);
             if set == next {
                 ledger.sets.push(SetBalance {
                     label: block.label().into(),
@@ -120,8 +121,8 @@ impl Model {
         self.ledger = Some(Box::new(ledger));
     }
 
-    /// An energy (J) far above what elements lose whose energy, or whose density of it, is below the
-    /// numbers of single precision: of motions with less the balance says nothing.
+    /// Lower bound of the reference energy (J) in single precision, far above the energy that elements lose by
+    /// underflow; motions with less energy are not checked.
     fn least_single_energy(&self) -> f64 {
         let (low, high) = self.mesh.bounding_box();
         let elements = self.mesh.element_count() as f64;
@@ -132,59 +133,59 @@ impl Model {
         self.ledger = None;
     }
 
-    /// Accounts for the first half of the work of the present nodal forces, between kick and drift; once
+    /// Records the first half of the work of the present nodal forces, between kick and drift; once
     /// per step.
-    pub(crate) fn book_first_half(&mut self, step: f64) {
+    pub(crate) fn record_first_half(&mut self, step: f64) {
         let Some(mut ledger) = self.ledger.take() else {
             return;
         };
-        if !ledger.half_booked {
-            ledger.half_booked = true;
+        if !ledger.first_half_recorded {
+            ledger.first_half_recorded = true;
             let present = self.present(step);
             let [mut first, second] = present.work();
             first.loads = present.load_work();
             ledger.second = second;
             if ledger.origin.is_none() {
-                // The account begins at the present time: what came before it is not booked.
+                // The balance begins at the present time.
                 let energies = self.set_energies(&ledger, step);
                 for (set, energy) in ledger.sets.iter_mut().zip(&energies) {
                     set.origin = energy.total();
                 }
                 let internal: f64 = energies.iter().map(BlockEnergy::total).sum();
-                // Constraints report whole steps, of which the first half came before.
+                // Constraints report whole steps, of which the first half precedes the balance.
                 let present = self.present(step);
                 ledger.origin = Some(present.kinetic() + internal - ledger.constraints.halves[0]);
                 ledger.potential = present.load_potential();
             } else {
                 ledger.nodal.add(&first);
-                self.book_sets(&mut ledger, step);
+                self.record_sets(&mut ledger, step);
             }
         }
         self.ledger = Some(ledger);
     }
 
-    /// Accounts for the second half, after the drift.
-    pub(crate) fn book_second_half(&mut self, step: f64) {
+    /// Records the second half of the work, after the drift.
+    pub(crate) fn record_second_half(&mut self, step: f64) {
         let Some(mut ledger) = self.ledger.take() else {
             return;
         };
         let mut second = ledger.second;
         second.loads = self.present(step).load_work();
-        second.prescribed += ledger.constraints.driven;
+        second.prescribed += ledger.constraints.prescribed;
         ledger.nodal.add(&second);
-        let account = &mut ledger.constraints;
-        account.friction.add(account.reported.friction);
-        account.bond.add(account.reported.bond);
-        account.impact.add(account.reported.impact);
-        account.external.add(account.reported.external);
-        (account.reported, account.halves, account.driven) = Default::default();
-        self.book_sets(&mut ledger, step);
-        ledger.half_booked = false;
+        let energy = &mut ledger.constraints;
+        energy.friction.add(energy.reported.friction);
+        energy.bond.add(energy.reported.bond);
+        energy.impact.add(energy.reported.impact);
+        energy.external.add(energy.reported.external);
+        (energy.reported, energy.halves, energy.prescribed) = Default::default();
+        self.record_sets(&mut ledger, step);
+        ledger.first_half_recorded = false;
         self.ledger = Some(ledger);
     }
 
-    /// Half a step's work against the forces of each block, added to its set.
-    fn book_sets(&self, ledger: &mut Ledger, step: f64) {
+    /// Adds half a step's work against the forces of each block to its set.
+    fn record_sets(&self, ledger: &mut Ledger, step: f64) {
         if !ledger.by_set {
             return;
         }
@@ -235,9 +236,9 @@ impl Model {
         of_sets
     }
 
-    /// Reads the ledger between kick and drift; nothing if none is open.
+    /// Reads the ledger between kick and drift; none if no ledger is open.
     pub(crate) fn read_ledger(&mut self, step: f64) -> Option<Reading> {
-        self.book_first_half(step);
+        self.record_first_half(step);
         let mut ledger = self.ledger.take()?;
         let energies = self.set_energies(&ledger, step);
         let reading = ledger.read(&self.present(step), &energies);
@@ -247,9 +248,9 @@ impl Model {
 }
 
 impl Ledger {
-    /// Accounts for what a constraint did to its groups: predicted velocities (m/s) before, and its own
-    /// report.
-    pub(crate) fn book_constraint(
+    /// Records the work of a constraint on its groups, from the predicted velocities (m/s) before the correction, and
+    /// the energies that it reports.
+    pub(crate) fn record_constraint(
         &mut self,
         groups: &Groups,
         (rule, step): (MassDampingRule, f64),
@@ -257,34 +258,34 @@ impl Ledger {
         predicted: &[Vec3],
         report: ConstraintWork,
     ) {
-        let account = &mut self.constraints;
-        let (mut halves, mut driven) = ([0.0; 2], false);
+        let energy = &mut self.constraints;
+        let (mut halves, mut prescribed) = ([0.0; 2], false);
         for (g, before) in own.zip(predicted) {
             let after = groups.motion.next[g];
-            let impulse = match groups.bare_mass(g) {
+            let impulse = match groups.scalar_mass(g) {
                 Some(mass) => (after - before) * mass,
                 None => {
                     let group = &groups.groups[g];
-                    driven |= !group.condition.prescribed.is_empty();
+                    prescribed |= !group.condition.prescribed.is_empty();
                     group.correction((rule, step), &(after - before))
                 }
             };
             halves[0] += 0.5 * impulse.dot(&groups.motion.previous[g]);
             halves[1] += 0.5 * impulse.dot(&after);
         }
-        account.halves[0] += halves[0];
-        account.halves[1] += halves[1];
-        account.reported.friction += report.friction;
-        account.reported.bond += report.bond;
-        account.reported.impact += report.impact;
-        account.reported.external += report.external;
-        if driven {
+        energy.halves[0] += halves[0];
+        energy.halves[1] += halves[1];
+        energy.reported.friction += report.friction;
+        energy.reported.bond += report.bond;
+        energy.reported.impact += report.impact;
+        energy.reported.external += report.external;
+        if prescribed {
             let lost = report.friction + report.bond + report.impact + report.external;
-            account.driven += lost + halves[0] + halves[1];
+            energy.prescribed += lost + halves[0] + halves[1];
         }
     }
 
-    fn read(&mut self, present: &Present, energies: &[BlockEnergy]) -> Reading {
+    fn read(&mut self, present: &MidStep, energies: &[BlockEnergy]) -> Reading {
         let mut sum = BlockEnergy::default();
         for energy in energies {
             sum += *energy;
@@ -293,14 +294,14 @@ impl Ledger {
             present.kinetic(),
             self.nodal.loads.total() + present.load_potential() - self.potential,
         );
-        let apart = present.apart();
+        let difference = present.kinetic_difference();
         let (nodal, constraints) = (&self.nodal, &self.constraints);
         let initial = self.origin.unwrap_or(0.0);
-        let pending = -constraints.halves[0] + 0.5 * constraints.driven;
-        let prescribed = nodal.prescribed.total() + 0.5 * constraints.driven;
-        let held = [
-            ("kinetic", kinetic + apart),
-            ("time step", -apart),
+        let pending = -constraints.halves[0] + 0.5 * constraints.prescribed;
+        let prescribed = nodal.prescribed.total() + 0.5 * constraints.prescribed;
+        let spent = [
+            ("kinetic", kinetic + difference),
+            ("time step", -difference),
             ("elastic", sum.elastic),
             ("hourglass", sum.hourglass),
             ("plastic", sum.plastic),
@@ -318,18 +319,18 @@ impl Ledger {
             ("constraints", constraints.external.total() + pending),
         ];
         let input = loads + prescribed;
-        // Those of the scheme's own form add up as one.
-        let rest: f64 = held[2..].iter().map(|(_, energy)| energy).sum();
+        // The first two columns add up to the kinetic energy of the scheme.
+        let rest: f64 = spent[2..].iter().map(|(_, energy)| energy).sum();
         let balance = kinetic + rest;
         let residual = balance - input - initial;
         for (set, energy) in self.sets.iter_mut().zip(energies) {
-            set.hourglass.see(energy.hourglass, energy.total());
+            set.hourglass.update(energy.hourglass, energy.total());
         }
         let shares = self.sets.iter().map(|set| set.hourglass.clone());
         let hourglass = HourglassShare::above_rounding(shares);
         let inside = kinetic.abs() + sum.total().abs();
         self.scale = self.scale.max(inside).max(input.abs());
-        let mut columns = held.to_vec();
+        let mut columns = spent.to_vec();
         columns.extend([
             ("initial", initial),
             ("loads", loads),
@@ -348,7 +349,7 @@ impl Ledger {
         }
     }
 
-    /// The set whose nodal work and element energy differ most; without balances by set, the one
+    /// The element set whose nodal work and element energy differ most; without balances by set, the set
     /// whose energy changed most.
     fn worst_set(&self, energies: &[BlockEnergy]) -> String {
         let gap = |(set, energy): &(&SetBalance, &BlockEnergy)| {

@@ -1,6 +1,6 @@
-//! Sums of many terms.
+//! Compensated summation.
 
-/// A sum that does not lose its small terms (Neumaier 1974).
+/// A compensated sum, accurate for terms of very different size (Neumaier 1974).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sum {
     value: f64,

@@ -1,4 +1,4 @@
-//! What nodal forces do in a step.
+//! Work of nodal forces in a step.
 
 use powerhouse_model::{MassDampingRule, Vec3};
 use rayon::prelude::*;
@@ -10,7 +10,8 @@ use crate::gather::{CHUNK, Gather, SlotTable};
 use crate::groups::Groups;
 use crate::nodes::{Nodes, with_nodes};
 
-/// What nodal forces did (J): taken out by all but the last two, which put in.
+/// Work of nodal forces (J): energy dissipated or stored by damping, dashpots and springs, and external work of loads
+/// and prescribed motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NodalWork<T> {
     pub(super) mass_damping: T,
@@ -30,8 +31,8 @@ impl NodalWork<Sum> {
     }
 }
 
-/// A model between its kick and its drift, as far as threads may share it.
-pub(super) struct Present<'a> {
+/// Read access to the nodal data of a model between kick and drift, shared among threads.
+pub(super) struct MidStep<'a> {
     nodes: &'a Nodes,
     slots: &'a SlotTable,
     gather: &'a Gather,
@@ -45,8 +46,8 @@ pub(super) struct Present<'a> {
 }
 
 impl Model {
-    pub(super) fn present(&self, step: f64) -> Present<'_> {
-        Present {
+    pub(super) fn present(&self, step: f64) -> MidStep<'_> {
+        MidStep {
             nodes: &self.nodes,
             slots: &self.slots,
             gather: &self.gather,
@@ -63,7 +64,7 @@ impl Model {
     }
 }
 
-impl Present<'_> {
+impl MidStep<'_> {
     /// Half a step's work of all nodal forces but the loads, with the velocities before and with
     /// those after.
     pub(super) fn work(&self) -> [NodalWork<f64>; 2] {
@@ -96,44 +97,41 @@ impl Present<'_> {
     }
 
     fn add_group(&self, g: usize, halves: &mut [NodalWork<f64>; 2]) {
-        if self.mass_damping.is_empty() && self.groups.bare_mass(g).is_some() {
+        if self.mass_damping.is_empty() && self.groups.scalar_mass(g).is_some() {
             return;
         }
         let motion = &self.groups.motion;
         let (before, after) = (motion.previous[g], motion.next[g]);
         let mean = (before + after) * 0.5;
-        let on_the_way = (after - before) * (0.25 * self.step);
-        let (spring, dashpot, mass_damping, drive);
+        let mean_change = (after - before) * (0.25 * self.step);
+        let (spring, dashpot, mass_damping, prescribed);
         if let Some((diagonal, stretch)) = self.groups.diagonal_group(g) {
-            spring = diagonal.spring.component_mul(&(stretch + on_the_way));
+            spring = diagonal.spring.component_mul(&(stretch + mean_change));
             dashpot = diagonal.dashpot.component_mul(&mean);
             mass_damping = diagonal.mass_damping;
-            drive = Vec3::zeros();
+            prescribed = Vec3::zeros();
         } else {
             let group = &self.groups.groups[g];
-            spring = group.spring * (self.stretch(g) + on_the_way);
+            spring = group.spring * (self.stretch(g) + mean_change);
             dashpot = group.dashpot * mean;
             mass_damping = group.mass_damping;
-            drive = if group.condition.prescribed.is_empty() {
+            prescribed = if group.condition.prescribed.is_empty() {
                 Vec3::zeros()
             } else {
-                self.driving_impulse(g) / self.step
+                self.prescribed_impulse(g) / self.step
             };
         }
-        let damping = match self.rule {
-            MassDampingRule::Implicit => mean * mass_damping,
-            MassDampingRule::Lagged => before * mass_damping,
-        };
+        let damping = self.rule.damped_velocity(before, mean) * mass_damping;
         for (half, velocity) in halves.iter_mut().zip([before, after]) {
             let along = velocity * (0.5 * self.step);
             half.dashpots += dashpot.dot(&along);
             half.springs += spring.dot(&along);
             half.mass_damping += damping.dot(&along);
-            half.prescribed += drive.dot(&along);
+            half.prescribed += prescribed.dot(&along);
         }
     }
 
-    /// How far a group's spring is stretched (m).
+    /// Elongation of a group's spring (m).
     fn stretch(&self, g: usize) -> Vec3 {
         let lead = self.groups.groups[g].members[0] as usize;
         with_nodes!(self.nodes, arrays => {
@@ -141,9 +139,9 @@ impl Present<'_> {
         })
     }
 
-    /// The impulse (N s) that made a group follow its prescribed motion: what its equation of
-    /// motion lacks in the held and driven directions, `A v+ - (...) v- - dt f`.
-    fn driving_impulse(&self, g: usize) -> Vec3 {
+    /// Impulse (N s) of the reaction that makes a group follow its prescribed motion: the residual of its equation of
+    /// motion in the fixed and prescribed directions, `A v+ - (...) v- - dt f`.
+    fn prescribed_impulse(&self, g: usize) -> Vec3 {
         let group = &self.groups.groups[g];
         let mut force = self.sums.on_group(g) - group.spring * self.stretch(g);
         with_nodes!(self.nodes, arrays => {
@@ -154,21 +152,16 @@ impl Present<'_> {
         let motion = &self.groups.motion;
         let (before, after) = (&motion.previous[g], &motion.next[g]);
         let impulse = group.impulse((self.rule, self.step), before, after);
-        let lacking = impulse - force * self.step;
-        lacking - group.condition.free(lacking)
+        let residual = impulse - force * self.step;
+        residual - group.condition.free(residual)
     }
 
     /// Half a step's work of the mass damping of plain nodes.
     fn plain_damping(&self) -> [f64; 2] {
         let [_, before, across, after, _] = self.plain_products();
         let half = 0.5 * self.step;
-        match self.rule {
-            MassDampingRule::Implicit => [
-                half * 0.5 * (before + across),
-                half * 0.5 * (across + after),
-            ],
-            MassDampingRule::Lagged => [half * before, half * across],
-        }
+        let damped = |old: f64, new: f64| self.rule.damped_velocity(old, 0.5 * (old + new));
+        [half * damped(before, across), half * damped(across, after)]
     }
 
     fn plain_products(&self) -> [f64; 5] {
@@ -179,7 +172,7 @@ impl Present<'_> {
         })
     }
 
-    /// What the constant loads would do over the present displacement (J).
+    /// Product of the constant loads with the present displacement (J).
     pub(super) fn load_potential(&self) -> f64 {
         with_nodes!(self.nodes, arrays => {
             let displacement = |node: usize| arrays.displacement[node].to_vector();
@@ -187,7 +180,7 @@ impl Present<'_> {
         })
     }
 
-    /// Half a step's work of the loads that change with the velocities that the nodes have at present:
+    /// Half a step's work of the time-dependent loads with the present velocities, which are
     /// those before the drift or those after it.
     pub(super) fn load_work(&self) -> f64 {
         with_nodes!(self.nodes, arrays => {
@@ -196,8 +189,8 @@ impl Present<'_> {
         })
     }
 
-    /// What that of the mean velocity has more (J), `1/8 (v+ - v-) . M (v+ - v-)`.
-    pub(super) fn apart(&self) -> f64 {
+    /// Kinetic energy of the mean velocity less that of the scheme (J), `1/8 (v+ - v-) . M (v+ - v-)`.
+    pub(super) fn kinetic_difference(&self) -> f64 {
         let motion = &self.groups.motion;
         let grouped: f64 = (self.groups.groups.iter())
             .zip(motion.previous.iter().zip(&motion.next))

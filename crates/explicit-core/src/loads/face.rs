@@ -1,4 +1,4 @@
-//! Pressure and traction on faces.
+//! Pressure and traction loads on faces.
 
 use std::collections::BTreeMap;
 
@@ -6,25 +6,25 @@ use powerhouse_model::{Facet, Mesh, NodalLoad, ParameterError, TimeFunction, Vec
 
 use crate::EngineError;
 
-/// How a pressure or traction varies over a face.
+/// Spatial distribution of a pressure or traction over a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Profile {
-    /// The same everywhere.
+    /// Uniform over the face.
     Uniform,
-    /// Linear in depth below a horizontal level, `gradient * (level - z)`, and zero above it: the
-    /// pressure of standing water has the gradient `rho g`.
+    /// Linear in the depth below a horizontal level, `gradient * (level - z)`, and zero above it, as hydrostatic
+    /// pressure with the gradient `rho g`.
     Depth {
-        /// Increase per metre of depth (1/m, so that profile times reference value is a stress;
-        /// Pa/m if the reference value is one).
+        /// Increase per depth (1/m, so that profile times reference value is a stress;
+        /// Pa/m if the reference value is 1).
         gradient: f64,
-        /// Height of the level (m).
+        /// Elevation of the level (m).
         level: f64,
     },
 }
 
 impl Profile {
-    /// The pressure of standing water below `level` (m): `rho g` with 1000 kg/m3 and 9.81 m/s2.
+    /// Hydrostatic pressure of water with its surface at `level` (m): 1000 kg/m3 and 9.81 m/s2.
     pub fn water(level: f64) -> Self {
         Self::Depth {
             gradient: 9810.0,
@@ -46,7 +46,7 @@ impl Profile {
     }
 }
 
-/// Nodes with the forces that a unit history makes.
+/// Consistent nodal forces of a load with a time function of one.
 #[derive(Debug, Default)]
 struct Shares {
     nodes: Vec<u32>,
@@ -54,8 +54,8 @@ struct Shares {
 }
 
 impl Shares {
-    /// `integral of N_a t dA` over facets, by Gauss points; `traction` takes a position and the
-    /// outward vector area.
+    /// Consistent nodal forces `integral of N_a t dA` over facets, by Gauss integration; `traction` is the force of a
+    /// position with its outward vector area.
     fn integrate(mesh: &Mesh, facets: &[Facet], traction: impl Fn(&Vec3, Vec3) -> Vec3) -> Self {
         let mut sums: BTreeMap<u32, Vec3> = BTreeMap::new();
         for &facet in facets {
@@ -85,7 +85,7 @@ impl Shares {
     }
 }
 
-/// Refuses facets that hold a face from both of its sides, as a set inside a body does.
+/// Refuses facets that include both sides of a face, as a set inside a body may.
 fn check_sides(mesh: &Mesh, facets: &[Facet]) -> Result<(), EngineError> {
     let mut seen: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
     let tag = |element: u32| mesh.element_tags()[element as usize];
@@ -134,7 +134,7 @@ fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
         .collect()
 }
 
-/// A pressure on facets: it pushes against the outward normal.
+/// A pressure load on facets, positive against the outward normal.
 ///
 /// ```
 /// use powerhouse_explicit_core::{FacePressure, Profile};
@@ -148,7 +148,7 @@ fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
 /// let mut load = FacePressure::new(&mesh, mesh.facet_set("floor")?, Profile::Uniform, Box::new(|_: f64| 6.0))?;
 /// let mut forces = vec![Vec3::zeros(); 3];
 /// load.add_forces(0.0, &mut forces);
-/// // The floor's outward normal points down, so the pressure pushes up: 6 Pa on 0.5 m2.
+/// // The outward normal of the floor points down, so the pressure acts upwards: 6 Pa on 0.5 m2.
 /// assert!((forces[0].z - 1.0).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -158,7 +158,7 @@ pub struct FacePressure {
 }
 
 impl FacePressure {
-    /// Profile times history is the pressure (Pa).
+    /// A pressure (Pa) of `profile` times `history` on facets.
     ///
     /// # Errors
     /// If a number of the profile is not finite; [`EngineError::BothSides`] for facets inside a body
@@ -196,14 +196,14 @@ impl NodalLoad for FacePressure {
     }
 }
 
-/// A traction of fixed direction on facets.
+/// A traction load of fixed direction on facets.
 pub struct FaceTraction {
     shares: Shares,
     history: Box<dyn TimeFunction>,
 }
 
 impl FaceTraction {
-    /// `traction` times profile times history is the force per area (Pa).
+    /// A force per area (Pa) of `traction` times `profile` times `history` on facets.
     ///
     /// # Errors
     /// If a number of the profile is not finite; [`EngineError::BothSides`] for facets inside a body

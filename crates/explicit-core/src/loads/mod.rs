@@ -1,4 +1,4 @@
-//! Loads that need nothing but a mesh.
+//! Nodal loads: face pressure, face traction, nodal force, weight.
 
 mod face;
 mod nodal;

@@ -1,8 +1,8 @@
-//! Forces at nodes, and weight.
+//! Nodal forces and weight.
 
 use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
 
-/// The same force at every node of a list, times a function of time.
+/// A nodal force: the same force vector at every node of a list, times a function of time.
 pub struct NodalForce {
     nodes: Vec<u32>,
     force: Vec3,
@@ -10,7 +10,7 @@ pub struct NodalForce {
 }
 
 impl NodalForce {
-    /// `force` (N) at each of `nodes` (mesh indices), times `history`.
+    /// A load of `force` (N) at each of `nodes` (mesh indices), times `history`.
     pub fn new(nodes: Vec<u32>, force: Vec3, history: Box<dyn TimeFunction>) -> Self {
         Self {
             nodes,
@@ -38,7 +38,7 @@ impl NodalLoad for NodalForce {
     }
 }
 
-/// Lumped mass times acceleration.
+/// Weight: lumped mass times acceleration times a function of time.
 pub(crate) struct Weight {
     nodes: Vec<u32>,
     mass: Vec<f64>,

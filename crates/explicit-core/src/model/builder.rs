@@ -1,4 +1,4 @@
-//! From a mesh and what the user says about it to a model.
+//! Assembly of a model from a mesh, element sets, boundary conditions and loads.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -9,9 +9,9 @@ use powerhouse_model::{
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
-use super::solids::{Solids, build_blocks, places};
-use super::start::Start;
-use super::{Bound, Model};
+use super::solids::{Solids, blocks_of_elements, build_blocks};
+use super::start::InitialState;
+use super::{BoundConstraint, Model};
 use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
@@ -19,12 +19,12 @@ use crate::loads::Weight;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::{BlockFactory, EngineError, PeriodicPairs, Precision, Prescribed, Support};
 
-/// Which elements: a named set, or mesh indices.
+/// A selection of elements: a named set, or mesh indices.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ElementChoice {
-    /// A named element set of the mesh.
+    /// The elements of a named set of the mesh.
     Set(String),
-    /// Mesh indices.
+    /// The elements with these mesh indices.
     Elements(Vec<u32>),
 }
 
@@ -39,16 +39,17 @@ impl From<Vec<u32>> for ElementChoice {
     }
 }
 
-/// Elements per block. Large blocks have few nodes between them: on 132,651 distorted bricks and one
-/// thread a step takes 0.87 of the time at 16,384 elements that it takes at 2048. Small ones leave
-/// work for every thread.
-const PART_SIZES: core::ops::RangeInclusive<usize> = 2048..=16_384;
-/// Blocks that a mesh is cut into, as far as [`PART_SIZES`] permits.
-const PARTS: usize = 16;
-/// More threads than any machine has; starting them would take minutes.
+/// Elements per block by default. Large blocks share few nodes: on 132,651 distorted bricks and one
+/// thread a step takes 0.87 of the time at 16,384 elements that it takes at 2048. Small blocks occupy
+/// every thread.
+const BLOCK_SIZES: core::ops::RangeInclusive<usize> = 2048..=16_384;
+/// Number of blocks per mesh by default, as far as [`BLOCK_SIZES`] permits.
+const BLOCKS: usize = 16;
+/// Largest permitted number of threads; starting more would take minutes.
 const MOST_THREADS: usize = 4096;
 
-/// Collects what a [`Model`] is made of; all of it is checked in [`build`](Self::build).
+/// Builder of a [`Model`]: elements, boundary conditions, loads, constraints and initial state; all input is
+/// checked in [`build`](Self::build).
 pub struct ModelBuilder<'a> {
     mesh: &'a Mesh,
     sets: Vec<ElementSet>,
@@ -60,10 +61,10 @@ pub struct ModelBuilder<'a> {
     boundaries: Vec<BoundaryParts>,
     constraints: Vec<Box<dyn Constraint>>,
     embedded: Vec<BuildBlock>,
-    start: Start,
+    start: InitialState,
     threads: Option<usize>,
     stop: Option<Arc<AtomicBool>>,
-    part_size: Option<usize>,
+    block_size: Option<usize>,
 }
 
 impl<'a> ModelBuilder<'a> {
@@ -79,22 +80,22 @@ impl<'a> ModelBuilder<'a> {
             boundaries: Vec::new(),
             constraints: Vec::new(),
             embedded: Vec::new(),
-            start: Start::default(),
+            start: InitialState::default(),
             threads: None,
             stop: None,
-            part_size: None,
+            block_size: None,
         }
     }
-    /// Starts from a state, such as that of the stage before: elements that are
-    /// [absent](State::absent) in it are left out, their nodes have no mass; the strain of
-    /// [cast](State::casts) elements counts from where they were cast.
+    /// Sets the initial state, such as that of the stage before: elements that are
+    /// [absent](State::absent) in it are inactive and their nodes have no mass; the strain of
+    /// [cast](State::casts) elements is measured from their own reference configuration.
     #[must_use]
     pub fn start(mut self, state: State) -> Self {
-        self.start = Start { state: Some(state) };
+        self.start = InitialState { state: Some(state) };
         self
     }
-    /// Elements, by set or by mesh index, and what computes them. Every element of the mesh must
-    /// be given once, absent ones too unless nothing is to compute them.
+    /// Adds elements, by set or by mesh index, with the factory of their blocks. Every element of the mesh must
+    /// belong to exactly one set; absent elements may be left out.
     #[must_use]
     pub fn elements(
         mut self,
@@ -104,85 +105,84 @@ impl<'a> ModelBuilder<'a> {
         self.sets.push((choice.into(), factory));
         self
     }
-    /// Nodes that are held.
+    /// Adds a support (fixed or roller-supported nodes).
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }
-    /// Nodes that move as one.
+    /// Adds periodic pairs: pairs of nodes with a common motion.
     #[must_use]
     pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
         self.periodic.push(pairs);
         self
     }
-    /// Nodes whose motion is given.
+    /// Adds a prescribed motion of nodes.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed);
         self
     }
-    /// A load.
+    /// Adds a nodal load.
     #[must_use]
     pub fn load(mut self, load: Box<dyn NodalLoad>) -> Self {
         self.loads.push(load);
         self
     }
-    /// Weight: lumped mass times an acceleration (m/s2) times a function of time.
+    /// Adds the weight: lumped mass times an acceleration (m/s2) times a function of time.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: Box<dyn TimeFunction>) -> Self {
         self.weights.push((acceleration, history));
         self
     }
-    /// Springs, dashpots, loads and blocks of a boundary.
+    /// Adds the springs, dashpots, loads and blocks of an absorbing boundary.
     #[must_use]
     pub fn boundary(mut self, parts: BoundaryParts) -> Self {
         self.boundaries.push(parts);
         self
     }
-    /// A condition that corrects predicted velocities.
+    /// Adds a constraint, such as joints, which corrects predicted velocities.
     #[must_use]
     pub fn constraint(mut self, constraint: Box<dyn Constraint>) -> Self {
         self.constraints.push(constraint);
         self
     }
-    /// A block that joins nodes of the mesh, made once they are numbered, such as that of
-    /// [bolts](crate::BoltSet::block). Its history variables have names of their own, so that a state can
-    /// carry it. If the state that the model starts from knows nothing of it, it is installed now:
-    /// free of force, but for what it brings along, at the present displacement.
+    /// Adds an embedded block: elements that act on nodes of the mesh, such as
+    /// [bolts](crate::BoltSet::block), built after the nodes are numbered. Its history variables have names of their
+    /// own, under which a state stores them. If the initial state has no such variables, the block is installed at the
+    /// present displacement, without force but for its pretension.
     #[must_use]
     pub fn embed(mut self, build: BuildBlock) -> Self {
         self.embedded.push(build);
         self
     }
-    /// Computes with this many threads of the model's own instead of all; the results have the
-    /// same bits. 1 to 4096.
+    /// Sets the number of threads, 1 to 4096, by default all of the machine; the results are bitwise the same.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
         self
     }
-    /// Ends static solutions with [`StaticError::Interrupted`](crate::StaticError::Interrupted) soon after
-    /// a flag is raised, such as that of an interrupt. Runs have
-    /// [observers](powerhouse_model::Observer) to end them.
+    /// Sets the cancellation flag of static solutions: soon after it becomes true they end with
+    /// [`StaticError::Interrupted`](crate::StaticError::Interrupted). Dynamic runs have
+    /// [`RunOptions::stop`](crate::RunOptions::stop).
     #[must_use]
     pub fn stop_on(mut self, flag: Arc<AtomicBool>) -> Self {
         self.stop = Some(flag);
         self
     }
-    /// Elements per block, at least one, instead of a sixteenth of the mesh (2048 to 16,384). Bits of
-    /// results depend on it.
+    /// Sets the number of elements per block, at least one; by default a sixteenth of the mesh, but 2048 to 16,384.
+    /// Results depend on it by rounding.
     #[must_use]
-    pub fn part_size(mut self, elements: usize) -> Self {
-        self.part_size = Some(elements.max(1));
+    pub fn block_size(mut self, elements: usize) -> Self {
+        self.block_size = Some(elements.max(1));
         self
     }
 
-    /// Checks everything and makes the model.
+    /// Checks the input and builds the model.
     ///
     /// # Errors
-    /// An [`EngineError`] (as the source of [`ModelError::Refused`]) names the node, element or
-    /// set; a factory's own error comes through as it is.
+    /// An [`EngineError`] (as the source of [`ModelError::Refused`]) that names the node, element or
+    /// set, or the error of a factory.
     pub fn build(self) -> Result<Model, ModelError> {
         let pool = match self.threads {
             Some(threads) => Some(start_threads(threads)?),
@@ -190,16 +190,16 @@ impl<'a> ModelBuilder<'a> {
         };
         let mesh = self.mesh;
         let precision = coarsest(&self.sets)?;
-        let part_size = self.part_size.unwrap_or_else(|| {
-            let share = mesh.element_count() / PARTS;
-            share.clamp(*PART_SIZES.start(), *PART_SIZES.end())
+        let block_size = self.block_size.unwrap_or_else(|| {
+            let share = mesh.element_count() / BLOCKS;
+            share.clamp(*BLOCK_SIZES.start(), *BLOCK_SIZES.end())
         });
         let Solids {
             mut numbering,
             mut blocks,
             orphans,
-        } = build_blocks(mesh, &self.sets, &self.start, part_size)?;
-        let place_of_element = places(mesh, &blocks);
+        } = build_blocks(mesh, &self.sets, &self.start, block_size)?;
+        let block_of_element = blocks_of_elements(mesh, &blocks);
         let embedded_from = blocks.len();
         let embedded = self.embedded.into_iter();
         blocks.extend(embedded.map(|build| build(&numbering)));
@@ -241,13 +241,13 @@ impl<'a> ModelBuilder<'a> {
             plan.tie(pairs)?;
         }
         for (node, item) in &impedance {
-            plan.impede(*node, item)?;
+            plan.add_impedance(*node, item)?;
         }
         for support in &self.supports {
             plan.hold(support)?;
         }
         for (motion, prescribed) in self.prescribed.iter().enumerate() {
-            plan.drive(prescribed, motion)?;
+            plan.prescribe(prescribed, motion)?;
         }
         let constrained = plan.constrain(&self.constraints)?;
         let (groups, group_of) = plan.finish(&mass, &mass_damping, &constrained);
@@ -296,7 +296,7 @@ impl<'a> ModelBuilder<'a> {
             precision,
             speed_limit: f64::MAX,
             fault: None,
-            place_of_element,
+            block_of_element,
             spectrum: None,
             pool,
             stop: self.stop,
@@ -312,7 +312,7 @@ impl<'a> ModelBuilder<'a> {
 
 pub(super) type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
 
-/// The coarsest arithmetic of any set; nodes in single precision suit no other sets.
+/// Lowest precision of any element set; sets with nodes in single precision cannot be combined with others.
 fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {
     let with = |wanted: &dyn Fn(Precision) -> bool| {
         let mut factories = sets.iter().map(|(_, factory)| factory.as_ref());
@@ -344,23 +344,23 @@ fn start_threads(threads: usize) -> Result<Arc<rayon::ThreadPool>, EngineError> 
         .map_err(|_| refused)
 }
 
-/// Numbers the additional nodes of one boundary and makes its blocks. In the numbering that they
-/// see, and in the boundary's other parts, the additional nodes follow those of the mesh.
+/// Numbers the additional nodes of one boundary and builds its blocks. In the numbering passed to them
+/// and in the boundary's other parts, the additional nodes follow those of the mesh.
 fn build_extra(
     numbering: &mut Numbering,
     mesh_nodes: usize,
     blocks: Vec<powerhouse_model::ExtraBlock>,
 ) -> (Vec<u32>, Vec<Box<dyn ElementBlock>>) {
-    let mut seen = Numbering::new(numbering.engine_of[..mesh_nodes].to_vec(), Vec::new());
+    let mut passed = Numbering::new(numbering.engine_of[..mesh_nodes].to_vec(), Vec::new());
     for _ in blocks.iter().flat_map(|block| &block.nodes) {
         let engine = numbering.mesh_of.len() as u32;
-        seen.engine_of.push(engine);
+        passed.engine_of.push(engine);
         numbering.mesh_of.push(numbering.engine_of.len() as u32);
         numbering.engine_of.push(engine);
     }
-    seen.mesh_of = numbering.mesh_of.clone();
-    let built = blocks.into_iter().map(|b| (b.build)(&seen)).collect();
-    (seen.engine_of, built)
+    passed.mesh_of = numbering.mesh_of.clone();
+    let built = blocks.into_iter().map(|b| (b.build)(&passed)).collect();
+    (passed.engine_of, built)
 }
 
 fn with_engine_nodes(
@@ -424,13 +424,13 @@ fn lumped(
     Ok((mass, damping))
 }
 
-/// The constraints with their groups, which come first among all.
-fn bind(constraints: Vec<Box<dyn Constraint>>, nodes: Vec<Vec<u32>>) -> Vec<Bound> {
+/// Assigns the constraints their groups, which are the first ones.
+fn bind(constraints: Vec<Box<dyn Constraint>>, nodes: Vec<Vec<u32>>) -> Vec<BoundConstraint> {
     let mut end = 0;
     let bind = |(constraint, nodes): (_, Vec<u32>)| {
         let start = end;
         end += nodes.len();
-        Bound {
+        BoundConstraint {
             constraint,
             groups: start..end,
             predicted: Vec::new(),

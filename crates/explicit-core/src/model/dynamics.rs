@@ -1,4 +1,4 @@
-//! The operations of a step.
+//! Operations of a time step: forces, kick (velocity update), constraints, drift (displacement update).
 
 use powerhouse_model::{
     BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
@@ -10,9 +10,9 @@ use super::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Nodes, Storage, with_nodes};
 
-/// Forces of all blocks, each in its buffer; yields the first that fails, its set and its fault.
+/// Computes the forces of all blocks, each into its buffer; returns the set and fault of the first block that fails.
 ///
-/// The history of the last step becomes the old one on the way if it is to be committed, while the
+/// With `commit` the history variables of the last step are committed first, while the
 /// block is in the cache.
 pub(crate) fn block_forces<S: Storage>(
     blocks: &mut [Box<dyn ElementBlock>],
@@ -40,7 +40,7 @@ impl Dynamics for Model {
 
     fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
         self.in_pool(|model| {
-            model.settle();
+            model.complete_kick();
             match model.fault.take() {
                 Some(fault) => Err(fault),
                 None => model.evaluate(terms, step),
@@ -50,7 +50,7 @@ impl Dynamics for Model {
 
     fn kick(&mut self, rule: MassDampingRule, step: f64) -> Result<(), RunError> {
         self.in_pool(|model| {
-            model.settle();
+            model.complete_kick();
             model.prepare(rule, step);
             model.predict(step);
             model.kicked = true;
@@ -65,15 +65,15 @@ impl Dynamics for Model {
     fn drift(&mut self, step: f64) {
         self.in_pool(|model| {
             if model.kicked {
-                model.book_first_half(step);
+                model.record_first_half(step);
                 model.kicked = false;
                 model.advance::<true>(step);
                 if matches!(model.nodes, Nodes::F64(_)) {
                     model.groups.motion.has_moved(step);
                 }
-                model.book_second_half(step);
+                model.record_second_half(step);
             } else {
-                model.groups.motion.forget();
+                model.groups.motion.invalidate();
                 with_nodes!(&mut model.nodes, arrays => arrays.drift(step));
             }
             model.uncommitted = true;
@@ -83,27 +83,27 @@ impl Dynamics for Model {
     }
 }
 
-/// The least mass of a node that has some (kg); one kilogram if none has.
+/// Least positive nodal mass (kg); one kilogram if no node has mass.
 pub(crate) fn least_mass(masses: &[f64]) -> f64 {
     let some = masses.iter().copied().filter(|mass| *mass > 0.0);
     some.reduce(f64::min).unwrap_or(1.0)
 }
 
 impl Model {
-    /// Carries out a kick that still waits for its drift.
-    pub(crate) fn settle(&mut self) {
+    /// Carries out a pending kick of the plain nodes without drift.
+    pub(crate) fn complete_kick(&mut self) {
         if self.kicked {
             self.kicked = false;
             self.advance::<false>(0.0);
         }
     }
 
-    /// Forgets a kick that still waits for its drift: the motion is that of the step's start.
-    pub(crate) fn forget(&mut self) {
+    /// Discards a pending kick of the plain nodes: the motion is that of the start of the step.
+    pub(crate) fn discard_kick(&mut self) {
         self.kicked = false;
     }
 
-    /// Commits what the blocks computed last.
+    /// Commits the history variables of the last forces of all blocks.
     pub(crate) fn commit(&mut self) {
         if self.uncommitted {
             self.uncommitted = false;
@@ -157,7 +157,7 @@ impl Model {
         }
     }
 
-    /// Makes the coefficients of a step, if they are not those in use.
+    /// Computes the coefficients for a rule of mass damping and a length of step (s), unless they are in use.
     fn prepare(&mut self, rule: MassDampingRule, step: f64) {
         if self.prepared == Some((rule, step)) {
             return;
@@ -168,11 +168,8 @@ impl Model {
         for (node, mass) in self.mass.iter().enumerate() {
             let grouped = self.groups.if_kicked(self.group_of[node]).is_some();
             let damping = self.mass_damping.get(node).copied().unwrap_or(0.0) * step;
-            let (effective, old) = match rule {
-                MassDampingRule::Implicit => (mass + 0.5 * damping, mass - 0.5 * damping),
-                MassDampingRule::Lagged => (*mass, mass - damping),
-            };
-            // Nodes without mass stay where they are, as grouped ones do in this pass.
+            let (effective, old) = rule.effective_mass(*mass, damping);
+            // Nodes without mass are not moved; nodes of groups are updated apart from this pass.
             let moves = !grouped && effective > 0.0;
             gain.push(if moves { step / effective } else { 0.0 });
             if !self.mass_damping.is_empty() {
@@ -187,24 +184,24 @@ impl Model {
                 .iter()
                 .zip(&self.groups.coefficients[bound.groups.clone()]);
             for (inverse, (group, matrices)) in bound.inverse_mass.iter_mut().zip(own) {
-                *inverse = group.ghost(least).unwrap_or(matrices.inverse);
+                *inverse = group.orphan_inverse(least).unwrap_or(matrices.inverse);
             }
             bound.constraint.prepare(step, &bound.inverse_mass);
         }
     }
 
-    /// Predicts the velocity of the groups.
+    /// Predicts the velocity of the groups, with prescribed motion.
     fn predict(&mut self, step: f64) {
         let end = self.time + step;
         let motions: Vec<f64> = self.prescribed.iter().map(|f| f.value(end)).collect();
         let (groups, slots, sums) = (&mut self.groups, &self.slots, &self.loads.sums);
         with_nodes!(&self.nodes, arrays => {
             groups.kick(arrays, slots, |group| sums.on_group(group), step);
-            groups.drive(&motions, |node| arrays.displacement[node].to_vector(), step);
+            groups.prescribe(&motions, |node| arrays.displacement[node].to_vector(), step);
         });
     }
 
-    /// Lets the constraints correct the predicted velocities.
+    /// Corrects the predicted velocities by the constraints.
     fn correct(&mut self, step: f64) -> Result<(), RunError> {
         let Self {
             constraints,
@@ -220,7 +217,11 @@ impl Model {
                 bound.predicted.extend_from_slice(motion.next);
             }
             let work = bound.constraint.correct(PredictedMotion::new(
-                (self.number, self.time, step),
+                StepTime {
+                    number: self.number,
+                    time: self.time,
+                    step,
+                },
                 motion.displacement,
                 motion.previous,
                 motion.next,
@@ -228,7 +229,7 @@ impl Model {
             ))?;
             if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
                 let own = bound.groups.clone();
-                ledger.book_constraint(groups, prepared, own, &bound.predicted, work);
+                ledger.record_constraint(groups, prepared, own, &bound.predicted, work);
             }
         }
         Ok(())
@@ -244,7 +245,7 @@ impl Model {
         }
     }
 
-    /// Names the fastest node, one that is no longer finite before all others.
+    /// The error of a diverged motion, with the fastest node; a node whose velocity is not finite counts as fastest.
     fn divergence(&self) -> RunError {
         let rank = |v: &Vec3| {
             let speed = v.norm();

@@ -1,4 +1,4 @@
-//! The model: blocks, nodes and what acts on them.
+//! The model: element blocks, nodes, boundary conditions, loads and constraints.
 
 mod builder;
 mod dynamics;
@@ -26,35 +26,36 @@ use crate::stable_step::Spectrum;
 pub use builder::{ElementChoice, ModelBuilder};
 pub(crate) use dynamics::{block_forces, least_mass};
 
-/// A constraint with the groups on which it acts.
-pub(crate) struct Bound {
+/// A constraint with the node groups on which it acts.
+pub(crate) struct BoundConstraint {
     pub(crate) constraint: Box<dyn Constraint>,
     /// Engine nodes, in the constraint's order.
     nodes: Vec<u32>,
-    /// The groups of its nodes, in its order.
+    /// Range of the groups of its nodes, in its order.
     groups: Range<usize>,
-    /// The velocity before the correction, while a ledger is kept.
+    /// Velocity (m/s) before the correction, while an energy ledger is open.
     predicted: Vec<Vec3>,
     inverse_mass: Vec<Mat3>,
 }
 
-impl Bound {
+impl BoundConstraint {
     /// Engine nodes, in the constraint's order.
     pub(crate) fn nodes(&self) -> &[u32] {
         &self.nodes
     }
 }
 
-/// A body ready to be stepped: element blocks, nodes, supports, loads, boundaries, constraints.
+/// An assembled finite element model with its present state: element blocks, nodes, supports, loads, absorbing
+/// boundaries, constraints.
 ///
-/// Built by [`Model::builder`]; moved by [`run`](crate::run), or step by step by a
+/// Built by [`Model::builder`]; integrated in time by [`run`](crate::run), or step by step by a
 /// [`TimeIntegrator`](powerhouse_model::TimeIntegrator) through its
 /// [`Dynamics`](powerhouse_model::Dynamics).
 pub struct Model {
     pub(crate) mesh: Mesh,
     pub(crate) numbering: Numbering,
     pub(crate) blocks: Vec<Box<dyn ElementBlock>>,
-    /// Slots of each block in the force buffer.
+    /// Number of nodes of each block, the length of its force buffer.
     pub(crate) lengths: Vec<usize>,
     pub(crate) slots: SlotTable,
     pub(crate) gather: Gather,
@@ -68,41 +69,41 @@ pub struct Model {
     pub(crate) groups: Groups,
     pub(crate) loads: AppliedLoads,
     prescribed: Vec<Box<dyn TimeFunction>>,
-    pub(crate) constraints: Vec<Bound>,
+    pub(crate) constraints: Vec<BoundConstraint>,
     pub(crate) initial_stress: Vec<powerhouse_model::Stress>,
-    /// Engine nodes without mass, whose elements are all absent, in rising order.
+    /// Orphan nodes: engine nodes whose elements are all absent, in rising order.
     pub(crate) orphans: Vec<u32>,
-    /// Mesh indices of elements that are not there.
+    /// Mesh indices of inactive elements (excavated, or yet to be cast).
     absent: Vec<u32>,
-    /// Elements that were put in later.
+    /// Elements cast in the course of the stages, with their reference configurations.
     pub(crate) casts: Vec<powerhouse_model::Cast>,
     /// Displacement (m) at the start of the stage, one per mesh node and additional node; empty
     /// where it is zero.
     pub(crate) stage_start: Vec<Vec3>,
-    /// Blocks that are neither of the mesh nor of a boundary.
+    /// Range of the embedded blocks, such as bolts.
     embedded: core::ops::Range<usize>,
     pub(crate) time: f64,
     pub(crate) number: u64,
-    /// The rule and step that the matrices are made for.
+    /// Rule of mass damping and length of step (s) of the present matrices.
     pub(crate) prepared: Option<(MassDampingRule, f64)>,
-    /// A kick of the plain nodes that waits for the drift, with which it shares a pass.
+    /// Whether the kick of the plain nodes is pending; it shares a pass with the drift.
     kicked: bool,
-    /// Whether the blocks hold a history of a completed step that is to be committed.
+    /// Whether the history variables of a completed step are still to be committed.
     uncommitted: bool,
-    /// The account of energies, while one is kept.
+    /// The energy ledger, while one is open.
     pub(crate) ledger: Option<Box<Ledger>>,
-    /// The coarsest arithmetic of any set.
+    /// Lowest precision of any element set.
     pub(crate) precision: Precision,
     /// Bound on each component of velocity (m/s).
     pub(crate) speed_limit: f64,
-    /// What the last pass found.
+    /// Divergence found by the last pass over the nodes.
     pub(crate) fault: Option<RunError>,
-    /// Block of each mesh element, and place in it.
-    pub(crate) place_of_element: Vec<(u32, u32)>,
-    /// What is known of the spectrum.
+    /// Block of each mesh element, and index in the block.
+    pub(crate) block_of_element: Vec<(u32, u32)>,
+    /// Highest frequency and damping, once computed.
     pub(crate) spectrum: Option<Spectrum>,
     pool: Option<Arc<rayon::ThreadPool>>,
-    /// Raised to end static solutions.
+    /// Cancellation flag of static solutions.
     stop: Option<Arc<AtomicBool>>,
 }
 
@@ -119,19 +120,19 @@ impl core::fmt::Debug for Model {
 }
 
 impl Model {
-    /// Starts a model of a mesh.
+    /// A builder of a model of a mesh.
     pub fn builder(mesh: &Mesh) -> ModelBuilder<'_> {
         ModelBuilder::new(mesh)
     }
-    /// The mesh.
+    /// The mesh of the model.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
-    /// Time of the displacement (s).
+    /// Present time (s), that of the displacement.
     pub fn time(&self) -> f64 {
         self.time
     }
-    /// Steps taken.
+    /// Number of time steps taken, those of continued runs included.
     pub fn steps_taken(&self) -> u64 {
         self.number
     }
@@ -156,13 +157,13 @@ impl Model {
         self.prescribed.iter().map(|f| f.value(self.time)).collect()
     }
 
-    /// Whether static solutions are to end.
+    /// Whether the cancellation flag of static solutions is set.
     pub(crate) fn is_stopped(&self) -> bool {
         (self.stop.as_ref()).is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// Runs work in the model's own threads, or in those that all share: a thread of neither would
-    /// be woken for every pass.
+    /// Runs work in the model's thread pool, or in the global one: from a thread outside of both, every parallel pass
+    /// would have to wake the pool.
     pub(crate) fn in_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
         match self.pool.clone() {
             Some(pool) if pool.current_thread_index().is_none() => pool.install(|| work(self)),

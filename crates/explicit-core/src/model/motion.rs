@@ -1,4 +1,4 @@
-//! The motion of a model, in the mesh's numbering.
+//! Motion and state of a model, in the mesh's numbering.
 
 use std::collections::BTreeMap;
 
@@ -12,21 +12,24 @@ use crate::nodes::{Storage, with_nodes};
 use crate::{EngineError, Precision};
 
 impl Model {
-    /// Displacement (m) of a mesh node.
+    /// Displacement (m) of a mesh node at [`time`](Self::time), in all stages together.
     ///
     /// # Panics
-    /// If the node is out of range, as the next.
+    /// If the node is out of range.
     pub fn displacement(&self, node: u32) -> Vec3 {
         self.displacement_of(self.engine(node))
     }
     /// Velocity (m/s) of a mesh node, half a step before [`time`](Self::time).
+    ///
+    /// # Panics
+    /// If the node is out of range.
     pub fn velocity(&self, node: u32) -> Vec3 {
         self.velocity_of(self.engine(node))
     }
     pub(crate) fn displacement_of(&self, node: usize) -> Vec3 {
         with_nodes!(&self.nodes, arrays => arrays.displacement[node].to_vector())
     }
-    /// The displacement (m) of every node, in the engine's numbering.
+    /// Displacement (m) of every node, in the engine's numbering.
     pub(crate) fn displacements(&self) -> Vec<Vec3> {
         let nodes = 0..self.mass.len();
         nodes.map(|node| self.displacement_of(node)).collect()
@@ -52,7 +55,7 @@ impl Model {
 }
 
 impl Model {
-    /// An element at a node, the one with the highest bound on its frequency, and its set.
+    /// Of the elements at a node, the number and set of the one with the highest frequency bound.
     pub(crate) fn element_at(&self, node: usize) -> (u64, String) {
         let mesh_node = self.numbering.mesh_of[node];
         let mut worst = (f64::NEG_INFINITY, 0, String::new());
@@ -75,26 +78,26 @@ impl Model {
         (worst.1, worst.2)
     }
 
-    /// Starts from a motion: displacement (m) at the present time and velocity (m/s) half a step
-    /// before it, one per mesh node. Components along supports are dropped from the velocity.
+    /// Sets the initial motion: displacement (m) at the present time and velocity (m/s) half a step
+    /// before it, one per mesh node. Velocity components along supports are set to zero.
     ///
     /// # Errors
     /// [`EngineError::State`] for a wrong length or a number that is not finite,
-    /// [`EngineError::SinglePrecision`] for one that elements in single precision cannot take,
-    /// [`EngineError::TiedVelocity`] if nodes that move as one do not start as one.
+    /// [`EngineError::SinglePrecision`] for one beyond the range of single precision,
+    /// [`EngineError::TiedVelocity`] if nodes that are tied have different velocities.
     pub fn set_initial(
         &mut self,
         displacement: &[Vec3],
         velocity: &[Vec3],
     ) -> Result<(), ModelError> {
         if self.precision != Precision::F64 {
-            // What is driven may start as still as it likes.
-            let driven = self.loads.any() || !self.prescribed.is_empty();
-            let least = if driven { 0.0 } else { LEAST_SINGLE };
+            // With loads or prescribed motion the initial motion may be as small as it likes.
+            let loaded = self.loads.any() || !self.prescribed.is_empty();
+            let least = if loaded { 0.0 } else { LEAST_SINGLE };
             check_single("displacement", displacement, least)?;
             check_single("velocity", velocity, least)?;
         }
-        let held: Vec<Vec3> = velocity
+        let supported: Vec<Vec3> = velocity
             .iter()
             .enumerate()
             .map(|(node, &v)| {
@@ -103,7 +106,7 @@ impl Model {
                 group.map_or(v, |g| self.groups.groups[g as usize].condition.released(v))
             })
             .collect();
-        self.put_motion(displacement, &held)
+        self.put_motion(displacement, &supported)
     }
 
     fn put_motion(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
@@ -120,8 +123,8 @@ impl Model {
             }
         }
         self.check_ties(velocity)?;
-        self.settle();
-        self.groups.motion.forget();
+        self.complete_kick();
+        self.groups.motion.invalidate();
         let engine_of = &self.numbering.engine_of;
         let roller_nodes = &self.groups.motion.roller_nodes;
         with_nodes!(&mut self.nodes, arrays => {
@@ -158,10 +161,10 @@ impl Model {
         Ok(())
     }
 
-    /// Makes the present displacement the start of a stage: springs and blocks of boundaries are
-    /// measured from it, and observers see displacements against it.
+    /// Makes the present displacement the reference of a new stage: springs and blocks of boundaries are
+    /// strained relative to it, and observers receive displacements relative to it.
     pub fn begin_stage(&mut self) {
-        self.settle();
+        self.complete_kick();
         let engines = self.numbering.engine_of.iter();
         let start = engines
             .map(|&engine| self.displacement_of(engine as usize))
@@ -169,7 +172,7 @@ impl Model {
         self.put_stage_start(start);
     }
 
-    /// Measures the stage from a displacement (m) of mesh nodes and additional ones.
+    /// Sets the reference displacement (m) of the stage, of mesh nodes and additional ones.
     fn put_stage_start(&mut self, start: Vec<Vec3>) {
         let of = |node: u32| start.get(node as usize).copied().unwrap_or_default();
         for (group, origin) in self.groups.groups.iter().zip(&mut self.groups.origin) {
@@ -191,63 +194,62 @@ impl Model {
         };
     }
 
-    /// The mean change of stress (Pa) of each element of the mesh against its initial stress,
-    /// under the committed history.
+    /// Mean stress change (Pa) of each element of the mesh against its initial stress, from the committed history
+    /// variables; zero in absent elements.
     pub fn stress_changes(&self) -> Vec<Stress> {
         let mut all = vec![Stress::default(); self.mesh.element_count()];
         for block in &self.blocks {
             let own = self.stresses_of(block.as_ref());
             for (&element, stress) in block.elements().iter().zip(own) {
-                if let Some(place) = all.get_mut(element as usize) {
-                    *place = stress;
+                if let Some(entry) = all.get_mut(element as usize) {
+                    *entry = stress;
                 }
             }
         }
         all
     }
 
-    /// The joints of the constraints.
+    /// The joints of all constraints, with the state of their node pairs.
     pub fn joints(&self) -> impl Iterator<Item = JointView<'_>> {
         (self.constraints.iter()).flat_map(|bound| bound.constraint.joints())
     }
 
-    /// Everything that another model of the same mesh needs to go on, in the mesh's numbering;
+    /// The complete state of the body, from which another model of the same mesh continues, in the mesh's numbering;
     /// additional nodes of boundaries follow those of the mesh.
     pub fn state(&mut self) -> State {
-        self.settle();
+        self.complete_kick();
         self.commit();
         let engine_of = &self.numbering.engine_of;
         let engines = || engine_of.iter().map(|&engine| engine as usize);
-        let standing = self.loads.standing();
+        let carried = self.loads.carried();
         let mut forces = Vec::new();
-        if standing.iter().any(|force| *force != Vec3::zeros()) {
-            forces = engines().map(|engine| standing[engine]).collect();
+        if carried.iter().any(|force| *force != Vec3::zeros()) {
+            forces = engines().map(|engine| carried[engine]).collect();
         }
-        State {
-            time: self.time,
-            step: self.number,
-            displacement: engines()
-                .map(|engine| self.displacement_of(engine))
-                .collect(),
-            velocity: engines().map(|engine| self.velocity_of(engine)).collect(),
-            stage_start: self.stage_start.clone(),
-            initial_stress: self.initial_stress.clone(),
-            absent: self.absent.clone(),
-            casts: self.casts.clone(),
-            standing: forces,
-            history: merged(self.blocks.iter().map(|b| (b.label(), b.history()))),
-            joints: self
-                .joints()
-                .map(|joint| JointHistory::from(&joint))
-                .collect(),
-        }
+        let mut state = State::default();
+        (state.time, state.step) = (self.time, self.number);
+        state.displacement = engines()
+            .map(|engine| self.displacement_of(engine))
+            .collect();
+        state.velocity = engines().map(|engine| self.velocity_of(engine)).collect();
+        state.stage_start.clone_from(&self.stage_start);
+        state.initial_stress.clone_from(&self.initial_stress);
+        state.absent.clone_from(&self.absent);
+        state.casts.clone_from(&self.casts);
+        state.carried_forces = forces;
+        state.history = merged(self.blocks.iter().map(|b| (b.label(), b.history())));
+        state.joints = self
+            .joints()
+            .map(|joint| JointHistory::from(&joint))
+            .collect();
+        state
     }
 
-    /// Goes on from a state. A run that is continued from the state of another one has the same
-    /// bits as if it had never been interrupted.
+    /// Sets the state of the body. A run continued from the state of another one is bitwise equal to one that was
+    /// not interrupted.
     ///
     /// # Errors
-    /// As [`set_initial`](Self::set_initial), and [`EngineError::UnknownJoint`].
+    /// As [`set_initial`](Self::set_initial), [`EngineError::OtherElements`] and [`EngineError::UnknownJoint`].
     pub fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
         let elements = self.mesh.element_count();
         if !(state.initial_stress.is_empty() || state.initial_stress.len() == elements) {
@@ -266,14 +268,14 @@ impl Model {
         self.commit();
         (self.time, self.number) = (state.time, state.step);
         self.put_stage_start(state.stage_start.clone());
-        let mut standing = Vec::new();
-        if !state.standing.is_empty() {
-            standing = vec![Vec3::zeros(); self.mass.len()];
-            for (&engine, force) in self.numbering.engine_of.iter().zip(&state.standing) {
-                standing[engine as usize] = *force;
+        let mut carried = Vec::new();
+        if !state.carried_forces.is_empty() {
+            carried = vec![Vec3::zeros(); self.mass.len()];
+            for (&engine, force) in self.numbering.engine_of.iter().zip(&state.carried_forces) {
+                carried[engine as usize] = *force;
             }
         }
-        self.set_standing(standing);
+        self.set_carried_forces(carried);
         self.initial_stress.clone_from(&state.initial_stress);
         for block in &mut self.blocks {
             if !state.initial_stress.is_empty() {
@@ -295,20 +297,20 @@ impl Model {
                 .into());
             }
         }
-        let places = places_of(&state.history, elements);
+        let indices = indices_of(&state.history, elements);
         for (index, block) in self.blocks.iter_mut().enumerate() {
             if self.embedded.contains(&index) {
                 block.set_history(&state.history);
                 continue;
             }
-            let fields = own_fields(&state.history, &places, block.elements());
+            let fields = own_fields(&state.history, &indices, block.elements());
             block.set_history(&fields);
         }
         Ok(())
     }
 
-    /// Starts a joint anew at the present displacement, from which its opening and slip count from then
-    /// on; says whether the model has a joint of that name.
+    /// Resets a joint at the present displacement, from which its opening and slip are measured from then
+    /// on; returns whether the model has a joint of that name.
     pub fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
         let mut constraints = core::mem::take(&mut self.constraints);
         let found = constraints.iter_mut().any(|bound| {
@@ -322,13 +324,13 @@ impl Model {
         found
     }
 
-    /// The embedded block of a label.
+    /// The embedded block with a label.
     pub(crate) fn embedded_block(&self, label: &str) -> Option<&dyn ElementBlock> {
         let mut blocks = self.blocks[self.embedded.clone()].iter();
         let block = blocks.find(|block| block.label() == label)?;
         Some(block.as_ref())
     }
-    /// Installs embedded blocks at the present displacement.
+    /// Sets the reference configuration of embedded blocks to the present displacement.
     pub(super) fn install(&mut self) {
         let blocks = &mut self.blocks[self.embedded.clone()];
         with_nodes!(&self.nodes, arrays => {
@@ -338,11 +340,11 @@ impl Model {
         });
     }
 
-    /// Lets forces (N, engine numbering; none if empty) act from now on beside the loads.
-    pub(crate) fn set_standing(&mut self, forces: Vec<Vec3>) {
+    /// Sets the carried forces (N, engine numbering; none if empty), applied in addition to the loads.
+    pub(crate) fn set_carried_forces(&mut self, forces: Vec<Vec3>) {
         let group_of = self.groups.kicked_of(&self.group_of);
         let count = self.groups.kicked();
-        self.loads.set_standing(forces, &group_of, count);
+        self.loads.set_carried(forces, &group_of, count);
         let loaded = self.loads.sums.on_plain_nodes();
         let nodes = if loaded { self.mass.len() } else { 0 };
         with_nodes!(&mut self.nodes, arrays => {
@@ -352,12 +354,12 @@ impl Model {
     }
 }
 
-/// The range of motions (m, m/s) whose stresses and forces are numbers of single precision, 1e-38 to
-/// 1e38, whatever moduli and areas they are multiplied by.
+/// Range of motions (m, m/s) whose stresses and forces stay within single precision, 1e-38 to
+/// 1e38, for all moduli and areas that occur.
 const LEAST_SINGLE: f64 = 1e-24;
 const MOST_SINGLE: f64 = 1e24;
 
-/// Refuses a motion whose forces leave the range of single precision. What is not finite is refused
+/// Refuses a motion whose forces leave the range of single precision. Numbers that are not finite are refused
 /// elsewhere.
 fn check_single(what: &'static str, values: &[Vec3], least: f64) -> Result<(), EngineError> {
     let most = MOST_SINGLE;
@@ -373,20 +375,20 @@ fn check_single(what: &'static str, values: &[Vec3], least: f64) -> Result<(), E
     })
 }
 
-/// Joins the fields of blocks of one set.
+/// Concatenates the history fields of all blocks of a set.
 fn merged<'a>(blocks: impl Iterator<Item = (&'a str, Vec<HistoryField>)>) -> Vec<HistoryField> {
-    let mut place: BTreeMap<(String, String, usize), usize> = BTreeMap::new();
+    let mut index_of: BTreeMap<(String, String, usize), usize> = BTreeMap::new();
     let mut all: Vec<HistoryField> = Vec::new();
     for (label, fields) in blocks {
         for field in fields {
             let key = (label.to_string(), field.name.clone(), field.points);
-            match place.get(&key) {
+            match index_of.get(&key) {
                 Some(&at) => {
                     all[at].elements.extend_from_slice(&field.elements);
                     all[at].values.extend_from_slice(&field.values);
                 }
                 None => {
-                    place.insert(key, all.len());
+                    index_of.insert(key, all.len());
                     all.push(field);
                 }
             }
@@ -395,40 +397,35 @@ fn merged<'a>(blocks: impl Iterator<Item = (&'a str, Vec<HistoryField>)>) -> Vec
     all
 }
 
-/// For each field, the place of each mesh element in it.
-fn places_of(fields: &[HistoryField], elements: usize) -> Vec<Vec<Option<u32>>> {
+/// For each field, the index of each mesh element in it.
+fn indices_of(fields: &[HistoryField], elements: usize) -> Vec<Vec<Option<u32>>> {
     fields
         .iter()
         .map(|field| {
-            let mut places = vec![None; elements];
-            for (place, &element) in field.elements.iter().enumerate() {
-                if let Some(entry) = places.get_mut(element as usize) {
-                    *entry = Some(place as u32);
+            let mut indices = vec![None; elements];
+            for (index, &element) in field.elements.iter().enumerate() {
+                if let Some(entry) = indices.get_mut(element as usize) {
+                    *entry = Some(index as u32);
                 }
             }
-            places
+            indices
         })
         .collect()
 }
 
-/// The part of each field that belongs to some elements.
+/// The values of each field that belong to some elements.
 fn own_fields(
     fields: &[HistoryField],
-    places: &[Vec<Option<u32>>],
+    indices: &[Vec<Option<u32>>],
     elements: &[u32],
 ) -> Vec<HistoryField> {
     let mut own = Vec::new();
-    for (field, places) in fields.iter().zip(places) {
-        let mut part = HistoryField {
-            name: field.name.clone(),
-            elements: Vec::new(),
-            points: field.points,
-            values: Vec::new(),
-        };
+    for (field, indices) in fields.iter().zip(indices) {
+        let mut part = HistoryField::new(field.name.as_str(), Vec::new(), field.points, Vec::new());
         for &element in elements {
-            let place = places.get(element as usize).copied().flatten();
-            let values = place.and_then(|place| {
-                let start = place as usize * field.points;
+            let index = indices.get(element as usize).copied().flatten();
+            let values = index.and_then(|index| {
+                let start = index as usize * field.points;
                 field.values.get(start..start + field.points)
             });
             if let Some(values) = values {

@@ -1,10 +1,10 @@
-//! Which nodes need more than a mass, and which move as one.
+//! Node groups of a model: ties, impedance, supports, prescribed motion and constraints by node.
 
 use std::collections::BTreeMap;
 
 use powerhouse_model::{Constraint, Mat3, Mesh, NodalImpedance, Numbering};
 
-use crate::groups::Group;
+use crate::groups::NodeGroup;
 use crate::support::unit;
 use crate::{EngineError, PeriodicPairs, Prescribed, Support};
 
@@ -44,14 +44,14 @@ pub(super) fn tag(mesh: &Mesh, node: u32) -> u64 {
     tags.get(node as usize).copied().unwrap_or(u64::from(node))
 }
 
-/// Which nodes form groups, and what acts on them.
+/// Node groups under construction.
 pub(super) struct GroupPlan<'a> {
     mesh: &'a Mesh,
     numbering: &'a Numbering,
     /// Union-find over engine nodes.
     parent: Vec<u32>,
-    /// What each node brings along; a node stands here if it belongs to a group.
-    nodes: BTreeMap<u32, Group>,
+    /// Contributions of each node to its group; nodes without a group have no entry.
+    nodes: BTreeMap<u32, NodeGroup>,
 }
 
 impl<'a> GroupPlan<'a> {
@@ -75,8 +75,8 @@ impl<'a> GroupPlan<'a> {
         }
         node
     }
-    /// The group of a node's tie; ties are complete when this is first called.
-    fn entry(&mut self, engine: u32) -> &mut Group {
+    /// The group of a node, its tied nodes included; all ties must have been added before.
+    fn entry(&mut self, engine: u32) -> &mut NodeGroup {
         let root = self.root(engine);
         self.nodes.entry(root).or_default()
     }
@@ -91,7 +91,11 @@ impl<'a> GroupPlan<'a> {
         Ok(())
     }
 
-    pub(super) fn impede(&mut self, engine: u32, item: &NodalImpedance) -> Result<(), EngineError> {
+    pub(super) fn add_impedance(
+        &mut self,
+        engine: u32,
+        item: &NodalImpedance,
+    ) -> Result<(), EngineError> {
         for (what, matrix) in [("spring", &item.spring), ("dashpot", &item.dashpot)] {
             if !is_positive_semidefinite(matrix) {
                 let node = self.tag_of(engine);
@@ -116,7 +120,7 @@ impl<'a> GroupPlan<'a> {
         Ok(())
     }
 
-    pub(super) fn drive(
+    pub(super) fn prescribe(
         &mut self,
         prescribed: &Prescribed,
         motion: usize,
@@ -157,17 +161,16 @@ impl<'a> GroupPlan<'a> {
         Ok(all)
     }
 
-    /// The groups, and the group of each node. Those of the constraints' nodes come first, in the
-    /// order of the constraints, so that these see them as slices; others in rising order of leads,
-    /// nodes that merely slide along axes behind the rest.
+    /// The groups, and the group of each node, in the order that the page of [`crate::groups`] states: nodes of
+    /// constraints first, then others in rising order of leads, roller nodes last.
     pub(super) fn finish(
         mut self,
         mass: &[f64],
         damping: &[f64],
         constrained: &[Vec<u32>],
-    ) -> (Vec<Group>, Vec<Option<u32>>) {
+    ) -> (Vec<NodeGroup>, Vec<Option<u32>>) {
         let nodes = 0..self.parent.len() as u32;
-        // A tied node makes a group even if nothing else acts on it; its root is met before it.
+        // A tied node forms a group even without other conditions; its root has a lower number.
         for node in nodes.clone() {
             let root = self.root(node);
             if root != node {

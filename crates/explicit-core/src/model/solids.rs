@@ -1,9 +1,9 @@
-//! The elements of the mesh as blocks.
+//! Element blocks of the mesh.
 //!
 //! # Why so
-//! *Few elements of a body whose elements are in single precision are computed in double precision*: those whose natural
-//! frequency `w` is far above what is usual in the body, such as those of a lining in rock. Arithmetic in
-//! single precision errs by a share of the element's force that differs from step to step. Such an error
+//! *In mixed precision a few elements are computed in double precision*: those whose natural
+//! frequency `w` is far above the mean of the body, such as those of a lining in rock. The rounding error of single
+//! precision is a share of the element's force that varies from step to step. It
 //! accelerates an undamped element by `w^2` times its relative displacement times the rounding, and after
 //! `n` steps its oscillations have grown as the root of `n`: relative to a slow motion the error of
 //! acceleration grows as `w` to the power 1.5 and stays in the element and its neighbours.
@@ -12,54 +12,54 @@ use powerhouse_model::{ElementBlock, Mesh, ModelError, NodalView, Numbering};
 use rayon::prelude::*;
 
 use super::builder::ElementSet;
-use super::start::{Piece, Start};
+use super::start::{ElementSubset, InitialState};
 use crate::partition::partition;
 use crate::{BlockPart, EngineError, Precision};
 
-/// Elements of single precision are computed in double precision if their natural frequency is above this
-/// multiple of the mean over the volume of such sets, but no more than this share of them.
-const FAST: f64 = 2.0;
-const MOST_FAST: f64 = 0.1;
+/// Multiple of the volume mean of natural frequencies in sets of single precision above which an element is computed
+/// in double precision, and the largest share of such elements.
+const STIFF: f64 = 2.0;
+const MOST_STIFF: f64 = 0.1;
 
-/// The elements of the mesh as blocks.
+/// Node numbering and element blocks of the mesh.
 pub(super) struct Solids {
     pub(super) numbering: Numbering,
     pub(super) blocks: Vec<Box<dyn ElementBlock>>,
-    /// Engine nodes whose elements are all absent, in rising order.
+    /// Orphan nodes (all their elements are absent), in rising order.
     pub(super) orphans: Vec<u32>,
 }
 
-/// Numbers the nodes and makes the blocks.
+/// Numbers the nodes and builds the blocks.
 pub(super) fn build_blocks(
     mesh: &Mesh,
     sets: &[ElementSet],
-    start: &Start,
-    part_size: usize,
+    start: &InitialState,
+    block_size: usize,
 ) -> Result<Solids, ModelError> {
     let absent = start.absent(mesh)?;
-    let pieces = start.pieces(mesh, sets, &absent)?;
-    let whole = build_pieces(mesh, (sets, &pieces), (start, &absent), part_size)?;
-    let fast = fast_elements(mesh, sets, &pieces, &whole.blocks);
-    if fast.is_empty() {
+    let subsets = start.subsets(mesh, sets, &absent)?;
+    let whole = build_subsets(mesh, (sets, &subsets), (start, &absent), block_size)?;
+    let stiff = stiff_elements(mesh, sets, &subsets, &whole.blocks);
+    if stiff.is_empty() {
         return Ok(whole);
     }
-    let pieces = apart(pieces, sets, &fast);
-    build_pieces(mesh, (sets, &pieces), (start, &absent), part_size)
+    let subsets = with_double_precision(subsets, sets, &stiff);
+    build_subsets(mesh, (sets, &subsets), (start, &absent), block_size)
 }
 
-/// Numbers the nodes and makes the blocks of some pieces.
-fn build_pieces(
+/// Numbers the nodes and builds the blocks of some element subsets.
+fn build_subsets(
     mesh: &Mesh,
-    (sets, pieces): (&[ElementSet], &[Piece]),
-    (start, absent): (&Start, &[bool]),
-    part_size: usize,
+    (sets, subsets): (&[ElementSet], &[ElementSubset]),
+    (start, absent): (&InitialState, &[bool]),
+    block_size: usize,
 ) -> Result<Solids, ModelError> {
-    let lists: Vec<&[u32]> = pieces.iter().map(|piece| &*piece.elements).collect();
-    let factory = |piece: usize| sets[pieces[piece].set].1.as_ref();
-    let labels: Vec<&str> = (0..pieces.len()).map(|i| factory(i).label()).collect();
-    let division = partition(mesh, &labels, &lists, absent, part_size)?;
-    for (piece, elements) in lists.iter().enumerate() {
-        let factory = factory(piece);
+    let lists: Vec<&[u32]> = subsets.iter().map(|subset| &*subset.elements).collect();
+    let factory = |subset: usize| sets[subsets[subset].set].1.as_ref();
+    let labels: Vec<&str> = (0..subsets.len()).map(|i| factory(i).label()).collect();
+    let division = partition(mesh, &labels, &lists, absent, block_size)?;
+    for (subset, elements) in lists.iter().enumerate() {
+        let factory = factory(subset);
         let other = elements.iter().find(|&&e| mesh.kind(e) != factory.kind());
         if let Some(&element) = other {
             return Err(EngineError::ElementKind {
@@ -72,9 +72,9 @@ fn build_pieces(
         }
     }
     let engine_of = &division.numbering.engine_of;
-    let references: Vec<_> = pieces
+    let references: Vec<_> = subsets
         .iter()
-        .map(|piece| piece.cast.map(|cast| start.reference(cast, engine_of)))
+        .map(|subset| subset.cast.map(|cast| start.reference(cast, engine_of)))
         .collect();
     let blocks: Result<Vec<_>, ModelError> = division
         .parts
@@ -82,7 +82,7 @@ fn build_pieces(
         .map(|part| {
             let (elements, nodes) = (&part.elements, &part.nodes);
             let part_of_mesh = BlockPart::new(mesh, elements, &division.numbering, nodes)
-                .in_double(pieces[part.set].double);
+                .in_double(subsets[part.set].double);
             let mut block = factory(part.set).build(&part_of_mesh)?;
             if let Some(reference) = &references[part.set] {
                 block.set_reference_displacement(NodalView::F64(reference));
@@ -97,21 +97,21 @@ fn build_pieces(
     })
 }
 
-fn is_single(sets: &[ElementSet], piece: &Piece) -> bool {
-    sets[piece.set].1.options().precision != Precision::F64
+fn is_single(sets: &[ElementSet], subset: &ElementSubset) -> bool {
+    sets[subset.set].1.options().precision != Precision::F64
 }
 
-/// Mesh indices, in rising order, of the elements of single precision whose arithmetic is to be in double
+/// Mesh indices, in rising order, of the elements of single precision to be computed in double
 /// precision.
-fn fast_elements(
+fn stiff_elements(
     mesh: &Mesh,
     sets: &[ElementSet],
-    pieces: &[Piece],
+    subsets: &[ElementSubset],
     blocks: &[Box<dyn ElementBlock>],
 ) -> Vec<u32> {
     let mut single = vec![false; mesh.element_count()];
-    for piece in pieces.iter().filter(|piece| is_single(sets, piece)) {
-        for &element in piece.elements.iter() {
+    for subset in subsets.iter().filter(|subset| is_single(sets, subset)) {
+        for &element in subset.elements.iter() {
             single[element as usize] = true;
         }
     }
@@ -126,33 +126,37 @@ fn fast_elements(
         volume += own;
         sum += own * frequency;
     }
-    let limit = FAST * sum / volume;
-    let most = (MOST_FAST * frequencies.len() as f64) as usize;
+    let limit = STIFF * sum / volume;
+    let most = (MOST_STIFF * frequencies.len() as f64) as usize;
     frequencies.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let fast = frequencies.iter().take(most);
-    let fast = fast.take_while(|(frequency, _)| *frequency > limit);
-    let mut fast: Vec<u32> = fast.map(|&(_, element)| element).collect();
-    fast.sort_unstable();
-    fast
+    let stiff = frequencies.iter().take(most);
+    let stiff = stiff.take_while(|(frequency, _)| *frequency > limit);
+    let mut stiff: Vec<u32> = stiff.map(|&(_, element)| element).collect();
+    stiff.sort_unstable();
+    stiff
 }
 
-/// The same pieces with the elements that are to be computed in double precision in pieces of their own.
-fn apart<'a>(pieces: Vec<Piece<'a>>, sets: &[ElementSet], fast: &[u32]) -> Vec<Piece<'a>> {
+/// Divides the subsets so that the elements to be computed in double precision are in subsets of their own.
+fn with_double_precision<'a>(
+    subsets: Vec<ElementSubset<'a>>,
+    sets: &[ElementSet],
+    stiff: &[u32],
+) -> Vec<ElementSubset<'a>> {
     let mut divided = Vec::new();
-    for piece in pieces {
-        if !is_single(sets, &piece) {
-            divided.push(piece);
+    for subset in subsets {
+        if !is_single(sets, &subset) {
+            divided.push(subset);
             continue;
         }
         for double in [false, true] {
-            let own = piece.elements.iter().copied();
-            let own = own.filter(|element| fast.binary_search(element).is_ok() == double);
+            let own = subset.elements.iter().copied();
+            let own = own.filter(|element| stiff.binary_search(element).is_ok() == double);
             let elements: Vec<u32> = own.collect();
             if !elements.is_empty() {
-                divided.push(Piece {
-                    set: piece.set,
+                divided.push(ElementSubset {
+                    set: subset.set,
                     elements: elements.into(),
-                    cast: piece.cast,
+                    cast: subset.cast,
                     double,
                 });
             }
@@ -161,15 +165,15 @@ fn apart<'a>(pieces: Vec<Piece<'a>>, sets: &[ElementSet], fast: &[u32]) -> Vec<P
     divided
 }
 
-/// Block of each mesh element, and its place in the block; no block for elements that are absent.
-pub(super) fn places(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
-    let mut places = vec![(u32::MAX, 0); mesh.element_count()];
+/// Block of each mesh element, and its index in the block; `u32::MAX` as block of absent elements.
+pub(super) fn blocks_of_elements(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
+    let mut found = vec![(u32::MAX, 0); mesh.element_count()];
     for (b, block) in blocks.iter().enumerate() {
-        for (place, &element) in block.elements().iter().enumerate() {
-            if let Some(entry) = places.get_mut(element as usize) {
-                *entry = (b as u32, place as u32);
+        for (index, &element) in block.elements().iter().enumerate() {
+            if let Some(entry) = found.get_mut(element as usize) {
+                *entry = (b as u32, index as u32);
             }
         }
     }
-    places
+    found
 }

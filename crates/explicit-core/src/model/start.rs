@@ -1,4 +1,4 @@
-//! Which elements are there, and from where their strain counts.
+//! Active elements of a model and their reference configurations, from its initial state.
 
 use std::borrow::Cow;
 
@@ -8,26 +8,26 @@ use super::builder::ElementSet;
 use super::{ElementChoice, Model};
 use crate::EngineError;
 
-/// Elements that one factory makes, all cast at the same time.
-pub(super) struct Piece<'a> {
-    /// The factory.
+/// Active elements of one set with the same reference configuration and precision.
+pub(super) struct ElementSubset<'a> {
+    /// Index of the set and its factory.
     pub(super) set: usize,
-    /// Mesh indices.
+    /// Mesh indices of the elements.
     pub(super) elements: Cow<'a, [u32]>,
-    /// Which of the state's casts they belong to.
+    /// Index of their cast in the state; none for elements without a reference displacement.
     pub(super) cast: Option<usize>,
-    /// Whether their arithmetic is in double precision whatever the factory says.
+    /// Whether they are computed in double precision regardless of the factory's options.
     pub(super) double: bool,
 }
 
-/// What a model starts from, as far as it decides of what the model is made.
+/// Initial state of a model, which determines its active elements.
 #[derive(Default)]
-pub(super) struct Start {
+pub(super) struct InitialState {
     pub(super) state: Option<State>,
 }
 
-impl Start {
-    /// Which elements of the mesh are not there.
+impl InitialState {
+    /// One flag per element of the mesh: whether it is absent.
     pub(super) fn absent(&self, mesh: &Mesh) -> Result<Vec<bool>, EngineError> {
         let mut absent = vec![false; mesh.element_count()];
         for &element in self.state.iter().flat_map(|state| &state.absent) {
@@ -38,13 +38,13 @@ impl Start {
         Ok(absent)
     }
 
-    /// The elements of each set that are there, those that were cast later apart.
-    pub(super) fn pieces<'a>(
+    /// The active elements of each set, divided by their casts.
+    pub(super) fn subsets<'a>(
         &self,
         mesh: &'a Mesh,
         sets: &'a [ElementSet],
         absent: &[bool],
-    ) -> Result<Vec<Piece<'a>>, EngineError> {
+    ) -> Result<Vec<ElementSubset<'a>>, EngineError> {
         let mut cast_of = vec![None; mesh.element_count()];
         let casts = self.state.iter().flat_map(|state| state.casts.iter());
         for (index, cast) in casts.enumerate() {
@@ -57,14 +57,14 @@ impl Start {
         let whole = self.state.as_ref().is_none_or(|state| {
             state.absent.is_empty() && state.casts.iter().all(|cast| cast.elements.is_empty())
         });
-        let mut pieces = Vec::new();
+        let mut subsets = Vec::new();
         for (set, (choice, _)) in sets.iter().enumerate() {
             let elements: &[u32] = match choice {
                 ElementChoice::Set(name) => mesh.element_set(name)?,
                 ElementChoice::Elements(elements) => elements,
             };
             if whole {
-                pieces.push(Piece {
+                subsets.push(ElementSubset {
                     set,
                     elements: Cow::Borrowed(elements),
                     cast: None,
@@ -72,14 +72,14 @@ impl Start {
                 });
                 continue;
             }
-            let there = |element: &u32| !absent.get(*element as usize).copied().unwrap_or(false);
+            let active = |element: &u32| !absent.get(*element as usize).copied().unwrap_or(false);
             let cast = |element: u32| cast_of.get(element as usize).copied().flatten();
             let mut kinds: Vec<Option<usize>> = elements.iter().map(|&e| cast(e)).collect();
             kinds.sort_unstable();
             kinds.dedup();
             for kind in kinds {
-                let own = elements.iter().copied().filter(there);
-                pieces.push(Piece {
+                let own = elements.iter().copied().filter(active);
+                subsets.push(ElementSubset {
                     set,
                     elements: own.filter(|&element| cast(element) == kind).collect(),
                     cast: kind,
@@ -87,10 +87,10 @@ impl Start {
                 });
             }
         }
-        Ok(pieces)
+        Ok(subsets)
     }
 
-    /// The displacement (m) from which the strain of a cast counts, in the engine's numbering.
+    /// Reference displacement (m) of a cast, at which its elements are free of stress, in the engine's numbering.
     pub(super) fn reference(&self, cast: usize, engine_of: &[u32]) -> Vec<Quad<f64>> {
         let mut reference = vec![Quad::default(); engine_of.len()];
         let cast = self.state.as_ref().and_then(|state| state.casts.get(cast));
@@ -112,8 +112,8 @@ fn beyond(name: &str, element: u32) -> EngineError {
 }
 
 impl Model {
-    /// Nodal forces (N, engine numbering) that the initial stresses ask for: the integral of
-    /// `B^T sigma_0` over the elements that are there.
+    /// Internal nodal forces (N, engine numbering) of the initial stress: the integral of
+    /// `B^T sigma_0` over the active elements.
     pub(crate) fn forces_of_initial_stress(&self) -> Vec<Vec3> {
         let mut forces = vec![Vec3::zeros(); self.mass.len()];
         if self.initial_stress.is_empty() {

@@ -1,4 +1,4 @@
-//! Axial forces of bolts over a run.
+//! Histories and envelopes of axial bolt forces.
 
 use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StepView};
 
@@ -6,26 +6,26 @@ use super::{HistoryTable, ObserveError, PeakField, Recording, check_cadence};
 use crate::BoltSet;
 use crate::bolts::AXIAL_FORCE;
 
-/// The greatest axial forces of the bolts of a set.
+/// Envelope of the axial forces of a set of bolts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoltPeaks {
-    /// The name of the set.
+    /// Name of the set of bolts.
     pub name: String,
-    /// The greatest axial force (N, tension positive) of each segment, bolt after bolt, with its time.
+    /// Greatest axial force (N, tension positive) of each segment with its time, bolt by bolt.
     pub greatest: PeakField,
 }
 
-/// What [`BoltHistories`] have seen.
+/// Results of [`BoltHistories`]: histories and envelopes of axial forces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoltTables {
-    /// A column `NAME.greatest` for each set: the greatest axial force (N) of any of its segments at
-    /// the time.
+    /// Histories: a column `NAME.greatest` for each set, the greatest axial force (N) among its segments at
+    /// each time.
     pub history: HistoryTable,
-    /// The greatest forces of each set.
+    /// Envelopes of each set.
     pub peaks: Vec<BoltPeaks>,
 }
 
-/// Keeps the axial forces of bolts over a run: the greatest of each set against time, and the greatest
+/// Observer of axial bolt forces: the greatest of each set against time, and the envelope
 /// of each segment.
 ///
 /// Memory: 8 bytes per set and row, 16 per segment.
@@ -35,10 +35,10 @@ pub struct BoltHistories {
 }
 
 impl BoltHistories {
-    /// Histories of some sets of bolts, which the model has.
+    /// An observer of some sets of bolts of the model.
     ///
     /// # Errors
-    /// A cadence out of range, two sets of one name.
+    /// A cadence out of range, two sets with the same name.
     pub fn new<'b>(
         cadence: Cadence,
         sets: impl IntoIterator<Item = &'b BoltSet>,
@@ -59,7 +59,7 @@ impl BoltHistories {
             recording: Recording::new(tables),
         })
     }
-    /// What it fills.
+    /// Shared access to the results.
     pub fn recording(&self) -> Recording<BoltTables> {
         self.recording.clone()
     }

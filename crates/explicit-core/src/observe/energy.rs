@@ -1,10 +1,10 @@
-//! The energy ledger against time.
+//! Histories of the energy balance.
 
 use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StepView};
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 
-/// The columns of the engine's energy ledger (J) against time, under the ledger's own names.
+/// Observer of the energy balance: its columns (J) against time, under the engine's names.
 ///
 /// Memory: 8 bytes per column and row.
 pub struct EnergyHistory {
@@ -14,7 +14,7 @@ pub struct EnergyHistory {
 }
 
 impl EnergyHistory {
-    /// An energy history.
+    /// An observer with a cadence.
     ///
     /// # Errors
     /// A cadence out of range.
@@ -26,7 +26,7 @@ impl EnergyHistory {
             recording: Recording::default(),
         })
     }
-    /// The table that the history fills; its columns are there after the first step seen.
+    /// Shared access to the table; it has columns after the first observed step.
     pub fn recording(&self) -> Recording<HistoryTable> {
         self.recording.clone()
     }
@@ -37,10 +37,7 @@ impl Observer for EnergyHistory {
         "energy history"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            energy: true,
-            ..Fields::default()
-        }
+        Fields::default().with_energy(true)
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -1,15 +1,15 @@
-//! Largest values and when they occurred.
+//! Envelopes: extreme values over time, with their times.
 
 use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Vec3};
 
 use super::{Motion, ObserveError, Recording, check_cadence, principal_stresses};
 
-/// Extreme values, each with its time.
+/// Envelope of a field: the extreme value at each node or element, with its time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeakField {
-    /// Values, in the order of the nodes or elements.
+    /// Extreme values, in the order of the nodes or elements.
     pub values: Vec<f64>,
-    /// Times (s).
+    /// Times of the extreme values (s).
     pub times: Vec<f64>,
 }
 
@@ -34,7 +34,7 @@ impl PeakField {
     }
 }
 
-/// What an [`Envelope`] has seen. Fields that were not wanted are empty; before the first
+/// Results of an [`Envelope`]. Fields that were not requested are empty; before the first
 /// observation magnitudes are negative and stresses infinite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnvelopeTable {
@@ -48,31 +48,30 @@ pub struct EnvelopeTable {
     pub acceleration: PeakField,
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
-    /// Greatest principal stress (Pa): tension, where positive.
+    /// Greatest (most tensile) principal stress (Pa).
     pub greatest_stress: PeakField,
-    /// Least principal stress (Pa): compression, where negative.
+    /// Least (most compressive) principal stress (Pa).
     pub least_stress: PeakField,
-    /// How many steps were seen.
+    /// Number of observed steps.
     pub observations: u64,
-    /// The greatest acceleration of all nodes (m/s2) in every second step seen, from the first and from
-    /// the second one on.
+    /// Greatest acceleration of all nodes (m/s2) over the odd and over the even observations.
     pub alternate_acceleration: [f64; 2],
 }
 
 impl EnvelopeTable {
-    /// The greatest acceleration that every second look alone has found, over that of all: far below one,
-    /// it depends on how often the envelope looks. None without accelerations or before two looks.
-    pub fn share_of_alternate_looks(&self) -> Option<f64> {
+    /// Greatest acceleration with every second observation alone, over that with all observations: a share far below one
+    /// shows that the envelope depends on its cadence. None without accelerations or before two observations.
+    pub fn share_of_alternate_samples(&self) -> Option<f64> {
         let [first, second] = self.alternate_acceleration;
         let greatest = first.max(second);
         (self.observations > 1 && greatest > 0.0).then(|| first.min(second) / greatest)
     }
 }
 
-/// Largest motion of nodes, and greatest and least principal stress of elements.
+/// Observer of envelopes: largest motion of nodes, and greatest and least principal stress of elements.
 ///
-/// Peaks between the steps seen are missed: at a cadence of `n` per period of the highest
-/// frequency that matters a sinusoid's peak is missed by at most `1 - cos(pi / n)`, 0.5 % at 31.
+/// Peaks between observed steps are missed: with `n` observations per period of the highest
+/// relevant frequency the peak of a sinusoid is underestimated by at most `1 - cos(pi / n)`, 0.5 % at 31.
 ///
 /// Memory: 4 bytes per node and 16 per node and kind of motion, 36 per element.
 ///
@@ -96,7 +95,7 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// The envelope of nodes and elements, given by mesh indices; either may be empty.
+    /// An observer of nodes and elements, given by mesh indices; either list may be empty.
     ///
     /// # Errors
     /// A cadence out of range, an index beyond the mesh.
@@ -137,13 +136,13 @@ impl Envelope {
             recording: Recording::new(table),
         })
     }
-    /// The table that the envelope keeps.
+    /// Shared access to the results.
     pub fn recording(&self) -> Recording<EnvelopeTable> {
         self.recording.clone()
     }
 }
 
-/// The user's numbers of indices, or the index that is beyond them.
+/// The user's numbers of indices, or an index out of range.
 fn tags(all: &[u64], indices: &[u32]) -> Result<Vec<u64>, u64> {
     indices
         .iter()
@@ -151,8 +150,8 @@ fn tags(all: &[u64], indices: &[u32]) -> Result<Vec<u64>, u64> {
         .collect()
 }
 
-/// Raises the peaks of a motion that is wanted and returns its greatest magnitude; nodes come by mesh index and user's number.
-fn see(
+/// Updates the envelope of a motion and returns its greatest magnitude; nodes are given by mesh index and user's number.
+fn update(
     field: &mut PeakField,
     what: &'static str,
     (nodes, tags): (&[u32], &[u64]),
@@ -160,7 +159,7 @@ fn see(
     value: impl Fn(u32) -> Vec3,
 ) -> Result<f64, ObserveError> {
     let mut greatest = 0.0_f64;
-    // No values: not wanted.
+    // A field that was not requested has no values.
     for index in 0..field.values.len() {
         let magnitude = value(nodes[index]).norm();
         if !magnitude.is_finite() {
@@ -182,11 +181,9 @@ impl Observer for Envelope {
         "envelope"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            acceleration: self.motion.acceleration && !self.node_tags.is_empty(),
-            stress: !self.element_tags.is_empty(),
-            ..Fields::default()
-        }
+        Fields::default()
+            .with_acceleration(self.motion.acceleration && !self.node_tags.is_empty())
+            .with_stress(!self.element_tags.is_empty())
     }
     fn cadence(&self) -> Cadence {
         self.cadence
@@ -196,17 +193,17 @@ impl Observer for Envelope {
         let mut guard = self.recording.lock();
         let table = &mut *guard;
         let numbers = (table.nodes.as_slice(), self.node_tags.as_slice());
-        see(
+        update(
             &mut table.displacement,
             "displacement",
             numbers,
             time,
             |n| view.displacement(n),
         )?;
-        see(&mut table.velocity, "velocity", numbers, time, |n| {
+        update(&mut table.velocity, "velocity", numbers, time, |n| {
             view.velocity(n)
         })?;
-        let acceleration = see(
+        let acceleration = update(
             &mut table.acceleration,
             "acceleration",
             numbers,

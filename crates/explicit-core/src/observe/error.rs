@@ -1,80 +1,80 @@
-//! What observers refuse.
+//! Errors of observers.
 
 use powerhouse_model::{MeshError, ModelError, ParameterError};
 use thiserror::Error;
 
-/// An observer that cannot be made, or cannot go on. Nodes and elements are named by the user's
+/// Failure of an observer, at construction or during a run. Nodes and elements are named by the user's
 /// numbers.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ObserveError {
-    /// A parameter outside its range.
+    /// A parameter outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A set that does not exist, or a point outside the mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// Two results of the same name.
+    /// Two results with the same name.
     #[error("two results are called '{name}'")]
     NameTwice {
-        /// The name.
+        /// The name of both.
         name: String,
     },
-    /// A node that does not exist.
-    #[error("'{name}' asks for node {node}, which does not exist")]
+    /// An output request for a node that does not exist.
+    #[error("'{name}' refers to node {node}, which does not exist")]
     NoSuchNode {
-        /// Who asks.
+        /// Name of the output request.
         name: String,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// An element that does not exist.
-    #[error("'{name}' asks for element {element}, which does not exist")]
+    /// An output request for an element that does not exist.
+    #[error("'{name}' refers to element {element}, which does not exist")]
     NoSuchElement {
-        /// Who asks.
+        /// Name of the output request.
         name: String,
-        /// The element's number.
+        /// Number of the element.
         element: u64,
     },
-    /// Pairs of a joint that the body does not have.
-    #[error("'{name}' asks for pair {pair} of joint '{joint}', which does not exist")]
+    /// An output request for pairs of a joint that do not exist.
+    #[error("'{name}' refers to pair {pair} of joint '{joint}', which does not exist")]
     NoSuchPairs {
-        /// Who asks.
+        /// Name of the output request.
         name: String,
-        /// The joint's name.
+        /// Name of the joint.
         joint: String,
-        /// The last of the pairs.
+        /// Index of the last of the pairs.
         pair: usize,
     },
-    /// Bolts that the body does not have.
-    #[error("the body has no bolts '{name}' of the segments that are asked for")]
+    /// An output request for bolts that the model lacks, or has with another number of segments.
+    #[error("the model has no bolts '{name}' with the requested number of segments")]
     NoSuchBolts {
-        /// Their name.
+        /// Name of the set of bolts.
         name: String,
     },
-    /// A node set without nodes has no mean.
-    #[error("'{name}' asks for the mean of node set '{set}', which is empty")]
+    /// An output request for the mean over a set without nodes.
+    #[error("'{name}' refers to the mean of node set '{set}', which is empty")]
     EmptySet {
-        /// Who asks.
+        /// Name of the output request.
         name: String,
-        /// The set.
+        /// Name of the node set.
         set: String,
     },
-    /// A place where nothing is, since stages have excavated it or never cast it.
+    /// An output request for a location without active elements, excavated or never cast in the stages.
     #[error(
-        "'{name}' asks for {place}, where nothing is when the body moves: it was excavated, or is never cast; on a wall of the opening, or in what is cast into it, there is something to record"
+        "'{name}' refers to {place}, which has no active element in the run: it was excavated, or is never cast; use a location on a wall of the opening, or in elements that are cast into it"
     )]
-    NothingThere {
-        /// Who asks.
+    InactiveLocation {
+        /// Name of the output request.
         name: String,
-        /// The place, in words.
+        /// Description of the location.
         place: String,
     },
-    /// A cut whose normal, or whose direction along in the plane, has no length.
-    #[error("the {what} ({x}, {y}, {z}) of cut '{cut}' gives no direction in space")]
+    /// A section plane whose normal, or whose direction `along` in the plane, has no length.
+    #[error("the {what} ({x}, {y}, {z}) of section '{section}' gives no direction in space")]
     NoDirection {
-        /// The cut.
-        cut: String,
+        /// Name of the section.
+        section: String,
         /// `normal` or `along`.
         what: &'static str,
         /// First component.
@@ -84,35 +84,37 @@ pub enum ObserveError {
         /// Third component.
         z: f64,
     },
-    /// A cut that meets none of its elements.
+    /// A section plane that intersects none of its elements.
     #[error(
-        "the plane of cut '{cut}' meets none of its elements{}",
+    "the plane of section '{section}' intersects none of its elements{}",
         match .outside {
-            true => " within its box, but some outside: those count whose centroids are in the box, a larger `reach` in a scene",
+            true => " with centroids in its box, but some outside: enlarge the box (`reach` in a scene)",
             false => "",
         }
     )]
-    EmptyCut {
-        /// The cut.
-        cut: String,
-        /// Whether it would meet some without its box.
+    EmptySection {
+        /// Name of the section.
+        section: String,
+        /// Whether the plane intersects elements outside the box.
         outside: bool,
     },
-    /// A cut in an engine that does not tell the forces of elements.
-    #[error("cut '{cut}': the engine does not tell the forces of its elements")]
+    /// Section forces from an engine without element forces.
+    #[error("section '{section}': the engine does not provide the forces of its elements")]
     NoForces {
-        /// The cut.
-        cut: String,
+        /// Name of the section.
+        section: String,
     },
-    /// An energy history without an energy ledger.
-    #[error("the run keeps no energy ledger")]
+    /// An energy history in a run without an energy ledger.
+    #[error("the run has no energy ledger")]
     NoLedger,
-    /// A ledger with other columns than before.
-    #[error("the energy ledger has the columns {found:?}, before it had {expected:?}")]
+    /// An energy ledger whose columns have changed during the run.
+    #[error(
+        "the energy ledger has the columns {found:?}, but had {expected:?} at the first observed step"
+    )]
     LedgerChanged {
-        /// Now.
+        /// Present columns.
         found: Vec<String>,
-        /// At the first step seen.
+        /// Columns at the first observed step.
         expected: Vec<String>,
     },
     /// A motion or a stress that is not finite.
@@ -122,9 +124,9 @@ pub enum ObserveError {
         what: &'static str,
         /// `node` or `element`.
         place: &'static str,
-        /// Its number.
+        /// Number of the node or element.
         number: u64,
-        /// The time (s).
+        /// Time (s).
         time: f64,
     },
 }

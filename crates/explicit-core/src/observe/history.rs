@@ -1,21 +1,22 @@
-//! Motion and stress against time.
+//! Histories of motion, stress and history variables.
 
 use powerhouse_model::{
     Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StepView, Stress, Vec3,
 };
 
-use super::place::{Presence, Probe, elements, probes};
+use super::place::{ActiveElements, Probe, elements, probes};
 use super::{
     HistoryTable, Motion, ObserveError, Place, Recording, StressPlace, check_cadence,
     principal_stresses,
 };
 
-/// Motion at places, relative motion between them, and stress of elements, against time.
+/// Observer of histories: motion at locations, relative motion of two locations, and stress and history variables of
+/// elements, against time.
 ///
 /// Columns of a motion called `crown` are `crown.ux`, `crown.uy`, `crown.uz` (m), `crown.vx` ... (m/s)
-/// and `crown.ax` ... (m/s2). A relative motion is that of the second place less that of the
+/// and `crown.ax` ... (m/s2). A relative motion is that of the second location less that of the
 /// first; with displacements comes `crown.apart` (m), its component along the line from the first
-/// place to the second, positive when they part. Columns of a stress called `lining` are
+/// location to the second, positive for increasing distance. Columns of a stress called `lining` are
 /// `lining.xx`, `.yy`, `.zz`, `.xy`, `.yz`, `.zx` and the principal stresses `lining.s1` >=
 /// `lining.s2` >= `lining.s3` (Pa, mean over the element, initial stress included). Columns of a state
 /// called `lining` are the history variables of the element's law, `lining.damage` and so on.
@@ -47,7 +48,7 @@ pub struct History {
     recording: Recording<HistoryTable>,
 }
 
-/// What one name asks for; numbers are places in the lists of probes and elements.
+/// One output request; numbers are indices in the lists of probes and elements.
 #[derive(Clone, Debug)]
 enum Channel {
     Motion {
@@ -60,7 +61,7 @@ enum Channel {
         from: usize,
         to: usize,
         motion: Motion,
-        /// Unit vector from the first place to the second, zero where they coincide.
+        /// Unit vector from the first location to the second, zero where they coincide.
         direction: Vec3,
     },
     Stress {
@@ -74,18 +75,18 @@ enum Channel {
     },
 }
 
-/// Collects what a [`History`] is to observe.
+/// Builder of a [`History`]: its output requests and cadence.
 #[derive(Clone, Debug)]
 pub struct HistoryBuilder {
     cadence: Cadence,
     places: Vec<(String, Place)>,
     stress_places: Vec<(String, StressPlace)>,
     channels: Vec<Channel>,
-    present: Option<Vec<bool>>,
+    active: Option<Vec<bool>>,
 }
 
 impl HistoryBuilder {
-    /// Adds the motion at a place.
+    /// Adds the motion at a location.
     #[must_use]
     pub fn motion(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
         self.channels.push(Channel::Motion {
@@ -96,7 +97,7 @@ impl HistoryBuilder {
         self.places.push((name.into(), place.into()));
         self
     }
-    /// Adds the motion of a place relative to another.
+    /// Adds the motion of the location `to` relative to the location `from`.
     #[must_use]
     pub fn relative(
         mut self,
@@ -126,7 +127,7 @@ impl HistoryBuilder {
         self.stress_places.push((name.into(), place.into()));
         self
     }
-    /// Adds the history variables of an element's law.
+    /// Adds the history variables (internal state variables) of an element's law.
     #[must_use]
     pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
         self.channels.push(Channel::State {
@@ -137,24 +138,25 @@ impl HistoryBuilder {
         self.stress_places.push((name.into(), place.into()));
         self
     }
-    /// Says which elements of the mesh are there, one flag each: points are sought among them alone, and
-    /// places where nothing is are refused.
+    /// Sets the active elements of the mesh, one flag per element: points are located among them alone, and
+    /// locations without active elements are refused.
     #[must_use]
-    pub fn among(mut self, present: &[bool]) -> Self {
-        self.present = Some(present.to_vec());
+    pub fn among(mut self, active: &[bool]) -> Self {
+        self.active = Some(active.to_vec());
         self
     }
-    /// Finds all places in the mesh; no law is known to have history variables.
+    /// Locates all points in the mesh and builds the observer, without history variables of laws.
     ///
     /// # Errors
     /// As [`build_with`](Self::build_with).
     pub fn build(self, mesh: &Mesh) -> Result<History, ObserveError> {
         self.build_with(mesh, |_| Vec::new())
     }
-    /// Finds all places in the mesh, given the history variables of the law of each element.
+    /// Locates all points in the mesh and builds the observer; `variables_of` returns the history variables of the law of
+    /// an element (mesh index).
     ///
     /// # Errors
-    /// A place or set that does not exist or where nothing is, a name that stands twice, a cadence or tolerance out of
+    /// A location or set that does not exist or has no active elements, a duplicate name, a cadence or tolerance out of
     /// range.
     pub fn build_with(
         mut self,
@@ -162,9 +164,9 @@ impl HistoryBuilder {
         variables_of: impl Fn(u32) -> Vec<HistoryVariable>,
     ) -> Result<History, ObserveError> {
         check_cadence(self.cadence)?;
-        let presence = Presence(self.present.as_deref());
-        let probes = probes(mesh, &self.places, presence)?;
-        let elements = elements(mesh, &self.stress_places, presence)?;
+        let active = ActiveElements(self.active.as_deref());
+        let probes = probes(mesh, &self.places, active)?;
+        let elements = elements(mesh, &self.stress_places, active)?;
         let mut table = HistoryTable::default();
         for channel in &mut self.channels {
             if let Channel::Relative {
@@ -243,27 +245,27 @@ impl Channel {
 }
 
 impl History {
-    /// Starts an empty history.
+    /// A builder without output requests.
     pub fn builder(cadence: Cadence) -> HistoryBuilder {
         HistoryBuilder {
             cadence,
             places: Vec::new(),
             stress_places: Vec::new(),
             channels: Vec::new(),
-            present: None,
+            active: None,
         }
     }
-    /// Whether it has nothing to record.
+    /// Whether there are no output requests.
     pub fn is_empty(&self) -> bool {
         self.channels.is_empty()
     }
-    /// The table that the history fills.
+    /// Shared access to the table.
     pub fn recording(&self) -> Recording<HistoryTable> {
         self.recording.clone()
     }
 }
 
-/// Appends the wanted kinds of motion that `value` gives for a nodal field.
+/// Appends the requested kinds of motion, each computed by `value` from a nodal field.
 fn push_motion(
     row: &mut Vec<f64>,
     view: &dyn StepView,
@@ -286,11 +288,10 @@ impl Observer for History {
         "history"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            acceleration: self.channels.iter().any(|c| c.motion().acceleration),
-            stress: (self.channels.iter()).any(|c| matches!(c, Channel::Stress { .. })),
-            ..Fields::default()
-        }
+        let channels = || self.channels.iter();
+        Fields::default()
+            .with_acceleration(channels().any(|c| c.motion().acceleration))
+            .with_stress(channels().any(|c| matches!(c, Channel::Stress { .. })))
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -1,68 +1,75 @@
-//! What becomes of joints.
+//! Observer of joints: histories, pair tables and outcomes.
 
 use powerhouse_model::{
-    Bond, Cadence, ContactState, Fields, Flow, JointPair, JointRecord, JointView, ModelError,
-    Observer, StepView,
+    Bond, Cadence, ContactState, Fields, Flow, HistoryKind, HistoryVariable, JointPair,
+    JointRecord, JointView, ModelError, Observer, StepView,
 };
 
 use super::envelope::PeakField;
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 
-/// One joint at the last time that was seen.
+/// Node pairs of a joint with their state at the last observed time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct JointTable {
-    /// The joint's name.
+    /// Name of the joint.
     pub name: String,
-    /// The name of its law.
+    /// Name of its contact law.
     pub law: String,
-    /// Its pairs.
+    /// Node pairs.
     pub pairs: Vec<JointPair>,
     /// Contact states and peak values; slip, peaks, energies and first times are those of the whole run.
     pub records: Vec<JointRecord>,
-    /// The greatest tractions that were seen.
+    /// History variables of the law.
+    pub variables: Vec<HistoryVariable>,
+    /// Values of the history variables, those of a pair side by side.
+    pub history: Vec<f64>,
+    /// Extreme tractions at the observed steps.
     pub tractions: TractionPeaks,
-    /// The most sweeps that connected pairs took in a step.
+    /// Greatest number of sweeps that connected pairs took in a step.
     pub most_sweeps: u32,
-    /// The largest relative change of motion that their solution left.
+    /// Largest relative change of motion in the last sweep of their solution.
     pub worst_residual: f64,
 }
 
-/// Extreme tractions of each pair (Pa) and their times, at the steps that were seen.
+/// Extreme tractions of each pair (Pa) and their times, at the observed steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TractionPeaks {
-    /// Greatest normal traction, tension positive.
+    /// Greatest normal traction (Pa), tension positive.
     pub greatest_normal: PeakField,
-    /// Least normal traction: the greatest pressure, where negative.
+    /// Least normal traction (Pa): the greatest pressure, where negative.
     pub least_normal: PeakField,
-    /// Greatest shear traction.
+    /// Greatest shear traction (Pa).
     pub greatest_shear: PeakField,
 }
 
-/// Which columns a [`JointWatch`] has.
+/// Selection of the quantities that a [`JointWatch`] records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct JointQuantities {
     /// Shares of the area that slide, are open, and whose bond has broken: `sliding`, `open`,
     /// `broken`.
     pub state: bool,
-    /// The largest accumulated slip of any pair (m): `slip`.
+    /// Largest accumulated slip of any pair (m): `slip`.
     pub slip: bool,
-    /// The largest opening of any pair at the time (m), negative where all overlap: `opening`.
+    /// Largest opening of any pair at the time (m), negative where all overlap: `opening`.
     pub opening: bool,
-    /// The largest opening of any pair so far (m): `peak_opening`.
+    /// Largest opening of any pair so far (m): `peak_opening`.
     pub peak_opening: bool,
     /// Means over the area of normal traction, tension positive, and of the size of shear traction
     /// (Pa): `normal`, `shear`.
     pub traction: bool,
-    /// Dissipated by friction so far (J): `friction`.
+    /// Energy dissipated by friction so far (J): `friction`.
     pub friction: bool,
-    /// Dissipated where bonds broke (J): `bond`.
+    /// Energy dissipated by breaking bonds (J): `bond`.
     pub bond: bool,
-    /// Lost where sides met (J): `impact`.
+    /// Kinetic energy lost by impact of the sides (J): `impact`.
     pub impact: bool,
+    /// History variables of the law, by their names: means over the area, of flags all that a pair has.
+    pub history: bool,
 }
 
 impl JointQuantities {
-    /// All of them.
+    /// All quantities.
     pub const ALL: Self = Self {
         state: true,
         slip: true,
@@ -72,9 +79,10 @@ impl JointQuantities {
         friction: true,
         bond: true,
         impact: true,
+        history: true,
     };
 
-    /// Names and units of the columns.
+    /// Names and units of the columns, but for those of history variables.
     fn columns(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let wanted = self.wanted();
         COLUMNS
@@ -82,7 +90,7 @@ impl JointQuantities {
             .zip(wanted)
             .filter_map(|(column, wanted)| wanted.then_some(column))
     }
-    /// Whether each of [`COLUMNS`] is wanted.
+    /// Whether each of [`COLUMNS`] is recorded.
     fn wanted(&self) -> [bool; 11] {
         [
             self.state,
@@ -100,7 +108,7 @@ impl JointQuantities {
     }
 }
 
-/// All columns, with their units.
+/// Names and units of all columns but those of history variables.
 const COLUMNS: [(&str, &str); 11] = [
     ("sliding", "1"),
     ("open", "1"),
@@ -115,33 +123,33 @@ const COLUMNS: [(&str, &str); 11] = [
     ("impact", "J"),
 ];
 
-/// Pairs of a joint that are watched together.
+/// Request for histories and the outcome of some pairs of a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointWatch {
-    /// The name in results.
+    /// Name in results.
     pub name: String,
-    /// The joint's name.
+    /// Name of the joint.
     pub joint: String,
-    /// Places of the pairs among the joint's.
+    /// Indices of the pairs among those of the joint.
     pub pairs: Vec<usize>,
-    /// What is recorded of them.
+    /// Quantities that are recorded.
     pub quantities: JointQuantities,
 }
 
 /// Final contact state and peak values of observed node pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointOutcome {
-    /// The name in results.
+    /// Name in results.
     pub name: String,
-    /// The joint's name.
+    /// Name of the joint.
     pub joint: String,
-    /// How many pairs they are.
+    /// Number of pairs.
     pub pairs: usize,
-    /// Their area (m2).
+    /// Area of the pairs (m2).
     pub area: f64,
-    /// When the first of them slid (s), and which, by its place among the joint's pairs.
+    /// Time of the first slip of any pair (s), and the index of that pair among those of the joint.
     pub first_slip: Option<(f64, usize)>,
-    /// When the first of them opened (s), and which.
+    /// Time of the first opening of any pair (s), and the index of that pair.
     pub first_crack: Option<(f64, usize)>,
     /// Share of the area that ever slid.
     pub slipped: f64,
@@ -151,35 +159,35 @@ pub struct JointOutcome {
     pub never_bonded: f64,
     /// Share of the area whose bond has broken.
     pub broken: f64,
-    /// The largest accumulated slip (m), and the first of the pairs that have it.
+    /// Largest accumulated slip (m), and the index of the first pair that has it.
     pub slip: (f64, usize),
-    /// The largest opening (m), and the first of the pairs that had it.
+    /// Largest opening (m), and the index of the first pair that had it.
     pub peak_opening: (f64, usize),
-    /// Dissipated by friction (J).
+    /// Energy dissipated by friction (J).
     pub friction: f64,
-    /// Dissipated where bonds broke (J).
+    /// Energy dissipated by breaking bonds (J).
     pub bond: f64,
-    /// Lost where sides met (J).
+    /// Kinetic energy lost by impact of the sides (J).
     pub impact: f64,
 }
 
-/// All joints of a body.
+/// Results of all joints of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointTables {
-    /// The last time that was seen (s).
+    /// Last observed time (s).
     pub time: f64,
-    /// The joints then.
+    /// Joints at that time.
     pub joints: Vec<JointTable>,
-    /// Final contact state and peak values of what was observed.
+    /// Final contact state and peak values of every [`JointWatch`].
     pub outcomes: Vec<JointOutcome>,
-    /// The columns of every [`JointWatch`], named `NAME.slip` and so on.
+    /// Columns of every [`JointWatch`], named `NAME.slip` and so on.
     pub history: HistoryTable,
 }
 
-/// Keeps what becomes of joints: columns of the pairs that are watched against time, and every pair
-/// of every joint as it was at the last time seen, with its greatest tractions.
+/// Observer of joints: histories of selected pairs, and the state of every pair of every joint at the last
+/// observed time, with its extreme tractions.
 ///
-/// Memory: 8 bytes per column and row, some 350 per pair.
+/// Memory: 8 bytes per column and row, some 400 per pair.
 ///
 /// ```
 /// use powerhouse_explicit_core::observe::{JointHistories, JointQuantities, JointWatch};
@@ -202,10 +210,10 @@ pub struct JointHistories {
 }
 
 impl JointHistories {
-    /// Histories of some pairs.
+    /// Observer with requests for some pairs.
     ///
     /// # Errors
-    /// A cadence out of range, a name that stands twice.
+    /// A cadence out of range, a name that occurs twice.
     pub fn new(cadence: Cadence, watches: Vec<JointWatch>) -> Result<Self, ObserveError> {
         check_cadence(cadence)?;
         let mut tables = JointTables::default();
@@ -221,19 +229,42 @@ impl JointHistories {
             recording: Recording::new(tables),
         })
     }
-    /// What it fills.
+    /// Results, which are complete after the run.
     pub fn recording(&self) -> Recording<JointTables> {
         self.recording.clone()
+    }
+    /// Inserts the columns of history variables after the other columns of their request.
+    fn add_history_columns(
+        &self,
+        joints: &[JointView],
+        table: &mut HistoryTable,
+    ) -> Result<(), ObserveError> {
+        let others = core::mem::take(&mut table.columns);
+        let mut others = others.into_iter();
+        for watch in &self.watches {
+            let own = watch.quantities.columns().count();
+            table.columns.extend(others.by_ref().take(own));
+            for variable in watch.variables(joints) {
+                let name = format!("{}.{}", watch.name, variable.name);
+                table.add_column(name, variable.unit)?;
+            }
+        }
+        Ok(())
     }
 }
 
 impl JointWatch {
+    /// Its joint among those of a body.
+    fn joint<'v>(&self, joints: &'v [JointView<'v>]) -> Option<&'v JointView<'v>> {
+        joints.iter().find(|joint| joint.name == self.joint)
+    }
+
     /// Its pairs in the joints of a body.
     fn look<'v>(
         &'v self,
         joints: &'v [JointView<'v>],
     ) -> Result<impl Iterator<Item = (&'v JointPair, &'v JointRecord)> + Clone, ObserveError> {
-        let joint = joints.iter().find(|joint| joint.name == self.joint);
+        let joint = self.joint(joints);
         let last = self.pairs.iter().max();
         match joint {
             Some(joint) if last.is_none_or(|&last| last < joint.pairs.len()) => {
@@ -248,7 +279,26 @@ impl JointWatch {
         }
     }
 
-    /// The values of its columns, and what has become of its pairs.
+    /// History variables that it records.
+    fn variables<'v>(&self, joints: &'v [JointView<'v>]) -> &'v [HistoryVariable] {
+        let joint = self.joint(joints).filter(|_| self.quantities.history);
+        joint.map_or(&[][..], |joint| joint.variables)
+    }
+
+    /// Value of a history variable, by its index: the mean over the area; of flags, all that a pair has.
+    fn history_value(&self, joint: &JointView, variable: usize) -> f64 {
+        let count = joint.variables.len();
+        let value = |&pair: &usize| joint.history[pair * count + variable];
+        if joint.variables[variable].kind == HistoryKind::Flags {
+            let flags = self.pairs.iter().map(value);
+            return f64::from(flags.fold(0_u32, |all, flags| all | flags as u32));
+        }
+        let area = |pair: &usize| joint.pairs[*pair].area;
+        let sum: f64 = self.pairs.iter().map(|pair| area(pair) * value(pair)).sum();
+        sum / self.pairs.iter().map(area).sum::<f64>()
+    }
+
+    /// Values of its columns, and outcome of its pairs.
     fn row(&self, joints: &[JointView]) -> Result<(Vec<f64>, JointOutcome), ObserveError> {
         let pairs = self.look(joints)?;
         let area: f64 = pairs.clone().map(|(pair, _)| pair.area).sum();
@@ -266,14 +316,14 @@ impl JointWatch {
         let sum = |value: &dyn Fn(&JointRecord) -> f64| -> f64 {
             pairs.clone().map(|(_, record)| value(record)).sum()
         };
-        let placed = || self.pairs.iter().copied().zip(pairs.clone());
+        let indexed = || self.pairs.iter().copied().zip(pairs.clone());
         let first = |time: &dyn Fn(&JointRecord) -> Option<f64>| -> Option<(f64, usize)> {
-            let times = placed().filter_map(|(place, (_, record))| Some((time(record)?, place)));
+            let times = indexed().filter_map(|(index, (_, record))| Some((time(record)?, index)));
             times.reduce(|least, next| if next.0 < least.0 { next } else { least })
         };
         let most = |value: &dyn Fn(&JointRecord) -> f64| -> (f64, usize) {
             let none = (f64::NEG_INFINITY, 0);
-            let values = placed().map(|(place, (_, record))| (value(record), place));
+            let values = indexed().map(|(index, (_, record))| (value(record), index));
             values.fold(none, |most, next| if next.0 > most.0 { next } else { most })
         };
         let (slip, peak_opening) = (most(&|r| r.state.slip), most(&|r| r.peak_opening));
@@ -295,6 +345,10 @@ impl JointWatch {
         ];
         let wanted = self.quantities.wanted().into_iter().zip(values);
         let row = wanted.filter_map(|(wanted, value)| wanted.then_some(value));
+        let variables = 0..self.variables(joints).len();
+        let joint = self.joint(joints).into_iter();
+        let history = joint.flat_map(|j| variables.clone().map(move |v| self.history_value(j, v)));
+        let row: Vec<f64> = row.chain(history).collect();
         let outcome = JointOutcome {
             name: self.name.clone(),
             joint: self.joint.clone(),
@@ -312,7 +366,7 @@ impl JointWatch {
             bond,
             impact,
         };
-        Ok((row.collect(), outcome))
+        Ok((row, outcome))
     }
 }
 
@@ -354,6 +408,10 @@ impl Observer for JointHistories {
         }
         let mut guard = self.recording.lock();
         let tables = &mut *guard;
+        if tables.history.times.is_empty() {
+            // Laws are known from the first view on, and with them the columns of their variables.
+            self.add_history_columns(&joints, &mut tables.history)?;
+        }
         let mut seen = core::mem::take(&mut tables.joints).into_iter();
         for joint in joints {
             let before = seen.next().map(|table| table.tractions);
@@ -364,6 +422,8 @@ impl Observer for JointHistories {
                 law: joint.law.into(),
                 pairs: joint.pairs.to_vec(),
                 records: joint.records.to_vec(),
+                variables: joint.variables.to_vec(),
+                history: joint.history.to_vec(),
                 tractions,
                 most_sweeps: joint.most_sweeps,
                 worst_residual: joint.worst_residual,

@@ -1,26 +1,25 @@
-//! Observers: what is kept of a run.
+//! Observers: output of a run.
 //!
-//! | observer | keeps | memory |
+//! | observer | records | memory |
 //! |---|---|---|
-//! | [`History`] | motion at probes, relative motion, stress at elements, against time | 8 bytes a column and row |
-//! | [`EnergyHistory`] | the columns of the energy ledger | 8 bytes a column and row |
-//! | [`SectionForces`] | normal force, shears and moments of cuts through linings and pillars | 8 bytes a column and row, 144 a node of each element of the cut |
-//! | [`Envelope`] | largest motion of nodes, greatest and least principal stress of elements, with their times | 16 bytes a node and kind of motion, 32 an element |
+//! | [`History`] | motion at locations, relative motion, stress and history variables of elements, against time | 8 bytes a column and row |
+//! | [`EnergyHistory`] | the columns of the energy balance | 8 bytes a column and row |
+//! | [`SectionForces`] | normal force, shear forces and moments of sections through linings and pillars | 8 bytes a column and row, 144 a node of each element at the section |
+//! | [`Envelope`] | envelopes of nodal motion, and of greatest and least principal stress of elements | 16 bytes a node and kind of motion, 32 an element |
 //! | [`JointHistories`] | state, slip, opening, tractions and energies of joints, and their pairs as they were last | 8 bytes a column and row, 350 a pair |
-//! | [`BoltHistories`] | the greatest axial force of sets of bolts, and that of each segment with its time | 8 bytes a set and row, 16 a segment |
-//! | [`StatePeaks`] | the envelopes of history variables of laws, with its time | 16 bytes an element and amount |
-//! | [`Snapshots`] | nothing: hands whole fields to a [`SnapshotSink`] | one copy of each field wanted |
+//! | [`BoltHistories`] | the greatest axial force of sets of bolts against time, and the envelope of each segment | 8 bytes a set and row, 16 a segment |
+//! | [`StatePeaks`] | envelopes of the history variables of laws | 16 bytes an element and variable |
+//! | [`Snapshots`] | nothing: passes whole fields to a [`SnapshotSink`] | one copy of each field requested |
 //!
-//! An observer goes into the run and is lost to its maker; what it collects is read through a
+//! A run takes ownership of its observers; their results are read through a
 //! [`Recording`], during the run or after it. Results of the first three are [`HistoryTable`]s;
-//! [`PeakTable`] sums up tables and envelopes for a report.
+//! [`PeakTable`] lists the extreme values of tables and envelopes for a report.
 //!
 //! # Why so
-//! *Stresses are changes of stress*: observers see what the engine computes, and an initial stress
-//! does not change. *Section forces are a virtual work*, see [`SectionForces`]: integrated
-//! tractions of element stresses lose the moment of a lining of one element, and balance no
-//! loads on a coarse mesh.
-//! *Tables know names and units*, so that whoever writes a file needs no second list of them.
+//! *Section forces are computed as virtual work*, see [`SectionForces`]: integrated
+//! tractions of element stresses lose the bending moment of a lining of one element, and are not in equilibrium
+//! with loads on a coarse mesh.
+//! *Tables contain names and units*, so that a writer of files needs no second list of them.
 
 mod bolts;
 mod energy;
@@ -47,10 +46,10 @@ pub use joints::{
     TractionPeaks,
 };
 pub use peaks::{PeakPlace, PeakRow, PeakTable};
-pub use place::{Motion, Place, Spot, StressPlace};
+pub use place::{Motion, ObservationPoint, Place, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
-pub use section::{Cut, SectionForces, SectionGeometry};
+pub use section::{CrossSection, SectionForces, SectionGeometry};
 pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
 pub use state::{StatePeaks, StateTable};
 pub use table::{Column, HistoryTable};
@@ -59,10 +58,5 @@ use powerhouse_model::{Cadence, ParameterError};
 
 /// Accepts a cadence of at least one step, or of a positive time.
 fn check_cadence(cadence: Cadence) -> Result<(), ParameterError> {
-    match cadence {
-        Cadence::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
-        Cadence::Seconds(time) => {
-            ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
-        }
-    }
+    cadence.check()
 }

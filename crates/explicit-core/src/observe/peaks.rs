@@ -1,4 +1,4 @@
-//! The largest values of a run, for its report.
+//! Table of the extreme values of a run.
 
 use core::fmt;
 
@@ -6,12 +6,12 @@ use powerhouse_model::Mesh;
 
 use super::{EnvelopeTable, HistoryTable, PeakField, StateTable};
 
-/// Where a peak occurred, by the user's numbers.
+/// Location of a peak, by the user's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PeakPlace {
-    /// At a node.
+    /// A node.
     Node(u64),
-    /// In an element.
+    /// An element.
     Element(u64),
 }
 
@@ -24,22 +24,22 @@ impl fmt::Display for PeakPlace {
     }
 }
 
-/// One peak.
+/// A peak: the value of largest magnitude of one quantity, with time and location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeakRow {
-    /// What it is a peak of.
+    /// Name of the quantity.
     pub name: String,
-    /// The unit.
+    /// Unit of the value.
     pub unit: &'static str,
-    /// The value, with its sign.
+    /// The signed value.
     pub value: f64,
-    /// The time (s).
+    /// Time of the peak (s).
     pub time: f64,
-    /// Where, unless the name says it.
+    /// Location of the peak, unless the name implies it.
     pub place: Option<PeakPlace>,
 }
 
-/// Peaks, one row each.
+/// Table of the peaks of a run, one row per quantity.
 ///
 /// ```
 /// use powerhouse_explicit_core::observe::{Column, HistoryTable, PeakTable};
@@ -53,24 +53,24 @@ pub struct PeakRow {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeakTable {
-    /// The rows.
+    /// The peaks.
     pub rows: Vec<PeakRow>,
 }
 
-/// The share of the largest peak of a unit below which a peak is rounding. What rounding leaves of zero in a
-/// displacement, about 1e-16 of the others, stands over the square of the step in an acceleration: 1e-9 of the
-/// largest is beyond both, and no figure of a motion.
+/// Share of the largest peak with the same unit below which a peak counts as rounding. Rounding errors of a
+/// displacement, about 1e-16 of the largest, are divided by the square of the step in an acceleration; 1e-9 of the
+/// largest is above both, and below any relevant motion.
 const ROUNDING: f64 = 1e-9;
 
 impl PeakTable {
-    /// Whether a peak is no motion but rounding beside the others of its unit: below 1e-9 of the largest.
+    /// Whether a peak is a rounding error: not zero, but below 1e-9 of the largest peak with the same unit.
     pub fn is_rounding(&self, row: &PeakRow) -> bool {
         let of_unit = self.rows.iter().filter(|other| other.unit == row.unit);
         let largest = of_unit.fold(0.0_f64, |most, other| most.max(other.value.abs()));
         row.value != 0.0 && row.value.abs() < ROUNDING * largest
     }
 
-    /// Adds the value of largest magnitude of every column; of equal ones the first.
+    /// Adds the value of largest magnitude of every column; the first of equal ones.
     pub fn add_history(&mut self, table: &HistoryTable) {
         for column in &table.columns {
             let samples = table.times.iter().zip(&column.values);
@@ -87,8 +87,8 @@ impl PeakTable {
         }
     }
 
-    /// Adds the extremes of an envelope over its nodes and elements, each under `name`; none if
-    /// it has seen nothing.
+    /// Adds the extremes of an envelope over all its nodes and elements, with names that begin with `name`; none
+    /// without observations.
     ///
     /// # Panics
     /// If the envelope is of another mesh, with more nodes or elements.
@@ -136,7 +136,7 @@ impl PeakTable {
         );
     }
 
-    /// Adds the envelopes of history variables of laws, where it is above zero.
+    /// Adds the extremes of the envelopes of history variables, where they are above zero.
     ///
     /// # Panics
     /// If the table is of another mesh, with more elements.
@@ -174,7 +174,7 @@ impl PeakTable {
 }
 
 impl fmt::Display for PeakTable {
-    /// One line per row: name, value, unit, time and place; zero, and that it is, for what is rounding.
+    /// One line per row: name, value, unit, time and location; zero with the note `below rounding` for rounding errors.
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let width = self
             .rows

@@ -1,40 +1,40 @@
-//! Where something is observed.
+//! Locations of observed quantities in the mesh.
 
 use powerhouse_model::{Located, Mesh, ParameterError, Vec3};
 
 use super::ObserveError;
 
-/// Which motions are wanted.
+/// Selection of the kinds of motion to be recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
-    /// Displacement (m).
+    /// Whether displacement (m) is recorded.
     pub displacement: bool,
-    /// Velocity (m/s).
+    /// Whether velocity (m/s) is recorded.
     pub velocity: bool,
-    /// Acceleration (m/s2).
+    /// Whether acceleration (m/s2) is recorded.
     pub acceleration: bool,
 }
 
 impl Motion {
-    /// All three.
+    /// Displacement, velocity and acceleration.
     pub const ALL: Self = Self {
         displacement: true,
         velocity: true,
         acceleration: true,
     };
-    /// Displacement alone.
+    /// Displacement without velocity and acceleration.
     pub const DISPLACEMENT: Self = Self {
         displacement: true,
         velocity: false,
         acceleration: false,
     };
-    /// Velocity alone.
+    /// Velocity without displacement and acceleration.
     pub const VELOCITY: Self = Self {
         displacement: false,
         velocity: true,
         acceleration: false,
     };
-    /// Acceleration alone.
+    /// Acceleration without displacement and velocity.
     pub const ACCELERATION: Self = Self {
         displacement: false,
         velocity: false,
@@ -42,20 +42,20 @@ impl Motion {
     };
 }
 
-/// A point of a body, given by coordinate.
+/// An observation point, given by coordinates; its values are interpolated in the element around it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spot {
+pub struct ObservationPoint {
     /// Position (m).
     pub position: Vec3,
-    /// The element set in which it lies; all solid elements if none. On a joint it decides the
+    /// Name of the element set that contains the point; none for all solid elements. On a joint the set determines the
     /// side.
     pub elements: Option<String>,
-    /// How far it may be moved to lie in an element (m).
+    /// Largest permitted distance of the point from the elements (m).
     pub tolerance: f64,
 }
 
-impl Spot {
-    /// A spot in any solid element, moved by at most a millimetre.
+impl ObservationPoint {
+    /// A point in any solid element, with a tolerance of a millimetre.
     pub fn at(position: Vec3) -> Self {
         Self {
             position,
@@ -63,13 +63,13 @@ impl Spot {
             tolerance: 1e-3,
         }
     }
-    /// The same spot in an element set.
+    /// The same point in an element set.
     #[must_use]
     pub fn among(mut self, elements: &str) -> Self {
         self.elements = Some(elements.into());
         self
     }
-    /// The same spot, moved by at most `tolerance` (m), such as onto the chord of a round wall.
+    /// The same point with another tolerance (m), such as the distance of a round wall from its chord.
     #[must_use]
     pub fn within(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
@@ -77,46 +77,46 @@ impl Spot {
     }
 }
 
-/// Where motion is observed.
+/// Location at which motion is recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
-    /// A coordinate; the motion is interpolated in the element around it.
-    Spot(Spot),
+    /// A point; the motion is interpolated in the element around it.
+    Point(ObservationPoint),
     /// A node, by the user's number.
     Node(u64),
-    /// The mean over the nodes of a node set that are there; of a facet set if there is no such node
-    /// set, or of an element set if there is neither.
+    /// The mean over the active nodes of the node set of this name; of the facet set if there is no such node
+    /// set, or of the element set if there is neither.
     NodeSet(String),
 }
 
 impl From<Vec3> for Place {
     fn from(position: Vec3) -> Self {
-        Self::Spot(Spot::at(position))
+        Self::Point(ObservationPoint::at(position))
     }
 }
 
-impl From<Spot> for Place {
-    fn from(spot: Spot) -> Self {
-        Self::Spot(spot)
+impl From<ObservationPoint> for Place {
+    fn from(point: ObservationPoint) -> Self {
+        Self::Point(point)
     }
 }
 
-/// Where stress is observed.
+/// Element of which stress or history variables are recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StressPlace {
-    /// The element around a coordinate.
-    Spot(Spot),
+    /// The element around a point.
+    Point(ObservationPoint),
     /// An element, by the user's number.
     Element(u64),
 }
 
 impl From<Vec3> for StressPlace {
     fn from(position: Vec3) -> Self {
-        Self::Spot(Spot::at(position))
+        Self::Point(ObservationPoint::at(position))
     }
 }
 
-/// Nodes and weights whose sum is the value at a place.
+/// Interpolation of a nodal field at a location: nodes and weights.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Probe(Vec<(u32, f64)>);
 
@@ -133,71 +133,72 @@ impl From<Located> for Probe {
     }
 }
 
-/// Which elements of a mesh there are; all if no flags are given.
+/// Active elements of a mesh, one flag per element; all if no flags are given.
 #[derive(Clone, Copy)]
-pub(super) struct Presence<'p>(pub(super) Option<&'p [bool]>);
+pub(super) struct ActiveElements<'p>(pub(super) Option<&'p [bool]>);
 
-impl Presence<'_> {
-    fn has(self, element: u32) -> bool {
+impl ActiveElements<'_> {
+    fn contains(self, element: u32) -> bool {
         let flag = |flags: &[bool]| flags.get(element as usize).copied().unwrap_or(true);
         self.0.is_none_or(flag)
     }
-    /// Of elements, those that are there.
+    /// The active ones of some elements.
     fn of(self, elements: impl IntoIterator<Item = u32>) -> Vec<u32> {
         (elements.into_iter())
-            .filter(|element| self.has(*element))
+            .filter(|element| self.contains(*element))
             .collect()
     }
-    /// The nodes of elements that are there, one flag per node of the mesh; none if all are.
+    /// The nodes of active elements, one flag per node of the mesh; none if all elements are active.
     fn nodes(self, mesh: &Mesh) -> Option<Vec<bool>> {
         self.0?;
-        let mut there = vec![false; mesh.node_count()];
+        let mut active = vec![false; mesh.node_count()];
         for element in self.of(0..mesh.element_count() as u32) {
             for &node in mesh.nodes_of(element) {
-                there[node as usize] = true;
+                active[node as usize] = true;
             }
         }
-        Some(there)
+        Some(active)
     }
 }
 
-/// Where named spots lie, in their order; one pass over the elements for each set and tolerance.
+/// Locates named points in the mesh, in their order; one pass over the elements for each set and tolerance.
 fn locate(
     mesh: &Mesh,
-    named: &[(&str, &Spot)],
-    presence: Presence,
+    named: &[(&str, &ObservationPoint)],
+    active: ActiveElements,
 ) -> Result<Vec<Located>, ObserveError> {
-    let spots: Vec<&Spot> = named.iter().map(|(_, spot)| *spot).collect();
-    let mut located: Vec<Option<Located>> = vec![None; spots.len()];
-    for first in 0..spots.len() {
+    let wanted: Vec<&ObservationPoint> = named.iter().map(|(_, point)| *point).collect();
+    let mut located: Vec<Option<Located>> = vec![None; wanted.len()];
+    for first in 0..wanted.len() {
         if located[first].is_some() {
             continue;
         }
-        let Spot {
+        let ObservationPoint {
             elements,
             tolerance,
             ..
-        } = spots[first];
+        } = wanted[first];
         ParameterError::check("tolerance", *tolerance, 0.0, f64::MAX)?;
-        let alike = |&i: &usize| spots[i].elements == *elements && spots[i].tolerance == *tolerance;
-        let together: Vec<usize> = (first..spots.len()).filter(alike).collect();
-        let points: Vec<Vec3> = together.iter().map(|&i| spots[i].position).collect();
+        let alike =
+            |&i: &usize| wanted[i].elements == *elements && wanted[i].tolerance == *tolerance;
+        let together: Vec<usize> = (first..wanted.len()).filter(alike).collect();
+        let points: Vec<Vec3> = together.iter().map(|&i| wanted[i].position).collect();
         let all: Vec<u32> = match elements {
             Some(set) => mesh.element_set(set)?.to_vec(),
             None => (0..mesh.element_count() as u32).collect(),
         };
-        let there = presence.of(all.iter().copied());
-        let found = match mesh.locate_among(&there, &points, *tolerance) {
+        let chosen = active.of(all.iter().copied());
+        let found = match mesh.locate_among(&chosen, &points, *tolerance) {
             Ok(found) => found,
             Err(outside) => {
-                // Outside of the mesh, or of what there is of it.
-                let is_lost = |&i: &&usize| {
-                    let point = [spots[*i].position];
-                    mesh.locate_among(&there, &point, *tolerance).is_err()
+                // Outside of the mesh, or of its active elements.
+                let is_inactive = |&i: &&usize| {
+                    let point = [wanted[*i].position];
+                    mesh.locate_among(&chosen, &point, *tolerance).is_err()
                         && mesh.locate_among(&all, &point, *tolerance).is_ok()
                 };
-                return Err(match together.iter().find(is_lost) {
-                    Some(&lost) => nothing_at(named[lost].0, &spots[lost].position),
+                return Err(match together.iter().find(is_inactive) {
+                    Some(&i) => inactive(named[i].0, &wanted[i].position),
                     None => outside.into(),
                 });
             }
@@ -209,43 +210,43 @@ fn locate(
     Ok(located.into_iter().flatten().collect())
 }
 
-/// A spot in elements that are not there.
-fn nothing_at(name: &str, position: &Vec3) -> ObserveError {
+/// The error of a point in inactive elements.
+fn inactive(name: &str, position: &Vec3) -> ObserveError {
     let [x, y, z] = [position.x, position.y, position.z];
-    ObserveError::NothingThere {
+    ObserveError::InactiveLocation {
         name: name.into(),
         place: format!("the point ({x}, {y}, {z}) m"),
     }
 }
 
-/// The probes of named places, in their order.
+/// The probes of named locations, in their order.
 pub(super) fn probes(
     mesh: &Mesh,
     places: &[(String, Place)],
-    presence: Presence,
+    active: ActiveElements,
 ) -> Result<Vec<Probe>, ObserveError> {
-    let spots: Vec<(&str, &Spot)> = places
+    let points: Vec<(&str, &ObservationPoint)> = places
         .iter()
         .filter_map(|(name, place)| match place {
-            Place::Spot(spot) => Some((name.as_str(), spot)),
+            Place::Point(point) => Some((name.as_str(), point)),
             _ => None,
         })
         .collect();
-    let mut located = locate(mesh, &spots, presence)?.into_iter();
-    let nodes_there = presence.nodes(mesh);
-    let is_there = |node: u32| (nodes_there.as_ref()).is_none_or(|there| there[node as usize]);
+    let mut located = locate(mesh, &points, active)?.into_iter();
+    let active_nodes = active.nodes(mesh);
+    let is_active = |node: u32| (active_nodes.as_ref()).is_none_or(|flags| flags[node as usize]);
     let mut probes = Vec::with_capacity(places.len());
     for (name, place) in places {
         match place {
-            Place::Spot(_) => probes.extend(located.next().map(Probe::from)),
+            Place::Point(_) => probes.extend(located.next().map(Probe::from)),
             Place::Node(tag) => {
                 let node = index_of(mesh.node_tags(), *tag);
                 let node = node.ok_or_else(|| ObserveError::NoSuchNode {
                     name: name.clone(),
                     node: *tag,
                 })?;
-                if !is_there(node) {
-                    return Err(ObserveError::NothingThere {
+                if !is_active(node) {
+                    return Err(ObserveError::InactiveLocation {
                         name: name.clone(),
                         place: format!("node {tag}"),
                     });
@@ -254,9 +255,9 @@ pub(super) fn probes(
             }
             Place::NodeSet(set) => {
                 let all = mesh.nodes_of_set(set)?;
-                let nodes: Vec<u32> = all.iter().copied().filter(|n| is_there(*n)).collect();
+                let nodes: Vec<u32> = all.iter().copied().filter(|n| is_active(*n)).collect();
                 if nodes.is_empty() && !all.is_empty() {
-                    return Err(ObserveError::NothingThere {
+                    return Err(ObserveError::InactiveLocation {
                         name: name.clone(),
                         place: format!("the mean of the set '{set}'"),
                     });
@@ -275,32 +276,32 @@ pub(super) fn probes(
     Ok(probes)
 }
 
-/// The elements of named places, in their order.
+/// The elements of named locations, in their order.
 pub(super) fn elements(
     mesh: &Mesh,
     places: &[(String, StressPlace)],
-    presence: Presence,
+    active: ActiveElements,
 ) -> Result<Vec<u32>, ObserveError> {
-    let spots: Vec<(&str, &Spot)> = places
+    let points: Vec<(&str, &ObservationPoint)> = places
         .iter()
         .filter_map(|(name, place)| match place {
-            StressPlace::Spot(spot) => Some((name.as_str(), spot)),
+            StressPlace::Point(point) => Some((name.as_str(), point)),
             StressPlace::Element(_) => None,
         })
         .collect();
-    let mut located = locate(mesh, &spots, presence)?.into_iter();
+    let mut located = locate(mesh, &points, active)?.into_iter();
     let mut elements = Vec::with_capacity(places.len());
     for (name, place) in places {
         match place {
-            StressPlace::Spot(_) => elements.extend(located.next().map(|found| found.element)),
+            StressPlace::Point(_) => elements.extend(located.next().map(|found| found.element)),
             StressPlace::Element(tag) => {
                 let element = index_of(mesh.element_tags(), *tag);
                 let element = element.ok_or_else(|| ObserveError::NoSuchElement {
                     name: name.clone(),
                     element: *tag,
                 })?;
-                if !presence.has(element) {
-                    return Err(ObserveError::NothingThere {
+                if !active.contains(element) {
+                    return Err(ObserveError::InactiveLocation {
                         name: name.clone(),
                         place: format!("element {tag}"),
                     });

@@ -2,7 +2,7 @@
 
 use powerhouse_model::Stress;
 
-/// Principal stresses (Pa), greatest first.
+/// Principal stresses (Pa) in closed form, greatest first.
 ///
 /// With the deviator `s`, `J2 = s:s / 2`, `J3 = det s`, they are
 /// ```text
@@ -22,7 +22,7 @@ use powerhouse_model::Stress;
 /// ```
 pub fn principal_stresses(stress: &Stress) -> [f64; 3] {
     let size = stress.0.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-    // Also where a component is not a number: it shows in the result.
+    // Also where a component is NaN or infinite, so that the result is not finite either.
     if !(size > 0.0 && size.is_finite()) {
         return [stress.0.iter().sum(); 3];
     }

@@ -1,8 +1,8 @@
-//! Results that outlive their observer.
+//! Shared access to the results of observers.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What an observer has collected so far, shared with whoever made the observer.
+/// Shared access to the results of an observer, during and after a run.
 ///
 /// ```
 /// use powerhouse_explicit_core::observe::EnergyHistory;
@@ -26,18 +26,18 @@ impl<T> Recording<T> {
     pub(super) fn new(value: T) -> Self {
         Self(Arc::new(Mutex::new(value)))
     }
-    /// Shows what has been collected; the observer waits meanwhile.
-    pub fn read<R>(&self, look: impl FnOnce(&T) -> R) -> R {
-        look(&self.lock())
+    /// Calls a function with the results so far and returns its value; the observer is blocked meanwhile.
+    pub fn read<R>(&self, reader: impl FnOnce(&T) -> R) -> R {
+        reader(&self.lock())
     }
-    /// A copy of what has been collected.
+    /// A copy of the results so far.
     pub fn copy(&self) -> T
     where
         T: Clone,
     {
         self.lock().clone()
     }
-    /// Whole rows only are written under the lock, so that a panic elsewhere spoils nothing.
+    /// Locks the results. Only complete rows are written under the lock, so that the data stay valid after a panic.
     pub(super) fn lock(&self) -> MutexGuard<'_, T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,4 +1,4 @@
-//! Whole fields, handed on.
+//! Snapshots: whole fields at one time.
 
 use std::error::Error;
 
@@ -9,22 +9,22 @@ use powerhouse_model::{
 
 use super::{Motion, ObserveError, check_cadence};
 
-/// What a snapshot shows.
+/// Selection of the fields of a snapshot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SnapshotFields {
-    /// Nodal motions.
+    /// Kinds of nodal motion to be included.
     pub motion: Motion,
-    /// Element stresses.
+    /// Whether mean element stresses are included.
     pub stress: bool,
 }
 
-/// The body at one time. Fields that are not wanted are empty.
+/// A snapshot: fields of the whole body at one time. Fields that were not requested are empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Snapshot<'a> {
-    /// How many snapshots came before.
+    /// Index of the snapshot, from 0.
     pub index: u64,
-    /// Steps taken.
+    /// Number of time steps taken.
     pub step: u64,
     /// Time (s).
     pub time: f64,
@@ -36,13 +36,13 @@ pub struct Snapshot<'a> {
     pub acceleration: &'a [Vec3],
     /// Mean stress (Pa), initial stress included, one per mesh element.
     pub stress: &'a [Stress],
-    /// The joints of the body.
+    /// State of the joints.
     pub joints: &'a [JointView<'a>],
-    /// History variables of laws with one value per mesh element, zero where a law has none.
+    /// History variables of laws, one value per mesh element, zero where the law has no such variable.
     pub state: &'a [(HistoryVariable, Vec<f64>)],
 }
 
-/// Takes snapshots, such as a writer of files. A closure is one too.
+/// Receiver of snapshots, such as a writer of files. Closures implement it.
 ///
 /// ```
 /// use powerhouse_explicit_core::observe::{Snapshot, SnapshotSink};
@@ -57,15 +57,15 @@ pub struct Snapshot<'a> {
 /// }
 /// ```
 pub trait SnapshotSink: Send {
-    /// Takes a snapshot.
+    /// Processes a snapshot.
     ///
     /// # Errors
-    /// Fails the run.
+    /// Any error, which ends the run.
     fn take(&mut self, snapshot: &Snapshot) -> Result<(), Box<dyn Error + Send + Sync>>;
-    /// Called once after the last step, also when the run was stopped or failed.
+    /// Completes the output; called once after the last step, also of a stopped or failed run.
     ///
     /// # Errors
-    /// Fails the run.
+    /// Any error, which fails the run.
     fn finish(&mut self) -> Result<(), Box<dyn Error + Send + Sync>> {
         Ok(())
     }
@@ -80,10 +80,10 @@ where
     }
 }
 
-/// Hands the body's fields to a sink at a cadence.
+/// Observer that passes snapshots of the body to a [`SnapshotSink`].
 ///
-/// Memory: 24 bytes per node and kind of motion, 48 per element for stress, kept between
-/// snapshots.
+/// Memory: 24 bytes per node and kind of motion, 48 per element for stress, reused from snapshot to
+/// snapshot.
 ///
 /// ```
 /// use powerhouse_explicit_core::observe::{Motion, Snapshot, SnapshotFields, Snapshots};
@@ -110,7 +110,7 @@ pub struct Snapshots {
 }
 
 impl Snapshots {
-    /// Snapshots of a mesh.
+    /// An observer of the fields of a mesh with a cadence and a receiver.
     ///
     /// # Errors
     /// A cadence out of range.
@@ -134,7 +134,7 @@ impl Snapshots {
             sink: Box::new(sink),
         })
     }
-    /// The same with history variables of laws.
+    /// The same observer with some history variables of laws.
     #[must_use]
     pub fn with_state(mut self, variables: &[HistoryVariable]) -> Self {
         let variables = variables.iter();
@@ -153,11 +153,9 @@ impl Observer for Snapshots {
         "snapshots"
     }
     fn fields(&self) -> Fields {
-        Fields {
-            acceleration: self.fields.motion.acceleration,
-            stress: self.fields.stress,
-            ..Fields::default()
-        }
+        Fields::default()
+            .with_acceleration(self.fields.motion.acceleration)
+            .with_stress(self.fields.stress)
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -11,17 +11,17 @@ use super::{ObserveError, PeakField, Recording, check_cadence};
 pub struct StateTable {
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
-    /// The greatest of each amount with its time, zero in elements whose law has none.
+    /// Maximum over time of each variable of kind [`HistoryKind::Amount`], with its time; zero in elements whose law has
+    /// no such variable.
     pub peaks: Vec<(HistoryVariable, PeakField)>,
-    /// Whole numbers whose bits are flags, as they were last.
+    /// Last values of the variables of kind [`HistoryKind::Flags`], whole numbers whose bits are flags.
     pub flags: Vec<(HistoryVariable, Vec<f64>)>,
 }
 
-/// Observer of the envelopes of the laws' history variables, element by element: amounts such as damage and equivalent
-/// plastic strain, and flags as they were last. Components of tensors are left out.
+/// Observer of the envelopes of the laws' history variables, element by element: scalar amounts such as damage and
+/// equivalent plastic strain, and the last values of flags. Components of tensors are left out.
 ///
-/// Amounts that never fall, as most do not, are at their greatest at the end: one look there is
-/// enough for them, and the last step is always seen.
+/// The last step is always observed, which suffices for amounts that never decrease, as most do.
 ///
 /// Memory: 16 bytes per element and amount, 8 per element and number of flags.
 pub struct StatePeaks {
@@ -31,7 +31,7 @@ pub struct StatePeaks {
 }
 
 impl StatePeaks {
-    /// The peaks of variables in elements, given by mesh indices.
+    /// An observer of some history variables in elements, given by mesh indices.
     ///
     /// # Errors
     /// A cadence out of range, an index beyond the mesh.
@@ -67,7 +67,7 @@ impl StatePeaks {
             recording: Recording::new(table),
         })
     }
-    /// The table that the observer keeps.
+    /// Shared access to the results.
     pub fn recording(&self) -> Recording<StateTable> {
         self.recording.clone()
     }

@@ -1,19 +1,19 @@
-//! Named columns against time.
+//! Tables of named time histories.
 
 use super::ObserveError;
 
-/// One quantity against time.
+/// A time history of one quantity, with name and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name, such as `crown.ux`.
+    /// Name of the quantity, such as `crown.ux`.
     pub name: String,
-    /// Its unit, such as `m/s2`.
+    /// Unit of the values, such as `m/s2`.
     pub unit: &'static str,
-    /// Its values, one per time.
+    /// Values, one per time of the table.
     pub values: Vec<f64>,
 }
 
-/// Columns that share their times.
+/// A table of time histories with common times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryTable {
     /// Times (s), rising.
@@ -23,7 +23,7 @@ pub struct HistoryTable {
 }
 
 impl HistoryTable {
-    /// The column of a name.
+    /// The column with a name; none if there is no such column.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }

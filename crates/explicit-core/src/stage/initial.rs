@@ -1,17 +1,17 @@
-//! Stress that was there before everything else.
+//! In-situ stress before the first stage.
 
 use powerhouse_model::{Mesh, ParameterError, Stress, Vec3};
 
-/// An initial stress that is linear in depth,
+/// An initial (in-situ) stress that varies linearly with depth,
 ///
 /// `sigma(z) = at_surface + gradient (surface - z)`
 ///
-/// above the surface, too, unless it [ends](Self::ends) there.
+/// which holds above the surface too, unless it [ends](Self::ends) there.
 ///
 /// ```
 /// use powerhouse_explicit_core::StressField;
 /// use powerhouse_model::Vec3;
-/// // Rock of 27 kN/m3 under a surface at z = 0, pressed by 0.8 of its weight along x, 1.2 along y.
+/// // Rock of 27 kN/m3 under a surface at z = 0, with lateral stress ratios 0.8 along x and 1.2 along y.
 /// let field = StressField::geostatic(0.0, 27.0e3, [0.8, 1.2])?;
 /// let stress = field.at(&Vec3::new(3.0, 4.0, -100.0));
 /// assert_eq!(stress.0, [-2.16e6, -3.24e6, -2.7e6, 0.0, 0.0, 0.0]);
@@ -19,22 +19,22 @@ use powerhouse_model::{Mesh, ParameterError, Stress, Vec3};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StressField {
-    /// Height of the surface (m).
+    /// Elevation `z` of the surface (m).
     pub surface: f64,
     /// Stress at the surface (Pa).
     pub at_surface: Stress,
-    /// Change of stress with depth (Pa/m).
+    /// Increase of stress per depth (Pa/m).
     pub gradient: Stress,
-    /// Whether there is none above the surface, as of ground under its own weight.
+    /// Whether the stress is zero above the surface, as in ground under its own weight.
     pub ends: bool,
 }
 
 impl StressField {
-    /// The stress under a weight (N/m3, positive), none above the surface, with the shares of the vertical stress that act
-    /// along x and y (K0).
+    /// The geostatic stress of a unit weight (N/m3, positive), zero above the surface, with the lateral stress ratios K0
+    /// along x and y.
     ///
     /// # Errors
-    /// A weight or a share that is negative or not finite.
+    /// A unit weight or ratio that is negative or not finite.
     pub fn geostatic(
         surface: f64,
         unit_weight: f64,
@@ -54,7 +54,7 @@ impl StressField {
         })
     }
 
-    /// The stress (Pa) at a point (m).
+    /// The initial stress (Pa) at a point (m).
     pub fn at(&self, point: &Vec3) -> Stress {
         let depth = self.surface - point.z;
         if self.ends && depth < 0.0 {
@@ -65,9 +65,8 @@ impl StressField {
         }))
     }
 
-    /// The stress (Pa) of every element of a mesh, as
-    /// [`State::initial_stress`](powerhouse_model::State::initial_stress) takes it: that at its
-    /// centroid.
+    /// The initial stress (Pa) at the centroid of every element of a mesh, for
+    /// [`State::initial_stress`](powerhouse_model::State::initial_stress).
     pub fn of_elements(&self, mesh: &Mesh) -> Vec<Stress> {
         let elements = 0..mesh.element_count() as u32;
         elements

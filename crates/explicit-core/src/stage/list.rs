@@ -1,4 +1,4 @@
-//! Stages one after another.
+//! Sequences of construction stages.
 
 use powerhouse_model::{Mesh, ModelError, Renewal, State};
 use thiserror::Error;
@@ -7,15 +7,15 @@ use crate::{
     HourglassShare, Model, ModelBuilder, StaticError, StaticOptions, StaticProgress, StaticReport,
 };
 
-/// Makes the model of a stage of a builder that knows the mesh and the state.
+/// A function that completes the builder of a stage's model; the builder has the mesh and the initial state.
 pub type StageModel<'a> = dyn Fn(ModelBuilder<'_>) -> Result<ModelBuilder<'_>, ModelError> + 'a;
 
-/// What is done to a body until it is at rest again: elements taken out or put in, and a model of
-/// what the body is then made of and what acts on it.
+/// A construction stage: elements excavated or cast, and the complete model that is then brought into static
+/// equilibrium.
 ///
-/// Each stage says all of it, materials, supports, loads, joints and bolts, so that anything may
-/// change from one to the next; what happened so far comes along in the state. What the changes
-/// leave out of balance is released in the increments of the static solution.
+/// Each stage defines its materials, supports, loads, joints and bolts anew, so that anything may
+/// change from one stage to the next; the state carries stresses, displacements and history variables. The forces
+/// that the changes leave unbalanced are applied in the increments of the static solution.
 pub struct Stage<'a> {
     name: String,
     excavated: Vec<u32>,
@@ -26,8 +26,8 @@ pub struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// A stage with a name for reports, and what its model is made of: the closure is given a
-    /// builder that starts from the state of the stage before.
+    /// A stage with a name for reports and a function that completes its model, from a
+    /// builder that starts with the state of the stage before.
     pub fn new(
         name: impl Into<String>,
         build: impl Fn(ModelBuilder<'_>) -> Result<ModelBuilder<'_>, ModelError> + 'a,
@@ -41,22 +41,22 @@ impl<'a> Stage<'a> {
             build: Box::new(build),
         }
     }
-    /// The same with elements (mesh indices) taken out first. They bear nothing any more; what they
-    /// bore comes on the others in increments, as far as [`StaticOptions::release`] says.
+    /// The same stage with elements (mesh indices) excavated (deactivated) first. The forces that they carried are
+    /// released in increments, to the share [`StaticOptions::release`].
     #[must_use]
     pub fn excavate(mut self, elements: &[u32]) -> Self {
         self.excavated.extend_from_slice(elements);
         self
     }
-    /// The same with elements (mesh indices) put in first, free of stress in the deformed body.
+    /// The same stage with elements (mesh indices) cast (activated) first, free of stress in the deformed body.
     #[must_use]
     pub fn cast(mut self, elements: &[u32]) -> Self {
         self.cast.extend_from_slice(elements);
         self
     }
-    /// The same with joints (by name) that start anew at the displacement that the body has: grouted, or
-    /// released from a tie. Their state before is dropped; opening and slip count from here.
-    /// Joints that the stage lacks start anew when a later one has them.
+    /// The same stage with joints (by name) reset at the present displacement: grouted, or
+    /// released from a tie. Their former state is discarded; opening and slip are measured from this displacement.
+    /// A joint that is not part of the stage is reset when a later stage has it.
     #[must_use]
     pub fn renew_joints<N: Into<String>>(
         mut self,
@@ -66,33 +66,33 @@ impl<'a> Stage<'a> {
         self.renewed.extend(named);
         self
     }
-    /// The same with other options of the static solution.
+    /// The same stage with other options of the static solution.
     #[must_use]
     pub fn options(mut self, options: StaticOptions) -> Self {
         self.options = options;
         self
     }
-    /// The stage's name.
+    /// Name of the stage.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The model of the stage, before it comes to rest.
+    /// The model of the stage, before equilibration.
     fn model(&self, mesh: &Mesh, mut state: State) -> Result<Model, StageError> {
         let mut absent = vec![false; mesh.element_count()];
         for &element in &state.absent {
-            if let Some(place) = absent.get_mut(element as usize) {
-                *place = true;
+            if let Some(flag) = absent.get_mut(element as usize) {
+                *flag = true;
             }
         }
         for (elements, wanted, what) in [
-            (&self.excavated, false, "excavated, but is not there"),
-            (&self.cast, true, "cast, but is there already"),
+            (&self.excavated, false, "excavated, but is not active"),
+            (&self.cast, true, "cast, but is active already"),
         ] {
-            // An element may be excavated and cast in one stage: its place is filled anew.
+            // An element may be excavated and cast in one stage: it is replaced.
             let replaced = |element: &u32| wanted && self.excavated.contains(element);
-            let odd = |e: &&u32| absent.get(**e as usize) != Some(&wanted) && !replaced(e);
-            if let Some(&element) = elements.iter().find(odd) {
+            let invalid = |e: &&u32| absent.get(**e as usize) != Some(&wanted) && !replaced(e);
+            if let Some(&element) = elements.iter().find(invalid) {
                 let tag = mesh.element_tags().get(element as usize).copied();
                 return Err(StageError::Elements {
                     stage: self.name.clone(),
@@ -122,78 +122,78 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// What a stage took and did.
+/// Report of a construction stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageReport {
-    /// The stage's name.
+    /// Name of the stage.
     pub name: String,
-    /// Elements that were taken out.
+    /// Number of excavated elements.
     pub excavated: usize,
-    /// Elements that were put in.
+    /// Number of cast elements.
     pub cast: usize,
-    /// The static solution.
+    /// Report of the static solution.
     pub solution: StaticReport,
-    /// The largest displacement of a node in this stage (m), and the node's number.
+    /// Largest displacement of a node in this stage (m), and the node's number.
     pub largest_displacement: (f64, u64),
-    /// What hourglass resistance holds of the internal work of each set at its end.
+    /// Stored hourglass and internal energy of each element set at the end of the stage.
     pub hourglass: Vec<HourglassShare>,
 }
 
-/// What is shown of stages on their way.
+/// Event in the solution of stages, passed to the callback of [`run_stages`].
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum StageEvent<'a> {
-    /// The static solution goes on.
+    /// Progress of the static solution of a stage.
     Progress {
-        /// The stage's name.
+        /// Name of the stage.
         stage: &'a str,
-        /// How far it is.
+        /// Progress of its static solution.
         progress: StaticProgress,
     },
-    /// A stage has come to rest: the place to write its results.
-    AtRest {
-        /// The body.
+    /// A stage has reached static equilibrium; its results can be written.
+    Equilibrated {
+        /// The model in static equilibrium.
         model: &'a Model,
-        /// What the stage took and did.
+        /// Report of the stage.
         report: &'a StageReport,
     },
 }
 
-/// A stage that cannot be done.
+/// Failure of a construction stage.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StageError {
-    /// An element that is to go but is gone, or that is to come but is there.
+    /// An element to be excavated that is absent, or to be cast that is active.
     #[error("stage '{stage}': element {element} is to be {what}")]
     Elements {
-        /// The stage.
+        /// Name of the stage.
         stage: String,
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// What is wrong with it.
+        /// The intended change and the conflicting state.
         what: &'static str,
     },
-    /// A model that is refused.
+    /// A model that cannot be built.
     #[error("stage '{stage}': {source}")]
     Model {
-        /// The stage.
+        /// Name of the stage.
         stage: String,
-        /// Why.
+        /// Cause of the failure.
         source: ModelError,
     },
-    /// A body that does not come to rest.
+    /// A body that does not reach static equilibrium.
     #[error("stage '{stage}': {source}")]
-    Rest {
-        /// The stage.
+    NotEquilibrated {
+        /// Name of the stage.
         stage: String,
-        /// Why.
+        /// Cause of the failure.
         source: StaticError,
     },
 }
 
-/// Brings a body through stages, from a first state, such as one of
-/// [`State::at_rest`] with an initial stress; yields the state in the end, from which a dynamic
-/// model [starts](ModelBuilder::start) and is [handed over](Model::hand_over), and a report of each
+/// Solves a sequence of construction stages from an initial state, such as
+/// [`State::at_rest`] with an initial stress; returns the final state, from which a dynamic
+/// model [starts](ModelBuilder::start) with [`Model::hand_over`], and a report of each
 /// stage.
 ///
 /// A column of rock under its weight loses its upper half:
@@ -229,14 +229,14 @@ pub enum StageError {
 /// let first = State::at_rest(mesh.node_count());
 /// let (state, reports) = run_stages(&mesh, first, &stages, &mut |_| {})?;
 /// assert_eq!((state.absent.len(), reports[1].excavated), (4, 4));
-/// // It rises by the weight of four metres of rock over four metres.
+/// // Heave by the removed weight of four metres of rock over the four metres that remain.
 /// let risen = 2750.0 * 9.81 * 4.0 * 4.0 / 9.0e9;
 /// assert!((reports[1].largest_displacement.0 / risen - 1.0).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// The first stage that cannot be done, see [`StageError`].
+/// The error of the first stage that fails, see [`StageError`].
 pub fn run_stages(
     mesh: &Mesh,
     first: State,
@@ -258,7 +258,7 @@ pub fn run_stages(
         };
         let solution = model
             .equilibrate(&stage.options, &mut progress)
-            .map_err(|source| StageError::Rest {
+            .map_err(|source| StageError::NotEquilibrated {
                 stage: stage.name.clone(),
                 source,
             })?;
@@ -275,7 +275,7 @@ pub fn run_stages(
             largest_displacement: (size, mesh.node_tags().get(node).copied().unwrap_or(0)),
             hourglass: model.hourglass_shares(),
         };
-        watch(StageEvent::AtRest {
+        watch(StageEvent::Equilibrated {
             model: &model,
             report: &report,
         });

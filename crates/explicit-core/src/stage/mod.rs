@@ -1,4 +1,4 @@
-//! What happened to a body before it moves: initial stress, and stages one after another.
+//! Static history of a body before the dynamic run: initial stress and construction stages.
 
 mod initial;
 mod list;

@@ -1,4 +1,4 @@
-//! From forces out of balance to a correction of the displacement.
+//! Displacement corrections from unbalanced forces.
 
 #[cfg(feature = "direct")]
 use powerhouse_model::Operator;
@@ -11,19 +11,19 @@ use super::options::Linearisation;
 use super::system::System;
 use super::{StaticError, StaticMethod, StaticReport, gradients};
 
-/// A linear solver of the method in use.
+/// Linear solver of the static method in use.
 pub(super) enum Corrector {
     Gradients,
-    /// A factor of the elastic operator.
+    /// Cholesky factor of the elastic operator.
     #[cfg(feature = "direct")]
     Elastic(Box<Factor>),
-    /// A factor that is to be made anew at every state.
+    /// Cholesky factor of the tangent, factored anew for every correction.
     #[cfg(feature = "direct")]
     Tangent(Box<Factor>),
 }
 
 impl Corrector {
-    /// The solver that a method asks for.
+    /// The linear solver of a method.
     pub(super) fn new(
         method: StaticMethod,
         system: &System,
@@ -49,8 +49,8 @@ impl Corrector {
         }
     }
 
-    /// Whether corrections are by the tangent at the present state.
-    pub(super) fn follows_the_state(&self) -> bool {
+    /// Whether corrections use the tangent of the present state (Newton's method).
+    pub(super) fn is_tangent(&self) -> bool {
         #[cfg(feature = "direct")]
         if let Self::Tangent(_) = self {
             return true;
@@ -58,8 +58,8 @@ impl Corrector {
         false
     }
 
-    /// The correction for forces out of balance at the state of the last forces, such that the
-    /// linear solver leaves at most a share `left` of them.
+    /// Displacement correction (m) for unbalanced forces (N) at the state of the last forces; the
+    /// linear solver reduces them to at most a share `left`.
     pub(super) fn correct(
         &mut self,
         system: &mut System,

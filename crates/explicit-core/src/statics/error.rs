@@ -1,152 +1,158 @@
-//! Why a static solution cannot be had.
+//! Errors of static solutions.
 
 use powerhouse_model::ParameterError;
 use thiserror::Error;
 
-/// A model that does not come to rest. Nodes and elements are named by the user's numbers.
+/// Failure of a static solution. Nodes and elements are named by the user's numbers.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StaticError {
-    /// An option outside its range.
+    /// A solution option outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A part of the model that can move as a rigid body.
+    /// An unsupported part of the model, which can move as a rigid body.
     #[error(
-        "the part with element {element} of set '{set}' ({elements} elements) can {motion} freely"
+        "the connected part with element {element} of set '{set}' ({elements} elements) can {motion} freely"
     )]
     Floating {
-        /// An element of the part.
+        /// Number of an element of the part.
         element: u64,
-        /// Its set.
+        /// Set of that element.
         set: String,
-        /// How many elements the part has.
+        /// Number of elements of the part.
         elements: usize,
-        /// The motion that nothing resists.
+        /// The unrestrained rigid motion: a translation along, or a rotation about, an axis.
         motion: String,
     },
-    /// A node that nothing resists, or a set next to whose stiffness that of others is all there is.
+    /// A node without stiffness, or with one lost to rounding beside the stiffest of the model.
     #[error("set '{set}' gives node {node} no stiffness")]
     NoStiffness {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// The set of an element at it.
+        /// Set of an element at the node.
         set: String,
     },
-    /// A stiffness that has no Cholesky factor.
+    /// A stiffness matrix that is not positive definite and has no Cholesky factor.
     #[error(
         "the stiffness is not positive definite at node {node} (element {element} of set '{set}'): \
-         something there softens, or is free to move"
+    the material softens there, or the node is not supported"
     )]
     NotDefinite {
-        /// The node whose elimination failed.
+        /// Number of the node whose elimination failed.
         node: u64,
-        /// An element at it.
+        /// Number of an element at the node.
         element: u64,
-        /// That element's set.
+        /// Set of that element.
         set: String,
     },
-    /// A factor for which there is no memory.
-    #[error("a direct solution of {unknowns} unknowns needs {bytes} bytes that are not there")]
+    /// Too little memory for the Cholesky factor.
+    #[error(
+        "the direct solution of {unknowns} unknowns failed to allocate {bytes} bytes of memory"
+    )]
     NoMemory {
-        /// Unknown displacements.
+        /// Number of unknown displacements.
         unknowns: usize,
-        /// Bytes of the piece of memory that was refused.
+        /// Size of the allocation that failed (bytes).
         bytes: usize,
     },
-    /// A constraint that knows no static form.
-    #[error("'{name}' has no static form")]
+    /// A constraint that has neither ties nor joints and therefore no static form.
+    #[error(
+        "constraint '{name}' cannot be used in a static solution: it has neither ties nor joints"
+    )]
     Constraint {
-        /// Its name.
+        /// Name of the constraint.
         name: String,
     },
-    /// A joint whose law does not admit the tractions that hold it together.
+    /// A joint that slides or opens in a method that treats sticking pairs as tied.
     #[error(
-        "joint '{joint}' slides or opens at {pairs} of {of} pairs: this method takes what sticks for \
-         one body; dynamic relaxation lets it move"
+        "joint '{joint}' slides or opens at {pairs} of {of} pairs: this method treats sticking pairs as \
+        tied; dynamic relaxation lets them slide and open"
     )]
     JointMoves {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// How many of its pairs move.
+        /// Number of its pairs that slide or open.
         pairs: usize,
-        /// How many it has.
+        /// Number of its pairs.
         of: usize,
     },
-    /// A joint that could not be solved.
+    /// A failure of a constraint or joint.
     #[error("'{name}': {reason}")]
     Joint {
-        /// The constraint.
+        /// Name of the constraint.
         name: String,
-        /// Why.
+        /// Cause of the failure.
         reason: String,
     },
-    /// Nodes that are held together but driven apart.
-    #[error("node {node} is tied to one with another prescribed motion")]
+    /// Tied nodes with different prescribed motions.
+    #[error("node {node} is tied to a node with another prescribed motion")]
     TiedMotions {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// An element that cannot be computed.
+    /// An element whose forces cannot be computed.
     #[error("element {element} of set '{set}': {reason}")]
     Element {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// Its set.
+        /// Set of the element.
         set: String,
-        /// Why.
+        /// Cause of the failure.
         reason: String,
     },
-    /// A body that other forces hold than those of the stage before.
+    /// Carried forces that differ from those of the stage before by more than the tolerance.
     #[error(
-        "what holds the body changed by {difference:.3e} of its internal forces (permitted: \
-         {tolerance:.1e}) from one stage to the next, most of all at node {node}: a load, an \
-         element or a bolt is missing or new, or the body was not at rest"
+        "the forces carried over to the dynamic stage differ from those of the stage before by \
+        {difference:.3e} of the internal forces (permitted: {tolerance:.1e}), most at node {node}: a load, an \
+        element or a bolt is missing or new, or the body was not in static equilibrium"
     )]
-    NotHeld {
-        /// The change, relative to the internal forces.
+    CarriedForcesChanged {
+        /// Norm of the difference over the norm of the internal forces.
         difference: f64,
-        /// The permitted change.
+        /// Largest permitted difference, relative to the internal forces.
         tolerance: f64,
-        /// The node where most changed.
+        /// Number of the node with the largest difference.
         node: u64,
     },
-    /// A law that would forget the static stress.
+    /// A viscoelastic law in a set with static stress, which its relaxation mechanisms would dissipate.
     #[error(
-        "set '{set}' relaxes: its damping would act on the static stress, which must be an \
-         initial stress for it"
+        "the law of set '{set}' is viscoelastic: its relaxation would reduce the static stress, which must be \
+        given as initial stress of this set"
     )]
-    Relaxes {
-        /// The set.
+    Viscoelastic {
+        /// Name of the element set.
         set: String,
     },
-    /// Forces that do not balance.
+    /// Unbalanced forces above the tolerance after all corrections or steps.
     #[error(
-        "the forces out of balance stay at {residual:.3e} of the load at {share} of it, most of \
-         all at node {node} (element {element} of set '{set}'): {way_out}"
+        "the unbalanced forces remain at {residual:.3e} of the load at load factor {share}, largest \
+        at node {node} (element {element} of set '{set}'): {advice}"
     )]
     NotConverged {
-        /// Forces out of balance over the load.
+        /// Norm of the unbalanced forces over that of the load.
         residual: f64,
-        /// The share of the load.
+        /// Load factor, 0 to 1.
         share: f64,
-        /// The node where most is out of balance.
+        /// Number of the node with the largest unbalanced force.
         node: u64,
-        /// An element at it.
+        /// Number of an element at the node.
         element: u64,
-        /// That element's set.
+        /// Set of that element.
         set: String,
-        /// What may find the rest that there is.
-        way_out: &'static str,
+        /// Change of the solution options that may help.
+        advice: &'static str,
     },
-    /// The flag was raised that the model [stops on](crate::ModelBuilder::stop_on).
+    /// Cancellation by the flag of [`ModelBuilder::stop_on`](crate::ModelBuilder::stop_on).
     #[error("interrupted")]
     Interrupted,
-    /// The conjugate gradients do not come to an end.
-    #[error("the linear solver leaves {residual:.3e} after {products} products")]
+    /// Conjugate gradients that do not converge.
+    #[error(
+        "the linear solver leaves a relative residual of {residual:.3e} after {products} products"
+    )]
     LinearSolver {
-        /// What is left, relative.
+        /// Norm of the residual over that of the right-hand side.
         residual: f64,
-        /// Products of the operator.
+        /// Number of products of the operator.
         products: u64,
     },
 }

@@ -1,4 +1,4 @@
-//! Conjugate gradients.
+//! Preconditioned conjugate gradients.
 
 use powerhouse_model::Vec3;
 use rayon::prelude::*;
@@ -7,13 +7,13 @@ use super::StaticError;
 use super::system::System;
 use crate::spectrum::{dot, norm};
 
-/// Products after which the solver gives up, times the cube root of the unknowns.
-const PATIENCE: f64 = 60.0;
+/// Largest number of products over the cube root of the number of unknowns.
+const MOST_PRODUCTS: f64 = 60.0;
 
-/// Solves `K x = b` to a share `left` of the norm of `b`; yields the solution and the products it
-/// took.
+/// Solves `K x = b` to a residual of `left` times the norm of `b`; returns the solution and the number of operator
+/// products.
 ///
-/// Hestenes & Stiefel (1952), with the inverses of the nodal diagonals.
+/// Hestenes & Stiefel (1952), preconditioned with the inverses of the nodal 3 x 3 diagonals.
 pub(super) fn solve(
     system: &mut System,
     b: &[Vec3],
@@ -25,7 +25,7 @@ pub(super) fn solve(
     let mut preconditioned = system.precondition(&residual);
     let mut direction = preconditioned.clone();
     let mut weight = dot(&residual, &preconditioned);
-    let most = (PATIENCE * (3.0 * b.len() as f64).cbrt()).max(200.0) as u64;
+    let most = (MOST_PRODUCTS * (3.0 * b.len() as f64).cbrt()).max(200.0) as u64;
     let mut size = norm(&residual);
     for products in 0..most {
         if size <= goal {

@@ -1,31 +1,31 @@
-//! Joints and ties in statics: what holds together is one, as long as its law admits it.
+//! Joints and ties in static solutions: pairs that stick are tied, as long as their law admits the tractions.
 
-use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, Vec3};
+use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, StepTime, Vec3};
 
-use super::{Parts, StaticError};
+use super::{DisjointSets, StaticError};
 use crate::Model;
-use crate::groups::Group;
+use crate::groups::NodeGroup;
 use crate::model::least_mass;
 
-/// The length of step (s) in which joints are asked for their tractions at rest; forces do not
+/// Length of step (s) in which joint laws are evaluated for tractions in static equilibrium; forces do not
 /// depend on it.
 const SOME_STEP: f64 = 1.0e-4;
 
-/// Which pairs of joints count as held together, beside ties.
+/// Node pairs of joints that count as connected, in addition to ties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Held {
-    /// Those that stick.
+pub(super) enum ConnectedPairs {
+    /// Pairs that stick.
     Sticking,
-    /// All that are not open.
+    /// Pairs that stick or slide.
     Closed,
 }
 
 impl Model {
-    /// Engine nodes of the pairs that constraints hold together.
-    fn held_pairs(&self, held: Held) -> Vec<[u32; 2]> {
-        let together = |state: ContactState| match held {
-            Held::Sticking => state == ContactState::Stick,
-            Held::Closed => state != ContactState::Open,
+    /// Engine nodes of the connected pairs of all constraints.
+    fn connected_pairs(&self, which: ConnectedPairs) -> Vec<[u32; 2]> {
+        let together = |state: ContactState| match which {
+            ConnectedPairs::Sticking => state == ContactState::Stick,
+            ConnectedPairs::Closed => state != ContactState::Open,
         };
         let mut pairs = Vec::new();
         for bound in &self.constraints {
@@ -40,9 +40,8 @@ impl Model {
         pairs.into_iter().map(engine).collect()
     }
 
-    /// Refuses constraints that know neither ties nor joints, and joints with pairs that slide unless
-    /// they may.
-    pub(super) fn check_joints(&self, held: Held) -> Result<(), StaticError> {
+    /// Refuses constraints without ties and joints, and sliding pairs in methods that treat sticking pairs as tied.
+    pub(super) fn check_joints(&self, which: ConnectedPairs) -> Result<(), StaticError> {
         for bound in &self.constraints {
             let joints = bound.constraint.joints();
             if joints.is_empty() && bound.constraint.ties().is_empty() {
@@ -53,7 +52,7 @@ impl Model {
             for joint in joints {
                 let states = joint.records.iter().map(|record| record.state.contact);
                 let sliding = states.filter(|state| *state == ContactState::Slide).count();
-                if sliding > 0 && held == Held::Sticking {
+                if sliding > 0 && which == ConnectedPairs::Sticking {
                     return Err(StaticError::JointMoves {
                         joint: joint.name.into(),
                         pairs: sliding,
@@ -65,36 +64,40 @@ impl Model {
         Ok(())
     }
 
-    /// Calls `join` with the mesh nodes of every pair that is held together.
-    pub(super) fn each_held_pair(&self, held: Held, mut join: impl FnMut(u32, u32)) {
-        for pair in self.held_pairs(held) {
+    /// Calls `join` with the mesh nodes of every connected pair.
+    pub(super) fn each_connected_pair(
+        &self,
+        which: ConnectedPairs,
+        mut join: impl FnMut(u32, u32),
+    ) {
+        for pair in self.connected_pairs(which) {
             let [a, b] = pair.map(|node| self.numbering.mesh_of[node as usize]);
             join(a, b);
         }
     }
 
-    /// The groups of the model, those that held pairs connect made one.
-    pub(super) fn joined_groups(&self) -> Result<Vec<Group>, StaticError> {
+    /// The groups of the model, with groups connected by sticking pairs merged.
+    pub(super) fn merged_groups(&self) -> Result<Vec<NodeGroup>, StaticError> {
         let groups = &self.groups.groups;
-        let mut parts = Parts::new(groups.len());
-        for [a, b] in self.held_pairs(Held::Sticking) {
+        let mut sets = DisjointSets::new(groups.len());
+        for [a, b] in self.connected_pairs(ConnectedPairs::Sticking) {
             // Nodes of constraints always have groups.
             if let (Some(a), Some(b)) = (self.group_of[a as usize], self.group_of[b as usize]) {
-                parts.join(a, b);
+                sets.join(a, b);
             }
         }
-        let mut joined: Vec<Option<Group>> = vec![None; groups.len()];
-        for (place, group) in groups.iter().enumerate() {
-            let root = parts.root(place as u32) as usize;
-            let Some(whole) = &mut joined[root] else {
-                joined[root] = Some(group.clone());
+        let mut merged: Vec<Option<NodeGroup>> = vec![None; groups.len()];
+        for (index, group) in groups.iter().enumerate() {
+            let root = sets.root(index as u32) as usize;
+            let Some(whole) = &mut merged[root] else {
+                merged[root] = Some(group.clone());
                 continue;
             };
             whole.members.extend_from_slice(&group.members);
             if whole.mass <= 0.0 {
-                // A node that has lost its elements does not lead: forces on it are dropped.
-                let gone = whole.members.len() - group.members.len();
-                whole.members.rotate_left(gone);
+                // An orphan node cannot lead: forces on it are dropped.
+                let orphans = whole.members.len() - group.members.len();
+                whole.members.rotate_left(orphans);
             }
             whole.mass += group.mass;
             whole.spring += group.spring;
@@ -109,16 +112,16 @@ impl Model {
                 whole.condition.hold(direction);
             }
         }
-        Ok(joined.into_iter().flatten().collect())
+        Ok(merged.into_iter().flatten().collect())
     }
 
-    /// The lead of a node's group.
+    /// The lead node of a node's group.
     fn lead(&self, node: u32) -> usize {
         self.members(&node)[0] as usize
     }
 
-    /// Tells the constraints the length of the steps (s) to come, and the inverse effective masses of
-    /// leads (1/kg, engine numbering).
+    /// Passes the length of the coming steps (s) to the constraints, with the inverse effective masses of
+    /// lead nodes (1/kg, engine numbering).
     pub(super) fn prepare_joints(&mut self, step: f64, inverse: &[Mat3]) {
         let mut constraints = core::mem::take(&mut self.constraints);
         for bound in &mut constraints {
@@ -127,11 +130,11 @@ impl Model {
             bound.constraint.prepare(step, &inverse);
         }
         self.constraints = constraints;
-        // The matrices of the joints are those of another step now.
+        // The constraints are now prepared for another length of step.
         self.prepared = None;
     }
 
-    /// Lets the constraints correct the velocities of leads (m/s, engine numbering) in a step, from a
+    /// Corrects the velocities of lead nodes (m/s, engine numbering) by the constraints in a step, from a
     /// displacement and the velocities before.
     pub(super) fn correct_joints(
         &mut self,
@@ -140,7 +143,11 @@ impl Model {
         velocity: &mut [Vec3],
         inverse: &[Mat3],
     ) -> Result<(), StaticError> {
-        let when = (self.number, self.time, step);
+        let when = StepTime {
+            number: self.number,
+            time: self.time,
+            step,
+        };
         let mut constraints = core::mem::take(&mut self.constraints);
         let corrected = constraints.iter_mut().try_for_each(|bound| {
             let nodes = bound.nodes().iter();
@@ -172,7 +179,7 @@ impl Model {
         joints.map(|joint| JointHistory::from(&joint)).collect()
     }
 
-    /// Puts the joints into an earlier state.
+    /// Restores the joints to an earlier state.
     pub(super) fn restore_joints(&mut self, histories: &[JointHistory]) {
         for history in histories {
             for bound in &mut self.constraints {
@@ -183,9 +190,9 @@ impl Model {
         }
     }
 
-    /// Lets what slid stick where it has come to rest at a displacement (m, engine numbering), and
-    /// forgets the impacts of the way there, which are those of masses that are none.
-    pub(super) fn rest_joints(&mut self, before: &[JointHistory], u: &[Vec3]) {
+    /// Makes sliding pairs stick in static equilibrium at a displacement (m, engine numbering), and discards the impact
+    /// losses of the relaxation, whose masses are fictitious.
+    pub(super) fn stick_joints(&mut self, before: &[JointHistory], u: &[Vec3]) {
         let mut histories = Vec::new();
         for (joint, before) in self.joints().zip(before) {
             let mut history = JointHistory::from(&joint);
@@ -204,12 +211,12 @@ impl Model {
         self.restore_joints(&histories);
     }
 
-    /// Lets the joints take the forces that hold them at rest, and refuses those whose law does not.
+    /// Computes the tractions of joints in static equilibrium, and refuses joints whose law does not admit them.
     pub(super) fn load_joints(&mut self) -> Result<(), StaticError> {
         if self.constraints.is_empty() {
             return Ok(());
         }
-        self.forces_at_rest(0.0)?;
+        self.compute_static_forces(0.0)?;
         let mut forces = self.forces_of_initial_stress();
         forces.iter_mut().for_each(|force| *force = -*force);
         self.loads.add_all(self.time, &mut forces);
@@ -225,9 +232,8 @@ impl Model {
         let (groups, least) = (&self.groups.groups, least_mass(&self.mass));
         let free = |mass: f64| Mat3::identity() / mass;
         let inverse = |node: usize| match self.group_of[node].map(|g| &groups[g as usize]) {
-            Some(group) => {
-                (group.ghost(least)).unwrap_or_else(|| group.condition.project(&free(group.mass)).0)
-            }
+            Some(group) => (group.orphan_inverse(least))
+                .unwrap_or_else(|| group.condition.project(&free(group.mass)).0),
             None if self.mass[node] > 0.0 => free(self.mass[node]),
             None => Mat3::zeros(),
         };
@@ -237,13 +243,13 @@ impl Model {
             .collect();
         let displacement = self.displacements();
         let still = vec![Vec3::zeros(); displacement.len()];
-        let held = self.held_pairs(Held::Sticking).len();
+        let connected = self.connected_pairs(ConnectedPairs::Sticking).len();
         self.prepare_joints(SOME_STEP, &inverse);
         self.correct_joints(SOME_STEP, (&displacement, &still), &mut velocity, &inverse)?;
-        if self.held_pairs(Held::Sticking).len() == held {
+        if self.connected_pairs(ConnectedPairs::Sticking).len() == connected {
             return Ok(());
         }
-        self.check_joints(Held::Sticking)?;
+        self.check_joints(ConnectedPairs::Sticking)?;
         let mut moved = (String::new(), 0, 0);
         for joint in self.joints() {
             let states = joint.records.iter().map(|record| record.state.contact);

@@ -1,14 +1,14 @@
-//! Fixed-point iteration with memory.
+//! Anderson acceleration of fixed-point iterations.
 
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::Vec3;
 
 use crate::spectrum::{dot, norm};
 
-/// Anderson mixing of corrections.
+/// Anderson mixing (acceleration) of displacement corrections.
 ///
-/// For an iteration `u <- u + g(u)` it takes the combination of the last points whose corrections
-/// add up to the smallest one, `min |g - sum c_j dg_j|`, and goes on from there:
+/// For an iteration `u <- u + g(u)` it finds the linear combination of the last iterates with the smallest
+/// correction, `min |g - sum c_j dg_j|`, and continues from it:
 ///
 /// `u <- u + g - sum c_j (du_j + dg_j)`
 ///
@@ -17,19 +17,19 @@ use crate::spectrum::{dot, norm};
 pub(super) struct Mixing {
     most: usize,
     last: Option<(Vec<Vec3>, Vec<Vec3>)>,
-    /// Differences of points and of corrections, the oldest first.
+    /// Differences of iterates and of corrections, the oldest first.
     differences: Vec<(Vec<Vec3>, Vec<Vec3>)>,
     /// Norm of the last correction.
     size: f64,
 }
 
-/// A correction this many times the last one starts anew.
+/// Ratio of a correction to the last one above which the stored differences are discarded.
 const WORSE: f64 = 4.0;
-/// Directions that add less than this share to those known are left out.
+/// Eigenvalue of the normal equations, relative to the largest, below which a direction counts as dependent.
 const DEPENDENT: f64 = 1.0e-12;
 
 impl Mixing {
-    /// With so many differences kept.
+    /// Mixing with at most `most` stored differences.
     pub(super) fn new(most: usize) -> Self {
         Self {
             most,
@@ -39,7 +39,7 @@ impl Mixing {
         }
     }
 
-    /// Moves a point on by its correction.
+    /// Advances an iterate by its accelerated correction.
     pub(super) fn advance(&mut self, u: &mut [Vec3], correction: Vec<Vec3>) {
         let size = norm(&correction);
         if size > WORSE * self.size {
@@ -67,8 +67,7 @@ impl Mixing {
         self.last = Some((point, correction));
     }
 
-    /// Least squares by the eigenvalues of the normal equations, in which directions that depend
-    /// on others are left out.
+    /// Coefficients `c_j` by least squares, from the eigenvalues of the normal equations without dependent directions.
     fn shares(&self, correction: &[Vec3]) -> Vec<f64> {
         let count = self.differences.len();
         if count == 0 {

@@ -1,9 +1,11 @@
 //! Static equilibrium of a model: increments of load, a preconditioned conjugate gradient on the
 //! element blocks, and accelerated iteration for laws that are not linear.
 
+mod balance;
 mod corrector;
 #[cfg(feature = "direct")]
 mod direct;
+mod disjoint_sets;
 mod error;
 #[cfg(feature = "direct")]
 mod freedoms;
@@ -11,101 +13,99 @@ mod gradients;
 mod joints;
 mod mixing;
 mod options;
-mod parts;
 mod relaxation;
-mod rest;
 mod support_check;
 mod system;
 
+pub use balance::HandOverReport;
 pub use error::StaticError;
 #[cfg(feature = "direct")]
 pub use options::Linearisation;
 pub use options::{StaticMethod, StaticOptions};
-pub use rest::HandOverReport;
 
 use powerhouse_model::Vec3;
 
 use crate::Model;
 use corrector::Corrector;
-use joints::Held;
+use disjoint_sets::DisjointSets;
+use joints::ConnectedPairs;
 use mixing::Mixing;
-use parts::Parts;
 use relaxation::Relaxation;
 use system::System;
 
 use crate::spectrum::norm;
 
-/// What a static solution took.
+/// Report of a static solution: numbers of operations and residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StaticReport {
-    /// Increments, cut ones counted as often as they were tried.
+    /// Number of load increments tried, including those that were repeated by halves.
     pub increments: u32,
-    /// Corrections in all increments.
+    /// Number of displacement corrections in all increments.
     pub corrections: u32,
-    /// Products of the elastic operator.
+    /// Number of products of the elastic operator with a vector.
     pub products: u64,
-    /// Factorisations of the operator; zero without a direct solver.
+    /// Number of factorisations of the operator; zero without a direct solver.
     pub factorisations: u32,
-    /// Entries of the factor, eight bytes each.
+    /// Number of entries of the Cholesky factor, eight bytes each.
     pub factor_entries: u64,
-    /// Steps of a dynamic relaxation.
+    /// Number of steps of a dynamic relaxation.
     pub steps: u64,
-    /// Forces out of balance in the end over the load, below the gate.
+    /// Norm of the unbalanced forces at the end over that of the load, below the tolerance.
     pub residual: f64,
-    /// Norm of the load (N): the largest of applied forces, those that the initial stress asks for,
-    /// and those that were out of balance.
+    /// Norm of the load (N): the largest of the norms of applied forces, forces of the initial stress,
+    /// and unbalanced forces at the start.
     pub load: f64,
-    /// What was out of balance at the start, over the load.
+    /// Norm of the unbalanced forces at the start over that of the load.
     pub unbalanced: f64,
 }
 
-/// Progress of a static solution, shown after each correction or a hundred steps.
+/// Progress of a static solution, passed to the progress callback after each correction or a hundred steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticProgress {
-    /// The share of the load that acts.
+    /// Load factor of the increment, 0 to 1.
     pub share: f64,
-    /// Corrections in this increment, or steps of a dynamic relaxation.
+    /// Number of corrections in this increment, or of steps of a dynamic relaxation.
     pub correction: u32,
-    /// Forces out of balance over the load.
+    /// Norm of the unbalanced forces over that of the load.
     pub residual: f64,
 }
 
-/// Corrections that are kept.
+/// Number of earlier corrections in the Anderson acceleration.
 const KEPT_CORRECTIONS: usize = 8;
-/// How much of an increment's first residual the linear solver leaves in laws that are not linear.
+/// Relative residual to which the linear solver is run with nonlinear laws.
 const FORCING: f64 = 1.0e-2;
-/// Of what the gate asks, how much the linear solver leaves.
+/// Residual of the linear solver over the tolerance of the static solution.
 const MARGIN: f64 = 0.1;
 
 impl Model {
-    /// Brings the model to rest under its loads at its present time.
+    /// Brings the model into static equilibrium under its loads at its present time.
     ///
-    /// The load that is not yet balanced comes in increments; in each one the displacement is
-    /// corrected by the elastic operator until forces balance,
+    /// The unbalanced part of the load is applied in increments; in each one the displacement is
+    /// corrected with the elastic operator until forces balance,
     ///
     /// `K_e du = f_ext - f_int(u)`
     ///
-    /// by conjugate gradients or as else the [method](StaticMethod) says. For linear laws one
-    /// correction suffices; for others the corrections are combined with up to eight earlier ones
-    /// so that the next is smallest (Anderson 1965). The history of an increment is
-    /// committed once it balances; an increment that does not is tried anew by halves.
+    /// solved by conjugate gradients or by the chosen [method](StaticMethod). For linear laws one
+    /// correction suffices; for others the corrections are accelerated with up to eight earlier ones
+    /// (Anderson 1965). The history variables are committed at the end of a converged increment; an increment that
+    /// does not converge is repeated by halves.
     ///
-    /// The initial stress counts with the forces that it asks of the nodes, so that it stands in
-    /// balance with weights, pressures and supports, or moves the body until it does. Dashpots do
-    /// not act, springs of boundaries do, and prescribed motions have their value at the present
-    /// time. Laws that depend on time are static.
+    /// The initial stress enters with its internal nodal forces, which weights, pressures and supports
+    /// balance, or the body deforms until they do. Dashpots have no force, springs of boundaries
+    /// have, and prescribed motions have their value at the present
+    /// time. Time-dependent laws are evaluated in their static form.
     ///
-    /// Ties and pairs of joints that stick are one node for the solution; in the end the joints take
-    /// their tractions, which their laws must admit. Pairs that are open stay so. Where that is not
-    /// how it ends, [`StaticMethod::DynamicRelaxation`] lets joints slide, open and close; pairs that
-    /// slid stick where they came to rest.
+    /// Ties and sticking pairs of joints are treated as one node; at the end the tractions of the joints are computed,
+    /// which their laws must admit. Open pairs stay open. Otherwise use
+    /// [`StaticMethod::DynamicRelaxation`], in which joints slide, open and close; pairs that
+    /// slid stick at the equilibrium position.
     ///
-    /// In the end velocities are zero, and what the body lacks to be at rest beside its loads,
-    /// the residual under the gate too, acts on as standing forces: stepped on with the same
-    /// supports it stays as still as if it were in balance to the last digit.
+    /// At the end velocities are zero, and the forces that balance the body in addition to its loads
+    /// (reactions of the initial stress and the residual below the tolerance) are stored as carried forces: a dynamic run
+    /// with the same supports starts in equilibrium to the last digit.
     ///
     /// # Errors
-    /// See [`StaticError`]; the model is then in the state of the last increment that balanced.
+    /// See [`StaticError`]; the model is then in the state of the last converged increment.
     pub fn equilibrate(
         &mut self,
         options: &StaticOptions,
@@ -122,17 +122,17 @@ impl Model {
     ) -> Result<StaticReport, StaticError> {
         let relaxes = options.method == StaticMethod::DynamicRelaxation;
         self.check_static(if relaxes {
-            Held::Closed
+            ConnectedPairs::Closed
         } else {
-            Held::Sticking
+            ConnectedPairs::Sticking
         })?;
-        self.settle();
+        self.complete_kick();
         self.commit();
         let mut report = StaticReport::default();
         let mut system = System::new(self)?;
         let mut solver = match options.method {
             StaticMethod::DynamicRelaxation => {
-                system.part()?;
+                system.separate_joints()?;
                 Solver::Relaxation(Relaxation::new(&system, options.steps))
             }
             _ => Solver::Corrector(Corrector::new(options.method, &system, &mut report)?),
@@ -140,24 +140,26 @@ impl Model {
         let mut u = system.displacement();
         let (target, size) = system.external();
         system.forces(&u)?;
-        // What is balanced at the start stays balanced: the rest is the load that comes.
+        // Balanced forces stay balanced: the unbalanced part is the load to be applied.
         let mut first = system.residual(&target, &u);
         if let Solver::Relaxation(relaxation) = &solver {
-            first = relaxation.beside_joints(&mut system, &first, &u)?;
+            first = relaxation.without_joint_forces(&mut system, &first, &u)?;
         }
-        let driven = system.prescribed_change(&u);
+        let prescribed = system.prescribed_change(&u);
         report.load = size.max(norm(&first));
         if report.load > 0.0 {
             report.unbalanced = norm(&first) / report.load;
         }
-        let moves = driven.iter().any(|(_, change)| *change != Vec3::zeros());
+        let moves = prescribed
+            .iter()
+            .any(|(_, change)| *change != Vec3::zeros());
         let end = options.release;
         let (mut done, mut share) = (0.0, end / f64::from(options.increments));
         if report.load == 0.0 && !moves {
             done = end;
         }
         while done < end {
-            // The last increment ends exactly at what is to come.
+            // The last increment ends exactly at the load factor of the end.
             let next = if done + 1.5 * share > end {
                 end
             } else {
@@ -165,7 +167,7 @@ impl Model {
             };
             report.increments += 1;
             let mut trial = u.clone();
-            for &(node, change) in &driven {
+            for &(node, change) in &prescribed {
                 trial[node] += change * (next - done);
             }
             let rest: Vec<Vec3> = (target.iter().zip(&first))
@@ -202,31 +204,31 @@ impl Model {
             }
         }
         system.finish(&u);
-        // A relaxation has asked the joints already.
+        // A dynamic relaxation has evaluated the joints already.
         if !relaxes {
             self.load_joints()?;
         }
-        self.hold()?;
+        self.store_carried_forces()?;
         Ok(report)
     }
 }
 
-/// What finds the state of an increment.
+/// Solver of an increment.
 enum Solver {
     Corrector(Corrector),
     Relaxation(Relaxation),
 }
 
-/// One increment.
+/// One load increment.
 struct Increment<'a> {
     options: &'a StaticOptions,
-    /// Forces (N) that act in it.
+    /// Nodal forces (N) at its end.
     applied: &'a [Vec3],
     share: f64,
 }
 
 impl Increment<'_> {
-    /// The displacement at which forces balance, by corrections of a first guess.
+    /// The displacement (m) in static equilibrium, by corrections of a first guess.
     fn find(
         &self,
         (system, corrector): (&mut System, &mut Corrector),
@@ -241,7 +243,7 @@ impl Increment<'_> {
             let residual = system.residual(self.applied, &u);
             let size = norm(&residual);
             if report.load == 0.0 {
-                // Prescribed motions alone: what they let go at first.
+                // Prescribed motions alone: the unbalanced forces that they cause first.
                 report.load = size;
             }
             let relative = if size == 0.0 { 0.0 } else { size / report.load };
@@ -259,17 +261,16 @@ impl Increment<'_> {
             }
             correction += 1;
             report.corrections += 1;
-            let gate = MARGIN * self.options.tolerance * report.load / size;
+            let required = MARGIN * self.options.tolerance * report.load / size;
             let left = if system.is_linear() {
-                gate
+                required
             } else {
-                gate.max(FORCING)
+                required.max(FORCING)
             };
             let mut step = corrector.correct(system, &residual, left, report)?;
             system.spread(&mut step);
-            if corrector.follows_the_state() && size < last {
-                // Newton's own pace, which earlier corrections would only slow down: 10 corrections
-                // where they make 32 of it.
+            if corrector.is_tangent() && size < last {
+                // Newton's method converges faster without acceleration: 10 corrections instead of 32.
                 mixing = Mixing::new(KEPT_CORRECTIONS);
             }
             last = size;

@@ -1,57 +1,57 @@
-//! How a static solution is found, and how far it goes.
+//! Options of static solutions: method, tolerance, increments.
 
 use powerhouse_model::ParameterError;
 
-/// How a body is brought to rest.
+/// Solution method for static equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StaticMethod {
-    /// Corrections by the elastic operator, each by conjugate gradients with the inverses of the
-    /// nodal 3 x 3 diagonals: no matrix is assembled.
+    /// Corrections with the elastic operator, each by conjugate gradients preconditioned with the inverses of the
+    /// nodal 3 x 3 diagonals; no matrix is assembled.
     #[default]
     ConjugateGradients,
-    /// Corrections by a sparse Cholesky factor, in an order by nested dissection.
+    /// Corrections with a sparse Cholesky factor, ordered by nested dissection.
     ///
-    /// Worth it where one factor serves many corrections and memory permits: a cube of 30 bricks a
+    /// Efficient where one factor serves many corrections and memory permits: a cube of 30 bricks a
     /// side has 9.3e7 entries in its factor and takes 0.9 GiB, one of 60 has 1.54e9 and takes 12.7 GiB
     /// (`cargo bench --bench statics --features direct -- cholesky 60`). On two busy cores that took
     /// 713 s; conjugate gradients took 23 s, 390 products and 0.2 GiB (`-- gradients 60`).
     #[cfg(feature = "direct")]
     Cholesky(Linearisation),
-    /// Explicit steps in a time of its own, damped until nothing moves, with the laws of joints
-    /// asked in every step: for joints that slide and open, and for softening that leaves Newton's
-    /// corrections nowhere to go.
+    /// Dynamic relaxation: damped explicit steps in pseudo-time until the body is in static equilibrium, with the laws of
+    /// joints evaluated in every step. For joints that slide and open, and for softening, where Newton's method does
+    /// not converge.
     ///
-    /// Each increment begins with what [`ConjugateGradients`](Self::ConjugateGradients) would do if
-    /// all that sticks went on sticking, so that bonds do not break by waves that no load made.
-    /// Then, with masses for which one step is stable,
+    /// Each increment begins with the solution of [`ConjugateGradients`](Self::ConjugateGradients) with all sticking
+    /// pairs tied, so that bonds do not break by waves of the relaxation itself.
+    /// Then, with fictitious masses for which the step is stable,
     ///
     /// `v+ = (1 - c dt) v + dt M^-1 (f_ext - f_int(u) + f_joint)`, `u+ = u + dt v+`
     ///
     /// with the damping `c` twice the frequency of the present motion, the root of its Rayleigh
     /// quotient `v . K v / (v . M v)`, `K` as seen along the last step (Underwood 1983, in
-    /// *Computational Methods for Transient Analysis*, ch. 5). Laws answer for the whole increment,
-    /// as in the other methods; joints step by step.
+    /// *Computational Methods for Transient Analysis*, ch. 5). Constitutive laws are evaluated for the whole increment,
+    /// as in the other methods; joint laws step by step.
     DynamicRelaxation,
 }
 
-/// What a direct solver factors.
+/// The operator that a direct solver factors.
 #[cfg(feature = "direct")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Linearisation {
-    /// The elastic operator, once; corrections are accelerated by earlier ones.
+    /// The elastic operator, factored once; corrections are accelerated with earlier ones (modified Newton method).
     #[default]
     Elastic,
-    /// The consistent tangent, anew for each correction.
+    /// The consistent tangent, factored for each correction (Newton's method).
     ///
-    /// Cholesky takes its symmetric part. That is all of it for flow that is associated, where
-    /// corrections converge by squares. Where dilation is less than friction it is not, and they
-    /// converge by a factor; those that do not are combined with earlier ones. Where softening makes
-    /// it indefinite the increment is cut, as if it had not converged.
+    /// Cholesky takes its symmetric part. For associated flow this is the whole tangent, and
+    /// corrections converge quadratically. For dilation less than friction it is not, and they
+    /// converge linearly, accelerated with earlier ones where they grow. Where softening makes
+    /// it indefinite the increment is halved, as if it had not converged.
     Tangent,
 }
 
-/// How far a static solution goes.
+/// Options of a static solution.
 ///
 /// ```
 /// use powerhouse_explicit_core::StaticOptions;
@@ -61,20 +61,21 @@ pub enum Linearisation {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticOptions {
-    /// How the body is brought to rest.
+    /// Solution method.
     pub method: StaticMethod,
-    /// The gate: the norm of the forces out of balance over that of the load; 1e-8 by default.
+    /// Tolerance: the largest permitted norm of the unbalanced forces over that of the load, 1e-14 to 1; 1e-8 by default.
     pub tolerance: f64,
-    /// Increments that the load comes in, more where one does not converge; 1 by default.
+    /// Number of load increments, 1 to 1e6, more where one does not converge; 1 by default.
     pub increments: u32,
-    /// Corrections in one increment before it is cut in half; 100 by default.
+    /// Largest number of corrections in one increment before it is halved, 1 to 1e6; 100 by default.
     pub corrections: u32,
-    /// Steps of a dynamic relaxation in one increment before it is cut in half; 50,000 by default.
+    /// Largest number of steps of a dynamic relaxation in one increment before it is halved, 1 to 4e9; 50,000 by default.
     pub steps: u32,
-    /// The smallest share of the load that an increment may be cut to; 1e-3 by default.
+    /// Smallest permitted increment as a share of the load, 1e-9 to 1; 1e-3 by default.
     pub least_increment: f64,
-    /// The share of what is out of balance at the start that comes; 1 by default. Less leaves the
-    /// rest standing, as a face ahead that still bears, until the next solution.
+    /// Share of the initially unbalanced forces that is applied (load relaxation factor), 1e-6 to 1; 1 by default. With
+    /// less, the remainder stays balanced by carried forces until the next solution, as by the support of a tunnel
+    /// face nearby.
     pub release: f64,
 }
 
@@ -93,34 +94,34 @@ impl Default for StaticOptions {
 }
 
 impl StaticOptions {
-    /// The same by another method.
+    /// The same options with another method.
     #[must_use]
     pub fn with_method(mut self, method: StaticMethod) -> Self {
         self.method = method;
         self
     }
-    /// The same with another gate.
+    /// The same options with another tolerance.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
         self
     }
-    /// The same with so many increments.
+    /// The same options with another number of increments.
     #[must_use]
     pub fn with_increments(mut self, increments: u32) -> Self {
         self.increments = increments;
         self
     }
-    /// The same with a share of what is out of balance that comes.
+    /// The same options with another share of the unbalanced forces that is applied.
     #[must_use]
     pub fn with_release(mut self, release: f64) -> Self {
         self.release = release;
         self
     }
-    /// Whether every field is in its range.
+    /// Checks the ranges of all fields.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first field outside its permitted range.
     pub fn check(&self) -> Result<(), ParameterError> {
         ParameterError::check("tolerance", self.tolerance, 1.0e-14, 1.0)?;
         ParameterError::check("increments", f64::from(self.increments), 1.0, 1.0e6)?;

@@ -1,4 +1,4 @@
-//! Dynamic relaxation: a motion that is damped until nothing moves.
+//! Dynamic relaxation: static equilibrium as the limit of a damped motion.
 
 use powerhouse_model::{Mat3, Operator, Vec3};
 use rayon::prelude::*;
@@ -8,32 +8,32 @@ use super::{FORCING, Increment, StaticError, StaticProgress, StaticReport, gradi
 use crate::model::least_mass;
 use crate::spectrum::{dot, norm};
 
-/// The length of a step in the time of the relaxation (s); nothing depends on it.
+/// Length of a step in pseudo-time (s); results do not depend on it.
 const STEP: f64 = 1.0e-4;
-/// The most of a velocity that damping takes in a step.
+/// Largest share of a velocity that damping removes in a step.
 const MOST_DAMPING: f64 = 0.4;
-/// Masses over those for which the step is stable without damping: damping that lags behind by half
-/// a step, at the most of it, takes `1 - 0.4 / 2` off the square of the step.
-const SPARE: f64 = 1.0 / (1.0 - 0.5 * MOST_DAMPING);
-/// Steps between two looks.
-const LOOK: u32 = 100;
+/// Factor on the masses for which the step is stable without damping: lagged damping reduces the square of the stable
+/// step by the factor `1 - 0.4 / 2` at most.
+const MASS_FACTOR: f64 = 1.0 / (1.0 - 0.5 * MOST_DAMPING);
+/// Number of steps between two calls of the progress callback.
+const PROGRESS_INTERVAL: u32 = 100;
 
-/// Masses of nodes for which a step is stable, and what follows from them.
+/// Dynamic relaxation with fictitious nodal masses for which the step is stable.
 pub(super) struct Relaxation {
-    /// Effective masses of leads (kg).
+    /// Effective masses of lead nodes (kg).
     effective: Vec<Mat3>,
-    /// Their inverses in the free directions (1/kg).
+    /// Inverses of the effective masses in the free directions (1/kg).
     inverse: Vec<Mat3>,
     most_steps: u32,
 }
 
 impl Relaxation {
-    /// Masses from rows of the elastic operator: no eigenvalue of `M^-1 K` exceeds the largest
+    /// Masses from row sums of the elastic operator: no eigenvalue of `M^-1 K` exceeds the largest
     /// `sum_j |K_ij| / m_i` (Gershgorin 1931).
     pub(super) fn new(system: &System, most_steps: u32) -> Self {
         let blocks = system.blocks();
-        let of_block = |place: usize| {
-            let block = &blocks[place];
+        let of_block = |index: usize| {
+            let block = &blocks[index];
             let mut rows: Vec<(u32, Vec3)> = Vec::new();
             block.each_matrix(Operator::Elastic, &mut |nodes, matrix| {
                 let size = 3 * nodes.len();
@@ -51,7 +51,7 @@ impl Relaxation {
             stiffness[node as usize] += row;
         }
         let masses: Vec<f64> = (stiffness.iter())
-            .map(|rows| SPARE * 0.25 * STEP * STEP * rows.max())
+            .map(|rows| MASS_FACTOR * 0.25 * STEP * STEP * rows.max())
             .collect();
         let least = least_mass(&masses);
         let mut effective: Vec<Mat3> = (masses.iter())
@@ -71,8 +71,8 @@ impl Relaxation {
                 inverse[member as usize] = Mat3::zeros();
             }
             let lead = group.members[0] as usize;
-            if let Some(ghost) = group.ghost(least) {
-                inverse[lead] = ghost;
+            if let Some(orphan) = group.orphan_inverse(least) {
+                inverse[lead] = orphan;
                 continue;
             }
             let free = whole.try_inverse().unwrap_or_else(Mat3::zeros);
@@ -86,9 +86,9 @@ impl Relaxation {
         }
     }
 
-    /// What of forces out of balance at rest at a displacement the joints do not take (N); they
-    /// forget that they were asked.
-    pub(super) fn beside_joints(
+    /// Unbalanced forces (N) without the part that joints balance at a displacement; the state of the joints is left
+    /// unchanged.
+    pub(super) fn without_joint_forces(
         &self,
         system: &mut System,
         out: &[Vec3],
@@ -106,9 +106,9 @@ impl Relaxation {
         Ok(net.map(|(next, mass)| mass * (next / STEP)).collect())
     }
 
-    /// The displacement at which forces and joints balance, from one at which they do not.
+    /// The displacement (m) in static equilibrium with the joints, from an unbalanced one.
     ///
-    /// If they do not the joints are left as they were.
+    /// After a failure the joints have their former state.
     pub(super) fn find(
         &self,
         system: &mut System,
@@ -118,31 +118,31 @@ impl Relaxation {
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
         let before = system.model().joint_histories();
-        self.stick(system, increment, &mut u, report)?;
-        let found = self.settle(system, increment, u, report, progress);
+        self.predict_sticking(system, increment, &mut u, report)?;
+        let found = self.relax(system, increment, u, report, progress);
         match &found {
-            Ok(u) => system.model().rest_joints(&before, u),
+            Ok(u) => system.model().stick_joints(&before, u),
             Err(_) => system.model().restore_joints(&before),
         }
         found
     }
 
-    /// Moves to where the body would be if its laws were elastic and all that sticks went on so.
-    fn stick(
+    /// Predicts the displacement with elastic laws and all sticking pairs tied.
+    fn predict_sticking(
         &self,
         system: &mut System,
         increment: &Increment,
         u: &mut [Vec3],
         report: &mut StaticReport,
     ) -> Result<(), StaticError> {
-        system.join()?;
+        system.merge_joints()?;
         system.forces(u)?;
         let residual = system.residual(increment.applied, u);
         if report.load == 0.0 {
-            // Prescribed motions alone: what they let go at first.
+            // Prescribed motions alone: the unbalanced forces that they cause first.
             report.load = norm(&residual);
         }
-        // A body that slides may have no such place; it starts from where it is.
+        // A sliding body may have no such equilibrium; it starts from the present displacement.
         if norm(&residual) > 0.0
             && let Ok((mut step, products)) = gradients::solve(system, &residual, FORCING)
         {
@@ -152,10 +152,11 @@ impl Relaxation {
                 *u += step;
             }
         }
-        system.part()
+        system.separate_joints()
     }
 
-    fn settle(
+    /// Takes damped steps until forces balance in motion and at zero velocity.
+    fn relax(
         &self,
         system: &mut System,
         increment: &Increment,
@@ -164,7 +165,7 @@ impl Relaxation {
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
         let mut velocity = vec![Vec3::zeros(); u.len()];
-        let mut rests = true;
+        let mut is_still = true;
         let mut last: Option<Vec<Vec3>> = None;
         let mut damping = 0.0;
         let mut step = 0;
@@ -188,14 +189,14 @@ impl Relaxation {
             let size = norm(&net);
             let relative = if size == 0.0 { 0.0 } else { size / report.load };
             let balances = relative <= increment.options.tolerance;
-            if balances || step % LOOK == 0 {
+            if balances || step % PROGRESS_INTERVAL == 0 {
                 progress(StaticProgress {
                     share: increment.share,
                     correction: step,
                     residual: relative,
                 });
             }
-            if balances && rests {
+            if balances && is_still {
                 report.residual = relative;
                 return Ok(u);
             }
@@ -207,9 +208,9 @@ impl Relaxation {
             let mut moved = next.clone();
             system.spread(&mut moved);
             (u.par_iter_mut().zip(&moved)).for_each(|(u, v)| *u += v * STEP);
-            // What balances on its way is to balance at rest, too.
-            rests = balances;
-            if rests {
+            // Forces that balance in motion must also balance at zero velocity.
+            is_still = balances;
+            if is_still {
                 velocity.fill(Vec3::zeros());
                 (last, damping) = (None, 0.0);
             } else {
@@ -218,8 +219,8 @@ impl Relaxation {
         }
     }
 
-    /// The share of the velocity that critical damping of the present motion takes in a step, if its
-    /// forces resist it: twice its frequency times the step.
+    /// Share of the velocity that critical damping of the present motion removes in a step: twice its frequency times
+    /// the step; none if forces do not resist the motion.
     fn damping(&self, velocity: &[Vec3], last: &[Vec3], out: &[Vec3]) -> Option<f64> {
         let resisted: Vec<Vec3> = last.iter().zip(out).map(|(last, out)| last - out).collect();
         let moved: Vec<Vec3> = (velocity.iter().zip(&self.effective))

@@ -1,33 +1,33 @@
-//! Whether anything in a model can move freely.
+//! Check for unrestrained rigid body motion.
 
 use nalgebra::{Matrix3x6, Matrix6, Vector6};
 use powerhouse_model::{Mat3, Vec3};
 
-use super::joints::Held;
-use super::{Parts, StaticError};
+use super::joints::ConnectedPairs;
+use super::{DisjointSets, StaticError};
 use crate::Model;
 
-/// A motion with less than this share of the greatest resistance counts as free.
+/// Share of the greatest resistance below which a rigid motion counts as unrestrained.
 const FREE: f64 = 1.0e-10;
 
-/// Displacement of a place by a rigid motion, turns in units of one over the part's size.
-fn rigid(place: &Vec3) -> Matrix3x6<f64> {
+/// Displacement of a position by the six rigid motions, rotations in units of one over the size of the mesh.
+fn rigid(position: &Vec3) -> Matrix3x6<f64> {
     let mut matrix = Matrix3x6::zeros();
     matrix
         .fixed_view_mut::<3, 3>(0, 0)
         .copy_from(&Mat3::identity());
-    let turn = -place.cross_matrix();
+    let turn = -position.cross_matrix();
     matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&turn);
     matrix
 }
 
 impl Model {
-    /// Refuses constraints without a static form, and parts that supports, springs and ties leave
-    /// a rigid motion.
-    pub(super) fn check_static(&self, held: Held) -> Result<(), StaticError> {
-        self.check_joints(held)?;
+    /// Refuses constraints without a static form, and connected parts with a rigid motion that supports, springs and ties
+    /// do not restrain.
+    pub(super) fn check_static(&self, connected: ConnectedPairs) -> Result<(), StaticError> {
+        self.check_joints(connected)?;
         let count = self.mesh.node_count();
-        let mut parts = Parts::new(count);
+        let mut parts = DisjointSets::new(count);
         for block in &self.blocks {
             for &element in block.elements() {
                 if (element as usize) < self.mesh.element_count() {
@@ -36,7 +36,7 @@ impl Model {
                 }
             }
         }
-        self.each_held_pair(held, |a, b| parts.join(a, b));
+        self.each_connected_pair(connected, |a, b| parts.join(a, b));
         let of_mesh = |engine: u32| self.numbering.mesh_of[engine as usize];
         let known = |node: u32| (node as usize) < count;
         for group in &self.groups.groups {
@@ -54,14 +54,14 @@ impl Model {
             0.5 * (low + high),
             (high - low).amax().max(f64::MIN_POSITIVE),
         );
-        let place = |node: u32| (self.mesh.positions()[node as usize] - middle) / size;
+        let position = |node: u32| (self.mesh.positions()[node as usize] - middle) / size;
         let mut resistance = std::collections::BTreeMap::<u32, Matrix6<f64>>::new();
         for group in &self.groups.groups {
             let lead = of_mesh(group.members[0]);
             if !known(lead) {
                 continue;
             }
-            let own = rigid(&place(lead));
+            let own = rigid(&position(lead));
             let sum = resistance.entry(parts.root(lead)).or_default();
             for direction in group.condition.directions() {
                 let row = direction.transpose() * own;
@@ -74,15 +74,15 @@ impl Model {
             for &member in &group.members[1..] {
                 let member = of_mesh(member);
                 if known(member) {
-                    let apart = rigid(&place(member)) - own;
-                    *sum += apart.transpose() * apart;
+                    let relative = rigid(&position(member)) - own;
+                    *sum += relative.transpose() * relative;
                 }
             }
         }
 
         let mut first_of = std::collections::BTreeMap::<u32, (u32, usize)>::new();
         for element in 0..self.mesh.element_count() as u32 {
-            let (block, _) = self.place_of_element[element as usize];
+            let (block, _) = self.block_of_element[element as usize];
             if block as usize >= self.blocks.len() {
                 continue;
             }
@@ -96,7 +96,7 @@ impl Model {
             if eigen.eigenvalues[least] > FREE * eigen.eigenvalues.max() {
                 continue;
             }
-            let (block, _) = self.place_of_element[element as usize];
+            let (block, _) = self.block_of_element[element as usize];
             let set = self.blocks.get(block as usize);
             return Err(StaticError::Floating {
                 element: self.element_tag(element),
@@ -109,11 +109,11 @@ impl Model {
     }
 }
 
-/// A rigid motion in words.
+/// Description of a rigid motion, as a translation or rotation.
 fn motion(free: &Vector6<f64>) -> String {
     let (shift, turn) = (free.fixed_rows::<3>(0), free.fixed_rows::<3>(3));
     let (what, vector) = if turn.norm() > 1.0e-6 {
-        ("turn about", turn)
+        ("rotate about", turn)
     } else {
         ("move along", shift)
     };

@@ -1,35 +1,35 @@
-//! A model as a system of equations in the displacements of its free nodes.
+//! The static equilibrium equations of a model in the displacements of its free nodes.
 
 use powerhouse_model::{ElementBlock, Mat3, Operator, Quad, Vec3};
 use rayon::prelude::*;
 
 #[cfg(feature = "direct")]
-use super::freedoms::Freedoms;
+use super::freedoms::DegreesOfFreedom;
 use super::{Increment, StaticError, StaticMethod};
 use crate::Model;
-use crate::groups::Group;
+use crate::groups::NodeGroup;
 use crate::nodes::{Storage, with_nodes};
 use crate::spectrum::norm;
 
-/// A model at rest, with the inverse nodal diagonals of its elastic operator.
+/// The static equilibrium equations of a model, with the inverse nodal diagonals of its elastic operator.
 ///
-/// Vectors have an entry per node, in the engine's numbering; of nodes that move as one only the
-/// lead's counts, in the free directions, the others are zero.
+/// Vectors have an entry per node, in the engine's numbering. In a reduced vector the entry of a group's lead node
+/// holds the free components of the group, and the entries of the other members are zero.
 pub(super) struct System<'a> {
     model: &'a mut Model,
-    /// The model's groups, those that ties and joints hold together as one.
-    groups: Vec<Group>,
-    /// The diagonal of the elastic operator, node by node (N/m).
+    /// The model's groups, with groups connected by ties and sticking joints merged.
+    groups: Vec<NodeGroup>,
+    /// Nodal 3 x 3 diagonals of the elastic operator (N/m).
     diagonal: Vec<Mat3>,
-    /// Inverse of the diagonal, zero where nothing is free (m/N).
+    /// Inverses of the diagonals, zero at fixed nodes (m/N).
     inverse: Vec<Mat3>,
     linear: bool,
 }
 
 impl<'a> System<'a> {
-    /// The model brought to rest.
+    /// The equations of a model, whose velocities are set to zero.
     pub(super) fn new(model: &'a mut Model) -> Result<Self, StaticError> {
-        model.groups.motion.forget();
+        model.groups.motion.invalidate();
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
         let mut diagonal = vec![Mat3::zeros(); model.mass.len()];
         let of_blocks = model.blocks.par_iter().map(|block| {
@@ -52,22 +52,22 @@ impl<'a> System<'a> {
             inverse: Vec::new(),
             linear,
         };
-        system.join()?;
+        system.merge_joints()?;
         Ok(system)
     }
 
-    /// Takes what sticks for one.
-    pub(super) fn join(&mut self) -> Result<(), StaticError> {
-        let groups = self.model.joined_groups()?;
+    /// Treats sticking pairs of joints and ties as one node each.
+    pub(super) fn merge_joints(&mut self) -> Result<(), StaticError> {
+        let groups = self.model.merged_groups()?;
         self.regroup(groups)
     }
 
-    /// Takes pairs that constraints hold together, for now, for two nodes.
-    pub(super) fn part(&mut self) -> Result<(), StaticError> {
+    /// Treats the nodes of all pairs of constraints as separate.
+    pub(super) fn separate_joints(&mut self) -> Result<(), StaticError> {
         self.regroup(self.model.groups.groups.clone())
     }
 
-    fn regroup(&mut self, groups: Vec<Group>) -> Result<(), StaticError> {
+    fn regroup(&mut self, groups: Vec<NodeGroup>) -> Result<(), StaticError> {
         let model = &*self.model;
         let mut diagonal = self.diagonal.clone();
         let mut group_of = vec![None; model.mass.len()];
@@ -110,35 +110,35 @@ impl<'a> System<'a> {
         Ok(())
     }
 
-    /// Whether one correction suffices.
+    /// Whether all laws are linear, so that one correction suffices.
     pub(super) fn is_linear(&self) -> bool {
         self.linear
     }
 
-    /// The displacement of every node (m).
+    /// Displacement (m) of every node.
     pub(super) fn displacement(&self) -> Vec<Vec3> {
         self.model.displacements()
     }
 
-    /// The applied forces at the present time (N), less those that the initial stress asks for, and
-    /// the size of the larger of the two.
+    /// Applied forces at the present time less the forces of the initial stress (N), and the larger of the norms of the
+    /// two.
     pub(super) fn external(&mut self) -> (Vec<Vec3>, f64) {
         let model = &mut *self.model;
         let mut forces = vec![Vec3::zeros(); model.mass.len()];
         model.loads.add_all(model.time, &mut forces);
-        let mut asked = model.forces_of_initial_stress();
+        let mut initial = model.forces_of_initial_stress();
         self.reduce(&mut forces);
-        self.reduce(&mut asked);
-        let size = norm(&forces).max(norm(&asked));
-        (forces.par_iter_mut().zip(&asked)).for_each(|(force, asked)| *force -= asked);
+        self.reduce(&mut initial);
+        let size = norm(&forces).max(norm(&initial));
+        (forces.par_iter_mut().zip(&initial)).for_each(|(force, initial)| *force -= initial);
         (forces, size)
     }
 
-    /// The nodes of groups with a prescribed motion, and what they have yet to move (m).
+    /// The nodes of groups with a prescribed motion, and their remaining prescribed displacement (m).
     pub(super) fn prescribed_change(&self, u: &[Vec3]) -> Vec<(usize, Vec3)> {
         let motions = self.model.prescribed_values();
-        let driven = |group: &&Group| !group.condition.prescribed.is_empty();
-        let change = |group: &Group| {
+        let is_prescribed = |group: &&NodeGroup| !group.condition.prescribed.is_empty();
+        let change = |group: &NodeGroup| {
             let lead = group.members[0] as usize;
             let rest: Vec<f64> = (group.condition.prescribed.iter())
                 .map(|&(direction, motion)| motions[motion] - direction.dot(&u[lead]))
@@ -149,11 +149,11 @@ impl<'a> System<'a> {
                 .map(|&node| (node as usize, along))
                 .collect::<Vec<_>>()
         };
-        let groups = self.groups.iter().filter(driven);
+        let groups = self.groups.iter().filter(is_prescribed);
         groups.flat_map(change).collect()
     }
 
-    /// Fails if the solution is to end.
+    /// Fails if the cancellation flag is set.
     pub(super) fn check_stop(&self) -> Result<(), StaticError> {
         match self.model.is_stopped() {
             true => Err(StaticError::Interrupted),
@@ -161,14 +161,14 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Computes the internal forces of a displacement, and the history that goes with them.
+    /// Computes the internal forces and trial history variables of a displacement (m).
     pub(super) fn forces(&mut self, u: &[Vec3]) -> Result<(), StaticError> {
         self.check_stop()?;
         with_nodes!(&mut self.model.nodes, arrays => put(&mut arrays.displacement, u));
-        self.model.forces_at_rest(0.0)
+        self.model.compute_static_forces(0.0)
     }
 
-    /// What of the applied forces the last internal forces and the springs do not balance (N).
+    /// Unbalanced forces (N): applied forces less the last internal forces and the forces of springs, reduced.
     pub(super) fn residual(&self, applied: &[Vec3], u: &[Vec3]) -> Vec<Vec3> {
         let model = &*self.model;
         let mut internal = model.internal_forces();
@@ -182,7 +182,7 @@ impl<'a> System<'a> {
         rest
     }
 
-    /// The elastic operator, springs included, times a reduced vector.
+    /// Product of the elastic operator, springs included, with a reduced vector.
     pub(super) fn product(&mut self, vector: &[Vec3]) -> Vec<Vec3> {
         let mut spread = vector.to_vec();
         self.spread(&mut spread);
@@ -195,13 +195,13 @@ impl<'a> System<'a> {
         product
     }
 
-    /// The inverse nodal diagonals times a reduced vector.
+    /// Product of the inverse nodal diagonals with a reduced vector.
     pub(super) fn precondition(&self, vector: &[Vec3]) -> Vec<Vec3> {
         let pairs = self.inverse.par_iter().zip(vector);
         pairs.map(|(inverse, x)| inverse * x).collect()
     }
 
-    /// Gives the members of groups the entry of their lead.
+    /// Copies the entry of each group's lead node to the other members.
     pub(super) fn spread(&self, vector: &mut [Vec3]) {
         for group in &self.groups {
             for &member in &group.members[1..] {
@@ -210,8 +210,8 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Gives the leads of groups the sum of their members, restricted to the free directions, and
-    /// nodes without mass nothing.
+    /// Reduces a vector: sums the members of each group into its lead node, restricts the sum to the free directions,
+    /// and sets the entries of orphan nodes to zero.
     fn reduce(&self, vector: &mut [Vec3]) {
         for &orphan in &self.model.orphans {
             vector[orphan as usize] = Vec3::zeros();
@@ -226,23 +226,23 @@ impl<'a> System<'a> {
         }
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub(super) fn node_count(&self) -> usize {
         self.inverse.len()
     }
 
-    /// The model, whose constraints are to act.
+    /// The model.
     pub(super) fn model(&mut self) -> &mut Model {
         self.model
     }
 
-    /// Makes the history of the last forces the committed one.
+    /// Commits the history variables of the last forces.
     pub(super) fn commit(&mut self) {
         let blocks = &mut self.model.blocks;
         blocks.par_iter_mut().for_each(|block| block.commit());
     }
 
-    /// Leaves the model at rest with a displacement.
+    /// Sets the model's displacement (m), and its velocities to zero.
     pub(super) fn finish(&mut self, u: &[Vec3]) {
         with_nodes!(&mut self.model.nodes, arrays => {
             put(&mut arrays.displacement, u);
@@ -250,7 +250,8 @@ impl<'a> System<'a> {
         });
     }
 
-    /// Where nodes are (m); additional nodes of boundaries, of which nobody knows, in the middle.
+    /// Positions of nodes (m); additional nodes of boundaries, whose position is not known, count at the centre of the
+    /// mesh.
     #[cfg(feature = "direct")]
     pub(super) fn positions(&self) -> Vec<Vec3> {
         let mesh = &self.model.mesh;
@@ -261,24 +262,24 @@ impl<'a> System<'a> {
         nodes.map(|node| of(node).unwrap_or(middle)).collect()
     }
 
-    /// What the operator is made of.
+    /// The element blocks.
     pub(super) fn blocks(&self) -> &[Box<dyn ElementBlock>] {
         &self.model.blocks
     }
 
-    /// The groups of nodes that count as one.
-    pub(super) fn groups(&self) -> &[Group] {
+    /// The node groups in use.
+    pub(super) fn groups(&self) -> &[NodeGroup] {
         &self.groups
     }
 
-    /// The unknowns.
+    /// The unknown displacements.
     #[cfg(feature = "direct")]
-    pub(super) fn freedoms(&self) -> Freedoms {
+    pub(super) fn freedoms(&self) -> DegreesOfFreedom {
         let moves = |node: usize| self.inverse[node] != Mat3::zeros();
-        Freedoms::new(&self.groups, moves, self.inverse.len())
+        DegreesOfFreedom::new(&self.groups, moves, self.inverse.len())
     }
 
-    /// Says where a factorisation ended.
+    /// The error of a factorisation that failed at a node.
     #[cfg(feature = "direct")]
     pub(super) fn not_definite(&self, node: u32) -> StaticError {
         let (element, set) = self.model.element_at(node as usize);
@@ -289,7 +290,7 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Says where most is out of balance after all that an increment may take.
+    /// The error of an increment that did not converge, with the node of the largest unbalanced force.
     pub(super) fn not_converged(
         &self,
         residual: &[Vec3],
@@ -299,7 +300,7 @@ impl<'a> System<'a> {
         let mut worst = (0, -1.0);
         for (node, rest) in residual.iter().enumerate() {
             let size = rest.norm();
-            // The first node that is not finite counts most.
+            // The first node whose force is not finite counts as the largest.
             if size > worst.1 || (!size.is_finite() && worst.1.is_finite()) {
                 worst = (node, size);
             }
@@ -311,15 +312,17 @@ impl<'a> System<'a> {
             node: self.model.node_tag(worst.0),
             element,
             set,
-            way_out: match increment.options.method {
-                StaticMethod::DynamicRelaxation => "more steps may do, if there is a rest",
-                _ => "dynamic relaxation gets through where much of a body yields",
+            advice: match increment.options.method {
+                StaticMethod::DynamicRelaxation => {
+                    "more steps may converge, if a static equilibrium exists"
+                }
+                _ => "the method dynamic relaxation may converge where much of the body yields",
             },
         }
     }
 }
 
-/// Refuses sets whose elements give a node less stiffness than rounding takes from the stiffest.
+/// Refuses sets whose elements give a node less stiffness than the rounding of the stiffest.
 fn refuse_without_stiffness(model: &Model, of_blocks: &[Vec<Mat3>]) -> Result<(), StaticError> {
     let all = of_blocks.iter().flatten().map(Mat3::trace);
     let most = all.fold(0.0, f64::max);
@@ -327,7 +330,7 @@ fn refuse_without_stiffness(model: &Model, of_blocks: &[Vec<Mat3>]) -> Result<()
         if block.elements().is_empty() {
             continue;
         }
-        // A stiffness that is no number is none. Nodes whose elements are all gone need none.
+        // NaN counts as no stiffness. Orphan nodes need none.
         let without = |(node, own): &(&u32, &Mat3)| {
             let stiff = own.trace() > f64::EPSILON * most;
             model.mass[**node as usize] > 0.0 && !stiff

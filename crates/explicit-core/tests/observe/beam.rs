@@ -1,6 +1,6 @@
 //! Beams of solids along x, with any kernel, and their static deflection.
 
-use powerhouse_explicit_core::observe::{Cut, SectionForces};
+use powerhouse_explicit_core::observe::{CrossSection, SectionForces};
 use powerhouse_explicit_core::{
     BlockFactory, BlockOptions, BlockPart, Hex8BBar, Hex8Full, Hex8OnePoint, Precision, Tet4,
     Wedge6, solid,
@@ -155,9 +155,11 @@ impl Body {
     }
 
     /// The section forces of a cut at a displacement: the nine columns in their order.
-    pub(crate) fn section(&self, cut: &Cut, displacement: &[Vec3]) -> Vec<f64> {
+    pub(crate) fn section(&self, cut: &CrossSection, displacement: &[Vec3]) -> Vec<f64> {
         let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-        observer.add_cut(&self.mesh, cut, self.elements()).unwrap();
+        observer
+            .add_section(&self.mesh, cut, self.elements())
+            .unwrap();
         self.observed(observer, displacement)
     }
 
@@ -186,8 +188,8 @@ impl Body {
 }
 
 /// A cut across x with the width along y.
-pub(crate) fn cut_at(x: f64) -> Cut {
-    Cut {
+pub(crate) fn cut_at(x: f64) -> CrossSection {
+    CrossSection {
         name: "cut".into(),
         point: Vec3::new(x, 0.0, 0.0),
         normal: Vec3::x(),

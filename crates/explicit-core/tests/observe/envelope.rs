@@ -65,7 +65,7 @@ fn extremes_stand_with_their_times() {
     assert!(peaks.to_string().contains("element 64"));
 }
 
-/// An envelope asks the engine for nothing that it was not asked for, and a motion that is not finite
+/// An envelope reads only the requested fields, and a motion that is not finite
 /// ends the run with the node's number.
 #[test]
 fn only_what_is_wanted_and_finite() {

@@ -1,5 +1,5 @@
 use powerhouse_explicit_core::observe::{
-    EnergyHistory, History, Motion, ObserveError, PeakTable, Place, Spot, StressPlace,
+    EnergyHistory, History, Motion, ObservationPoint, ObserveError, PeakTable, Place, StressPlace,
 };
 use powerhouse_model::{Cadence, Mat3, Mesh, MeshError, ModelError, Observer, Stress, Vec3};
 
@@ -92,7 +92,7 @@ fn facet_sets_are_observed_by_their_nodes() {
     assert_eq!(Vec3::from(seen(&named)), x(3));
 }
 
-/// Stress of an element stands in six components and three principal stresses, the element found by
+/// Stress of an element is recorded as six components and three principal stresses, the element found by
 /// number or by coordinate in its set.
 #[test]
 fn stresses_are_kept_with_their_principal_values() {
@@ -102,7 +102,10 @@ fn stresses_are_kept_with_their_principal_values() {
     let centre = mesh.centroid(62);
     let mut history = History::builder(Cadence::Steps(1))
         .stress("seventh", StressPlace::Element(7))
-        .stress("upper", StressPlace::Spot(Spot::at(centre).among("upper")))
+        .stress(
+            "upper",
+            StressPlace::Point(ObservationPoint::at(centre).among("upper")),
+        )
         .build(&mesh)
         .unwrap();
     assert!(history.fields().stress && !history.fields().acceleration);
@@ -129,7 +132,7 @@ fn stresses_are_kept_with_their_principal_values() {
 #[test]
 fn impossible_histories_are_refused() {
     let mut mesh = rough_block();
-    mesh.set_node_set("nobody", vec![]).unwrap();
+    mesh.set_node_set("empty", vec![]).unwrap();
     let build = |cadence, place: Place| {
         let history = History::builder(cadence).motion("p", place, Motion::ALL);
         history.build(&mesh).err().unwrap()
@@ -137,9 +140,9 @@ fn impossible_histories_are_refused() {
     let every = Cadence::Steps(1);
     let error = build(every, Place::Node(217));
     assert!(matches!(error, ObserveError::NoSuchNode { node: 217, .. }));
-    let error = build(every, Place::NodeSet("nobody".into()));
+    let error = build(every, Place::NodeSet("empty".into()));
     assert!(matches!(error, ObserveError::EmptySet { .. }));
-    let error = build(every, Place::NodeSet("somebody".into()));
+    let error = build(every, Place::NodeSet("missing".into()));
     assert!(matches!(
         error,
         ObserveError::Mesh(MeshError::NoSuchSet { .. })
@@ -149,8 +152,8 @@ fn impossible_histories_are_refused() {
         error,
         ObserveError::Mesh(MeshError::PointOutside { .. })
     ));
-    let spot = Spot::at(Vec3::repeat(5.0)).within(-1.0);
-    let error = build(every, Place::Spot(spot));
+    let spot = ObservationPoint::at(Vec3::repeat(5.0)).within(-1.0);
+    let error = build(every, Place::Point(spot));
     assert!(matches!(error, ObserveError::Parameter(_)));
     for cadence in [
         Cadence::Steps(0),

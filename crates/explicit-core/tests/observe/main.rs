@@ -1,4 +1,4 @@
-//! Observers, driven by steps with prescribed fields.
+//! Observers of steps with prescribed fields.
 
 mod beam;
 mod envelope;

@@ -1,7 +1,9 @@
 use core::f64::consts::PI;
 
 use powerhouse_explicit_core::Precision;
-use powerhouse_explicit_core::observe::{Cut, ObserveError, SectionForces, SectionGeometry};
+use powerhouse_explicit_core::observe::{
+    CrossSection, ObserveError, SectionForces, SectionGeometry,
+};
 use powerhouse_model::{Cadence, ElasticMedium, Mesh, NodalView, Observer, Quad, Vec3};
 
 use crate::beam::{Body, KERNELS, Kernel, cut_at, one_point};
@@ -72,13 +74,13 @@ fn a_cantilever_shows_its_end_loads() {
                 (5.0, -Vec3::x()),
                 (3.0, tilted),
             ] {
-                let cut = Cut {
+                let cut = CrossSection {
                     normal,
                     ..cut_at(x)
                 };
                 let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
                 let geometry = observer
-                    .add_cut(&body.mesh, &cut, body.elements())
+                    .add_section(&body.mesh, &cut, body.elements())
                     .unwrap()
                     .clone();
                 let found = body.observed(observer, &displacement);
@@ -167,7 +169,7 @@ fn a_plane_may_lie_on_an_end() {
     let force = body.medium.young * 1e-4;
     for x in [0.0, 0.2, 1.0, 2.8, 3.0] {
         for sign in [1.0, -1.0] {
-            let cut = Cut {
+            let cut = CrossSection {
                 normal: sign * Vec3::x(),
                 ..cut_at(x)
             };
@@ -286,7 +288,7 @@ fn a_lining_of_one_element_shows_its_hoop_force() {
     let shrink = |p: &Vec3| -1e-3 * Vec3::new(p.x, 0.0, p.z).normalize();
     let displacement: Vec<Vec3> = body.mesh.positions().iter().map(shrink).collect();
     let hoop = -medium.young * 1e-3 * (10.25_f64 / 9.75).ln();
-    let mut legs = Cut {
+    let mut legs = CrossSection {
         name: "legs".into(),
         point: Vec3::new(0.0, 0.0, 5.0),
         normal: Vec3::z(),
@@ -300,7 +302,7 @@ fn a_lining_of_one_element_shows_its_hoop_force() {
     assert!((left[0] / both[0] - 0.5).abs() < 1e-9);
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
     let geometry = observer
-        .add_cut(&body.mesh, &legs, body.elements())
+        .add_section(&body.mesh, &legs, body.elements())
         .unwrap();
     assert!((geometry.width - 3.0).abs() < 1e-12);
     // The plane meets the leg at 30 degrees to its axis, on chords.
@@ -315,7 +317,7 @@ fn a_lining_of_one_element_shows_its_hoop_force() {
     assert!((geometry.centroid - Vec3::new(leg, 1.5, 5.0)).norm() < 0.02);
 
     // Between two sides of elements, on which all nodes of the crown lie.
-    let crown = Cut {
+    let crown = CrossSection {
         name: "crown".into(),
         point: Vec3::zeros(),
         normal: Vec3::x(),
@@ -365,13 +367,13 @@ fn only_strain_since_the_reference_counts() {
     }
 }
 
-/// An engine that does not tell the forces of elements is refused by the cut's name.
+/// An engine that does not provide the forces of elements is refused with the section's name.
 #[test]
 fn cuts_need_the_forces_of_elements() {
     let mesh = Kernel::Full.mesh(Vec3::zeros(), Vec3::repeat(2.0), [2, 2, 2]);
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
     let elements = mesh.element_set("beam").unwrap();
-    observer.add_cut(&mesh, &cut_at(0.5), elements).unwrap();
+    observer.add_section(&mesh, &cut_at(0.5), elements).unwrap();
     let refused = observer.observe(&Fields::at_rest(mesh.node_count()));
     let refused = refused.unwrap_err().to_string();
     assert!(refused.contains("'cut'"), "{refused}");
@@ -385,12 +387,14 @@ fn a_section_has_its_area_and_centroid() {
         let body = Body::new(kernel.mesh(low, high, [6, 3, 2]), kernel, concrete(0.2));
         // On sides of elements, inside them, tilted about y by atan(0.5), and on the end's side.
         for (x, tilt) in [(2.0, 0.0), (2.3, 0.0), (2.3, 0.5), (2.0, 0.5)] {
-            let cut = Cut {
+            let cut = CrossSection {
                 normal: Vec3::new(1.0, 0.0, tilt),
                 ..cut_at(x)
             };
             let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-            let geometry = observer.add_cut(&body.mesh, &cut, body.elements()).unwrap();
+            let geometry = observer
+                .add_section(&body.mesh, &cut, body.elements())
+                .unwrap();
             let slant = f64::hypot(1.0, tilt);
             assert!(
                 (geometry.area - 2.0 * slant).abs() < 1e-12,
@@ -411,9 +415,13 @@ fn impossible_cuts_are_refused() {
     let mesh = Kernel::Full.mesh(Vec3::zeros(), Vec3::repeat(2.0), [2, 2, 2]);
     let body = Body::new(mesh, Kernel::Full, concrete(0.2));
     let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
-    let mut refused = |cut: Cut| observer.add_cut(&body.mesh, &cut, body.elements()).err();
+    let mut refused = |cut: CrossSection| {
+        observer
+            .add_section(&body.mesh, &cut, body.elements())
+            .err()
+    };
     let cut = || cut_at(0.5);
-    let flat = Cut {
+    let flat = CrossSection {
         normal: Vec3::zeros(),
         ..cut()
     };
@@ -422,7 +430,7 @@ fn impossible_cuts_are_refused() {
         Some(ObserveError::NoDirection { what: "normal", .. })
     ));
     for along in [Vec3::zeros(), Vec3::x(), Vec3::repeat(f64::NAN)] {
-        let parallel = Cut { along, ..cut() };
+        let parallel = CrossSection { along, ..cut() };
         assert!(matches!(
             refused(parallel),
             Some(ObserveError::NoDirection { what: "along", .. })
@@ -430,20 +438,20 @@ fn impossible_cuts_are_refused() {
     }
     for x in [-1.0, 2.5, f64::NAN] {
         assert!(
-            matches!(refused(cut_at(x)), Some(ObserveError::EmptyCut { cut, outside: false }) if cut == "cut")
+            matches!(refused(cut_at(x)), Some(ObserveError::EmptySection { section, outside: false }) if section == "cut")
         );
     }
-    let boxed = Cut {
+    let boxed = CrossSection {
         within: Some((Vec3::repeat(5.0), Vec3::repeat(6.0))),
         ..cut()
     };
-    let told = refused(boxed);
+    let refusal = refused(boxed);
     assert!(matches!(
-        told,
-        Some(ObserveError::EmptyCut { outside: true, .. })
+        refusal,
+        Some(ObserveError::EmptySection { outside: true, .. })
     ));
     // What is to blame has its name.
-    assert!(told.is_some_and(|error| error.to_string().contains("`reach`")));
+    assert!(refusal.is_some_and(|error| error.to_string().contains("`reach`")));
     assert!(refused(cut()).is_none());
     assert!(
         matches!(refused(cut()), Some(ObserveError::NameTwice { name }) if name == "cut.axial")

@@ -73,7 +73,7 @@ fn a_sink_sees_whole_fields() {
     assert_eq!(*times.lock().unwrap(), [(0, 0, 0.0), (1, 125, 0.125)]);
 }
 
-/// A sink that fails ends the run with its own words, and is still told the end.
+/// A sink that fails ends the run with its own message, and its `finish` is still called.
 #[test]
 fn a_failing_sink_ends_the_run() {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(1.0), [1, 1, 1], "rock").unwrap();

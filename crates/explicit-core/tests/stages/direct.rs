@@ -22,7 +22,7 @@ fn by(method: StaticMethod) -> StaticOptions {
     options.with_method(method)
 }
 
-/// The displacement at rest of a model, and what it took.
+/// The displacement of a model in static equilibrium, and the report of the solution.
 fn at_rest(builder: ModelBuilder, method: StaticMethod) -> (Vec<Vec3>, StaticReport) {
     let mut model = builder.build().unwrap();
     let report = model.equilibrate(&by(method), &mut |_| {}).unwrap();
@@ -39,7 +39,7 @@ fn same(a: &[Vec3], b: &[Vec3]) {
     }
 }
 
-/// A bent block with a cavern, bolts into its roof, rollers at an angle, a face that is driven and
+/// A bent block with a cavern, bolts into its roof, rollers at an angle, a face with prescribed motion and
 /// one on springs comes to the same rest by the direct solver as by conjugate gradients, to 1e-8, in
 /// one correction and with one factor; so does one that is cut in two and welded.
 #[test]
@@ -60,7 +60,7 @@ fn elastic_bodies_rest_alike() {
     let bolts = BoltSet::new("bolts", &mesh, &hosts, &lines, steel).unwrap();
     let built = || {
         let oblique = Vec3::new(1.0, 0.5, -0.3);
-        let driven = Prescribed {
+        let motion = Prescribed {
             nodes: face_nodes(&mesh, "right"),
             direction: Vec3::x(),
             displacement: Box::new(|_: f64| -2.0e-3),
@@ -70,7 +70,7 @@ fn elastic_bodies_rest_alike() {
             .support(Support::roller(face_nodes(&mesh, "left"), oblique))
             .support(Support::roller(face_nodes(&mesh, "front"), Vec3::y()))
             .support(Support::roller(face_nodes(&mesh, "bottom"), Vec3::z()))
-            .prescribed(driven)
+            .prescribed(motion)
             .embed(bolts.block())
             .gravity(GRAVITY, Box::new(|_: f64| 1.0))
     };
@@ -157,7 +157,7 @@ fn threads_do_not_change_a_factor() {
     assert!(on(1) == on(2));
 }
 
-/// Rock whose stress falls as it is strained further, if one asks for its tangent.
+/// Rock whose stress falls as it is strained further, in its tangent.
 #[derive(Clone)]
 struct Falling(ElasticMedium);
 
@@ -185,7 +185,7 @@ impl ConstitutiveLaw for Falling {
 }
 
 /// A tangent that is not positive definite is refused with a node of the set that softens; the
-/// elastic factor of the same body stands.
+/// elastic factor of the same body exists.
 #[test]
 fn an_indefinite_tangent_is_named() {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(8.0), [4, 4, 4], "ground").unwrap();

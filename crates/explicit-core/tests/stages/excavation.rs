@@ -112,7 +112,7 @@ fn a_column_rises_by_the_weight_that_is_gone() {
             ];
             let mut before = Vec::new();
             let (after, reports) = run_stages(&mesh, first.clone(), &stages, &mut |event| {
-                if let StageEvent::AtRest { model, report } = event
+                if let StageEvent::Equilibrated { model, report } = event
                     && report.name == "weight"
                 {
                     let nodes = 0..mesh.node_count() as u32;
@@ -150,7 +150,7 @@ fn what_is_cast_later_bears_its_own_weight_alone() {
     ];
     let mut stresses = Vec::new();
     let (state, _) = run_stages(&mesh, first, &stages, &mut |event| {
-        if let StageEvent::AtRest { model, .. } = event {
+        if let StageEvent::Equilibrated { model, .. } = event {
             stresses = model.stress_changes();
         }
     })
@@ -197,7 +197,7 @@ fn stages_that_cannot_be_are_refused() {
     let cut = fails(&[Stage::new("cut", &body).excavate(&middle)]);
     assert!(matches!(
         cut,
-        StageError::Rest { stage, source: StaticError::Floating { elements: 12, .. } } if stage == "cut"
+        StageError::NotEquilibrated { stage, source: StaticError::Floating { elements: 12, .. } } if stage == "cut"
     ));
     let twice = [
         Stage::new("once", &body).excavate(&[31]),
@@ -208,5 +208,5 @@ fn stages_that_cannot_be_are_refused() {
         StageError::Elements { stage, element: 32, .. } if stage == "twice"
     ));
     let there = fails(&[Stage::new("again", &body).cast(&[0])]);
-    assert!(there.to_string().contains("is there already"), "{there}");
+    assert!(there.to_string().contains("is active already"), "{there}");
 }

@@ -19,7 +19,7 @@ fn block() -> Mesh {
     bent_box(Vec3::new(40.0, 30.0, 30.0), [6, 5, 4], 1.0)
 }
 
-/// The block at rest on rollers under its weight, as far as a coarse gate asks.
+/// The block in static equilibrium on rollers under its weight, to a coarse tolerance.
 fn at_rest(mesh: &Mesh, builder: ModelBuilder, tolerance: f64) -> State {
     let builder = on_rollers(mesh, builder).gravity(GRAVITY, Box::new(|_: f64| 1.0));
     let mut model = builder.build().unwrap();
@@ -73,7 +73,7 @@ fn stillness(model: &mut Model, steps: u64) -> Stillness {
         })
 }
 
-/// Rock that yields under its weight, at rest to a coarse gate on rollers, stands still on springs
+/// Rock that yields under its weight, in static equilibrium to a coarse tolerance on rollers, stays at rest on springs
 /// and dashpots without input: below 1e-10 m/s and 1e-10 m for 10,000 steps in double precision. In
 /// the others, whose elements have seven digits, points on the yield surface flow by rounding: below
 /// 1e-6 m/s and 1e-6 m.
@@ -120,7 +120,7 @@ fn a_body_that_is_handed_over_stands_still() {
 fn a_static_stress_does_not_change_an_elastic_motion() {
     let mesh = block();
     let push = || {
-        // Nothing acts before the start, or it would count as a load that stands.
+        // Nothing acts before the start, or it would count as a carried force.
         let pulse = |t: f64| (core::f64::consts::PI * (t / 0.02).min(1.0)).sin().powi(2);
         let nodes = face_nodes(&mesh, "top");
         Box::new(NodalForce::new(
@@ -174,7 +174,7 @@ fn what_no_longer_holds_is_refused() {
         .unwrap();
     assert!(matches!(
         weightless.hand_over(1.0e-3),
-        Err(StaticError::NotHeld { difference, .. }) if difference > 0.1
+        Err(StaticError::CarriedForcesChanged { difference, .. }) if difference > 0.1
     ));
     let mut smaller = state;
     smaller.remove(&[0, 1, 2]);
@@ -185,11 +185,11 @@ fn what_no_longer_holds_is_refused() {
         .unwrap();
     assert!(matches!(
         holed.hand_over(1.0e-3),
-        Err(StaticError::NotHeld { .. })
+        Err(StaticError::CarriedForcesChanged { .. })
     ));
 }
 
-/// Elastic, but softer in a motion than at rest.
+/// Elastic, but softer in dynamic steps than in static solutions.
 #[derive(Clone)]
 struct Relaxing {
     medium: ElasticMedium,
@@ -220,7 +220,7 @@ impl ConstitutiveLaw for Relaxing {
     }
 }
 
-/// A law whose stress is another one in steps than at rest is refused with its set: the static
+/// A law whose stress in dynamic steps differs from the static one is refused with its set: the static
 /// stress would not stay.
 #[test]
 fn a_law_that_would_forget_the_static_stress_is_refused() {
@@ -240,7 +240,7 @@ fn a_law_that_would_forget_the_static_stress_is_refused() {
         .unwrap();
     assert!(matches!(
         model.hand_over(1.0e-3),
-        Err(StaticError::Relaxes { set }) if set == "ground"
+        Err(StaticError::Viscoelastic { set }) if set == "ground"
     ));
 }
 

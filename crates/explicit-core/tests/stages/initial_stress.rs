@@ -48,7 +48,7 @@ fn a_block_of_given_lateral_stress_stays_as_it_is() {
     }
 }
 
-/// Without its weight the same block is out of balance: it rises by as much as its own weight
+/// Without its weight the same block is unbalanced: it rises by as much as its own weight
 /// would have pressed it down, and keeps the initial stress sideways less what the rise gives back.
 #[test]
 fn an_initial_stress_without_its_cause_moves_the_body() {

@@ -167,17 +167,14 @@ fn absorbing<'a>(mesh: &Mesh, builder: ModelBuilder<'a>, distance: f64) -> Model
             let along = powerhouse_model::Mat3::identity() - across;
             let spring = across * medium.constrained() + along * medium.shear();
             let (p, s) = (medium.p_speed(), medium.s_speed());
-            impedance.push(NodalImpedance {
-                node: part.node,
-                spring: spring * (part.area / distance),
-                dashpot: (across * p + along * s) * (medium.density * part.area),
-            });
+            impedance.push(NodalImpedance::new(
+                part.node,
+                spring * (part.area / distance),
+                (across * p + along * s) * (medium.density * part.area),
+            ));
         }
     }
-    builder.boundary(powerhouse_model::BoundaryParts {
-        impedance,
-        ..Default::default()
-    })
+    builder.boundary(powerhouse_model::BoundaryParts::default().with_impedance(impedance))
 }
 
 fn largest(vectors: impl IntoIterator<Item = Vec3>) -> f64 {

@@ -1,4 +1,4 @@
-//! Bodies that cannot come to rest.
+//! Static solutions that are refused or fail.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

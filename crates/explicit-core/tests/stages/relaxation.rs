@@ -36,7 +36,7 @@ fn alike<'a>(built: &dyn Fn() -> ModelBuilder<'a>, increments: u32) {
     }
 }
 
-/// Elastic bodies on an oblique roller or on springs, and one that yields, come to the same rest by
+/// Elastic bodies on an oblique roller or on springs, and one that yields, reach the same equilibrium by
 /// dynamic relaxation as by conjugate gradients, to 1e-8; with the load in parts, too.
 #[test]
 fn relaxation_rests_where_gradients_do() {
@@ -63,7 +63,7 @@ fn relaxation_rests_where_gradients_do() {
 #[test]
 fn what_ends_early_is_no_rest() {
     let mesh = bent_box(Vec3::new(40.0, 30.0, 30.0), [6, 5, 4], 1.0);
-    for (method, way_out) in [
+    for (method, advice) in [
         (StaticMethod::DynamicRelaxation, "more steps"),
         (StaticMethod::ConjugateGradients, "dynamic relaxation"),
     ] {
@@ -80,7 +80,7 @@ fn what_ends_early_is_no_rest() {
         };
         let refused = model.equilibrate(&options, &mut |_| {}).unwrap_err();
         assert!(matches!(&refused, StaticError::NotConverged { set, .. } if set == "ground"));
-        assert!(refused.to_string().contains(way_out), "{refused}");
+        assert!(refused.to_string().contains(advice), "{refused}");
         let mut nodes = 0..mesh.node_count() as u32;
         assert!(nodes.all(|node| model.displacement(node) == Vec3::zeros()));
     }

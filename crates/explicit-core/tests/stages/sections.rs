@@ -1,6 +1,6 @@
 //! Section forces of a body that went through stages.
 
-use powerhouse_explicit_core::observe::{Cut, SectionForces};
+use powerhouse_explicit_core::observe::{CrossSection, SectionForces};
 use powerhouse_explicit_core::{
     BlockFactory, BlockOptions, Leapfrog, Model, NodalForce, Precision, RunOptions, SolidKernel,
     Stage, StageModel, StaticOptions, StressField, Support, run, run_stages,
@@ -66,11 +66,11 @@ fn at_rest(factory: impl Fn() -> Box<dyn BlockFactory>, heights: &[f64]) -> (f64
     (plastic, sections(&mut model, "pillar", heights))
 }
 
-/// Section forces of a set of a body that stands still, cut at some heights: the nine columns of each cut.
+/// Section forces of a set of a body in static equilibrium at some heights: the nine columns of each section.
 fn sections(model: &mut Model, set: &str, heights: &[f64]) -> Vec<[f64; 9]> {
     let mut forces = SectionForces::new(Cadence::Steps(1)).unwrap();
     for height in heights {
-        let cut = Cut {
+        let cut = CrossSection {
             name: format!("at {height}"),
             point: Vec3::z() * *height,
             normal: Vec3::z(),
@@ -79,7 +79,7 @@ fn sections(model: &mut Model, set: &str, heights: &[f64]) -> Vec<[f64; 9]> {
         };
         let mesh = model.mesh();
         let elements = mesh.element_set(set).unwrap();
-        forces.add_cut(mesh, &cut, elements).unwrap();
+        forces.add_section(mesh, &cut, elements).unwrap();
     }
     let table = forces.recording();
     let options = RunOptions::steps(3);
@@ -95,7 +95,7 @@ fn sections(model: &mut Model, set: &str, heights: &[f64]) -> Vec<[f64; 9]> {
     cuts.map(|cut| core::array::from_fn(|i| cut[i])).collect()
 }
 
-/// Sections of a body at rest after stages carry the weight above them and the moments of the pushes: in
+/// Sections of a body in static equilibrium after stages carry the weight above them and the moments of the pushes: in
 /// the foot, which bent before the head was cast, as in the head, which counts from there; where a part
 /// of the section yields as where none does, whatever the kernel.
 #[test]

@@ -10,13 +10,16 @@ use super::{GRAVITY, bent_box, elastic_body, face_nodes, largest};
 /// Gives the nodes of each pair one velocity.
 pub(super) struct Weld {
     nodes: Vec<u32>,
-    told: bool,
+    reported: bool,
 }
 
 impl Weld {
     /// Of nodes that follow each other pair by pair.
     pub(super) fn new(nodes: Vec<u32>) -> Self {
-        Self { nodes, told: true }
+        Self {
+            nodes,
+            reported: true,
+        }
     }
 }
 
@@ -28,7 +31,7 @@ impl Constraint for Weld {
         &self.nodes
     }
     fn ties(&self) -> Vec<[u32; 2]> {
-        let pairs = self.nodes.chunks_exact(2).filter(|_| self.told);
+        let pairs = self.nodes.chunks_exact(2).filter(|_| self.reported);
         pairs.map(|pair| [pair[0], pair[1]]).collect()
     }
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
@@ -66,7 +69,7 @@ pub(super) fn cut_through(whole: &Mesh, height: f64) -> (Mesh, Vec<u32>) {
     (cut, pairs)
 }
 
-/// Two bodies that a constraint ties come to rest as the one that they were cut from, to 1e-8, and
+/// Two bodies that a constraint ties reach the same equilibrium as the one that they were cut from, to 1e-8, and
 /// stand still when they are handed over: the tie bears what the ground does not. A constraint that
 /// says nothing of what it holds is refused.
 #[test]
@@ -76,19 +79,19 @@ fn tied_bodies_rest_as_one() {
     let (cut, nodes) = cut_through(&whole, 4.5);
     let cut = &cut;
     assert_eq!(nodes.len(), 2 * 5 * 4);
-    fn standing<'a>(mesh: &Mesh, builder: ModelBuilder<'a>) -> ModelBuilder<'a> {
+    fn supported<'a>(mesh: &Mesh, builder: ModelBuilder<'a>) -> ModelBuilder<'a> {
         builder
             .support(Support::fixed(face_nodes(mesh, "bottom")))
             .gravity(GRAVITY + Vec3::x(), Box::new(|_: f64| 1.0))
     }
     let options = StaticOptions::default().with_tolerance(1.0e-11);
-    let mut one = standing(&whole, elastic_body(&whole)).build().unwrap();
+    let mut one = supported(&whole, elastic_body(&whole)).build().unwrap();
     one.equilibrate(&options, &mut |_| {}).unwrap();
-    let weld = |told| {
+    let weld = |reported| {
         let weld = Weld::new(nodes.clone());
-        Box::new(Weld { told, ..weld })
+        Box::new(Weld { reported, ..weld })
     };
-    let welded = |told| standing(cut, elastic_body(cut)).constraint(weld(told));
+    let welded = |reported| supported(cut, elastic_body(cut)).constraint(weld(reported));
     let mut two = welded(true).build().unwrap();
     two.equilibrate(&options, &mut |_| {}).unwrap();
     let deepest = largest((0..whole.node_count() as u32).map(|n| one.displacement(n)));

@@ -1,4 +1,4 @@
-//! From the raw content of a file to a mesh with its sets.
+//! Conversion of the content of a file into a mesh with its sets.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -9,15 +9,15 @@ use super::raw::{RawElement, RawMesh};
 use super::report::{GmshGroup, GmshReport};
 use super::{Encoding, GmshVersion};
 
-/// The set of all solids, if no solid of the file belongs to a physical group.
+/// Name of the set of all solids, if no solid of the file belongs to a physical group.
 pub(super) const ALL: &str = "all";
-/// The set of the solids that belong to no physical group, if others do.
+/// Name of the set of the solids that belong to no physical group, if others do.
 pub(super) const UNGROUPED: &str = "ungrouped";
 
-/// What becomes of an element.
+/// Use of a file's element in the mesh.
 #[derive(Clone, Copy, PartialEq)]
-enum Fate {
-    /// It is one of the mesh, with this set beside those of its groups.
+enum ElementUse {
+    /// Element of the mesh, with this set in addition to those of its groups.
     Element(Option<&'static str>),
     Facet,
     Point,
@@ -26,9 +26,9 @@ enum Fate {
 
 struct Assembly<'a> {
     raw: &'a RawMesh,
-    /// How many elements each group has.
+    /// Number of elements in each group.
     groups: BTreeMap<(usize, i32), usize>,
-    fates: Vec<Fate>,
+    uses: Vec<ElementUse>,
     used: HashSet<u64>,
 }
 
@@ -43,33 +43,33 @@ impl<'a> Assembly<'a> {
         } else {
             ALL
         };
-        let fate = |e: &RawElement| match (e.shape.dimension(), e.groups.is_none()) {
+        let element_use = |e: &RawElement| match (e.shape.dimension(), e.groups.is_none()) {
             (dimension, true) if dimension == top && e.shape.element().is_some() => {
-                Fate::Element(Some(beside))
+                ElementUse::Element(Some(beside))
             }
-            (_, true) => Fate::Dropped,
-            (2, false) => Fate::Facet,
-            (0, false) => Fate::Point,
-            (_, false) => Fate::Element(None),
+            (_, true) => ElementUse::Dropped,
+            (2, false) => ElementUse::Facet,
+            (0, false) => ElementUse::Point,
+            (_, false) => ElementUse::Element(None),
         };
-        let fates: Vec<Fate> = elements.iter().map(fate).collect();
+        let uses: Vec<ElementUse> = elements.iter().map(element_use).collect();
         let mut groups: BTreeMap<(usize, i32), usize> =
             raw.names.keys().map(|key| (*key, 0)).collect();
         let mut used = HashSet::new();
-        for (element, fate) in elements.iter().zip(&fates) {
+        for (element, element_use) in elements.iter().zip(&uses) {
             for &group in raw.lists.groups(element.groups) {
                 *groups
                     .entry((element.shape.dimension(), group))
                     .or_default() += 1;
             }
-            if matches!(fate, Fate::Element(_)) {
+            if matches!(element_use, ElementUse::Element(_)) {
                 used.extend(raw.elements.nodes_of(element));
             }
         }
         Self {
             raw,
             groups,
-            fates,
+            uses,
             used,
         }
     }
@@ -83,7 +83,11 @@ impl<'a> Assembly<'a> {
 
     fn build(&self) -> Result<Mesh, Located> {
         let raw = self.raw;
-        if !self.fates.iter().any(|f| matches!(f, Fate::Element(_))) {
+        if !self
+            .uses
+            .iter()
+            .any(|f| matches!(f, ElementUse::Element(_)))
+        {
             let of = |dimension: usize| {
                 let elements = raw.elements.elements.iter();
                 elements
@@ -108,7 +112,7 @@ impl<'a> Assembly<'a> {
             }
         }
         let mut sets: Vec<&str> = Vec::new();
-        for (element, fate) in raw.elements.elements.iter().zip(&self.fates) {
+        for (element, element_use) in raw.elements.elements.iter().zip(&self.uses) {
             sets.clear();
             let dimension = element.shape.dimension();
             let groups = raw.lists.groups(element.groups);
@@ -119,7 +123,7 @@ impl<'a> Assembly<'a> {
             );
             sets.sort_unstable();
             sets.dedup();
-            self.add(&mut builder, element, *fate, &mut sets)?;
+            self.add(&mut builder, element, *element_use, &mut sets)?;
         }
         builder.build().map_err(|error| self.locate(error))
     }
@@ -128,21 +132,21 @@ impl<'a> Assembly<'a> {
         &self,
         builder: &mut MeshBuilder,
         element: &RawElement,
-        fate: Fate,
+        element_use: ElementUse,
         sets: &mut Vec<&str>,
     ) -> Result<(), Located> {
         let nodes = self.raw.elements.nodes_of(element);
-        match (fate, element.shape.element()) {
-            (Fate::Element(beside), Some(kind)) => {
+        match (element_use, element.shape.element()) {
+            (ElementUse::Element(beside), Some(kind)) => {
                 sets.extend(beside);
                 builder.element(element.tag, kind, nodes, sets);
             }
-            (Fate::Facet, _) => {
+            (ElementUse::Facet, _) => {
                 for set in sets.iter() {
                     builder.facet(set, nodes);
                 }
             }
-            (Fate::Point, _) => {
+            (ElementUse::Point, _) => {
                 for set in sets.iter() {
                     if let Some(&node) = nodes.iter().find(|node| !self.used.contains(node)) {
                         let group = (*set).into();
@@ -157,7 +161,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Gives a fault of the mesh its place in the file.
+    /// Adds the position in the file to an error of the mesh.
     fn locate(&self, error: MeshError) -> Located {
         let elements = &self.raw.elements;
         let element = match &error {
@@ -176,7 +180,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Builds the mesh and checks its shapes.
+/// Builds the mesh and checks the shapes of its elements.
 pub(super) fn assemble(
     raw: &RawMesh,
     version: GmshVersion,
@@ -185,15 +189,15 @@ pub(super) fn assemble(
     let assembly = Assembly::new(raw);
     let mesh = assembly.build()?;
     let quality = mesh.check().map_err(|error| assembly.locate(error))?;
-    let fates = |wanted: fn(&Fate) -> bool| assembly.fates.iter().filter(|f| wanted(f)).count();
+    let uses = |wanted: fn(&ElementUse) -> bool| assembly.uses.iter().filter(|f| wanted(f)).count();
     let report = GmshReport {
         version,
         encoding,
         nodes: raw.nodes.tags.len(),
         elements: raw.elements.elements.len() + raw.merged,
         merged_elements: raw.merged,
-        dropped_elements: fates(|fate| *fate == Fate::Dropped),
-        ungrouped_elements: fates(|fate| matches!(fate, Fate::Element(Some(_)))),
+        dropped_elements: uses(|element_use| *element_use == ElementUse::Dropped),
+        ungrouped_elements: uses(|element_use| matches!(element_use, ElementUse::Element(Some(_)))),
         dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
         groups: (assembly.groups.iter())
             .map(|(&(dimension, number), &elements)| GmshGroup {

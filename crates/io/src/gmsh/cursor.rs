@@ -1,24 +1,24 @@
-//! Numbers of a section one after the other, as text or as bytes.
+//! Cursor over the numbers of a section, in text or binary form.
 
 use super::error::{GmshFault, Located, snippet};
 use super::format::{ByteOrder, Encoding};
 
-/// A reader of numbers between two bytes of a file.
+/// Reader of numbers in a range of bytes of a file.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) at: usize,
-    /// The first byte that is out of reach.
+    /// First byte after the range.
     pub(super) end: usize,
     pub(super) encoding: Encoding,
-    /// Bytes of a `size_t` in binary files: 4 or 8.
+    /// Width of a `size_t` in binary files (bytes): 4 or 8.
     pub(super) size_width: usize,
     pub(super) section: &'static str,
 }
 
-/// How many numbers of each kind make a record, at least.
+/// Least number of values of each kind in a record.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Record {
+pub(super) struct RecordSize {
     pub(super) integers: usize,
     pub(super) sizes: usize,
     pub(super) reals: usize,
@@ -35,8 +35,8 @@ impl<'a> Cursor<'a> {
     fn is_text(&self) -> bool {
         self.encoding == Encoding::Text
     }
-    /// Where the next number starts.
-    pub(super) fn place(&mut self) -> usize {
+    /// Offset of the next number.
+    pub(super) fn offset(&mut self) -> usize {
         if self.is_text() {
             self.skip_blanks();
         }
@@ -47,7 +47,7 @@ impl<'a> Cursor<'a> {
             self.at += 1;
         }
     }
-    /// The next word of a text.
+    /// Next word of a text.
     fn word(&mut self, what: &'static str) -> Result<(usize, &'a [u8]), Located> {
         self.skip_blanks();
         let start = self.at;
@@ -59,7 +59,7 @@ impl<'a> Cursor<'a> {
         }
         Ok((start, &self.bytes[start..self.at]))
     }
-    /// The next bytes, lowest first.
+    /// Next bytes, in little-endian order.
     fn raw<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], Located> {
         let found = self.bytes[self.at..self.end].first_chunk::<N>();
         let mut raw = *found.ok_or_else(|| self.fault(self.at, GmshFault::Truncated { what }))?;
@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
             self.fault(start, GmshFault::Expected { what, found })
         })
     }
-    /// A `size_t`.
+    /// Next number as a `size_t`.
     pub(super) fn size(&mut self, what: &'static str) -> Result<u64, Located> {
         match (self.is_text(), self.size_width) {
             (true, _) => self.parsed(what),
@@ -85,7 +85,7 @@ impl<'a> Cursor<'a> {
             (false, _) => Ok(u64::from_le_bytes(self.raw(what)?)),
         }
     }
-    /// An `int`.
+    /// Next number as an `int`.
     pub(super) fn integer(&mut self, what: &'static str) -> Result<i32, Located> {
         if self.is_text() {
             self.parsed(what)
@@ -93,7 +93,7 @@ impl<'a> Cursor<'a> {
             Ok(i32::from_le_bytes(self.raw(what)?))
         }
     }
-    /// A `double`.
+    /// Next number as a `double`.
     pub(super) fn real(&mut self, what: &'static str) -> Result<f64, Located> {
         if self.is_text() {
             self.parsed(what)
@@ -101,26 +101,26 @@ impl<'a> Cursor<'a> {
             Ok(f64::from_le_bytes(self.raw(what)?))
         }
     }
-    /// Passes over `double`s. In a text each is looked at, so that two numbers without a blank
-    /// between them are found where they stand.
+    /// Skips `double`s. In a text each is parsed, so that two numbers without a blank between them are
+    /// found at their position.
     pub(super) fn skip_reals(&mut self, count: usize, what: &'static str) -> Result<(), Located> {
         (0..count).try_for_each(|_| self.real(what).map(drop))
     }
-    /// Passes over `size_t`s, as [`skip_reals`](Self::skip_reals).
+    /// Skips `size_t`s, as [`skip_reals`](Self::skip_reals).
     pub(super) fn skip_sizes(&mut self, count: usize, what: &'static str) -> Result<(), Located> {
         (0..count).try_for_each(|_| self.size(what).map(drop))
     }
-    /// Checks that so many records can stand in what is left of the section.
+    /// Checks that a number of records fits into the rest of the section.
     pub(super) fn fits(
         &self,
         offset: usize,
         count: u64,
-        record: Record,
+        record: RecordSize,
         what: &'static str,
     ) -> Result<usize, Located> {
         let room = self.end - self.at;
         let width = if self.is_text() {
-            // A digit and a blank each.
+            // At least a digit and a blank each.
             2 * (record.integers + record.sizes + record.reals)
         } else {
             4 * record.integers + self.size_width * record.sizes + 8 * record.reals
@@ -130,9 +130,13 @@ impl<'a> Cursor<'a> {
             _ => Err(self.fault(offset, GmshFault::Count { what, count, room })),
         }
     }
-    /// Reads a count of records and checks that they can stand in what is left.
-    pub(super) fn count(&mut self, record: Record, what: &'static str) -> Result<usize, Located> {
-        let offset = self.place();
+    /// Reads a count of records and checks that they fit into the rest of the section.
+    pub(super) fn count(
+        &mut self,
+        record: RecordSize,
+        what: &'static str,
+    ) -> Result<usize, Located> {
+        let offset = self.offset();
         let count = self.size(what)?;
         self.fits(offset, count, record, what)
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a Gmsh file, and where.
+//! Errors of Gmsh files, with their position.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,45 +8,45 @@ use thiserror::Error;
 
 use crate::IoError;
 
-/// A Gmsh file that could not be read or written.
+/// Errors of reading and writing Gmsh files.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GmshError {
-    /// The operating system refused.
+    /// The operating system returned an error.
     #[error(transparent)]
     File(#[from] IoError),
-    /// The file's content is at fault.
+    /// The content of the file is invalid.
     #[error("{}{place}: {fault}", prefix(file))]
     Content {
-        /// The file; none if it was parsed from memory.
+        /// Path of the file; `None` if the content was parsed from memory.
         file: Option<PathBuf>,
-        /// Where in it.
+        /// Position of the fault in the file.
         place: GmshPlace,
-        /// What is wrong.
+        /// Fault of the content.
         fault: Box<GmshFault>,
     },
-    /// A set name that the format cannot hold: it is empty, or has a quote or a line break.
+    /// The format cannot represent the name of a set: it is empty, or has a quote or a line break.
     #[error("{}: the set name {name:?} cannot be written to a Gmsh file", file.display())]
     UnwritableName {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The name.
+        /// Name of the set.
         name: String,
     },
-    /// An element kind that the format has no type for here.
+    /// The format has no element type for a kind of element.
     #[error("{}: elements of kind {kind} cannot be written to a Gmsh file", file.display())]
     UnwritableElement {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The kind.
+        /// Name of the kind of element.
         kind: &'static str,
     },
-    /// Element numbers so large that the facets and points of the sets find none above them.
+    /// The element numbers are so large that no numbers are left for the facets and points of sets.
     #[error("{}: no element numbers are left above {largest}", file.display())]
     NumbersExhausted {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The largest element number of the mesh.
+        /// Largest element number of the mesh.
         largest: u64,
     },
 }
@@ -57,14 +57,14 @@ fn prefix(file: &Option<PathBuf>) -> String {
         .unwrap_or_default()
 }
 
-/// A place in a Gmsh file.
+/// Position in a Gmsh file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GmshPlace {
-    /// The section, such as `$Nodes`; empty outside of all sections.
+    /// Name of the section, such as `$Nodes`; empty outside of all sections.
     pub section: String,
-    /// The byte, from 0.
+    /// Offset in bytes, from 0.
     pub offset: usize,
-    /// The line, from 1, if the file is text.
+    /// Number of the line, from 1, if the file is text.
     pub line: Option<usize>,
 }
 
@@ -81,207 +81,213 @@ impl fmt::Display for GmshPlace {
     }
 }
 
-/// What is wrong with the content of a Gmsh file. Nodes and elements go by the file's numbers.
+/// Faults of the content of a Gmsh file. Nodes and elements are identified by the file's numbers.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GmshFault {
-    /// Nothing but white space.
+    /// The file has nothing but white space.
     #[error("the file is empty")]
     Empty,
-    /// The first section is another one than `$MeshFormat`.
-    #[error("a Gmsh file starts with $MeshFormat, this one with '{found}'")]
+    /// The first section is not `$MeshFormat`.
+    #[error("a Gmsh file starts with $MeshFormat, but this file starts with '{found}'")]
     NotGmsh {
-        /// How the file starts.
+        /// Start of the file.
         found: String,
     },
-    /// A version other than 2.2 and 4.1.
-    #[error("format version {version} is not read; 2.2 and 4.1 are (gmsh -save -format msh41)")]
+    /// The format version is neither 2.2 nor 4.1.
+    #[error(
+        "format version {version} is not supported; 2.2 and 4.1 are (gmsh -save -format msh41)"
+    )]
     Version {
-        /// As it stands in the file.
+        /// Version as written in the file.
         version: String,
     },
-    /// A file type other than text (0) and binary (1).
+    /// The file type is neither text (0) nor binary (1).
     #[error("file type {found} is neither 0 (text) nor 1 (binary)")]
     FileType {
-        /// As it stands in the file.
+        /// File type as written in the file.
         found: i64,
     },
-    /// A width of numbers that does not exist in this format.
-    #[error("data size {found} is not possible here; {permitted} is")]
+    /// The data size is not permitted in this version.
+    #[error("data size {found} is not permitted here; {permitted} is")]
     DataSize {
-        /// As it stands in the file.
+        /// Data size as written in the file (bytes).
         found: u64,
-        /// What could stand there.
+        /// Permitted data sizes in words.
         permitted: &'static str,
     },
-    /// The mark of the byte order is no 1 in either order.
+    /// The byte order mark is not 1 in either byte order.
     #[error("the byte order mark is {found:#010x} instead of 1")]
     ByteOrder {
-        /// The mark, read with the lowest byte first.
+        /// Mark as a little-endian number.
         found: u32,
     },
-    /// Text that belongs to no section.
-    #[error("'{found}' stands outside of all sections")]
+    /// There is text outside of all sections.
+    #[error("'{found}' is outside of all sections")]
     Stray {
-        /// How it starts.
+        /// Start of the text.
         found: String,
     },
-    /// A section without its end.
+    /// A section has no end.
     #[error("the section {section} has no end ${}", section.replacen('$', "End", 1))]
     NotEnded {
-        /// The section.
+        /// Name of the section.
         section: String,
     },
-    /// A section that is needed and not there.
+    /// A required section is missing.
     #[error("the file has no section {section}")]
     Missing {
-        /// The section.
+        /// Name of the section.
         section: &'static str,
     },
-    /// A section that stands twice.
-    #[error("the section {section} stands twice")]
+    /// A section occurs twice.
+    #[error("the section {section} occurs twice")]
     Repeated {
-        /// The section.
+        /// Name of the section.
         section: &'static str,
     },
-    /// Nodes with parameters on their surfaces.
-    #[error("nodes with parametric coordinates are not read (Mesh.SaveParametric = 0)")]
+    /// The nodes have parametric coordinates.
+    #[error("nodes with parametric coordinates are not supported (Mesh.SaveParametric = 0)")]
     Parametric,
-    /// A mesh divided among processors.
-    #[error("the mesh is partitioned; save it undivided")]
+    /// The mesh is partitioned among processors.
+    #[error("the mesh is partitioned, which is not supported; save it without partitions")]
     Partitioned,
-    /// Another thing than expected.
-    #[error("{what} should stand here, not '{found}'")]
+    /// The file has other content than expected.
+    #[error("{what} is expected here, not '{found}'")]
     Expected {
-        /// What should stand there.
+        /// Expected content.
         what: &'static str,
-        /// What does.
+        /// Content of the file.
         found: String,
     },
-    /// The section ends too early.
-    #[error("the section ends where {what} should stand")]
+    /// The section ends before expected content.
+    #[error("the section ends where {what} is expected")]
     Truncated {
-        /// What should stand there.
+        /// Expected content.
         what: &'static str,
     },
-    /// More in a section than its counts announce.
-    #[error("'{found}' stands after the last {what} that the counts announce")]
+    /// A section has more content than its counts state.
+    #[error("'{found}' follows the last {what} that the counts state")]
     Surplus {
-        /// Nodes, elements ...
+        /// Kind of record, such as node or element.
         what: &'static str,
-        /// How it starts.
+        /// Start of the additional content.
         found: String,
     },
-    /// A count that the file is too small for.
+    /// A count is too large for the size of the file.
     #[error("{count} {what} do not fit into {room} bytes")]
     Count {
-        /// Nodes, elements ...
+        /// Kind of record, such as nodes or elements.
         what: &'static str,
-        /// How many are announced.
+        /// Stated count.
         count: u64,
-        /// How many bytes are left.
+        /// Remaining size (bytes).
         room: usize,
     },
-    /// A total that disagrees with its parts.
-    #[error("{stated} {what} are announced, {found} are there")]
+    /// A stated total differs from the sum of its parts.
+    #[error("{stated} {what} are stated, {found} are found")]
     Total {
-        /// Nodes, elements ...
+        /// Kind of record, such as nodes or elements.
         what: &'static str,
-        /// The total.
+        /// Stated total.
         stated: u64,
-        /// The sum of the parts.
+        /// Sum of the parts.
         found: u64,
     },
-    /// Least and largest number in the head of a section, against what follows.
-    #[error("{what} numbers from {} to {} are announced, {} to {} are there", stated.0, stated.1, found.0, found.1)]
+    /// The least and largest number that a section states differ from those of its records.
+    #[error("{what} numbers from {} to {} are stated, {} to {} are found", stated.0, stated.1, found.0, found.1)]
     Range {
-        /// Nodes or elements.
+        /// Kind of record, node or element.
         what: &'static str,
-        /// As announced.
+        /// Stated least and largest number.
         stated: (u64, u64),
-        /// As they are.
+        /// Least and largest number of the records.
         found: (u64, u64),
     },
-    /// A number 0, which the format reserves.
+    /// A node or element has the number 0, which the format reserves.
     #[error("a {what} has the number 0")]
     Zero {
-        /// Node or element.
+        /// Kind of record, node or element.
         what: &'static str,
     },
-    /// A dimension that does not exist, or not for this element.
+    /// A dimension does not exist, or does not fit the element type.
     #[error("{what} cannot have dimension {dimension}")]
     Dimension {
-        /// A node block, or the element's name.
+        /// Kind of entity, or name of the element type.
         what: &'static str,
-        /// As it stands in the file.
+        /// Dimension as written in the file.
         dimension: i64,
     },
-    /// An entity that stands twice.
-    #[error("the entity of dimension {dimension} and number {entity} stands twice")]
+    /// An entity occurs twice.
+    #[error("the entity of dimension {dimension} and number {entity} occurs twice")]
     RepeatedEntity {
-        /// Its dimension.
+        /// Dimension of the entity.
         dimension: usize,
-        /// Its number.
+        /// Number of the entity.
         entity: i32,
     },
-    /// A physical group with two names.
+    /// A physical group has two names.
     #[error("the physical group of dimension {dimension} and number {group} has two names")]
     RepeatedGroup {
-        /// Its dimension.
+        /// Dimension of the group.
         dimension: usize,
-        /// Its number.
+        /// Number of the group.
         group: i32,
     },
-    /// An element type that this software does not compute with.
-    #[error("element {element} is a {name}; hex8, tet4, wedge6, bar2 and their facets are read")]
+    /// An element type of the format is not supported.
+    #[error(
+        "element {element} is a {name}, which is not supported; hex8, tet4, wedge6, bar2 and their facets are"
+    )]
     UnsupportedElement {
-        /// The type.
+        /// Name of the type.
         name: &'static str,
-        /// The first such element.
+        /// Number of the first such element.
         element: u64,
     },
-    /// An element type that is not in the list of the format.
+    /// An element type does not exist in the format.
     #[error("there is no element type {number}")]
     ElementType {
-        /// As it stands in the file.
+        /// Type as written in the file.
         number: i64,
     },
-    /// Nothing to compute with.
-    #[error("no solids and no bars, only {facets} facets, {lines} lines and {points} points")]
+    /// The file has neither solids nor bars.
+    #[error(
+        "the file has no solids and no bars, only {facets} facets, {lines} lines and {points} points"
+    )]
     NoSolids {
-        /// Triangles and quadrilaterals.
+        /// Number of triangles and quadrilaterals.
         facets: usize,
-        /// Lines of no physical group.
+        /// Number of lines without a physical group.
         lines: usize,
-        /// Points.
+        /// Number of points.
         points: usize,
     },
-    /// A point of a named group away from the mesh.
+    /// A point of a named group belongs to no element of the mesh.
     #[error("node {node} of the group '{group}' belongs to no solid and no bar")]
     PointWithoutElement {
-        /// The group.
+        /// Name of the group.
         group: String,
-        /// The node.
+        /// Number of the node.
         node: u64,
     },
-    /// A mesh at fault.
+    /// The mesh is invalid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The parser of values refused what the scanner had passed.
+    /// The parser of values returned an error after the scanner had accepted the content.
     #[error("the values cannot be read: {reason}")]
     Values {
-        /// The parser's reason.
+        /// Error of the parser in words.
         reason: String,
     },
     /// The parser of values and the scanner disagree.
     #[error("two readings of the {what} disagree")]
     Disagreement {
-        /// Of what.
+        /// Kind of record.
         what: &'static str,
     },
 }
 
-/// A fault with its place, before the file's name and the line are known.
+/// Fault with its position, before the name of the file and the line are known.
 #[derive(Debug)]
 pub(super) struct Located {
     pub(super) section: String,
@@ -297,7 +303,7 @@ impl Located {
             fault: Box::new(fault.into()),
         }
     }
-    /// Completes the error; lines are counted only now.
+    /// Error with the name of the file and the number of the line, which is counted only now.
     pub(super) fn complete(self, bytes: &[u8], text: bool, file: Option<PathBuf>) -> GmshError {
         let before = &bytes[..self.offset.min(bytes.len())];
         let line = text.then(|| 1 + before.iter().filter(|byte| **byte == b'\n').count());
@@ -313,7 +319,7 @@ impl Located {
     }
 }
 
-/// The start of some bytes for a message: at most 24, up to the end of the line.
+/// Start of some bytes for a message: at most 24 bytes, up to the end of the line.
 pub(super) fn snippet(bytes: &[u8]) -> String {
     let line = bytes.split(|byte| *byte == b'\n').next().unwrap_or(bytes);
     let start = &line[..line.len().min(24)];

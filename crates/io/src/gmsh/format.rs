@@ -1,48 +1,48 @@
-//! The head of a file: version, text or binary, byte order.
+//! Header of a file: version, text or binary, byte order.
 
 use super::cursor::is_blank;
 use super::error::{GmshFault, Located, snippet};
 
-/// Versions of the format that are read.
+/// Supported versions of the Gmsh MSH format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GmshVersion {
-    /// MSH 2.2.
+    /// Version MSH 2.2.
     Two,
-    /// MSH 4.1.
+    /// Version MSH 4.1.
     Four,
 }
 
-/// Order of the bytes of a number.
+/// Byte order of binary numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ByteOrder {
-    /// Lowest byte first.
+    /// Little-endian: lowest byte first.
     Little,
-    /// Highest byte first.
+    /// Big-endian: highest byte first.
     Big,
 }
 
-/// Numbers as text or as bytes.
+/// Encoding of the numbers of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// Decimal digits.
+    /// Text with decimal digits.
     Text,
-    /// As in memory.
+    /// Binary numbers of a byte order.
     Binary(ByteOrder),
 }
 
-/// What `$MeshFormat` says.
+/// Content of `$MeshFormat`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Format {
     pub(super) version: GmshVersion,
     pub(super) encoding: Encoding,
-    /// Bytes of a `size_t` in binary files of version 4.1.
+    /// Width of a `size_t` in binary files of version 4.1 (bytes).
     pub(super) size_width: usize,
 }
 
 const SECTION: &str = "$MeshFormat";
 
-/// Reads the content of `$MeshFormat`, which starts at `at`; returns where it ends.
+/// Reads the content of `$MeshFormat`, which starts at `at`; returns the offset of its end.
 pub(super) fn read(bytes: &[u8], at: usize) -> Result<(Format, usize), Located> {
     let fault = |offset, fault: GmshFault| Located::new(SECTION, offset, fault);
     let blanks = bytes[at..].iter().take_while(|byte| is_blank(**byte));

@@ -1,47 +1,47 @@
-//! Gmsh meshes: MSH 4.1 and 2.2, text and binary of either byte order in, 4.1 text out.
+//! Gmsh mesh files: reading of MSH 4.1 and 2.2, text and binary of either byte order, writing of 4.1 text.
 //!
 //! | in the file | in the mesh |
 //! |---|---|
 //! | hexahedra (8 nodes), tetrahedra (4), prisms (6) | solids `hex8`, `tet4`, `wedge6` |
 //! | lines (2) in a physical group | bars `bar2` |
-//! | triangles (3), quadrilaterals (4) in a physical group | facets: the sides of the solids on the same nodes, inside the body both of them |
+//! | triangles (3), quadrilaterals (4) in a physical group | facets: the sides of the solids on the same nodes, both sides of an interior face |
 //! | points in a physical group | nodes |
 //! | physical groups of dimension 3 and 1, 2, 0 | element sets, facet sets, node sets |
-//! | any other element | an error that names it |
+//! | any other element | an error that names the element |
 //!
 //! A set has the name of its group, or `physical_DIMENSION_NUMBER` if the group has none; groups
 //! of one name make one set. An element in several groups is one element of several sets, though
-//! version 2.2 writes it once for each. Numbers of nodes and elements are kept; they may be
+//! version 2.2 writes it once for each. Numbers of nodes and elements are preserved; they may be
 //! sparse and in any order.
 //!
 //! Solids of no group are never lost: they make the set `all` if no solid has a group, else the
-//! set `ungrouped`. Lines, facets and points of no group are dropped (a mesh of lines alone is
-//! kept as one of bars), and so are the nodes that are left without an element. The
+//! set `ungrouped`. Lines, facets and points of no group are dropped (in a mesh of lines alone the
+//! lines are bars), and so are nodes without an element. The
 //! [report](GmshReport) counts what was dropped.
 //!
-//! Sections that mean nothing here (`$Periodic`, `$NodeData`, `$Comments` ...) are passed over.
-//! Partitioned meshes and nodes with parametric coordinates are refused. The shapes are
+//! Sections without a meaning here (`$Periodic`, `$NodeData`, `$Comments` ...) are skipped.
+//! Partitioned meshes and nodes with parametric coordinates are errors. The shapes are
 //! [checked](powerhouse_model::Mesh::check): an inverted element is an error with its line.
 //!
 //! The format: Gmsh Reference Manual 4.15, chapter "Gmsh file formats" (Geuzaine and Remacle, 2009,
 //! Int. J. Numer. Meth. Engng 79, 1309-1331).
 //!
 //! # Why so
-//! *Two readings of version 4.1.* [mshio] parses values well and checks little: it forgets the
-//! numbers of nodes when they are dense and leaves the reader to assume an order, it accepts
-//! counts that disagree, it stops with a panic at a data size of 5 or a count of 0. So a scanner
-//! of our own walks through every number first. It bounds each count by the bytes that are left
-//! before any memory is taken, takes numbers, types, ranges and groups, and notes where each
-//! record stands. mshio then sees an excerpt with a head that we wrote and the two sections that
-//! hold something, nothing that could make it panic; its blocks, counts and element numbers are
-//! compared with the scanner's. Memory stays in proportion to the file.
+//! *Two parsers for version 4.1.* [mshio] parses values well and checks little: it drops the
+//! numbers of nodes when they are dense and leaves their order to the reader, it accepts
+//! inconsistent counts, and it panics at a data size of 5 or a count of 0. So a scanner
+//! of this crate first reads every number. It bounds each count by the remaining bytes before any
+//! memory is allocated, reads numbers, types, ranges and groups, and stores the offset of each
+//! record. mshio is then given an excerpt with a header written here and the two non-empty sections,
+//! with nothing at which it panics; its blocks, counts and element numbers are compared with the
+//! scanner's. Memory is in proportion to the file.
 //!
-//! *Version 2.2* is still what many programs write. One pass reads it.
+//! *Version 2.2* is still written by many programs. It is read in one pass.
 //!
-//! *The head of a section is believed.* A total or a range of numbers that disagrees with what
-//! follows is an error: the file was cut or edited.
+//! *The header of a section is checked.* A total or a range of numbers that disagrees with the
+//! records is an error: the file was truncated or edited.
 //!
-//! *Only the mesh is kept.* Geometry (`$Entities`) serves to find the groups.
+//! *Only the mesh is read.* Geometry (`$Entities`) serves to find the groups.
 
 mod assemble;
 mod cursor;
@@ -68,15 +68,15 @@ pub use format::{ByteOrder, Encoding, GmshVersion};
 pub use report::{GmshGroup, GmshReport};
 pub use write::write_gmsh;
 
-/// The largest file (bytes): some fifty million elements.
+/// Greatest size of a file (bytes): some fifty million elements.
 const LARGEST: u64 = 8 << 30;
 
-/// A mesh and what its file held.
+/// Mesh of a Gmsh file, with a report of the file's content.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GmshMesh {
-    /// The mesh; its shapes are checked.
+    /// Mesh, whose element shapes are checked.
     pub mesh: Mesh,
-    /// What the file held.
+    /// Report of the content of the file.
     pub report: GmshReport,
 }
 
@@ -84,7 +84,7 @@ pub struct GmshMesh {
 ///
 /// # Errors
 /// [`GmshError::File`] if it cannot be opened, [`GmshError::Content`] with the line or byte, the
-/// section and the node or element at fault.
+/// section and the node or element of the fault.
 pub fn read_gmsh(path: impl AsRef<Path>) -> Result<GmshMesh, GmshError> {
     let path = path.as_ref();
     let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
@@ -94,7 +94,7 @@ pub fn read_gmsh(path: impl AsRef<Path>) -> Result<GmshMesh, GmshError> {
 /// Reads a Gmsh file from memory, as [`read_gmsh`].
 ///
 /// # Errors
-/// [`GmshError::Content`].
+/// [`GmshError::Content`], with the line or byte of the fault.
 ///
 /// ```
 /// let file = r#"$MeshFormat

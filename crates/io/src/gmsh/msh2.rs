@@ -1,25 +1,29 @@
-//! Version 2.2, which mshio does not read.
+//! Version 2.2, which mshio does not support.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use powerhouse_model::Vec3;
 
-use super::cursor::{Cursor, Record};
+use super::cursor::{Cursor, RecordSize};
 use super::error::{GmshFault, Located};
 use super::format::Encoding;
 use super::raw::{GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
-use super::shape::{Meaning, Shape};
+use super::shape::{Shape, TypeOfNumber};
 
-/// The count at the head of a section, which is text in binary files too.
-fn count(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<usize, Located> {
+/// Count at the start of a section, which is text in binary files too.
+fn count(
+    cursor: &mut Cursor<'_>,
+    record: RecordSize,
+    what: &'static str,
+) -> Result<usize, Located> {
     let encoding = std::mem::replace(&mut cursor.encoding, Encoding::Text);
-    let offset = cursor.place();
+    let offset = cursor.offset();
     let count = cursor.size(what);
     cursor.encoding = encoding;
     let count = count?;
     if encoding != Encoding::Text {
-        // The numbers start right after the line.
+        // The binary numbers start right after the line.
         for blank in [b'\r', b'\n'] {
             if cursor.bytes[cursor.at..cursor.end].first() == Some(&blank) {
                 cursor.at += 1;
@@ -29,9 +33,9 @@ fn count(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<
     cursor.fits(offset, count, record, what)
 }
 
-/// The number of a node or element: an `int`, but of any size in text; not 0.
+/// Number of a node or element: an `int`, but of any size in text; not 0.
 fn number(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
-    let offset = cursor.place();
+    let offset = cursor.offset();
     let number = if cursor.encoding == Encoding::Text {
         cursor.size("a number")?
     } else {
@@ -47,9 +51,13 @@ fn number(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
     Ok(number)
 }
 
-/// A count among the integers of an element.
-fn small(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<usize, Located> {
-    let offset = cursor.place();
+/// Count among the integers of an element.
+fn small(
+    cursor: &mut Cursor<'_>,
+    record: RecordSize,
+    what: &'static str,
+) -> Result<usize, Located> {
+    let offset = cursor.offset();
     let number = cursor.integer(what)?;
     let count = u64::try_from(number).map_err(|_| {
         let found = number.to_string();
@@ -60,17 +68,17 @@ fn small(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<
 
 /// Reads `$Nodes`.
 pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<RawNodes, Located> {
-    let record = Record {
+    let record = RecordSize {
         integers: 1,
         reals: 3,
-        ..Record::default()
+        ..RecordSize::default()
     };
     let count = count(cursor, record, "nodes")?;
     let mut nodes = RawNodes::default();
     for _ in 0..count {
-        let at = cursor.place();
+        let at = cursor.offset();
         nodes.tags.push(number(cursor, "node")?);
-        let position = cursor.place();
+        let position = cursor.offset();
         nodes.positions.push(Vec3::new(
             cursor.real("a coordinate")?,
             cursor.real("a coordinate")?,
@@ -81,7 +89,7 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<RawNodes, Located> {
     Ok(nodes)
 }
 
-const INTEGER: Record = Record {
+const INTEGER: RecordSize = RecordSize {
     integers: 1,
     sizes: 0,
     reals: 0,
@@ -92,11 +100,11 @@ pub(super) fn elements(
     cursor: &mut Cursor<'_>,
     lists: &mut GroupLists,
 ) -> Result<RawElements, Located> {
-    let least = Record {
+    let least = RecordSize {
         integers: 2,
-        ..Record::default()
+        ..RecordSize::default()
     };
-    let start = cursor.place();
+    let start = cursor.offset();
     let count = count(cursor, least, "elements")?;
     let mut raw = RawElements {
         start,
@@ -104,9 +112,9 @@ pub(super) fn elements(
     };
     if cursor.encoding == Encoding::Text {
         for _ in 0..count {
-            let offset = cursor.place();
+            let offset = cursor.offset();
             let number = number(cursor, "element")?;
-            let type_at = cursor.place();
+            let type_at = cursor.offset();
             let type_number = cursor.integer("an element type")?;
             let shape = shape(cursor, type_at, type_number, number)?;
             let tags = small(cursor, INTEGER, "tags of an element")?;
@@ -141,16 +149,16 @@ pub(super) fn elements(
 fn shape(cursor: &Cursor<'_>, offset: usize, number: i32, element: u64) -> Result<Shape, Located> {
     let number = number.into();
     match Shape::of_number(number) {
-        Meaning::Read(shape) => Ok(shape),
-        Meaning::Unsupported(name) => {
+        TypeOfNumber::Read(shape) => Ok(shape),
+        TypeOfNumber::Unsupported(name) => {
             let fault = GmshFault::UnsupportedElement { name, element };
             Err(cursor.fault(offset, fault))
         }
-        Meaning::Unknown => Err(cursor.fault(offset, GmshFault::ElementType { number })),
+        TypeOfNumber::Unknown => Err(cursor.fault(offset, GmshFault::ElementType { number })),
     }
 }
 
-/// Tags and nodes of one element: the physical group, the entity, then those of a partition.
+/// Reads tags and nodes of one element: the physical group, the entity, then tags of a partition.
 fn element(
     cursor: &mut Cursor<'_>,
     lists: &mut GroupLists,
@@ -160,10 +168,10 @@ fn element(
     tags: usize,
 ) -> Result<(), Located> {
     let (mut group, mut entity) = (0, 0);
-    for place in 0..tags {
-        let at = cursor.place();
+    for index in 0..tags {
+        let at = cursor.offset();
         let value = cursor.integer("a tag of an element")?;
-        match place {
+        match index {
             0 => group = value,
             1 => entity = value,
             2 if value > 0 => return Err(cursor.fault(at, GmshFault::Partitioned)),
@@ -184,11 +192,11 @@ fn element(
     Ok(())
 }
 
-/// Puts together the copies of an element that the format writes once for each of its groups:
-/// the same entity, type and nodes under another group. The first one's number stays. Returns
-/// how many copies went.
+/// Merges the copies of an element that the format writes once for each of its groups: the same
+/// entity, type and nodes with another group. The number of the first is kept. Returns the number of
+/// copies that were removed.
 ///
-/// A second copy in the *same* group is left, to be found as a duplicate.
+/// A second copy in the *same* group remains, and is then reported as a duplicate.
 pub(super) fn merge(raw: &mut RawElements, lists: &mut GroupLists) -> usize {
     let mut first_of: HashMap<(Shape, i32, &[u64]), usize> = HashMap::new();
     let mut kept: Vec<RawElement> = Vec::with_capacity(raw.elements.len());

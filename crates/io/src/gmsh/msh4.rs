@@ -1,30 +1,30 @@
-//! Version 4.1: what the scanner takes from a section by itself.
+//! Version 4.1: scanner of the sections.
 //!
-//! It walks through every number, takes those that mshio drops or does not check (node numbers,
-//! counts, ranges, types, groups) and notes the place of each record.
+//! It reads every number, stores those that mshio drops or does not check (node numbers, counts,
+//! ranges, types, groups) and the offset of each record.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::cursor::{Cursor, Record};
+use super::cursor::{Cursor, RecordSize};
 use super::error::{GmshFault, Located};
 use super::raw::{GroupList, GroupLists, NodeOffsets};
-use super::shape::{Meaning, Shape};
+use super::shape::{Shape, TypeOfNumber};
 
-/// Groups of each entity by dimension and number.
+/// Physical groups of each entity by dimension and number.
 pub(super) type EntityGroups = HashMap<(usize, i32), GroupList>;
 
-/// A block of nodes or elements of one entity.
+/// Block of nodes or elements of one entity.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
     pub(super) dimension: usize,
     pub(super) entity: i32,
     pub(super) count: usize,
-    /// The type's number, 0 for nodes.
+    /// Number of the element type, 0 for nodes.
     pub(super) type_number: i32,
 }
 
-/// What the scanner knows of `$Nodes`.
+/// Layout of `$Nodes` found by the scanner.
 #[derive(Debug)]
 pub(super) struct NodeLayout {
     pub(super) body: Range<usize>,
@@ -33,7 +33,7 @@ pub(super) struct NodeLayout {
     pub(super) offsets: Vec<NodeOffsets>,
 }
 
-/// What the scanner knows of `$Elements`.
+/// Layout of `$Elements` found by the scanner.
 #[derive(Debug)]
 pub(super) struct ElementLayout {
     pub(super) body: Range<usize>,
@@ -48,19 +48,19 @@ pub(super) fn entities(
     cursor: &mut Cursor<'_>,
     lists: &mut GroupLists,
 ) -> Result<EntityGroups, Located> {
-    let point = Record {
+    let point = RecordSize {
         integers: 1,
         sizes: 1,
         reals: 3,
     };
-    let other = Record {
+    let other = RecordSize {
         integers: 1,
         sizes: 2,
         reals: 6,
     };
-    let tag = Record {
+    let tag = RecordSize {
         integers: 1,
-        ..Record::default()
+        ..RecordSize::default()
     };
     let counts = [
         cursor.count(point, "points")?,
@@ -71,7 +71,7 @@ pub(super) fn entities(
     let mut groups = EntityGroups::new();
     for (dimension, count) in counts.into_iter().enumerate() {
         for _ in 0..count {
-            let offset = cursor.place();
+            let offset = cursor.offset();
             let entity = cursor.integer("the number of an entity")?;
             let reals = if dimension == 0 { 3 } else { 6 };
             cursor.skip_reals(reals, "a coordinate")?;
@@ -98,7 +98,7 @@ pub(super) fn entities(
     Ok(groups)
 }
 
-/// The head that `$Nodes` and `$Elements` have in common.
+/// Header that `$Nodes` and `$Elements` have in common.
 struct Head {
     offset: usize,
     blocks: usize,
@@ -106,15 +106,15 @@ struct Head {
     range: (u64, u64),
 }
 
-fn head(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<Head, Located> {
-    let block = Record {
+fn head(cursor: &mut Cursor<'_>, record: RecordSize, what: &'static str) -> Result<Head, Located> {
+    let block = RecordSize {
         integers: 3,
         sizes: 1,
-        ..Record::default()
+        ..RecordSize::default()
     };
-    let offset = cursor.place();
+    let offset = cursor.offset();
     let blocks = cursor.count(block, "blocks")?;
-    let at = cursor.place();
+    let at = cursor.offset();
     let total = cursor.size("the total")?;
     let range = (
         cursor.size("the least number")?,
@@ -130,7 +130,7 @@ fn head(cursor: &mut Cursor<'_>, record: Record, what: &'static str) -> Result<H
 }
 
 impl Head {
-    /// Compares with what was found.
+    /// Compares the header with the records.
     fn check(&self, cursor: &Cursor<'_>, tags: &[u64], what: &'static str) -> Result<(), Located> {
         let (stated, found) = (self.total, tags.len() as u64);
         if stated != found {
@@ -155,9 +155,9 @@ impl Head {
     }
 }
 
-/// The number of a node or element, which is not 0.
+/// Number of a node or element, which is not 0.
 fn number(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
-    let offset = cursor.place();
+    let offset = cursor.offset();
     match cursor.size("a number")? {
         0 => Err(cursor.fault(offset, GmshFault::Zero { what })),
         number => Ok(number),
@@ -165,7 +165,7 @@ fn number(cursor: &mut Cursor<'_>, what: &'static str) -> Result<u64, Located> {
 }
 
 fn dimension(cursor: &mut Cursor<'_>) -> Result<usize, Located> {
-    let offset = cursor.place();
+    let offset = cursor.offset();
     let dimension = cursor.integer("the dimension of an entity")?;
     let permitted = usize::try_from(dimension).ok().filter(|d| *d <= 3);
     permitted.ok_or_else(|| {
@@ -177,13 +177,13 @@ fn dimension(cursor: &mut Cursor<'_>) -> Result<usize, Located> {
     })
 }
 
-/// Walks through `$Nodes`.
+/// Scans `$Nodes`.
 pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<NodeLayout, Located> {
     let start = cursor.at;
-    let node = Record {
+    let node = RecordSize {
         sizes: 1,
         reals: 3,
-        ..Record::default()
+        ..RecordSize::default()
     };
     let head = head(cursor, node, "nodes")?;
     let mut layout = NodeLayout {
@@ -195,7 +195,7 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<NodeLayout, Located> {
     for _ in 0..head.blocks {
         let dimension = dimension(cursor)?;
         let entity = cursor.integer("the number of an entity")?;
-        let at = cursor.place();
+        let at = cursor.offset();
         match cursor.integer("the mark of parametric nodes")? {
             0 => {}
             1 => return Err(cursor.fault(at, GmshFault::Parametric)),
@@ -208,12 +208,12 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<NodeLayout, Located> {
         let count = cursor.count(node, "nodes")?;
         let first = layout.offsets.len();
         for _ in 0..count {
-            let tag = cursor.place();
+            let tag = cursor.offset();
             layout.tags.push(number(cursor, "node")?);
             layout.offsets.push(NodeOffsets { tag, position: tag });
         }
         for offsets in &mut layout.offsets[first..] {
-            offsets.position = cursor.place();
+            offsets.position = cursor.offset();
             cursor.skip_reals(3, "a coordinate")?;
         }
         layout.blocks.push(Block {
@@ -228,12 +228,12 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<NodeLayout, Located> {
     Ok(layout)
 }
 
-/// Walks through `$Elements`.
+/// Scans `$Elements`.
 pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located> {
     let start = cursor.at;
-    let least = Record {
+    let least = RecordSize {
         sizes: 2,
-        ..Record::default()
+        ..RecordSize::default()
     };
     let head = head(cursor, least, "elements")?;
     let mut layout = ElementLayout {
@@ -244,14 +244,14 @@ pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located
         offsets: Vec::new(),
     };
     for _ in 0..head.blocks {
-        let at = cursor.place();
+        let at = cursor.offset();
         let dimension = dimension(cursor)?;
         let entity = cursor.integer("the number of an entity")?;
-        let type_at = cursor.place();
+        let type_at = cursor.offset();
         let type_number = cursor.integer("an element type")?;
         let shape = match Shape::of_number(type_number.into()) {
-            Meaning::Read(shape) => Some(shape),
-            Meaning::Unsupported(name) => {
+            TypeOfNumber::Read(shape) => Some(shape),
+            TypeOfNumber::Unsupported(name) => {
                 if cursor.count(least, "elements")? > 0 {
                     let element = cursor.size("the number of an element")?;
                     let fault = GmshFault::UnsupportedElement { name, element };
@@ -259,7 +259,7 @@ pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located
                 }
                 None
             }
-            Meaning::Unknown => {
+            TypeOfNumber::Unknown => {
                 let number = type_number.into();
                 return Err(cursor.fault(type_at, GmshFault::ElementType { number }));
             }
@@ -273,13 +273,13 @@ pub(super) fn elements(cursor: &mut Cursor<'_>) -> Result<ElementLayout, Located
                 };
                 return Err(cursor.fault(at, fault));
             }
-            let record = Record {
+            let record = RecordSize {
                 sizes: 1 + shape.node_count(),
-                ..Record::default()
+                ..RecordSize::default()
             };
             count = cursor.count(record, "elements")?;
             for _ in 0..count {
-                layout.offsets.push(cursor.place());
+                layout.offsets.push(cursor.offset());
                 layout.tags.push(number(cursor, "element")?);
                 cursor.skip_sizes(shape.node_count(), "a node of an element")?;
             }

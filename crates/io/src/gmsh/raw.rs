@@ -1,4 +1,4 @@
-//! The content of a file, of either version, before it becomes a mesh.
+//! Content of a file, of either version, before conversion to a mesh.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -12,7 +12,7 @@ use super::shape::Shape;
 pub(super) struct RawNodes {
     pub(super) tags: Vec<u64>,
     pub(super) positions: Vec<Vec3>,
-    /// Bytes at which each number and each position stand.
+    /// Offsets of each node's number and position (bytes).
     pub(super) offsets: Vec<NodeOffsets>,
 }
 
@@ -22,15 +22,15 @@ pub(super) struct NodeOffsets {
     pub(super) position: usize,
 }
 
-/// One element of the file; its nodes stand in [`RawElements::nodes`].
+/// One element of the file; its nodes are in [`RawElements::nodes`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RawElement {
     pub(super) tag: u64,
     pub(super) shape: Shape,
-    /// Number of the geometric entity.
+    /// Number of its geometric entity.
     pub(super) entity: i32,
     pub(super) groups: GroupList,
-    /// Index of the first node.
+    /// Index of its first node.
     pub(super) first: usize,
     pub(super) offset: usize,
 }
@@ -40,7 +40,7 @@ pub(super) struct RawElement {
 pub(super) struct RawElements {
     pub(super) elements: Vec<RawElement>,
     pub(super) nodes: Vec<u64>,
-    /// The byte at which the content of the section starts.
+    /// Offset of the content of the section (bytes).
     pub(super) start: usize,
 }
 
@@ -50,19 +50,19 @@ impl RawElements {
     }
 }
 
-/// Numbers of the physical groups that an element belongs to, in a [`GroupLists`].
+/// Physical groups of an element, as an index into [`GroupLists`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub(super) struct GroupList(u32);
 
 impl GroupList {
-    /// No group.
+    /// Empty list of groups.
     pub(super) const NONE: Self = Self(0);
     pub(super) fn is_none(self) -> bool {
         self == Self::NONE
     }
 }
 
-/// Every combination of groups that occurs, once.
+/// Combinations of groups that occur, each once.
 #[derive(Debug)]
 pub(super) struct GroupLists {
     lists: Vec<Vec<i32>>,
@@ -79,7 +79,7 @@ impl Default for GroupLists {
 }
 
 impl GroupLists {
-    /// The list with these numbers, in any order; signs, which tell of orientations, are dropped.
+    /// List of these numbers, in any order; signs, which state orientations, are dropped.
     pub(super) fn intern(&mut self, groups: impl IntoIterator<Item = i32>) -> GroupList {
         let mut groups: Vec<i32> = groups.into_iter().map(i32::saturating_abs).collect();
         groups.sort_unstable();
@@ -100,21 +100,21 @@ impl GroupLists {
 /// Names of physical groups by dimension and number.
 pub(super) type GroupNames = BTreeMap<(usize, i32), String>;
 
-/// All that is read of a file.
+/// Content of a file.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
     pub(super) nodes: RawNodes,
     pub(super) elements: RawElements,
     pub(super) lists: GroupLists,
     pub(super) names: GroupNames,
-    /// Elements that repeat another one for the sake of a second group.
+    /// Number of elements that repeat another one in a second group.
     pub(super) merged: usize,
-    /// Names of the sections that were passed over.
+    /// Names of the skipped sections.
     pub(super) skipped: Vec<String>,
 }
 
 impl RawMesh {
-    /// Checks numbers and positions: all that can be said without knowing what is kept.
+    /// Checks numbers and positions as far as they do not depend on the use of the elements.
     pub(super) fn validate(&self) -> Result<(), Located> {
         let known = self.validate_nodes()?;
         let mut seen = HashSet::with_capacity(self.elements.elements.len());

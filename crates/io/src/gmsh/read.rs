@@ -1,4 +1,4 @@
-//! From the bytes of a file to its raw content.
+//! Reading of the sections of a file.
 
 use super::cursor::Cursor;
 use super::error::{GmshFault, Located, snippet};
@@ -8,7 +8,7 @@ use super::raw::{RawElements, RawMesh, RawNodes};
 use super::section::{self, Marker};
 use super::{msh2, msh4, values};
 
-/// What the sections of a file gave so far.
+/// Content of the sections read so far.
 #[derive(Default)]
 struct Sections {
     raw: RawMesh,
@@ -20,7 +20,7 @@ struct Sections {
     elements: Option<RawElements>,
 }
 
-/// Reads the head alone.
+/// Reads the header of the file.
 pub(super) fn head(bytes: &[u8]) -> Result<(Format, usize), Located> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Located::new("", 0, GmshFault::Empty));
@@ -45,7 +45,7 @@ pub(super) fn head(bytes: &[u8]) -> Result<(Format, usize), Located> {
     Ok((format, end.after))
 }
 
-/// Reads all sections after the head, in whatever order they stand.
+/// Reads all sections after the header, in any order.
 pub(super) fn body(bytes: &[u8], format: Format, start: usize) -> Result<RawMesh, Located> {
     let mut sections = Sections::default();
     let mut at = start;
@@ -60,7 +60,7 @@ fn repeated(marker: &Marker<'_>, section: &'static str) -> Located {
 }
 
 impl Sections {
-    /// Reads one section and returns the byte after it.
+    /// Reads one section and returns the offset of the byte after it.
     fn take(&mut self, bytes: &[u8], format: Format, marker: Marker<'_>) -> Result<usize, Located> {
         let four = format.version == GmshVersion::Four;
         match marker.name {
@@ -159,18 +159,18 @@ impl Sections {
 }
 
 fn put<T>(
-    place: &mut Option<T>,
+    slot: &mut Option<T>,
     value: T,
     marker: &Marker<'_>,
     section: &'static str,
 ) -> Result<(), Located> {
-    match place.replace(value) {
+    match slot.replace(value) {
         None => Ok(()),
         Some(_) => Err(repeated(marker, section)),
     }
 }
 
-/// Walks through the numbers of a section and checks that its end stands where they end.
+/// Reads the numbers of a section and checks that its end follows them.
 fn walk<T>(
     bytes: &[u8],
     format: Format,
@@ -179,7 +179,7 @@ fn walk<T>(
     what: &'static str,
     read: impl FnOnce(&mut Cursor<'_>) -> Result<T, Located>,
 ) -> Result<(T, usize), Located> {
-    // In a text the end is looked for first, so that no number is taken from beyond it.
+    // In a text the end is located first, so that no number is read from beyond it.
     let end = match format.encoding {
         Encoding::Text => Some(marker.end(bytes)?),
         Encoding::Binary(_) => None,

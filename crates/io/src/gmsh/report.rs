@@ -1,47 +1,47 @@
-//! What a file held.
+//! Report of the content of a file.
 
 use powerhouse_model::QualityReport;
 
 use super::format::{Encoding, GmshVersion};
 
-/// A physical group of a file.
+/// Physical group of a Gmsh file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GmshGroup {
-    /// Its name, which is that of the set; `physical_DIMENSION_NUMBER` if it has none.
+    /// Name of the group and of its set; `physical_DIMENSION_NUMBER` if it has none.
     pub name: String,
-    /// 0 points, 1 bars, 2 facets, 3 solids.
+    /// Dimension of its elements: 0 points, 1 bars, 2 facets, 3 solids.
     pub dimension: usize,
-    /// Its number.
+    /// Number of the group in the file.
     pub number: i32,
-    /// How many elements of the file belong to it; a group without any makes no set.
+    /// Number of elements of the file in the group; an empty group makes no set.
     pub elements: usize,
 }
 
-/// What a file held, and what became of it.
+/// Report of the content of a Gmsh file and of its use in the mesh.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GmshReport {
     /// Version of the format.
     pub version: GmshVersion,
-    /// Text or binary.
+    /// Encoding of the numbers, text or binary.
     pub encoding: Encoding,
-    /// Nodes in the file.
+    /// Number of nodes in the file.
     pub nodes: usize,
-    /// Elements of every dimension in the file.
+    /// Number of elements of every dimension in the file.
     pub elements: usize,
-    /// Elements that stood once more for a second group (version 2.2).
+    /// Number of elements that repeat another one in a second group (version 2.2).
     pub merged_elements: usize,
-    /// Lines, facets and points of no physical group.
+    /// Number of lines, facets and points without a physical group, which are dropped.
     pub dropped_elements: usize,
-    /// Elements of the mesh that belong to no physical group: those of the set `all` or
+    /// Number of elements of the mesh without a physical group: those of the set `all` or
     /// `ungrouped`.
     pub ungrouped_elements: usize,
-    /// Nodes that no element of the mesh uses.
+    /// Number of nodes that no element of the mesh uses, which are dropped.
     pub dropped_nodes: usize,
-    /// The physical groups, by dimension and number.
+    /// Physical groups by dimension and number.
     pub groups: Vec<GmshGroup>,
-    /// Sections that were passed over.
+    /// Names of the skipped sections.
     pub skipped_sections: Vec<String>,
-    /// Shapes of the elements.
+    /// Quality of the element shapes.
     pub quality: QualityReport,
 }

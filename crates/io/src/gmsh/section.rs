@@ -1,30 +1,30 @@
-//! Where the sections of a file start and end, and the two that both versions share.
+//! Start and end of sections, and `$PhysicalNames`, which both versions share.
 
 use super::cursor::is_blank;
 use super::error::{GmshFault, Located, snippet};
 use super::raw::GroupNames;
 
-/// The start of a section.
+/// Start of a section.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Marker<'a> {
-    /// With the dollar sign.
+    /// Name with the dollar sign.
     pub(super) name: &'a [u8],
-    /// The byte of the dollar sign.
+    /// Offset of the dollar sign (bytes).
     pub(super) offset: usize,
-    /// The byte after the line.
+    /// Offset of the line after the name (bytes).
     pub(super) body: usize,
 }
 
-/// The end of a section.
+/// End of a section.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
-    /// The byte of the dollar sign.
+    /// Offset of the dollar sign (bytes).
     pub(super) start: usize,
-    /// The byte after the word.
+    /// Offset of the byte after the word.
     pub(super) after: usize,
 }
 
-/// The next section at or after a byte; none at the end of the file.
+/// Next section at or after an offset; `None` at the end of the file.
 pub(super) fn next(bytes: &[u8], at: usize) -> Result<Option<Marker<'_>>, Located> {
     let blanks = bytes[at..].iter().take_while(|byte| is_blank(**byte));
     let offset = at + blanks.count();
@@ -55,7 +55,7 @@ impl Marker<'_> {
     pub(super) fn text(&self) -> String {
         String::from_utf8_lossy(self.name).into_owned()
     }
-    /// The end that stands at this byte, after blanks.
+    /// End of the section if it is at this offset, after blanks.
     pub(super) fn end_at(&self, bytes: &[u8], at: usize) -> Option<End> {
         let blanks = bytes[at..].iter().take_while(|byte| is_blank(**byte));
         let start = at + blanks.count();
@@ -66,10 +66,10 @@ impl Marker<'_> {
             .is_none_or(|byte| is_blank(*byte))
             .then_some(End { start, after })
     }
-    /// The end on a line of its own.
+    /// End of the section, on a line of its own.
     ///
     /// # Errors
-    /// [`GmshFault::NotEnded`].
+    /// [`GmshFault::NotEnded`] if there is none.
     pub(super) fn end(&self, bytes: &[u8]) -> Result<End, Located> {
         let mut at = self.body;
         while at < bytes.len() {
@@ -84,10 +84,10 @@ impl Marker<'_> {
         }
         Err(self.not_ended())
     }
-    /// The end wherever it stands, for bytes of unknown meaning.
+    /// End of the section anywhere, for content of unknown structure.
     ///
     /// # Errors
-    /// [`GmshFault::NotEnded`].
+    /// [`GmshFault::NotEnded`] if there is none.
     pub(super) fn end_anywhere(&self, bytes: &[u8]) -> Result<End, Located> {
         (self.body..bytes.len())
             .filter(|&at| bytes[at] == b'$')
@@ -102,7 +102,7 @@ impl Marker<'_> {
 
 const NAMES: &str = "$PhysicalNames";
 
-/// The names of physical groups, which are text in binary files too: a count, then lines of
+/// Names of physical groups, which are text in binary files too: a count, then lines of
 /// dimension, number and name in quotes.
 pub(super) fn names(bytes: &[u8], body: usize, end: usize) -> Result<GroupNames, Located> {
     let mut names = GroupNames::new();

@@ -2,7 +2,7 @@
 
 use powerhouse_model::ElementKind;
 
-/// The element types that are read.
+/// Supported element types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shape {
     Point,
@@ -14,7 +14,7 @@ pub(super) enum Shape {
     Wedge6,
 }
 
-/// Known types that are not read, by number.
+/// Names of known unsupported types, by number.
 const UNSUPPORTED: [(i64, &str); 26] = [
     (7, "pyramid5"),
     (8, "line3"),
@@ -43,33 +43,33 @@ const UNSUPPORTED: [(i64, &str); 26] = [
     (92, "hex64"),
     (93, "hex125"),
 ];
-/// The largest number that the format gives to a type.
+/// Largest number of a type in the format.
 const LAST_NUMBER: i64 = 140;
 
-/// What an element type's number means.
-pub(super) enum Meaning {
+/// Element type of a number, as far as it exists and is supported.
+pub(super) enum TypeOfNumber {
     Read(Shape),
     Unsupported(&'static str),
     Unknown,
 }
 
 impl Shape {
-    pub(super) fn of_number(number: i64) -> Meaning {
+    pub(super) fn of_number(number: i64) -> TypeOfNumber {
         match number {
-            1 => Meaning::Read(Self::Line2),
-            2 => Meaning::Read(Self::Triangle3),
-            3 => Meaning::Read(Self::Quadrilateral4),
-            4 => Meaning::Read(Self::Tet4),
-            5 => Meaning::Read(Self::Hex8),
-            6 => Meaning::Read(Self::Wedge6),
-            15 => Meaning::Read(Self::Point),
-            _ if (1..=LAST_NUMBER).contains(&number) => Meaning::Unsupported(
+            1 => TypeOfNumber::Read(Self::Line2),
+            2 => TypeOfNumber::Read(Self::Triangle3),
+            3 => TypeOfNumber::Read(Self::Quadrilateral4),
+            4 => TypeOfNumber::Read(Self::Tet4),
+            5 => TypeOfNumber::Read(Self::Hex8),
+            6 => TypeOfNumber::Read(Self::Wedge6),
+            15 => TypeOfNumber::Read(Self::Point),
+            _ if (1..=LAST_NUMBER).contains(&number) => TypeOfNumber::Unsupported(
                 UNSUPPORTED
                     .iter()
                     .find(|known| known.0 == number)
                     .map_or("rare high-order type", |known| known.1),
             ),
-            _ => Meaning::Unknown,
+            _ => TypeOfNumber::Unknown,
         }
     }
     pub(super) fn number(self) -> i32 {
@@ -112,7 +112,7 @@ impl Shape {
             Self::Hex8 => 8,
         }
     }
-    /// The kind of finite element, if it is one.
+    /// Kind of finite element, if it is one.
     pub(super) fn element(self) -> Option<ElementKind> {
         match self {
             Self::Line2 => Some(ElementKind::Bar2),

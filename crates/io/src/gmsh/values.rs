@@ -1,4 +1,4 @@
-//! Version 4.1: the values, parsed by mshio from sections that the scanner has passed.
+//! Version 4.1: values, parsed by mshio from sections that the scanner has accepted.
 
 use mshio::error::MshParserErrorKind;
 use mshio::{MshFile, MshParserError};
@@ -9,10 +9,10 @@ use super::format::{ByteOrder, Encoding, Format};
 use super::msh4::{Block, ElementLayout, EntityGroups, NodeLayout};
 use super::raw::{GroupList, RawElement, RawElements, RawNodes};
 
-/// A file for mshio: the head and those sections that hold something, nothing else.
+/// File for mshio: the header and the non-empty sections.
 struct Excerpt {
     bytes: Vec<u8>,
-    /// Where each section starts in the excerpt, where it came from, how long it is.
+    /// Of each section: offset in the excerpt, offset in the file, length (bytes) and name.
     parts: Vec<(usize, usize, usize, &'static str)>,
 }
 
@@ -39,7 +39,7 @@ impl Excerpt {
         let end = format!("\n$End{}\n", &name[1..]);
         self.bytes.extend_from_slice(end.as_bytes());
     }
-    /// The place in the file at which mshio stopped.
+    /// Position in the file at which mshio stopped.
     fn locate(&self, error: &MshParserError<&[u8]>) -> Located {
         let left = error.backtrace.first().map_or(0, |first| first.0.len());
         let at = self.bytes.len() - left;
@@ -49,7 +49,7 @@ impl Excerpt {
             None => ("", 0),
         };
         let fault = match error.first_msh_error() {
-            // The scanner took a word for a number, mshio does not: a plus sign, say.
+            // The scanner accepts a word as a number, mshio does not: one with a plus sign, for example.
             None
             | Some(
                 MshParserErrorKind::InvalidTag
@@ -77,7 +77,7 @@ pub(super) fn read(
     groups: &EntityGroups,
 ) -> Result<(RawNodes, RawElements), Located> {
     let mut excerpt = Excerpt::new(format);
-    // Zero nodes or elements make mshio subtract 1 from 0.
+    // With zero nodes or elements mshio subtracts 1 from 0.
     if !nodes.tags.is_empty() {
         excerpt.add("$Nodes", file, nodes.body.clone());
     }

@@ -1,4 +1,4 @@
-//! Meshes to Gmsh files.
+//! Writing of meshes as Gmsh files.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,54 +10,54 @@ use super::error::GmshError;
 use super::shape::Shape;
 use crate::write_whole;
 
-/// Writes a mesh as a Gmsh file of version 4.1, as text; see [`write_whole`] for the file itself.
+/// Writes a mesh as a Gmsh file of version 4.1 in text form, atomically as [`write_whole`].
 ///
 /// Nodes and elements keep their numbers and their order; every named set becomes a physical
 /// group. In this format an element belongs to one entity and an entity to any number of groups,
 /// so the elements of each combination of sets make an entity of their own.
 ///
-/// What the format cannot say: an empty set is lost; a facet set that holds one of the two facets
-/// of an interior side comes back with both; elements of no set come back in the set `all` or
-/// `ungrouped`; nodes of no element come back not at all.
+/// Limits of the format: an empty set is lost; a facet set with one of the two facets of an interior
+/// face is read back with both; elements of no set are read back in the set `all` or `ungrouped`;
+/// nodes of no element are lost.
 ///
 /// # Errors
 /// [`GmshError::UnwritableName`], [`GmshError::NumbersExhausted`],
 /// [`GmshError::UnwritableElement`], [`GmshError::File`].
 pub fn write_gmsh(path: impl AsRef<Path>, mesh: &Mesh) -> Result<(), GmshError> {
     let path = path.as_ref();
-    let mut draft = Draft::default();
-    draft.points(path, mesh)?;
-    draft.facets(path, mesh)?;
-    draft.number(path, mesh)?;
-    draft.elements(path, mesh)?;
-    Ok(write_whole(path, draft.text(mesh).as_bytes())?)
+    let mut content = FileContent::default();
+    content.points(path, mesh)?;
+    content.facets(path, mesh)?;
+    content.number(path, mesh)?;
+    content.elements(path, mesh)?;
+    Ok(write_whole(path, content.text(mesh).as_bytes())?)
 }
 
 /// One element of the file.
-struct Record {
+struct FileElement {
     number: u64,
     nodes: Vec<u64>,
 }
 
-/// Elements of one type and entity that follow each other.
+/// Consecutive elements of one type and entity.
 struct Block {
     entity: (usize, usize),
     shape: Shape,
-    records: Vec<Record>,
+    elements: Vec<FileElement>,
 }
 
-/// The parts of the file.
+/// Content of the file.
 #[derive(Default)]
-struct Draft {
-    /// Names of the groups of each dimension; a group's number is its place, from 1.
+struct FileContent {
+    /// Names of the groups of each dimension; a group's number is its index plus one.
     names: [Vec<String>; 4],
-    /// The groups of the entities of each dimension; an entity's number is its place, from 1.
+    /// Groups of the entities of each dimension; an entity's number is its index plus one.
     entities: [Vec<Vec<usize>>; 4],
     blocks: Vec<Block>,
 }
 
-/// The place of a value in a list, from 1; it is put there if need be.
-fn place<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
+/// Number of a value in a list, from 1; the value is appended if it is new.
+fn number_in<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
     let found = list.iter().position(|known| *known == value);
     1 + found.unwrap_or_else(|| {
         list.push(value);
@@ -65,7 +65,7 @@ fn place<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
     })
 }
 
-impl Draft {
+impl FileContent {
     fn group(&mut self, path: &Path, dimension: usize, name: &str) -> Result<usize, GmshError> {
         if name.is_empty() || name.contains(['"', '\n', '\r']) {
             return Err(GmshError::UnwritableName {
@@ -73,20 +73,20 @@ impl Draft {
                 name: name.into(),
             });
         }
-        Ok(place(&mut self.names[dimension], name.into()))
+        Ok(number_in(&mut self.names[dimension], name.into()))
     }
 
-    fn push(&mut self, shape: Shape, groups: Vec<usize>, record: Record) {
+    fn push(&mut self, shape: Shape, groups: Vec<usize>, element: FileElement) {
         let dimension = shape.dimension();
-        let entity = (dimension, place(&mut self.entities[dimension], groups));
+        let entity = (dimension, number_in(&mut self.entities[dimension], groups));
         match self.blocks.last_mut() {
             Some(block) if block.entity == entity && block.shape == shape => {
-                block.records.push(record);
+                block.elements.push(element);
             }
             _ => self.blocks.push(Block {
                 entity,
                 shape,
-                records: vec![record],
+                elements: vec![element],
             }),
         }
     }
@@ -101,7 +101,7 @@ impl Draft {
         }
         for (node, groups) in groups_of {
             let nodes = vec![mesh.node_tags()[node as usize]];
-            self.push(Shape::Point, groups, Record { number: 0, nodes });
+            self.push(Shape::Point, groups, FileElement { number: 0, nodes });
         }
         Ok(())
     }
@@ -130,21 +130,21 @@ impl Draft {
             } else {
                 Shape::Quadrilateral4
             };
-            self.push(shape, groups, Record { number: 0, nodes });
+            self.push(shape, groups, FileElement { number: 0, nodes });
         }
         Ok(())
     }
 
-    /// Numbers the points and facets from above the elements of the mesh.
+    /// Numbers the points and facets, starting above the elements of the mesh.
     fn number(&mut self, path: &Path, mesh: &Mesh) -> Result<(), GmshError> {
         let largest = mesh.element_tags().iter().copied().max().unwrap_or(0);
         let mut last = largest;
-        for record in self.blocks.iter_mut().flat_map(|block| &mut block.records) {
+        for element in self.blocks.iter_mut().flat_map(|block| &mut block.elements) {
             last = last.checked_add(1).ok_or_else(|| {
                 let file = path.into();
                 GmshError::NumbersExhausted { file, largest }
             })?;
-            record.number = last;
+            element.number = last;
         }
         Ok(())
     }
@@ -168,11 +168,11 @@ impl Draft {
         }
         for (element, (shape, groups)) in (0..count).zip(shapes.into_iter().zip(groups_of)) {
             let nodes = mesh.nodes_of(element).iter();
-            let record = Record {
+            let element = FileElement {
                 number: mesh.element_tags()[element as usize],
                 nodes: nodes.map(|&node| mesh.node_tags()[node as usize]).collect(),
             };
-            self.push(shape, groups, record);
+            self.push(shape, groups, element);
         }
         Ok(())
     }
@@ -239,20 +239,20 @@ impl Draft {
     }
 
     fn write_elements(&self, lines: &mut Vec<String>) {
-        let records = || self.blocks.iter().flat_map(|block| &block.records);
+        let elements = || self.blocks.iter().flat_map(|block| &block.elements);
         lines.push("$Elements".into());
         lines.push(format!(
             "{} {} {}",
             self.blocks.len(),
-            records().count(),
-            range(records().map(|record| record.number))
+            elements().count(),
+            range(elements().map(|element| element.number))
         ));
         for block in &self.blocks {
             let (dimension, entity) = block.entity;
-            let (number, count) = (block.shape.number(), block.records.len());
+            let (number, count) = (block.shape.number(), block.elements.len());
             lines.push(format!("{dimension} {entity} {number} {count}"));
-            for record in &block.records {
-                lines.push(format!("{} {}", record.number, numbers(&record.nodes)));
+            for element in &block.elements {
+                lines.push(format!("{} {}", element.number, numbers(&element.nodes)));
             }
         }
         lines.push("$EndElements".into());

@@ -1,14 +1,14 @@
-//! Numbers as colours.
+//! Colour maps: numbers as colours.
 
-/// Red, green and blue.
+/// Red, green and blue of a pixel, 0 to 255 each.
 pub(super) type Rgb = [u8; 3];
 
-/// A scale of colours.
+/// Colour map of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ColourMap {
-    /// From dark violet over green to yellow, even to the eye and readable without colour: nine
-    /// points of matplotlib's viridis (van der Walt and Smith, 2015; dedicated to the public).
+    /// Viridis, from dark violet over green to yellow, perceptually uniform and readable without colour:
+    /// nine points of matplotlib's (van der Walt and Smith, 2015; public domain).
     #[default]
     Viridis,
     /// Blue over white to red, for numbers of both signs.
@@ -50,7 +50,7 @@ const SETS: [Rgb; 8] = [
 ];
 
 impl ColourMap {
-    /// The colour at a share of the scale, from 0 to 1; beyond, that of the end.
+    /// Colour at a position on the scale, from 0 to 1; outside, that of the nearer end.
     pub(super) fn colour(self, share: f64) -> Rgb {
         let points: &[Rgb] = match self {
             Self::Viridis => &VIRIDIS,
@@ -58,13 +58,13 @@ impl ColourMap {
             Self::Grey => &GREY,
         };
         let last = points.len() - 1;
-        let place = share.clamp(0.0, 1.0) * last as f64;
-        let below = (place as usize).min(last - 1);
-        mixed(points[below], points[below + 1], place - below as f64)
+        let position = share.clamp(0.0, 1.0) * last as f64;
+        let below = (position as usize).min(last - 1);
+        mixed(points[below], points[below + 1], position - below as f64)
     }
 }
 
-/// The colour of an element of the set with this number; none for one in no set.
+/// Colour of the element set with this index; `None` for elements of no set.
 pub(super) fn set_colour(set: Option<usize>) -> Rgb {
     set.map_or([200, 200, 200], |set| SETS[set % SETS.len()])
 }
@@ -84,7 +84,7 @@ pub(super) fn darkened(colour: Rgb, factor: f64) -> Rgb {
 mod tests {
     use super::*;
 
-    /// The ends and the points of a scale have their own colours; beyond the ends nothing changes.
+    /// A colour map has its own colours at the ends and the points between; outside it is constant.
     #[test]
     fn a_scale_ends_where_it_should() {
         assert_eq!(ColourMap::Viridis.colour(0.0), VIRIDIS[0]);

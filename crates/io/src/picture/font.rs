@@ -1,9 +1,9 @@
-//! A small font: letters of five by seven dots, with two rows below for tails.
+//! Bitmap font: letters of five by seven dots, with two rows below for descenders.
 
 use super::colour::Rgb;
 use super::frame::Frame;
 
-/// Rows of a letter, tails included.
+/// Number of rows of a letter, descenders included.
 pub(super) const HEIGHT: usize = 9;
 const ADVANCE: usize = 6;
 
@@ -119,7 +119,7 @@ pub(super) fn text_width(text: &str, size: usize) -> usize {
     text.chars().count() * ADVANCE * size
 }
 
-/// Writes a text with its left top corner at a place, as far as it lies in the picture.
+/// Draws a text with its top left corner at a pixel, clipped to the picture.
 pub(super) fn write(frame: &mut Frame, [left, top]: [usize; 2], text: &str, size: usize, ink: Rgb) {
     for (index, letter) in text.chars().enumerate() {
         let start = left + index * ADVANCE * size;
@@ -128,8 +128,8 @@ pub(super) fn write(frame: &mut Frame, [left, top]: [usize; 2], text: &str, size
         }
         for (row, dots) in glyph(letter).split(' ').enumerate() {
             for (column, _) in dots.bytes().enumerate().filter(|(_, dot)| *dot == b'#') {
-                let place = [start + column * size, top + row * size];
-                frame.fill(place, [size, size], ink);
+                let corner = [start + column * size, top + row * size];
+                frame.fill(corner, [size, size], ink);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The picture with its title and its scale of colours.
+//! Picture with its title and colour scale.
 
 use powerhouse_model::Vec3;
 
@@ -11,25 +11,25 @@ use crate::scale::Scale;
 
 const BACKGROUND: Rgb = [255; 3];
 const INK: Rgb = [40, 40, 40];
-/// Pixels are computed this many times finer in both directions, then averaged.
+/// Factor of the finer resolution in both directions, which is averaged afterwards.
 const FINER: usize = 2;
 const MARGIN: usize = 16;
-/// Width of the scale of colours with its numbers (pixels).
+/// Width of the colour scale with its numbers (pixels).
 const SIDE: usize = 130;
 const BAR: usize = 22;
-/// How far lines stand before the surface they lie on, as a share of the body's size.
+/// Offset of lines in front of their surface, relative to the size of the body.
 const LIFT: f64 = 1e-3;
-/// How dark a facet is that the light only grazes.
+/// Brightness of a facet under grazing light.
 const SHADE: f64 = 0.68;
 
-/// Rows of pixels from the top.
+/// Pixels of the picture by rows from the top.
 pub(super) struct Frame {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) pixels: Vec<Rgb>,
 }
 
-/// Draws a picture whose settings are sound; none if nothing is in sight.
+/// Draws a picture whose settings are valid; `None` if it shows nothing.
 pub(super) fn draw(picture: &Picture) -> Option<Frame> {
     let surface = Surface::new(picture);
     if surface.is_empty() {
@@ -65,7 +65,7 @@ pub(super) fn draw(picture: &Picture) -> Option<Frame> {
     Some(frame)
 }
 
-/// The numbers at the ends of the colours.
+/// Numbers at the ends of the colour scale.
 fn range(picture: &Picture, surface: &Surface) -> Option<[f64; 2]> {
     let [low, high] = surface.range(picture)?;
     Some(match (picture.range, picture.colours) {
@@ -86,7 +86,7 @@ fn font_size(picture: &Picture) -> usize {
     }
 }
 
-/// From numbers and positions to colours and pixels.
+/// Mapping of numbers to colours and of positions to pixels.
 struct Painter<'a> {
     picture: &'a Picture<'a>,
     surface: &'a Surface,
@@ -94,9 +94,9 @@ struct Painter<'a> {
     range: [f64; 2],
     axes: [Vec3; 3],
     middle: Vec3,
-    /// Pixels (of the finer raster) per metre.
+    /// Scale: pixels (of the finer resolution) per metre.
     pixels_per_metre: f64,
-    /// Where `middle` stands (pixels).
+    /// Pixel of `middle`.
     centre: [f64; 2],
     lift: f64,
 }
@@ -172,12 +172,12 @@ impl<'a> Painter<'a> {
             return self.colours_of_sets[element as usize];
         }
         if !self.picture.names.is_empty() {
-            // Between two corners of different kinds each has the half that is nearer.
+            // Between two corners of different kinds each has the nearer half.
             let last = self.picture.names.len() - 1;
             return set_colour(Some((value.round().max(0.0) as usize).min(last)));
         }
         let [low, high] = self.range;
-        // Halves, so that the difference of two huge numbers stays finite.
+        // Halved, so that the difference of two huge numbers stays finite.
         let width = 0.5 * high - 0.5 * low;
         let share = if width > 0.0 {
             (0.5 * value - 0.5 * low) / width
@@ -243,7 +243,7 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// The scale of colours with round numbers, at the right.
+/// Draws the colour scale with round numbers at the right.
 fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
     let size = font_size(picture);
     let line = HEIGHT * size;
@@ -256,7 +256,7 @@ fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
         label.push_str(&format!(" x10^{}", scale.exponent));
     }
     draw_label(frame, &label, size);
-    // With equal ends the axis is wider than the colours; all of it has the one in the middle.
+    // With equal ends the axis is wider than the colours; all of it has the middle colour.
     let flat = low == high;
     for row in top..=bottom {
         let share = (bottom - row) as f64 / (bottom - top) as f64;
@@ -278,14 +278,14 @@ fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
     }
 }
 
-/// What the colours stand for, at the top on the right.
+/// Draws the label of the colour scale at the top right.
 fn draw_label(frame: &mut Frame, label: &str, size: usize) {
     let start = (frame.width).saturating_sub(text_width(label, size) + MARGIN / 2);
     let top = MARGIN + HEIGHT * size / 2;
     write(frame, [start, top], label, size, INK);
 }
 
-/// Names with their colours, at the right.
+/// Draws names with their colours at the right.
 fn draw_names<'a>(frame: &mut Frame, names: impl Iterator<Item = &'a str>, size: usize) {
     let line = HEIGHT * size;
     let left = frame.width.saturating_sub(SIDE - 8);
@@ -297,7 +297,7 @@ fn draw_names<'a>(frame: &mut Frame, names: impl Iterator<Item = &'a str>, size:
 }
 
 impl Frame {
-    /// Fills a rectangle, as far as it lies in the picture.
+    /// Fills a rectangle, clipped to the picture.
     pub(super) fn fill(&mut self, [left, top]: [usize; 2], [wide, high]: [usize; 2], colour: Rgb) {
         for row in top..(top + high).min(self.height) {
             for column in left..(left + wide).min(self.width) {

@@ -1,7 +1,7 @@
 //! Pictures of a mesh and a field on it, as PNG.
 //!
-//! A small z-buffer renderer of the surface: enough to look at a result without another program
-//! and without a graphics card.
+//! A z-buffer renderer of the surface shows a result without another program and without a graphics
+//! card.
 
 mod colour;
 mod font;
@@ -23,77 +23,77 @@ use crate::{IoError, write_whole};
 /// Least and greatest width and height of a picture (pixels).
 const PIXELS: (f64, f64) = (64.0, 4096.0);
 
-/// The numbers that a picture shows, in the mesh's order.
+/// Field that colours a picture, in the order of the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PictureField<'a> {
-    /// None: the elements are coloured by the element set they belong to.
+    /// No field: the elements have the colour of their element set.
     #[default]
     Sets,
     /// One number per node, interpolated between nodes.
     Nodal(&'a [f64]),
-    /// One number per element.
+    /// One number per element, constant in it.
     Elemental(&'a [f64]),
-    /// Facets of their own in place of the body, such as those of a joint inside it.
+    /// Separate facets instead of the body, such as those of a joint inside it.
     Facets(&'a FacetField),
 }
 
 /// Facets with a number at each corner, interpolated between corners.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FacetField {
-    /// Where the corners stand (m).
+    /// Positions of the corners (m).
     pub positions: Vec<Vec3>,
-    /// The corners of each facet round about, as indices into `positions`.
+    /// Corners of each facet in order around it, as indices into `positions`.
     pub facets: Vec<Vec<u32>>,
     /// One number per corner.
     pub values: Vec<f64>,
 }
 
-/// A plane that cuts the body open: elements or facets whose centroid lies on the side that the
-/// normal points to are left out.
+/// Cutting plane of a picture: elements or facets with their centroid on the side of the normal are
+/// not drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionPlane {
-    /// A point of the plane (m).
+    /// Point of the plane (m).
     pub point: Vec3,
-    /// Its normal, of any length.
+    /// Normal of the plane, of any length.
     pub normal: Vec3,
 }
 
-/// Displacements that move the nodes in the picture.
+/// Displacements by which a picture is drawn deformed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deformation<'a> {
     /// One displacement per node (m).
     pub displacement: &'a [Vec3],
-    /// How many times larger than true they are drawn.
+    /// Factor by which displacements are magnified (1).
     pub factor: f64,
 }
 
-/// What a picture shows, and how.
+/// Picture of a mesh with a field: content and appearance.
 #[derive(Clone, Debug)]
 pub struct Picture<'a> {
-    /// The mesh.
+    /// Mesh that is drawn.
     pub mesh: &'a Mesh,
-    /// What colours it.
+    /// Field that colours it.
     pub field: PictureField<'a>,
-    /// Stands on top of the picture; what the font does not have (it has ASCII) becomes `?`.
+    /// Title at the top; characters outside of ASCII, which the font has not, become `?`.
     pub title: String,
-    /// Stands beside the colours; name and unit of the field.
+    /// Label of the colour scale: name and unit of the field.
     pub label: String,
-    /// The numbers at the ends of the colours; none for those of what is in sight, made symmetric
-    /// about zero for [`ColourMap::BlueRed`]. Numbers outside are drawn as the ends.
+    /// Numbers at the ends of the colour scale. `None` takes the least and greatest number shown, made
+    /// symmetric about zero for [`ColourMap::BlueRed`]. Numbers outside have the colours of the ends.
     pub range: Option<[f64; 2]>,
-    /// Names of the numbers 0, 1, 2 ... of a field of kinds: they stand beside a colour for each,
-    /// in place of a scale. None by default.
+    /// Names of the numbers 0, 1, 2 ... of a field of categories: a legend with a colour for each
+    /// replaces the colour scale. Empty for a field of numbers.
     pub names: &'a [&'a str],
-    /// The colours.
+    /// Colour map of the field.
     pub colours: ColourMap,
-    /// Where the picture is taken from.
+    /// Direction of view.
     pub view: PictureView,
-    /// A plane that cuts the body open.
+    /// Cutting plane that opens the body.
     pub section: Option<SectionPlane>,
-    /// Which elements are there, one flag per element: rooms that are excavated and linings that are not cast
-    /// yet are left out. None: all are.
+    /// Active elements, one flag per element: excavated rooms and linings that are not cast yet are not
+    /// drawn. `None`: all are active.
     pub present: Option<&'a [bool]>,
-    /// Displacements that move the nodes of the body.
+    /// Displacements by which the body is drawn deformed.
     pub deformation: Option<Deformation<'a>>,
     /// Whether the edges of elements are drawn.
     pub edges: bool,
@@ -104,7 +104,7 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// A picture of the whole mesh, 1200 by 900 pixels, seen from above and aside, with edges.
+    /// Picture of the whole mesh, 1200 by 900 pixels, in a view from above and aside, with edges.
     pub fn new(mesh: &'a Mesh, field: PictureField<'a>, label: impl Into<String>) -> Self {
         Self {
             mesh,
@@ -167,7 +167,7 @@ impl<'a> Picture<'a> {
                 })
             }
         };
-        let finite = |what: &str, place: usize, value: f64| {
+        let finite = |what: &str, index: usize, value: f64| {
             if value.is_finite() {
                 Ok(())
             } else {
@@ -175,7 +175,7 @@ impl<'a> Picture<'a> {
                 Err(IoError::NotFinite {
                     file,
                     what,
-                    place,
+                    index,
                     value,
                 })
             }
@@ -190,15 +190,15 @@ impl<'a> Picture<'a> {
             PictureField::Facets(field) => (&field.values[..], field.positions.len()),
         };
         length(&self.label, values.len(), expected)?;
-        for (place, &value) in values.iter().enumerate() {
-            finite(&self.label, place, value)?;
+        for (index, &value) in values.iter().enumerate() {
+            finite(&self.label, index, value)?;
         }
         if let PictureField::Facets(FacetField {
             positions, facets, ..
         }) = self.field
         {
-            for (place, position) in positions.iter().enumerate() {
-                finite("a corner", place, position.sum())?;
+            for (index, position) in positions.iter().enumerate() {
+                finite("a corner", index, position.sum())?;
             }
             for (facet, nodes) in facets.iter().enumerate() {
                 let known = nodes.iter().all(|&node| (node as usize) < positions.len());
@@ -219,8 +219,8 @@ impl<'a> Picture<'a> {
         {
             length("displacement", displacement.len(), self.mesh.node_count())?;
             within("deformation.factor", *factor, f64::MIN, f64::MAX)?;
-            for (place, vector) in displacement.iter().enumerate() {
-                finite("displacement", place, vector.sum() * factor)?;
+            for (index, vector) in displacement.iter().enumerate() {
+                finite("displacement", index, vector.sum() * factor)?;
             }
         }
         Ok(())
@@ -230,8 +230,8 @@ impl<'a> Picture<'a> {
 /// Draws a picture and writes it as PNG.
 ///
 /// # Errors
-/// A setting outside its range, a field of the wrong length or with a number that is not finite,
-/// a section that leaves nothing, or the operating system's error; each names the file.
+/// If a setting is outside its range, the field has the wrong length or a number that is not finite,
+/// the section leaves nothing, or the file cannot be written; each names the file.
 ///
 /// ```no_run
 /// # use powerhouse_io::{Picture, PictureField, SectionPlane, write_picture};

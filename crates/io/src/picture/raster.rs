@@ -1,8 +1,8 @@
-//! Triangles and lines into pixels with depth.
+//! Rasterisation of triangles and lines with a depth buffer.
 
 use super::colour::{Rgb, mixed};
 
-/// A corner of a triangle or an end of a line: pixels to the right and down, depth away from the
+/// Corner of a triangle or end of a line: pixels to the right and down, depth away from the
 /// viewer, and a value that is interpolated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
@@ -29,7 +29,7 @@ impl Raster {
         }
     }
 
-    /// Fills the pixels whose centre lies in a triangle and which nothing nearer covers.
+    /// Fills the pixels whose centre is in a triangle and which nothing nearer covers.
     pub(super) fn triangle(&mut self, corners: [Point; 3], colour: impl Fn(f64) -> Rgb) {
         let [a, b, c] = corners;
         let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
@@ -50,17 +50,17 @@ impl Raster {
                     continue;
                 }
                 let depth = of_a * a.depth + of_b * b.depth + of_c * c.depth;
-                let place = row * self.width + column;
-                if (depth as f32) < self.depth[place] {
-                    self.depth[place] = depth as f32;
+                let index = row * self.width + column;
+                if (depth as f32) < self.depth[index] {
+                    self.depth[index] = depth as f32;
                     let value = of_a * a.value + of_b * b.value + of_c * c.value;
-                    self.pixels[place] = colour(value);
+                    self.pixels[index] = colour(value);
                 }
             }
         }
     }
 
-    /// Draws a line over what is not nearer, mixed into what is there by `strength`.
+    /// Draws a line over what is not nearer, blended by `strength`.
     pub(super) fn line(&mut self, ends: [Point; 2], strength: f64, colour: impl Fn(f64) -> Rgb) {
         let [a, b] = ends;
         let length = (b.x - a.x).abs().max((b.y - a.y).abs());
@@ -72,15 +72,15 @@ impl Raster {
             if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
                 continue;
             }
-            let place = y as usize * self.width + x as usize;
-            if at(a.depth, b.depth) as f32 <= self.depth[place] {
+            let index = y as usize * self.width + x as usize;
+            if at(a.depth, b.depth) as f32 <= self.depth[index] {
                 let colour = colour(at(a.value, b.value));
-                self.pixels[place] = mixed(self.pixels[place], colour, strength);
+                self.pixels[index] = mixed(self.pixels[index], colour, strength);
             }
         }
     }
 
-    /// The picture at a part of the resolution: the mean of squares of `factor` pixels a side.
+    /// Picture at a lower resolution: the mean of squares of `factor` pixels a side.
     pub(super) fn reduced(&self, factor: usize) -> Vec<Rgb> {
         let (width, height) = (self.width / factor, self.height / factor);
         let mut out = Vec::with_capacity(width * height);
@@ -103,7 +103,7 @@ impl Raster {
     }
 }
 
-/// Pixels whose centre may lie between two positions.
+/// Pixels whose centre may be between two positions.
 fn span(low: f64, high: f64, size: usize) -> core::ops::Range<usize> {
     let from = (low - 0.5).ceil().max(0.0) as usize;
     let to = ((high - 0.5).floor() + 1.0).clamp(0.0, size as f64) as usize;
@@ -131,7 +131,7 @@ mod tests {
         raster.triangle([corners[0], corners[2], corners[3]], |_| colour);
     }
 
-    /// Two triangles fill a square without a gap, and the nearer of two squares is seen in either
+    /// Two triangles fill a square without a gap, and the nearer of two squares is visible in either
     /// order of drawing.
     #[test]
     fn the_nearer_is_seen() {
@@ -141,14 +141,14 @@ mod tests {
             for (depth, colour) in order {
                 square(&mut raster, depth, colour);
             }
-            for (place, &pixel) in raster.pixels.iter().enumerate() {
-                let inside = [place / 4, place % 4].iter().all(|i| (1..3).contains(i));
+            for (index, &pixel) in raster.pixels.iter().enumerate() {
+                let inside = [index / 4, index % 4].iter().all(|i| (1..3).contains(i));
                 assert_eq!(pixel, if inside { near } else { ground });
             }
         }
     }
 
-    /// What lies outside of the picture changes nothing in it.
+    /// Triangles outside of the picture change nothing in it.
     #[test]
     fn what_is_outside_is_left_out() {
         let mut raster = Raster::new(4, 4, [9; 3]);

@@ -1,34 +1,34 @@
-//! What of a mesh is in sight, and its numbers.
+//! Visible part of a mesh and its numbers.
 
 use powerhouse_model::{Facet, Mesh, Vec3};
 
 use super::colour::{Rgb, set_colour};
 use super::{FacetField, Picture, PictureField};
 
-/// A length that is none beside coordinates.
+/// Relative length below which a distance counts as zero beside coordinates.
 const ROUNDING: f64 = 1e-12;
 
-/// A facet that is drawn.
+/// Facet that is drawn.
 pub(super) struct Patch {
-    /// The element that it is a side of.
+    /// Element of which it is a side.
     pub(super) element: u32,
-    /// Its corners, round about.
+    /// Corners in order around it.
     pub(super) nodes: Vec<u32>,
 }
 
-/// The surface that is drawn.
+/// Surface that is drawn.
 pub(super) struct Surface {
     pub(super) patches: Vec<Patch>,
-    /// Elements without sides: bars.
+    /// Elements without sides, which are bars.
     pub(super) bars: Vec<u32>,
-    /// Positions of all nodes (m), moved if they are to be.
+    /// Positions of all nodes (m), with the displacements if there are any.
     pub(super) positions: Vec<Vec3>,
 }
 
 impl Surface {
     pub(super) fn new(picture: &Picture) -> Self {
         let mesh = picture.mesh;
-        // What has its centroid in the plane, but for rounding, is in sight: a slice cut in its middle.
+        // Centroids in the plane, but for rounding, are visible: a slice may be cut in its middle.
         let (low, high) = mesh.bounding_box();
         let rounding = ROUNDING * low.norm().max(high.norm());
         let before = |position: Vec3| {
@@ -80,14 +80,14 @@ impl Surface {
         self.patches.is_empty() && self.bars.is_empty()
     }
 
-    /// The nodes in sight, some of them several times.
+    /// Visible nodes, some of them several times.
     pub(super) fn nodes<'a>(&'a self, mesh: &'a Mesh) -> impl Iterator<Item = u32> + 'a {
         let of_patches = self.patches.iter().flat_map(|patch| &patch.nodes);
         let of_bars = self.bars.iter().flat_map(|&bar| mesh.nodes_of(bar));
         of_patches.chain(of_bars).copied()
     }
 
-    /// Least and greatest number of the field in sight; none for a picture of sets.
+    /// Least and greatest visible number of the field; `None` for a picture of sets.
     pub(super) fn range(&self, picture: &Picture) -> Option<[f64; 2]> {
         let spread = |values: &mut dyn Iterator<Item = f64>| {
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
@@ -111,7 +111,7 @@ impl Surface {
     }
 }
 
-/// The colour of each element's set; of several, the first by name.
+/// Colour of each element's set; of several, the first by name.
 pub(super) fn colours_of_sets(mesh: &Mesh) -> Vec<Rgb> {
     let mut colours = vec![set_colour(None); mesh.element_count()];
     for (number, elements) in mesh.element_sets().values().enumerate().rev() {

@@ -1,26 +1,26 @@
-//! Where a picture is taken from.
+//! Direction from which a picture is drawn.
 
 use powerhouse_model::Vec3;
 
-/// A parallel projection.
+/// View of a picture: a parallel projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureView {
-    /// The direction of sight, of any length.
+    /// Direction of view, away from the viewer, of any length.
     pub direction: Vec3,
-    /// What points up in the picture, of any length; if it lies along the direction of sight,
-    /// another axis takes its place.
+    /// Direction that points up in the picture, of any length; if it is along the direction of view,
+    /// another axis is used.
     pub up: Vec3,
 }
 
 impl PictureView {
-    /// From above, in front (small y) and aside (large x); z is up.
+    /// View from above, the front (small y) and the side (large x), with z up.
     pub fn aslant() -> Self {
         Self {
             direction: Vec3::new(-0.5, 1.0, -0.55),
             up: Vec3::z(),
         }
     }
-    /// Along a direction, z up or, seen along z, y up.
+    /// View along a direction, with z up or, for a view along z, y up.
     pub fn along(direction: Vec3) -> Self {
         Self {
             direction,

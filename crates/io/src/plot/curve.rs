@@ -1,8 +1,8 @@
-//! A curve as a path.
+//! Curve as an SVG path.
 
 use std::fmt::Write as _;
 
-/// The path of points (in pixels) whose horizontal positions rise, or do not.
+/// SVG path of points (pixels), whether or not their horizontal positions rise.
 pub(super) fn path(points: impl Iterator<Item = (f64, f64)> + Clone) -> String {
     let rising = points
         .clone()
@@ -30,9 +30,9 @@ pub(super) fn path(points: impl Iterator<Item = (f64, f64)> + Clone) -> String {
     drawn.text
 }
 
-/// The points within half a pixel: the first and the last, the least and the greatest.
+/// Points within half a pixel: the first and the last, the least and the greatest.
 struct Column {
-    place: f64,
+    half_pixel: f64,
     points: [(usize, (f64, f64)); 4],
     count: usize,
 }
@@ -40,13 +40,13 @@ struct Column {
 impl Column {
     fn new(point: (f64, f64)) -> Self {
         Self {
-            place: half_pixel(point),
+            half_pixel: half_pixel(point),
             points: [(0, point); 4],
             count: 1,
         }
     }
     fn holds(&self, point: (f64, f64)) -> bool {
-        half_pixel(point) == self.place
+        half_pixel(point) == self.half_pixel
     }
     fn add(&mut self, point: (f64, f64)) {
         let [_, least, greatest, last] = &mut self.points;
@@ -91,7 +91,7 @@ impl Drawn {
 mod tests {
     use super::*;
 
-    /// However many points there are, a path stays short and keeps the greatest value.
+    /// A path of any number of points is short and includes the greatest value.
     #[test]
     fn a_long_curve_keeps_its_peak() {
         let count = 100_000;
@@ -108,7 +108,7 @@ mod tests {
         assert!(path.split_whitespace().count() < 2 * 4 * 1601);
     }
 
-    /// A curve that turns back, and one with few points, are drawn point by point.
+    /// A curve with decreasing horizontal positions, and one with few points, are drawn point by point.
     #[test]
     fn a_curve_that_turns_back_is_kept() {
         let points = [(0.0, 1.0), (0.1, 2.0), (0.05, 3.0), (0.0, 4.0)];

@@ -1,4 +1,4 @@
-//! The SVG document of a plot.
+//! SVG document of a plot.
 
 use std::fmt::Write as _;
 
@@ -15,12 +15,12 @@ const PANEL: f64 = 210.0;
 const GAP: f64 = 14.0;
 const FOOT: f64 = 50.0;
 const LEGEND_ROW: f64 = 20.0;
-/// Width of a letter of 13 pixels, on the safe side.
+/// Upper bound of the width of a letter of 13 pixels.
 const LETTER: f64 = 7.4;
-/// Length of the piece of line in front of a name of the legend.
+/// Length of the line in front of a name in the legend.
 const SAMPLE: f64 = 24.0;
 
-/// Colours on light and on dark ground that colour-blind readers can tell apart, after Okabe and
+/// Colours on light and on dark ground that colour-blind readers can distinguish, after Okabe and
 /// Ito (2008); more curves than colours are dashed.
 const COLOURS: [(&str, &str); 6] = [
     ("#0072b2", "#56b4e9"),
@@ -125,7 +125,7 @@ fn scale_of<'a>(
     Scale::new(least, greatest, wanted, room)
 }
 
-/// For each curve its number, the left end of its entry and the row.
+/// Index of each curve, the left end of its entry in the legend, and the row.
 fn legend(panel: &PlotPanel) -> Vec<(usize, f64, f64)> {
     let (mut x, mut row) = (LEFT, 0.0);
     let mut entries = Vec::new();
@@ -140,7 +140,7 @@ fn legend(panel: &PlotPanel) -> Vec<(usize, f64, f64)> {
     entries
 }
 
-/// Name and unit, the unit with the power of ten of the axis.
+/// Title of an axis: name and unit, the unit with the power of ten of the axis.
 fn axis_title(label: &str, unit: &str, exponent: i32) -> String {
     let power = match exponent {
         0 => String::new(),

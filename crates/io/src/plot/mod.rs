@@ -7,10 +7,10 @@ use std::path::Path;
 
 use crate::{IoError, TableColumn, write_whole};
 
-/// A line of a plot.
+/// Curve of a plot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlotCurve<'a> {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: &'a str,
     /// Positions along the horizontal axis.
     pub x: &'a [f64],
@@ -18,35 +18,35 @@ pub struct PlotCurve<'a> {
     pub y: &'a [f64],
 }
 
-/// Curves over one vertical axis.
+/// Panel of a plot: curves with one vertical axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotPanel<'a> {
-    /// What the vertical axis shows; empty for nothing but the unit.
+    /// Name of the quantity on the vertical axis; empty for the unit alone.
     pub label: String,
-    /// Its unit.
+    /// Unit of the vertical axis.
     pub unit: String,
-    /// The curves.
+    /// Curves of the panel.
     pub curves: Vec<PlotCurve<'a>>,
 }
 
-/// Panels one above the other, which share the horizontal axis.
+/// Line plot: panels one above the other with a common horizontal axis.
 ///
-/// The file carries colours for light and dark pages; a browser chooses. Curves with more points
-/// than the page can show are drawn by the least and greatest value of each pixel, so peaks stay.
+/// The file has colours for light and dark pages, of which a browser selects. Curves with more points
+/// than pixels are drawn by the least and greatest value of each pixel, so that peaks are preserved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot<'a> {
-    /// Stands on top; empty for none.
+    /// Title at the top; empty for none.
     pub title: String,
-    /// What the horizontal axis shows.
+    /// Name of the quantity on the horizontal axis.
     pub label: String,
-    /// Its unit.
+    /// Unit of the horizontal axis.
     pub unit: String,
-    /// The panels, from the top.
+    /// Panels from the top.
     pub panels: Vec<PlotPanel<'a>>,
 }
 
 impl<'a> Plot<'a> {
-    /// A plot of a table: the first column along the horizontal axis, the others above it, one
+    /// Plot of a table: the first column is the horizontal axis, the others are curves, with one
     /// panel for each unit in the order in which units appear.
     ///
     /// ```
@@ -95,11 +95,11 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// Writes a plot.
+/// Writes a plot as an SVG file.
 ///
 /// # Errors
-/// A plot without curves or points, a curve with unequal numbers of positions and values, a number
-/// that is not finite, or the operating system's error.
+/// If the plot has no curves or points, a curve has unequal numbers of positions and values, a number
+/// is not finite, or the file cannot be written.
 pub fn write_plot(file: &Path, plot: &Plot) -> Result<(), IoError> {
     let curves = || plot.panels.iter().flat_map(|panel| &panel.curves);
     for curve in curves() {
@@ -112,12 +112,12 @@ pub fn write_plot(file: &Path, plot: &Plot) -> Result<(), IoError> {
             });
         }
         for values in [curve.x, curve.y] {
-            if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
                 return Err(IoError::NotFinite {
                     file: file.into(),
                     what: curve.name.into(),
-                    place,
-                    value: values[place],
+                    index,
+                    value: values[index],
                 });
             }
         }

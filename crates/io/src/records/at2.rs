@@ -1,16 +1,16 @@
-//! PEER's AT2 format, whose header comes in several layouts.
+//! PEER's AT2 format, whose header has several layouts.
 
 use super::number::{fixed_width, number};
 use super::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, check_step,
 };
 
-/// How many lines are searched for `NPTS`.
+/// Number of lines that are searched for `NPTS`.
 const HEADER_LINES: usize = 12;
 
-/// What the header declares.
+/// Content of the header.
 pub(super) struct Header {
-    /// Index of the line that declares the count.
+    /// Index of the line with the count.
     line: usize,
     count: u64,
     step: f64,
@@ -66,7 +66,7 @@ fn not_a_number(text: &str) -> RecordFault {
     }
 }
 
-/// The number that stands behind `KEY =`.
+/// Number after `KEY =`.
 fn assigned<'a>(upper: &'a str, key: &str) -> Option<&'a str> {
     let behind = upper[upper.find(key)? + key.len()..].trim_start();
     let value = behind.strip_prefix('=')?.trim_start();
@@ -74,20 +74,20 @@ fn assigned<'a>(upper: &'a str, key: &str) -> Option<&'a str> {
     Some(&value[..end.unwrap_or(value.len())]).filter(|value| !value.is_empty())
 }
 
-/// The unit that the first lines of the file declare, if they do.
+/// Unit that the first lines of the file declare, if they do.
 fn unit(lines: &[&str]) -> Result<Option<AccelerationUnit>, RecordError> {
     for (line, content) in lines.iter().enumerate() {
         let upper = content.to_ascii_uppercase();
         for key in ["UNITS OF ", "UNITS: "] {
-            let Some(place) = upper.find(key) else {
+            let Some(offset) = upper.find(key) else {
                 continue;
             };
-            let behind = &upper[place + key.len()..];
+            let behind = &upper[offset + key.len()..];
             let word = behind.trim_start().split([' ', ',', ';']).next();
             let word = word.unwrap_or_default().trim_matches(['(', ')', '.']);
             return AccelerationUnit::from_name(word).map(Some).ok_or_else(|| {
                 let found = word.chars().take(40).collect();
-                RecordError::content(line + 1, place + 1, RecordFault::UnknownUnit { found })
+                RecordError::content(line + 1, offset + 1, RecordFault::UnknownUnit { found })
             });
         }
     }
@@ -105,14 +105,14 @@ fn is_last(text: &str, line: usize) -> bool {
     !text.lines().skip(line).any(starts_with_number)
 }
 
-/// Reads the samples behind the header.
+/// Reads the samples after the header.
 pub(super) fn read(
     text: &str,
     header: &Header,
     options: &RecordOptions,
 ) -> Result<Record, RecordError> {
-    let place = header.line + 1;
-    let fault = |fault| RecordError::content(place, 0, fault);
+    let line = header.line + 1;
+    let fault = |fault| RecordError::content(line, 0, fault);
     let unit = match (header.unit, options.unit) {
         (Some(found), Some(declared)) if found != declared => {
             return Err(fault(RecordFault::UnitConflict {
@@ -137,7 +137,7 @@ pub(super) fn read(
         for (column, word) in fixed_width(content) {
             match number(word, line + 1, column) {
                 Ok(value) => samples.push(value * unit.factor()),
-                // Words behind the last sample are a trailer.
+                // Words after the last sample are a trailer.
                 Err(_) if samples.len() as u64 >= header.count => break 'lines,
                 Err(_) if options.count == CountRule::AsFound && is_last(text, line) => {
                     break 'lines;

@@ -1,4 +1,4 @@
-//! One or two columns of text.
+//! Accelerograms in one or two columns of text.
 
 use super::number::number;
 use super::{AccelerationUnit, Record, RecordError, RecordFault, RecordOptions};
@@ -86,8 +86,8 @@ pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, Record
     })
 }
 
-/// The unit of acceleration that comments or names above the numbers declare, with the line: after the word
-/// `unit`, or in brackets.
+/// Unit of acceleration that comments or column names above the numbers declare, with the line: after the
+/// word `unit`, or in brackets.
 fn declared_unit(text: &str) -> Option<(usize, AccelerationUnit)> {
     let is_above = |line: &&str| match cells(line).first() {
         None => true,
@@ -109,7 +109,7 @@ fn declared_unit(text: &str) -> Option<(usize, AccelerationUnit)> {
     found.next()
 }
 
-/// The first line of a text in which no line starts with what could be a number.
+/// First line of a text in which no line starts with a possible number.
 fn no_numbers<'t>(text: &'t str) -> Option<String> {
     let data = |line: &'t str| line.split(['#', '%']).next().unwrap_or_default();
     let rows: Vec<&str> = (text.lines().map(data))
@@ -121,7 +121,7 @@ fn no_numbers<'t>(text: &'t str) -> Option<String> {
     only_words.then(|| first.trim().chars().take(40).collect())
 }
 
-/// Cells with their columns, from 1. A comma, semicolon or tab separates, and so do blanks.
+/// Cells with their columns, from 1, separated by commas, semicolons, tabs or blanks.
 fn cells(data: &str) -> Vec<(usize, &str)> {
     let start = data.as_ptr() as usize;
     data.split(|c: char| c.is_whitespace() || c == ',' || c == ';')
@@ -130,15 +130,15 @@ fn cells(data: &str) -> Vec<(usize, &str)> {
         .collect()
 }
 
-/// Whether a cell of the first line is a column's name and not a broken number.
+/// Whether a cell of the first line is a column's name and not a malformed number.
 fn is_name(cell: &str) -> bool {
     let lower = cell.to_ascii_lowercase();
     lower.starts_with(|c: char| c.is_alphabetic() || c == '"')
         && !["nan", "inf", "infinity"].contains(&lower.as_str())
 }
 
-/// Holds each time against the one before it and the median step, which a gap does not move: so the
-/// gap itself is named, and not the row where the mean step first fails.
+/// Compares each time with the one before it and the median step, which a gap does not change: so the
+/// error names the gap, and not the row at which the mean step first fails.
 fn check_gaps(times: &[(usize, f64)]) -> Result<(), RecordError> {
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
     let middle = steps.len() / 2;
@@ -155,7 +155,7 @@ fn check_gaps(times: &[(usize, f64)]) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// The step of a time column, none if there is no such column.
+/// Step of a time column; `None` if there is no such column.
 fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
     let ([(_, first), .., (last_line, last)], count) = (times, times.len()) else {
         return Ok(None);
@@ -169,8 +169,8 @@ fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
         ));
     }
     check_gaps(times)?;
-    for (place, &(line, time)) in times.iter().enumerate() {
-        let expected = first + place as f64 * step;
+    for (index, &(line, time)) in times.iter().enumerate() {
+        let expected = first + index as f64 * step;
         if (time - expected).abs() > UNIFORMITY * step {
             return Err(RecordError::content(
                 line,
@@ -179,7 +179,7 @@ fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
             ));
         }
     }
-    // Printed times are rounded; a step of few digits is what was meant.
+    // Printed times are rounded; a step of few digits is the intended one.
     let rounded = format!("{step:.6e}").parse().unwrap_or(step);
     Ok(Some(rounded))
 }

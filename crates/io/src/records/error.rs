@@ -1,146 +1,146 @@
-//! What can be wrong with an accelerogram, and where.
+//! Errors of accelerograms, with their position.
 
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// An accelerogram that could not be read.
+/// Errors of reading an accelerogram.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// The operating system refused.
+    /// The operating system returned an error.
     #[error("{}: {source}", file.display())]
     File {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The content is at fault.
-    #[error("{}{fault}", place(file.as_deref(), *line, *column))]
+    /// The content of the file is invalid.
+    #[error("{}{fault}", position(file.as_deref(), *line, *column))]
     Content {
-        /// The file; none if it was parsed from memory.
+        /// Path of the file; `None` if the content was parsed from memory.
         file: Option<PathBuf>,
-        /// Line, from 1; 0 if the fault has no line.
+        /// Number of the line, from 1; 0 if the fault has no line.
         line: usize,
-        /// Column, from 1; 0 if the fault has no column.
+        /// Number of the column, from 1; 0 if the fault has no column.
         column: usize,
-        /// What is wrong.
+        /// Fault of the content.
         fault: RecordFault,
     },
 }
 
-/// What is wrong with an accelerogram.
+/// Faults of the content of an accelerogram.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RecordFault {
-    /// Something that should be a number is none.
-    #[error("{text:?} is no number")]
+    /// A text is not a number.
+    #[error("{text:?} is not a number")]
     NotANumber {
-        /// What stands there.
+        /// Text of the file.
         text: String,
     },
-    /// A number that is not finite.
+    /// A number is not finite.
     #[error("{text:?} is not finite")]
     NotFinite {
-        /// What stands there.
+        /// Text of the file.
         text: String,
     },
-    /// Nothing but white space.
+    /// The file has nothing but white space.
     #[error("the file is empty")]
     Empty,
-    /// A file of another kind.
-    #[error("this is {found}, no accelerogram: PEER AT2, or one or two columns of numbers")]
+    /// The file has another format.
+    #[error("this is {found}, not an accelerogram: PEER AT2, or one or two columns of numbers")]
     Foreign {
-        /// What it seems to be.
+        /// Probable format of the file.
         found: &'static str,
     },
-    /// Neither a header of PEER AT2 nor a row of numbers.
+    /// The file has neither a PEER AT2 header nor a row of numbers.
     #[error(
-        "neither a header of PEER AT2 with NPTS and DT nor columns of numbers are found: {text:?} stands first"
+        "no PEER AT2 header with NPTS and DT and no columns of numbers are found; the first line is {text:?}"
     )]
     NoNumbers {
-        /// The first line.
+        /// First line of the file.
         text: String,
     },
-    /// A header without a number of samples or a step.
+    /// The header has no number of samples or no step.
     #[error("the header declares no {what}")]
     Header {
-        /// `NPTS` or `DT`.
+        /// Missing quantity, `NPTS` or `DT`.
         what: &'static str,
     },
-    /// Another number of samples than declared.
-    #[error("the header declares {declared} samples, the file holds {found}")]
+    /// The number of samples differs from the declared one.
+    #[error("the header declares {declared} samples, the file has {found}")]
     Count {
-        /// Declared.
+        /// Declared number of samples.
         declared: u64,
-        /// Found.
+        /// Number of samples in the file.
         found: usize,
     },
-    /// A step that is zero, negative or not finite.
+    /// The step is zero, negative or not finite.
     #[error("the time step {value} s is not above zero")]
     Step {
-        /// The step (s).
+        /// Step (s).
         value: f64,
     },
-    /// A step that neither the file nor the caller declares.
-    #[error("one column of numbers needs its time step to be declared")]
+    /// Neither the file nor the caller declares the step.
+    #[error("one column of numbers needs a declared time step")]
     NoStep,
-    /// A step declared twice, differently.
+    /// The steps of the file and of the caller differ.
     #[error("the file's time step is {found} s, the declared one {declared} s")]
     StepConflict {
-        /// Of the file (s).
+        /// Step of the file (s).
         found: f64,
-        /// Of the caller (s).
+        /// Step declared by the caller (s).
         declared: f64,
     },
-    /// A unit that neither the file nor the caller declares.
+    /// Neither the file nor the caller declares the unit.
     #[error("neither the file nor the caller declares the unit of acceleration")]
     NoUnit,
-    /// A unit in the file that is none of acceleration, such as that of a velocity.
-    #[error("the file's unit {found:?} is none of acceleration (g, gal, cm/s2, m/s2)")]
+    /// The unit of the file is not one of acceleration, but for example of velocity.
+    #[error("the file's unit {found:?} is not a unit of acceleration (g, gal, cm/s2, m/s2)")]
     UnknownUnit {
-        /// What stands there.
+        /// Unit as written in the file.
         found: String,
     },
-    /// A unit declared twice, differently.
+    /// The units of the file and of the caller differ.
     #[error("the file's unit is {found}, the declared one {declared}")]
     UnitConflict {
-        /// Of the file.
+        /// Unit of the file.
         found: &'static str,
-        /// Of the caller.
+        /// Unit declared by the caller.
         declared: &'static str,
     },
-    /// A row with another number of columns than the first, or more than two.
+    /// A row has another number of columns than the first, or more than two.
     #[error("{found} columns instead of {expected}")]
     Columns {
-        /// Found.
+        /// Number of columns of the row.
         found: usize,
-        /// Wanted, as words.
+        /// Expected number in words.
         expected: &'static str,
     },
-    /// Times that are not uniform.
+    /// The times are not uniform.
     #[error("time {time} s is not the expected {expected} s: the samples are not uniform")]
     NotUniform {
-        /// The time (s).
+        /// Time in the file (s).
         time: f64,
-        /// What a uniform step makes it (s).
+        /// Time at a uniform step (s).
         expected: f64,
     },
-    /// Fewer than two samples.
-    #[error("a record needs two samples at least, there are {found}")]
+    /// There are fewer than two samples.
+    #[error("a record needs at least two samples, but has {found}")]
     TooShort {
-        /// How many.
+        /// Number of samples.
         found: usize,
     },
-    /// Components with different steps.
+    /// Components of one station have different steps.
     #[error("component {component} has the time step {found} s, the first one {expected} s")]
     StepsDiffer {
-        /// Which, from 0.
+        /// Index of the component, from 0.
         component: usize,
-        /// Its step (s).
+        /// Step of the component (s).
         found: f64,
-        /// The first one's (s).
+        /// Step of the first component (s).
         expected: f64,
     },
 }
@@ -162,7 +162,7 @@ impl RecordError {
     }
 }
 
-fn place(file: Option<&Path>, line: usize, column: usize) -> String {
+fn position(file: Option<&Path>, line: usize, column: usize) -> String {
     let mut text = file.map_or(String::new(), |file| format!("{}:", file.display()));
     if line > 0 {
         text.push_str(&format!("{line}:"));

@@ -1,4 +1,4 @@
-//! Accelerograms: PEER AT2 in its many layouts, and columns of text.
+//! Accelerograms: PEER AT2 in its layouts, and columns of text.
 
 mod at2;
 mod columns;
@@ -14,40 +14,40 @@ pub use error::{RecordError, RecordFault};
 pub use set::{LengthRule, common_length};
 pub use unit::AccelerationUnit;
 
-/// The largest file (bytes): an hour at a thousand samples a second takes a fifth of it.
+/// Greatest size of a file (bytes): an hour at 1000 samples a second takes a fifth of it.
 const LARGEST: u64 = 256 << 20;
 
-/// A uniformly sampled accelerogram.
+/// Uniformly sampled accelerogram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// What the file says about itself: its header or comment lines.
+    /// Title of the record: the header or comment lines of the file.
     pub title: String,
-    /// Time between samples (s), above zero.
+    /// Time step between samples (s), above zero.
     pub step: f64,
     /// Accelerations (m/s2), the first at the record's own time zero; at least two.
     pub samples: Vec<f64>,
-    /// What was taken differently from what the file declares.
+    /// Warnings of differences between the record and the declarations of its file.
     pub warnings: Vec<String>,
 }
 
-/// What to do if a file declares another number of samples than it holds.
+/// Treatment of a file whose number of samples differs from the declared one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CountRule {
-    /// Refuse it.
+    /// The difference is an error.
     #[default]
     AsDeclared,
-    /// Take the samples that are there, and say so among the warnings.
+    /// The samples in the file are used, with a warning.
     AsFound,
 }
 
-/// What the reader cannot know from the file.
+/// Declarations of the caller about a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RecordOptions {
-    /// The unit of the accelerations; none if the file declares it.
+    /// Unit of the accelerations; `None` if the file declares it.
     pub unit: Option<AccelerationUnit>,
-    /// Time between samples (s); none if the file declares it.
+    /// Time step between samples (s); `None` if the file declares it.
     pub step: Option<f64>,
-    /// How strictly a declared count is taken.
+    /// Treatment of a declared count that differs.
     pub count: CountRule,
 }
 
@@ -58,7 +58,7 @@ pub struct RecordOptions {
 /// in `options`; of two, the first holds the times, which must be uniform to 1 % of a step.
 ///
 /// # Errors
-/// [`RecordError`] names the file, line and column, and what is wrong there.
+/// [`RecordError`], with the file, line, column and fault.
 ///
 /// ```
 /// use powerhouse_io::{AccelerationUnit, RecordOptions, parse_record};
@@ -79,19 +79,19 @@ pub fn read_record(file: &Path, options: &RecordOptions) -> Result<Record, Recor
 /// Reads an accelerogram from memory; see [`read_record`].
 ///
 /// # Errors
-/// As [`read_record`], without a file's name.
+/// As [`read_record`], without the name of a file.
 pub fn parse_record(bytes: &[u8], options: &RecordOptions) -> Result<Record, RecordError> {
     if let Some(step) = options.step {
         check_step(step).map_err(|fault| RecordError::content(0, 0, fault))?;
     }
-    // Titles may come in any single-byte encoding; numbers are plain ASCII in all of them.
+    // Titles may be in any single-byte encoding; numbers are plain ASCII in all of them.
     let text = String::from_utf8_lossy(bytes);
     let text = plain(&text);
     let content = |fault| RecordError::content(0, 0, fault);
     if text.trim().is_empty() {
         return Err(content(RecordFault::Empty));
     }
-    if let Some(found) = foreign(&text) {
+    if let Some(found) = other_format(&text) {
         return Err(content(RecordFault::Foreign { found }));
     }
     let record = match at2::header(&text)? {
@@ -105,8 +105,8 @@ pub fn parse_record(bytes: &[u8], options: &RecordOptions) -> Result<Record, Rec
     Ok(record)
 }
 
-/// What a file is that is no accelerogram: one of another format, or of bytes that are no text.
-fn foreign(text: &str) -> Option<&'static str> {
+/// Name of another format of a file, or of a file with bytes that are not text.
+fn other_format(text: &str) -> Option<&'static str> {
     let start = text.trim_start();
     if start.starts_with("$MeshFormat") {
         return Some("a Gmsh mesh");
@@ -117,14 +117,14 @@ fn foreign(text: &str) -> Option<&'static str> {
     if start.starts_with("[mesh]") || start.contains("\n[mesh]") {
         return Some("a scene");
     }
-    // Titles of old records hold some bytes of other encodings, but no NUL.
+    // Titles of old records have some bytes of other encodings, but no NUL.
     start
         .contains('\0')
-        .then_some("a file of bytes that are no text")
+        .then_some("a file of bytes that are not text")
 }
 
-/// The text without a mark of UTF-8 in front or an end-of-file mark behind, and with line ends that
-/// `str::lines` knows if it has only those of old systems.
+/// Text without a UTF-8 byte order mark at the start or an end-of-file mark at the end, and with old line
+/// ends, if it has only those, replaced by ones that `str::lines` recognises.
 fn plain(text: &str) -> Cow<'_, str> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let text = text.trim_end_matches(|c: char| c == '\u{1a}' || c.is_whitespace());

@@ -1,8 +1,8 @@
-//! Numbers as Fortran and spreadsheets write them.
+//! Numbers in the notations of Fortran and spreadsheets.
 
 use super::{RecordError, RecordFault};
 
-/// Reads one number; `D` counts as an exponent letter. `line` and `column` tell where it stands.
+/// Parses one number; `D` is an exponent letter too. `line` and `column` are its position.
 pub(super) fn number(text: &str, line: usize, column: usize) -> Result<f64, RecordError> {
     let fault = |fault| RecordError::content(line, column, fault);
     let allowed = |c: char| c.is_ascii_digit() || "+-.eEdD".contains(c);
@@ -30,7 +30,7 @@ pub(super) fn number(text: &str, line: usize, column: usize) -> Result<f64, Reco
     }
 }
 
-/// Where the exponent starts that Fortran writes without a letter when it has three digits, as in
+/// Offset of the exponent that Fortran writes without a letter if it has three digits, as in
 /// `.123-101`.
 fn bare_exponent(text: &str) -> Option<usize> {
     let sign = text.len().checked_sub(4)?;
@@ -43,32 +43,32 @@ fn bare_exponent(text: &str) -> Option<usize> {
     is_bare.then_some(sign)
 }
 
-/// Whether the sign at `place` belongs to such an exponent of the number that starts at `from`.
-fn continues(line: &str, from: usize, place: usize) -> bool {
-    let behind = line.as_bytes().get(place + 4);
+/// Whether the sign at `at` belongs to such an exponent of the number that starts at `from`.
+fn continues(line: &str, from: usize, at: usize) -> bool {
+    let behind = line.as_bytes().get(at + 4);
     behind.is_none_or(|byte| byte.is_ascii_whitespace() || b",+-".contains(byte))
         && line
-            .get(from..place + 4)
+            .get(from..at + 4)
             .is_some_and(|text| bare_exponent(text).is_some())
 }
 
-/// Splits a line of fixed-width numbers, which may touch where a sign separates them; each comes
-/// with its column, from 1.
+/// Splits a line of fixed-width numbers, which may touch where a sign separates them; each with its
+/// column, from 1.
 pub(super) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
     let mut found = Vec::new();
     let mut start = None;
     let mut previous = ' ';
-    for (place, c) in line.char_indices() {
+    for (at, c) in line.char_indices() {
         let blank = c.is_whitespace() || c == ',';
         let sign = (c == '-' || c == '+') && !"eEdD".contains(previous);
         if let Some(from) = start
-            && (blank || (sign && !continues(line, from, place)))
+            && (blank || (sign && !continues(line, from, at)))
         {
-            found.push((from + 1, &line[from..place]));
+            found.push((from + 1, &line[from..at]));
             start = None;
         }
         if !blank && start.is_none() {
-            start = Some(place);
+            start = Some(at);
         }
         previous = c;
     }
@@ -82,7 +82,7 @@ pub(super) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
 mod tests {
     use super::*;
 
-    /// Numbers that touch are told apart by their signs, signs of exponents are not.
+    /// Numbers that touch are separated at their signs, but not at signs of exponents.
     #[test]
     fn glued_numbers_are_told_apart() {
         let parts = fixed_width("  .123E-02-.456E-03 7.0D+01-8");
@@ -91,7 +91,7 @@ mod tests {
         assert_eq!(parts[1].0, 11);
     }
 
-    /// Fortran's exponents are read; words and infinities are told apart from numbers.
+    /// Fortran's exponents are parsed; words and infinities are errors.
     #[test]
     fn numbers_are_finite() {
         assert_eq!(number("-1.5D-3", 1, 1).unwrap(), -1.5e-3);

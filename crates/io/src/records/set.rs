@@ -2,16 +2,16 @@
 
 use super::{Record, RecordError, RecordFault};
 
-/// What to do with components of unequal length.
+/// Treatment of components of unequal length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthRule {
-    /// Cut all to the shortest.
+    /// Truncate all to the shortest.
     Cut,
-    /// Pad all to the longest with zeros.
+    /// Pad all with zeros to the longest.
     Pad,
 }
 
-/// Gives the components of one station a common length.
+/// Brings the components of one station to a common length, with a warning in each that changes.
 ///
 /// # Errors
 /// [`RecordFault::StepsDiffer`] if the time steps differ by more than 1e-6 of the first.
@@ -38,9 +38,9 @@ pub fn common_length(components: &mut [Record], rule: LengthRule) -> Result<(), 
     for record in components {
         let before = record.samples.len();
         if before != length {
-            record
-                .warnings
-                .push(format!("{before} samples brought to {length}"));
+            record.warnings.push(format!(
+                "{before} samples changed to {length} for a common length"
+            ));
             record.samples.resize(length, 0.0);
         }
     }

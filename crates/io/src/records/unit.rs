@@ -1,10 +1,10 @@
 //! Units of acceleration.
 
-/// A unit of acceleration.
+/// Unit of acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum AccelerationUnit {
-    /// Metre per second squared.
+    /// Metre per second squared (m/s2).
     MetrePerSecondSquared,
     /// Centimetre per second squared (gal).
     Gal,
@@ -13,7 +13,7 @@ pub enum AccelerationUnit {
 }
 
 impl AccelerationUnit {
-    /// The unit in m/s2.
+    /// Value of the unit in m/s2.
     pub fn factor(self) -> f64 {
         match self {
             Self::MetrePerSecondSquared => 1.0,
@@ -21,7 +21,7 @@ impl AccelerationUnit {
             Self::Gravity => 9.80665,
         }
     }
-    /// The name in scenes and messages: `m/s2`, `gal` or `g`.
+    /// Name of the unit in scenes and messages: `m/s2`, `gal` or `g`.
     pub fn name(self) -> &'static str {
         match self {
             Self::MetrePerSecondSquared => "m/s2",
@@ -29,7 +29,7 @@ impl AccelerationUnit {
             Self::Gravity => "g",
         }
     }
-    /// The unit of a name; `cm/s2` is `gal`, case does not matter. The second may be `s` or `sec`,
+    /// Unit of a name; `cm/s2` is `gal`, case does not matter. The second may be `s` or `sec`,
     /// its square `s2`, `s^2`, `s**2` or `s/s`.
     pub fn from_name(name: &str) -> Option<Self> {
         let plain = name

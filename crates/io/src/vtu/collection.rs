@@ -1,4 +1,4 @@
-//! A time series of VTU files.
+//! Time series of VTU files.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,20 +7,20 @@ use super::writer::{VtuField, VtuWriter};
 use crate::xml::escaped;
 use crate::{IoError, write_whole};
 
-/// A PVD file and the VTU files beside it. The PVD is written anew, whole, after every instant, so
-/// that a run which is cut short leaves a series that opens.
+/// Time series of results: a PVD file and the VTU files beside it. The PVD is written anew after every
+/// instant, so that an interrupted run leaves a readable series.
 pub struct PvdCollection {
     file: PathBuf,
     writer: VtuWriter,
     /// Time, part and file of each entry.
     entries: Vec<(f64, usize, String)>,
-    /// How many instants there are.
+    /// Number of instants.
     instants: usize,
 }
 
 impl PvdCollection {
-    /// Starts a series whose collection file is `file` (such as `out/snapshots.pvd`); its instants
-    /// go to a folder of the same name without the ending.
+    /// Time series with the collection file `file` (such as `out/snapshots.pvd`); its instants are
+    /// written to a folder of the same name without the extension.
     pub fn new(file: impl Into<PathBuf>, writer: VtuWriter) -> Self {
         Self {
             file: file.into(),
@@ -30,12 +30,12 @@ impl PvdCollection {
         }
     }
 
-    /// The collection file.
+    /// Path of the collection file.
     pub fn file(&self) -> &Path {
         &self.file
     }
 
-    /// How many instants have been written.
+    /// Number of instants that have been written.
     pub fn len(&self) -> usize {
         self.instants
     }
@@ -45,7 +45,7 @@ impl PvdCollection {
         self.instants == 0
     }
 
-    /// Writes one instant at a time (s).
+    /// Writes the fields of one instant at a time (s).
     ///
     /// # Errors
     /// As [`VtuWriter::write`].
@@ -58,8 +58,8 @@ impl PvdCollection {
         self.add_with(time, at_nodes, in_elements, &[])
     }
 
-    /// Writes one instant at a time (s) with further parts beside the first, such as surfaces: the
-    /// name that is put into each one's file name, its writer, and its fields at nodes.
+    /// Writes the fields of one instant at a time (s), with further parts such as surfaces: of each the
+    /// suffix of its file name, its writer, and its fields at nodes.
     ///
     /// # Errors
     /// As [`VtuWriter::write`].
@@ -92,10 +92,10 @@ impl PvdCollection {
         write_whole(&self.file, self.text().as_bytes())
     }
 
-    /// Takes files that are no longer there out of the collection, and writes it anew if there were some.
+    /// Removes entries whose files no longer exist, and writes the collection file anew if there were any.
     ///
     /// # Errors
-    /// The collection's file that could not be written.
+    /// If the collection file cannot be written.
     pub fn keep_existing(&mut self) -> Result<(), IoError> {
         let before = self.entries.len();
         let file = &self.file;

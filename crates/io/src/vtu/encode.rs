@@ -1,14 +1,14 @@
-//! Data arrays as compressed blocks.
+//! Encoding of data arrays as compressed blocks.
 
 use std::io::Write as _;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-/// Uncompressed bytes per block.
+/// Uncompressed size of a block (bytes).
 const BLOCK: usize = 1 << 18;
 
-/// An array in the layout of `vtkZLibDataCompressor`: number of blocks, block size, size of the
+/// Array in the layout of `vtkZLibDataCompressor`: number of blocks, block size, size of the
 /// last block if it is shorter (else zero), compressed sizes, all as 64-bit words; then the blocks.
 pub(super) fn compressed(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     let blocks: Vec<Vec<u8>> = bytes
@@ -31,7 +31,7 @@ pub(super) fn compressed(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     Ok(out)
 }
 
-/// Doubles as little-endian bytes of either width.
+/// Reals as little-endian bytes, in double or single precision.
 pub(super) fn float_bytes(values: impl Iterator<Item = f64>, double: bool) -> Vec<u8> {
     if double {
         values.flat_map(f64::to_le_bytes).collect()
@@ -42,13 +42,13 @@ pub(super) fn float_bytes(values: impl Iterator<Item = f64>, double: bool) -> Ve
     }
 }
 
-/// Whole numbers as little-endian bytes of 32-bit integers; the place of the first that is none.
+/// Integers as little-endian bytes of 32 bits; the index of the first value that is not one.
 pub(super) fn whole_bytes(values: &[f64]) -> Result<Vec<u8>, usize> {
     let mut bytes = Vec::with_capacity(4 * values.len());
-    for (place, &value) in values.iter().enumerate() {
+    for (index, &value) in values.iter().enumerate() {
         let whole = value as i32;
         if f64::from(whole) != value {
-            return Err(place);
+            return Err(index);
         }
         bytes.extend_from_slice(&whole.to_le_bytes());
     }

@@ -1,7 +1,7 @@
-//! Results for ParaView: VTU files of one instant each and a PVD collection of them.
+//! Results for ParaView: VTU files of one instant each, and a PVD collection of them.
 //!
-//! The data stand behind the XML as raw bytes, compressed by zlib in blocks, as the VTK file
-//! formats page describes (Kitware, *VTK XML file formats*, appended data).
+//! The data follow the XML as raw bytes, compressed by zlib in blocks, as in the VTK file
+//! formats page (Kitware, *VTK XML file formats*, appended data).
 
 mod collection;
 mod encode;

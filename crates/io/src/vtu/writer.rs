@@ -1,4 +1,4 @@
-//! One instant as an unstructured grid.
+//! VTU files: one instant as an unstructured grid.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,57 +9,56 @@ use super::encode::{compressed, float_bytes, whole_bytes};
 use crate::xml::escaped;
 use crate::{IoError, write_whole};
 
-/// The number format of result fields in a file; positions are always doubles.
+/// Precision of result fields in a file; positions are always in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FieldPrecision {
-    /// Four bytes per number: seven digits, enough to look at.
+    /// Single precision, four bytes per number: seven digits.
     #[default]
     Single,
-    /// Eight bytes per number: what the solver had.
+    /// Double precision, eight bytes per number, as computed.
     Double,
 }
 
-/// What the numbers of a field are.
+/// Number type of a field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VtuNumbers {
     /// Reals, in the precision of the file.
     #[default]
     Real,
-    /// Whole numbers, such as flags: written as 32-bit integers, so that filters can select them
-    /// exactly.
+    /// Integers, such as flags: written with 32 bits, so that filters can select them exactly.
     Whole,
 }
 
-/// A named field: one group of `components` numbers per node or per element, in the mesh's order.
+/// Named field: one group of `components` numbers per node or per element, in the mesh's order.
 #[derive(Clone, Copy, Debug)]
 pub struct VtuField<'a> {
-    /// The name, without quotes, `<`, `>` or `&`.
+    /// Name, without quotes, `<`, `>` or `&`.
     pub name: &'a str,
-    /// 1 for a scalar, 3 for a vector, 6 for a symmetric tensor (xx yy zz xy yz zx).
+    /// Number of components: 1 for a scalar, 3 for a vector, 6 for a symmetric tensor (xx yy zz xy yz zx).
     pub components: usize,
-    /// What they are.
+    /// Type of the numbers.
     pub numbers: VtuNumbers,
-    /// The unit, such as `Pa`; empty for a number without one. It stands beside the field as VTK's key
-    /// `UNITS_LABEL`, and with all others in the file's text `units`.
+    /// Unit, such as `Pa`; empty for a dimensionless quantity. It is written as VTK's key `UNITS_LABEL` of
+    /// the field, and with all others in the file's text `units`.
     pub unit: &'a str,
-    /// The numbers, group after group.
+    /// Numbers, group after group.
     pub values: &'a [f64],
 }
 
-/// Writes files of one mesh; what does not change in time is compressed once.
+/// Writer of VTU files of one mesh; data that are constant in time are compressed only once.
 ///
-/// Nodes and elements stand in the mesh's order; their numbers of the input file are the fields
-/// `node_tag` and `element_tag`, the element sets a field of zeros and ones each.
+/// Nodes and elements are in the order of the mesh; their numbers in the input file are the fields
+/// `node_tag` and `element_tag`, each element set is a field of zeros and ones.
 ///
-/// Of a body whose elements are not all there (see [`set_present`](Self::set_present)) files have the
-/// field `present`, 1 for elements that are there. Whatever else a field says of the others is not written:
-/// reals are NaN, whole numbers -1. So are reals and whole numbers of one component at nodes that only
-/// absent elements have; vectors are zero there, so that a body can be drawn deformed.
+/// If some elements are inactive (see [`set_present`](Self::set_present)), files have the
+/// field `present`, 1 for active elements. Fields of inactive elements are not written: reals are NaN,
+/// integers -1. The same holds of fields of one component at nodes of inactive elements alone; vectors
+/// are zero there, so that a body can be drawn deformed.
 pub struct VtuWriter {
     nodes: usize,
     elements: usize,
     precision: FieldPrecision,
-    /// Which nodes and elements are there, if not all are known to be.
+    /// Active nodes and elements, unless all are active.
     present: Option<[Vec<bool>; 2]>,
     points: Vec<u8>,
     cells: [Vec<u8>; 3],
@@ -67,12 +66,12 @@ pub struct VtuWriter {
     cell_static: Arrays,
 }
 
-/// VTK's number of a kind of cell, and the order of its nodes there.
+/// VTK's number of a kind of cell, and its order of the nodes.
 fn cell(kind: ElementKind) -> Option<(u8, &'static [usize])> {
     Some(match kind {
         ElementKind::Hex8 => (12, &[0, 1, 2, 3, 4, 5, 6, 7]),
         ElementKind::Tet4 => (10, &[0, 1, 2, 3]),
-        // VTK wants the first triangle to face away from the second.
+        // In VTK the first triangle faces away from the second.
         ElementKind::Wedge6 => (13, &[0, 2, 1, 3, 5, 4]),
         ElementKind::Bar2 => (3, &[0, 1]),
         _ => return None,
@@ -80,10 +79,10 @@ fn cell(kind: ElementKind) -> Option<(u8, &'static [usize])> {
 }
 
 impl VtuWriter {
-    /// Prepares the files of a mesh.
+    /// Writer of the files of a mesh.
     ///
     /// # Errors
-    /// If the compressor fails, or the mesh has a kind of element that VTK has no cell for.
+    /// If the compressor fails, or VTK has no cell for a kind of element of the mesh.
     pub fn new(mesh: &Mesh, precision: FieldPrecision) -> std::io::Result<Self> {
         let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
         let mut end = 0_i64;
@@ -93,8 +92,8 @@ impl VtuWriter {
                 std::io::Error::other(format!("no VTK cell for elements of kind {}", kind.name()))
             })?;
             let nodes = mesh.nodes_of(element);
-            for &place in order {
-                connectivity.extend_from_slice(&i64::from(nodes[place]).to_le_bytes());
+            for &index in order {
+                connectivity.extend_from_slice(&i64::from(nodes[index]).to_le_bytes());
             }
             end += order.len() as i64;
             offsets.extend_from_slice(&end.to_le_bytes());
@@ -141,8 +140,8 @@ impl VtuWriter {
         })
     }
 
-    /// Prepares the files of a surface: positions (m), and for each facet its three or four corners
-    /// among them.
+    /// Writer of the files of a surface: positions (m), and for each facet its three or four corners as
+    /// indices among them.
     ///
     /// # Errors
     /// If the compressor fails, or a facet has another number of corners.
@@ -185,13 +184,13 @@ impl VtuWriter {
         })
     }
 
-    /// Says which elements of the mesh that it was made of are there in the files from now on.
+    /// Sets the active elements of the mesh for the files from now on, one flag per element.
     ///
     /// # Panics
-    /// If there is not one flag for each element.
+    /// If the number of flags is not that of the elements.
     pub fn set_present(&mut self, mesh: &Mesh, present: &[bool]) {
         assert_eq!(present.len(), self.elements, "a flag for each element");
-        // Nodes without any element are left as they are.
+        // Nodes without any element stay active.
         let mut nodes = vec![true; self.nodes];
         for is_there in [false, true] {
             let elements = 0..self.elements as u32;
@@ -204,11 +203,11 @@ impl VtuWriter {
         self.present = Some([nodes, present.to_vec()]);
     }
 
-    /// Writes one instant: fields at nodes and in elements.
+    /// Writes the fields of one instant at nodes and in elements.
     ///
     /// # Errors
-    /// A field of the wrong length, a number that is not finite or, where it should be, not whole, or
-    /// the operating system's error, each with the file's path.
+    /// If a field has the wrong length, a number is not finite or, where required, not an integer, or the
+    /// file cannot be written; each with the file's path.
     pub fn write(
         &self,
         file: &Path,
@@ -262,17 +261,17 @@ impl VtuWriter {
                     expected,
                 });
             }
-            let absent = |place: &usize| {
-                present.is_some_and(|present| !present[place / field.components.max(1)])
+            let absent = |index: &usize| {
+                present.is_some_and(|present| !present[index / field.components.max(1)])
             };
             let mut finite = field.values.iter().enumerate();
-            if let Some((place, &value)) =
-                finite.find(|(place, value)| !value.is_finite() && !absent(place))
+            if let Some((index, &value)) =
+                finite.find(|(index, value)| !value.is_finite() && !absent(index))
             {
                 return Err(IoError::NotFinite {
                     file: file.into(),
                     what: field.name.into(),
-                    place,
+                    index,
                     value,
                 });
             }
@@ -283,18 +282,18 @@ impl VtuWriter {
             };
             let shown = || {
                 let values = field.values.iter().enumerate();
-                values.map(|(place, &value)| if absent(&place) { blank } else { value })
+                values.map(|(index, &value)| if absent(&index) { blank } else { value })
             };
             let (kind, bytes) = match field.numbers {
                 VtuNumbers::Real if double => ("Float64", float_bytes(shown(), true)),
                 VtuNumbers::Real => ("Float32", float_bytes(shown(), false)),
                 VtuNumbers::Whole => {
                     let values: Vec<f64> = shown().collect();
-                    let bytes = whole_bytes(&values).map_err(|place| IoError::NotWhole {
+                    let bytes = whole_bytes(&values).map_err(|index| IoError::NotWhole {
                         file: file.into(),
                         what: field.name.into(),
-                        place,
-                        value: values[place],
+                        index,
+                        value: values[index],
                     })?;
                     ("Int32", bytes)
                 }
@@ -348,15 +347,15 @@ impl VtuWriter {
     }
 }
 
-/// The field that says which elements are there.
+/// Name of the field of active elements.
 const PRESENT: &str = "present";
 
-/// A data array.
+/// Data array.
 struct Array {
     attributes: String,
-    /// Empty for none.
+    /// Unit; empty for none.
     unit: String,
-    /// Compressed.
+    /// Compressed data.
     bytes: Vec<u8>,
 }
 
@@ -368,7 +367,7 @@ fn borrowed(arrays: &Arrays) -> impl Iterator<Item = (&str, &str, &[u8])> {
         .map(|array| (&*array.attributes, &*array.unit, &*array.bytes))
 }
 
-/// The XML part and, after it, the bytes that it points into.
+/// XML part and, after it, the bytes to which it refers.
 #[derive(Default)]
 struct Body {
     xml: String,
@@ -379,7 +378,7 @@ impl Body {
     fn open(&mut self, tag: &str) {
         let _ = writeln!(self.xml, "<{tag}>");
     }
-    /// Arrays: attributes, unit, compressed bytes.
+    /// Adds arrays by attributes, unit and compressed bytes.
     fn group<'a>(
         &mut self,
         tag: &str,
@@ -425,7 +424,7 @@ impl Body {
     }
 }
 
-/// The components of a vector or a symmetric tensor, in order.
+/// Names of the components of a vector or a symmetric tensor, in order.
 fn components_of(components: usize) -> &'static [&'static str] {
     match components {
         3 => &["x", "y", "z"],
@@ -434,7 +433,7 @@ fn components_of(components: usize) -> &'static [&'static str] {
     }
 }
 
-/// The order of components, as a text for people.
+/// Order of the components as a text.
 fn order(components: usize) -> String {
     match components_of(components) {
         [] => String::new(),
@@ -442,7 +441,7 @@ fn order(components: usize) -> String {
     }
 }
 
-/// A text as a field of a file: the codes of its bytes, and a zero at its end. Nothing for no text.
+/// Text as a field of a file: the codes of its bytes and a zero at the end; empty for no text.
 fn text_array(name: &str, text: &str) -> String {
     if text.is_empty() {
         return String::new();

@@ -13,7 +13,7 @@ fn sizes(mesh: &Mesh, names: &[&str]) -> Vec<usize> {
     names.iter().map(size).collect()
 }
 
-/// The cavern's mesh comes with all its nodes, elements and named sets, as its maker lists them.
+/// The cavern's mesh has all its nodes, elements and named sets, as its generator lists them.
 #[test]
 fn the_cavern_is_read_whole() {
     let faces = [
@@ -40,8 +40,8 @@ fn the_cavern_is_read_whole() {
     assert_eq!(sizes(&small, &faces), [216, 216, 216, 216, 252, 252, 128]);
 }
 
-/// What Gmsh writes of one mesh in each of its formats is one mesh: elements in two groups once,
-/// a group without a name, a point of no element left out, periodic pairs passed over.
+/// The files that Gmsh writes of one mesh in each of its formats give one mesh: elements in two groups once,
+/// a group without a name, a point of no element dropped, periodic pairs skipped.
 #[test]
 fn all_formats_of_gmsh_give_one_mesh() {
     let little = Encoding::Binary(ByteOrder::Little);

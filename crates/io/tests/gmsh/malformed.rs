@@ -1,4 +1,4 @@
-//! Nodes, elements, groups and counts that must not be read, and what is said of them.
+//! Errors of invalid nodes, elements, groups and counts.
 
 use powerhouse_io::gmsh::{GmshFault, GmshPlace};
 use powerhouse_model::MeshError;
@@ -37,7 +37,7 @@ fn mesh(error: MeshError) -> GmshFault {
     GmshFault::Mesh(error)
 }
 
-/// A fault of a node names the node and its place.
+/// A fault of a node names the node and its position in the file.
 #[test]
 fn faults_of_nodes() {
     let node = 207;
@@ -66,7 +66,7 @@ fn faults_of_nodes() {
     always(zero, "$Nodes", "0", |s| s.nodes[5].0 = 0);
 }
 
-/// A fault of an element names the element and its place.
+/// A fault of an element names the element and its position in the file.
 #[test]
 fn faults_of_elements() {
     let dangling = mesh(MeshError::DanglingNode {
@@ -103,7 +103,7 @@ fn faults_of_elements() {
     always(zero, "$Elements", "0", |s| s.elements[4].tag = 0);
 }
 
-/// Inverted and flat elements are found on reading, with their place.
+/// Inverted and flat elements are found on reading, with their position in the file.
 #[test]
 fn faults_of_shape() {
     for (_, _, place, fault) in changed(|s| s.elements[7].nodes.swap(0, 1)) {
@@ -159,7 +159,7 @@ fn faults_of_groups() {
     always(none, "$Elements", "", |s| s.elements.clear());
 }
 
-/// A word that only the second reading of version 4.1 refuses is found at its place too.
+/// A word that only the second parser of version 4.1 refuses is reported at its position too.
 #[test]
 fn a_word_that_one_reading_refuses() {
     let (place, fault) = edit(Format::Text4, "34 50 51 52 2\n", "34 50 +51 52 2\n");
@@ -170,7 +170,7 @@ fn a_word_that_one_reading_refuses() {
     assert_eq!(place.line, line.map(|line| line + 1));
 }
 
-/// Element types that are not computed with are named, with their first element.
+/// Unsupported element types are named, with their first element.
 #[test]
 fn other_element_types_are_named() {
     for (number, name, nodes) in [
@@ -304,8 +304,8 @@ fn wrong_counts_of_blocks() {
     );
 }
 
-/// Words that are no numbers, numbers without a blank between them, and numbers too many are
-/// found at their place.
+/// Words that are not numbers, numbers without a blank between them, and additional numbers are
+/// reported at their position.
 #[test]
 fn words_that_are_no_numbers() {
     for format in [Format::Text2, Format::Text4] {

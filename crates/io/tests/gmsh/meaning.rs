@@ -1,4 +1,4 @@
-//! What sound files mean.
+//! Meshes of valid files.
 
 use powerhouse_io::{GmshMesh, parse_gmsh};
 use powerhouse_model::Vec3;
@@ -55,7 +55,7 @@ fn an_element_of_two_groups_counts_once() {
     }
 }
 
-/// Node numbers are respected where they are dense and out of order: each keeps its position.
+/// Dense node numbers out of order are preserved: each keeps its position.
 #[test]
 fn dense_node_numbers_out_of_order_keep_their_positions() {
     let mut sample = Sample::tower();
@@ -84,7 +84,7 @@ fn dense_node_numbers_out_of_order_keep_their_positions() {
     }
 }
 
-/// Numbers near the largest that a format holds are read as they stand.
+/// Numbers near the largest that a format permits are read unchanged.
 #[test]
 fn huge_numbers_are_kept() {
     for format in FORMATS {
@@ -104,7 +104,7 @@ fn huge_numbers_are_kept() {
     }
 }
 
-/// Nodes that no element uses vanish, wherever they stand, and shift nothing.
+/// Nodes that no element uses are dropped, wherever they are in the file, without a shift of others.
 #[test]
 fn unused_nodes_vanish_without_a_shift() {
     let tower = Sample::tower();
@@ -135,7 +135,7 @@ fn solids_without_groups_are_all() {
     }
 }
 
-/// A mesh of lines alone is one of bars.
+/// A mesh of lines alone is a mesh of bars.
 #[test]
 fn lines_alone_are_bars() {
     let mut sample = Sample::tower();
@@ -217,7 +217,7 @@ fn names_keep_every_letter() {
     }
 }
 
-/// The sign of a group's number tells of an orientation and is no other group.
+/// The sign of a group's number is an orientation and makes no other group.
 #[test]
 fn a_negative_group_is_the_same_group() {
     let mut sample = Sample::tower();
@@ -254,9 +254,9 @@ fn blanks_mean_nothing() {
     }
 }
 
-/// Sections that are not read are passed over and reported, in text and in binary files.
+/// Sections without a meaning are skipped and reported, in text and in binary files.
 #[test]
-fn other_sections_are_passed_over() {
+fn other_sections_are_skipped() {
     let mesh = Sample::tower().mesh();
     let periodic = b"$Periodic\n1\n2 1 2\n\0\xff $Nodes\n$EndPeriodic\n";
     let comments = b"$Comments\nmade by hand $ 5\n$EndComments\n";
@@ -277,9 +277,9 @@ fn other_sections_are_passed_over() {
     }
 }
 
-/// After the head, sections may stand in any order.
+/// After the header, sections may be in any order.
 #[test]
-fn sections_stand_in_any_order() {
+fn sections_may_be_in_any_order() {
     let mesh = Sample::tower().mesh();
     for format in [Format::Text2, Format::Text4] {
         let gmsh = edited(format, |text| {
@@ -292,13 +292,13 @@ fn sections_stand_in_any_order() {
     }
 }
 
-/// Decimal digits are read to the nearest number, in both versions: 17 digits say it all.
+/// Decimal digits are read to the nearest number, in both versions: 17 digits are exact.
 #[test]
 fn digits_are_read_exactly() {
     let mut random = Random(3);
     let mut sample = Sample::tower();
     for round in 0..200 {
-        // Any size that leaves the shapes sound.
+        // Any size with valid shapes.
         let scale = 10_f64.powi(random.below(60) as i32 - 30) * (1.0 + random.unit());
         sample.nodes = Sample::tower().nodes;
         for (_, position) in &mut sample.nodes {

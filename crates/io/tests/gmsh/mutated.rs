@@ -1,10 +1,10 @@
-//! Files with any damage.
+//! Damaged files.
 
 use powerhouse_io::parse_gmsh;
 
 use crate::sample::{FORMATS, Random, Sample};
 
-/// A file cut at any byte is refused, or what is left says the same as the whole.
+/// A file truncated at any byte is refused, or gives the same mesh as the complete one.
 #[test]
 fn a_cut_file_is_never_another_mesh() {
     let sample = Sample::tower();
@@ -20,7 +20,7 @@ fn a_cut_file_is_never_another_mesh() {
     }
 }
 
-/// A file with changed bytes is refused or gives a sound mesh; nothing panics.
+/// A file with changed bytes is refused or gives a valid mesh; nothing panics.
 #[test]
 fn changed_bytes_never_panic() {
     let mut random = Random(1);
@@ -48,7 +48,7 @@ fn changed_bytes_never_panic() {
     assert!(read > 0);
 }
 
-/// A file with passages lost, doubled or moved is refused or gives a sound mesh; nothing panics.
+/// A file with passages lost, doubled or moved is refused or gives a valid mesh; nothing panics.
 #[test]
 fn moved_passages_never_panic() {
     let mut random = Random(2);

@@ -1,4 +1,4 @@
-//! Random meshes through every format.
+//! Random meshes in every format.
 
 use powerhouse_io::{GmshError, parse_gmsh, read_gmsh, write_gmsh};
 use powerhouse_model::{ElementKind, Mesh, Vec3};
@@ -97,7 +97,7 @@ fn grid(counts: [usize; 3]) -> impl Iterator<Item = (usize, usize, usize)> {
         .flat_map(move |k| (0..counts[1]).flat_map(move |j| (0..counts[0]).map(move |i| (k, j, i))))
 }
 
-/// Random meshes come back the same from every format, and from the writer.
+/// Random meshes are read unchanged from every format, and from the writer.
 #[test]
 fn random_meshes_come_back() {
     let mut random = Random(11);
@@ -146,7 +146,7 @@ fn tet(base: u64, size: f64, set: &str) -> Mesh {
     builder.build().unwrap()
 }
 
-/// Extreme sizes and numbers are written so that they come back.
+/// Extreme sizes and numbers are written so that they are read unchanged.
 #[test]
 fn the_writer_keeps_extremes() {
     for (base, size) in [
@@ -162,9 +162,9 @@ fn the_writer_keeps_extremes() {
     }
 }
 
-/// What the format cannot hold is refused before a file is written.
+/// What the format cannot represent is refused before a file is written.
 #[test]
-fn the_writer_refuses_what_it_cannot_say() {
+fn the_writer_refuses_what_it_cannot_represent() {
     for name in ["", "a\"b", "a\nb", "a\rb"] {
         let file = path("refused.msh");
         let refused = write_gmsh(&file, &tet(9, 1.0, name));

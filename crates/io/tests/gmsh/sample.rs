@@ -47,7 +47,7 @@ pub(crate) struct Element {
     pub(crate) nodes: Vec<u64>,
 }
 
-/// What a file says; nothing is checked.
+/// Content of a file, unchecked.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sample {
     /// Dimension, number and name.
@@ -83,7 +83,7 @@ impl Sample {
         });
     }
 
-    /// Two hexes on each other, a wedge on them, a tet on that; a bar, faces and a point; a node
+    /// A tower of two hexes, a wedge and a tet; a bar, faces and a point; a node
     /// of no element. Node numbers are sparse and in no order.
     pub(crate) fn tower() -> Self {
         let mut sample = Self::default();
@@ -121,7 +121,7 @@ impl Sample {
         sample
     }
 
-    /// The mesh that the file means.
+    /// Mesh of the file.
     pub(crate) fn mesh(&self) -> Mesh {
         let kind_of = |e: &Element| KINDS.iter().find(|kind| kind.0 == e.type_number).unwrap().2;
         let name = |dimension: i32, group: i32| {
@@ -173,7 +173,7 @@ impl Sample {
     }
 }
 
-/// A file in the making.
+/// Writer of a file.
 struct File {
     bytes: Vec<u8>,
     format: Format,
@@ -261,7 +261,7 @@ impl File {
         }
         self.end("$EndNodes");
     }
-    /// An element stands once for each of its groups, the later times with a number of its own.
+    /// An element is written once for each of its groups, the later times with a number of its own.
     fn elements_two(&mut self, sample: &Sample) {
         let mut largest = sample.elements.iter().map(|e| e.tag).max().unwrap_or(0);
         let mut copies = Vec::new();
@@ -370,7 +370,7 @@ impl File {
     }
 }
 
-/// Place and fault of a file that must not be read.
+/// Position and fault of an invalid file.
 pub(crate) fn fault(bytes: &[u8]) -> (GmshPlace, GmshFault) {
     match parse_gmsh(bytes) {
         Err(GmshError::Content { place, fault, .. }) => (place, *fault),
@@ -379,14 +379,14 @@ pub(crate) fn fault(bytes: &[u8]) -> (GmshPlace, GmshFault) {
     }
 }
 
-/// Place and fault of the tower's text with one passage replaced.
+/// Position and fault of the tower's text with one passage replaced.
 pub(crate) fn edit(format: Format, from: &str, to: &str) -> (GmshPlace, GmshFault) {
     let text = String::from_utf8(Sample::tower().file(format)).unwrap();
     assert!(text.contains(from), "{from}");
     fault(text.replacen(from, to, 1).as_bytes())
 }
 
-/// Numbers that look random and are the same in every run (Steele, Lea, Flood 2014, SplitMix64).
+/// Pseudo-random numbers, the same in every run (Steele, Lea, Flood 2014, SplitMix64).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

@@ -1,11 +1,11 @@
-//! Heads, sections and names that must not be read, and what is said of them.
+//! Errors of invalid headers, sections and names.
 
 use powerhouse_io::gmsh::GmshFault;
 use powerhouse_io::{GmshError, read_gmsh};
 
 use crate::sample::{FORMATS, Format, Sample, edit, fault};
 
-/// The head decides what is read at all.
+/// Faults of the header, which determines the format.
 #[test]
 fn faults_of_the_head() {
     for (empty, wanted) in [
@@ -77,7 +77,7 @@ fn faults_of_the_head() {
     }
 }
 
-/// A byte order other than the file's own is noticed at the mark or at the first count.
+/// A wrong byte order is found at the mark or at the first count.
 #[test]
 fn wrong_byte_order() {
     for format in FORMATS.into_iter().filter(|format| !format.is_text()) {
@@ -88,7 +88,7 @@ fn wrong_byte_order() {
         assert!(!place.section.is_empty(), "{format:?}: {found}");
         file[mark..mark + 4].copy_from_slice(&[0, 1, 0, 0]);
         assert_eq!(fault(&file).1, GmshFault::ByteOrder { found: 256 });
-        // Text that says it is binary.
+        // Text that is declared as binary.
         file[mark..mark + 4].copy_from_slice(b"$End");
         assert!(matches!(fault(&file).1, GmshFault::ByteOrder { .. }));
     }
@@ -98,7 +98,7 @@ fn wrong_byte_order() {
     }
 }
 
-/// Sections that are missing, stand twice, do not end, or do not start.
+/// Sections that are missing, occur twice, do not end, or do not start.
 #[test]
 fn faults_of_sections() {
     for format in FORMATS {
@@ -167,7 +167,7 @@ fn faults_of_sections() {
     assert_eq!(place.section, "$Nodes");
 }
 
-/// What this software does not read is said plainly: parts of a mesh, parametric nodes.
+/// Unsupported content has its own errors: partitioned meshes, parametric nodes.
 #[test]
 fn partitions_and_parameters() {
     let mesh = String::from_utf8(Sample::tower().file(Format::Text4)).unwrap();
@@ -186,7 +186,7 @@ fn partitions_and_parameters() {
     );
 }
 
-/// Names of groups must agree with their count, stand in quotes and be UTF-8.
+/// Names of groups must agree with their count, be in quotes and be UTF-8.
 #[test]
 fn faults_of_names() {
     for format in [Format::Text2, Format::Text4] {
@@ -228,7 +228,7 @@ fn faults_of_names() {
 
 /// The message names file, line, section and number.
 #[test]
-fn the_message_says_where() {
+fn the_message_states_the_position() {
     let mut sample = Sample::tower();
     sample.elements[4].nodes[3] = 999;
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("dangling.msh");

@@ -1,4 +1,4 @@
-//! One point of a law, led along paths of strain and stress.
+//! Material point driver: one integration point of a law under paths of strain and stress.
 
 mod loading;
 
@@ -9,57 +9,57 @@ use powerhouse_model::{
 
 use crate::MaterialError;
 
-/// The most corrections of the free strains in one step.
+/// Greatest number of corrections of the free strains in one step.
 const MOST_CORRECTIONS: usize = 60;
-/// The most halvings of one correction.
+/// Greatest number of halvings of one correction.
 const MOST_HALVINGS: usize = 12;
-/// Sweeps after which the parts of a tangent are given up; matrices of six rows need some ten.
+/// Greatest number of sweeps of a singular value decomposition; matrices of six rows need some ten.
 const MOST_ROTATIONS: usize = 200;
-/// A correction that leaves more than this share of the residual is slow: at a kink the quotients
-/// may come from different sides. What was seen along it then corrects the tangent (Broyden 1965).
-const SLOW: f64 = 0.3;
-/// The most such corrections of a tangent.
-const MOST_TURNS: usize = 6;
-/// Stresses meet their targets at least to this share of the largest stress at the point; the
-/// corrections go on as long as they gain.
+/// Share of the residual above which a correction is slow: at a kink the difference quotients may be
+/// of different sides. The observed change then corrects the tangent (Broyden 1965).
+const SLOW_CONVERGENCE: f64 = 0.3;
+/// Greatest number of such corrections of a tangent.
+const MOST_TANGENT_CORRECTIONS: usize = 6;
+/// Tolerance of stresses, relative to the largest stress at the point; corrections continue as long
+/// as the residual decreases.
 const TOLERANCE: f64 = 1.0e-9;
-/// Or to this many roundings of the stress that the strain would make elastically.
+/// Tolerance of stresses in rounding errors of the elastic stress of the strain.
 const ROUNDINGS: f64 = 4.0;
-/// Stiffness below this share of Young's modulus is none: the elastic one takes its place.
+/// Stiffness below this share of Young's modulus counts as zero and is replaced by the elastic one.
 const NO_STIFFNESS: f64 = 1.0e-7;
-/// Strain step of the difference quotient, as a share of the strain at which stresses are of the
-/// size of those at the point; less where less is left to correct, so that it crosses no kink.
+/// Strain step of the difference quotient, relative to the strain at which stresses are of the
+/// size of those at the point; smaller where less is left to correct, so that it crosses no kink.
 const DIFFERENCE: f64 = 1.0e-6;
 
-/// What is prescribed of one component.
+/// Prescribed quantity of one component at a material point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Control {
-    /// The strain; engineering strain of a shear component.
+    /// Prescribed total strain (1); engineering strain of a shear component.
     Strain(f64),
-    /// The total stress (Pa).
+    /// Prescribed total stress (Pa).
     Stress(f64),
 }
 
-/// The state of a point at the end of a step.
+/// State of a material point at the end of a step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PointRecord {
-    /// Total strain.
+pub struct PointState {
+    /// Total strain (1), engineering shears.
     pub strain: Strain,
-    /// Total stress, with the initial stress (Pa).
+    /// Total stress, initial stress included (Pa).
     pub stress: Stress,
-    /// The history, in the order of the law.
+    /// History variables in the order of the law.
     pub history: Vec<f64>,
     /// Work of the stress since the start, by the trapezoidal rule (J/m3).
     pub work: f64,
 }
 
-/// Leads one point of a law along a path, without a mesh.
+/// Material point driver: evaluates a law at one point along a path of strain and stress, without a mesh.
 ///
-/// Every component follows its strain or its stress, xx yy zz xy yz zx, independently of the
-/// others; strains that are free are found by Newton's method with difference quotients.
+/// Of every component, xx yy zz xy yz zx, either the strain or the stress is prescribed, independently
+/// of the others; the other strains are found by Newton's method with difference quotients.
 /// [`Control::uniaxial`], [`Control::triaxial`], [`Control::plane_strain`],
-/// [`Control::biaxial`] and [`Control::simple_shear`] name the tests of the laboratory; one after
-/// the other they make cycles.
+/// [`Control::biaxial`] and [`Control::simple_shear`] are the usual laboratory tests; in sequence they
+/// make load cycles.
 ///
 /// ```
 /// use powerhouse_material_damage::{Control, PointDriver, presets};
@@ -68,9 +68,9 @@ pub struct PointRecord {
 /// let mut point = PointDriver::new(concrete).with_size(0.5)?;
 /// let pulled = point.advance(Control::uniaxial(3.0e-4), 100)?;
 /// let peak = pulled.iter().map(|r| r.stress.0[2]).fold(0.0, f64::max);
-/// assert!((0.9e6..1.01e6).contains(&peak), "the surface in force yields at {peak}");
+/// assert!((0.9e6..1.01e6).contains(&peak), "the surface yields at {peak}");
 /// let pressed = point.advance(Control::uniaxial(-2.0e-3), 100)?;
-/// assert!(pressed[99].stress.0[2] < -5.0e6, "closed cracks bear pressure");
+/// assert!(pressed[99].stress.0[2] < -5.0e6, "closed cracks carry pressure");
 /// # Ok::<(), powerhouse_material_damage::MaterialError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -79,13 +79,13 @@ pub struct PointDriver<M> {
     initial: Stress,
     extents: Extents<f64>,
     steps: usize,
-    now: PointRecord,
+    now: PointState,
 }
 
 impl<M: ConstitutiveLaw> PointDriver<M> {
-    /// A point without strain, initial stress or history, in an element of 1 m.
+    /// Point without strain, initial stress or history, in an element of 1 m.
     pub fn new(law: M) -> Self {
-        let now = PointRecord {
+        let now = PointState {
             strain: Strain::default(),
             stress: Stress::default(),
             history: vec![0.0; law.history().len()],
@@ -100,10 +100,10 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         }
     }
 
-    /// The same with an initial stress at zero strain (Pa).
+    /// This point with an initial stress at zero strain (Pa).
     ///
     /// # Errors
-    /// A stress that is not finite.
+    /// If the stress is not finite.
     pub fn with_initial(mut self, initial: Stress) -> Result<Self, MaterialError> {
         finite(&initial.0, "initial stress", 0)?;
         self.initial = initial;
@@ -111,19 +111,19 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok(self)
     }
 
-    /// The same in an element of another width (m), the same in all directions.
+    /// This point in an element of another width (m), the same in all directions.
     ///
     /// # Errors
-    /// A width that is not positive.
+    /// If the width is not positive.
     pub fn with_size(self, size: f64) -> Result<Self, MaterialError> {
         ParameterError::check("size", size, f64::MIN_POSITIVE, f64::MAX)?;
         self.with_extents(Extents::uniform(size))
     }
 
-    /// The same in an element that is wider in some directions than in others.
+    /// This point in an element whose widths differ by direction (m).
     ///
     /// # Errors
-    /// A width that is not positive.
+    /// If a width is not positive.
     pub fn with_extents(mut self, extents: Extents<f64>) -> Result<Self, MaterialError> {
         for width in extents.principal() {
             ParameterError::check("extents", width, f64::MIN_POSITIVE, f64::MAX)?;
@@ -132,27 +132,27 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok(self)
     }
 
-    /// The state now.
-    pub fn state(&self) -> &PointRecord {
+    /// Current state of the point.
+    pub fn state(&self) -> &PointState {
         &self.now
     }
 
-    /// The law.
+    /// Law of the point.
     pub fn law(&self) -> &M {
         &self.law
     }
 
-    /// Leads the point in equal steps from where it is to the target and tells each step's end.
+    /// Advances the point to the target in equal steps and returns the state after each.
     ///
     /// # Errors
-    /// [`MaterialError::NotFinite`] for a target or an answer that is not finite,
-    /// [`MaterialError::Unreachable`] where no strain gives the stress (past a peak, say); the
-    /// point then stays at the step before.
+    /// [`MaterialError::NotFinite`] if a target or a response is not finite,
+    /// [`MaterialError::Unreachable`] if no strain gives the stress (past a peak, for example); the
+    /// point then remains at the state before that step.
     pub fn advance(
         &mut self,
         target: [Control; 6],
         steps: usize,
-    ) -> Result<Vec<PointRecord>, MaterialError> {
+    ) -> Result<Vec<PointState>, MaterialError> {
         let start = self.now.clone();
         (1..=steps)
             .map(|step| {
@@ -174,7 +174,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
             .collect()
     }
 
-    /// Stress and history of a strain, from the history now.
+    /// Stress and history of a strain, from the current history.
     fn respond(&self, strain: &Strain) -> Result<(Stress, Vec<f64>), MaterialError> {
         finite(&strain.0, "strain", self.steps)?;
         let mut history = self.now.history.clone();
@@ -189,7 +189,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok((stress, history))
     }
 
-    /// One step to what is prescribed.
+    /// Advances the point by one step to its target.
     fn step(&mut self, target: [Control; 6]) -> Result<(), MaterialError> {
         let mut driven = self.now.strain;
         let mut free = Vec::new();
@@ -202,8 +202,8 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
                 }
             }
         }
-        // Where the elastic first guess ends in a corner of the surface that no correction leaves, such as
-        // the apex, flow of constant volume or none across may not.
+        // If the elastic first guess ends in a corner of the surface that no correction leaves, such as
+        // the apex, a guess of constant volume or of unchanged free strains may succeed.
         let mut found = None;
         for guess in [Guess::Elastic, Guess::ConstantVolume, Guess::Held] {
             let mut strain = driven;
@@ -224,7 +224,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         };
         let moved = strain - self.now.strain;
         let mean = (stress + self.now.stress) * 0.5;
-        self.now = PointRecord {
+        self.now = PointState {
             strain,
             stress,
             history,
@@ -234,8 +234,8 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok(())
     }
 
-    /// Difference quotients of the free stresses, each towards the correction, so that it is on the
-    /// side on which it is used.
+    /// Difference quotients of the free stresses, each in the direction of the correction, so that it is
+    /// of the side on which it is used.
     fn quotients(
         &self,
         strain: &Strain,
@@ -248,10 +248,10 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
             .clamp(1.0e-4 * DIFFERENCE * scale, DIFFERENCE * scale);
         let difference = difference / self.law.medium().young;
         let mut tangent = DMatrix::zeros(free.len(), free.len());
-        for (column, &(place, _)) in free.iter().enumerate() {
+        for (column, &(index, _)) in free.iter().enumerate() {
             let mut moved = *strain;
             let towards = -residual[column].signum() * difference;
-            moved.0[place] += towards;
+            moved.0[index] += towards;
             let stress = self.respond(&moved)?.0;
             let rest = free.iter().map(|&(i, to)| stress.0[i] - to);
             let moved = DVector::from_iterator(free.len(), rest) - residual;
@@ -260,7 +260,7 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         Ok(tangent)
     }
 
-    /// Finds the free strains whose stresses are the targets.
+    /// Solves for the free strains whose stresses are the targets.
     fn equilibrate(
         &self,
         strain: &mut Strain,
@@ -285,10 +285,10 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         match guess {
             Guess::Elastic => correct(strain, free, 1.0, &solve(stiffness, &rest(&moved), modulus)),
             Guess::ConstantVolume => {
-                let normals = free.iter().filter(|(place, _)| *place < 3).count();
+                let normals = free.iter().filter(|(index, _)| *index < 3).count();
                 let driven: f64 = (0..3).map(|i| strain.0[i] - self.now.strain.0[i]).sum();
-                for &(place, _) in free.iter().filter(|(place, _)| *place < 3) {
-                    strain.0[place] -= driven / normals as f64;
+                for &(index, _) in free.iter().filter(|(index, _)| *index < 3) {
+                    strain.0[index] -= driven / normals as f64;
                 }
             }
             Guess::Held => {}
@@ -300,13 +300,13 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         let scale = scale.fold(0.0_f64, |most, s| most.max(s.abs()));
         let largest = strain.0.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
         let tolerance = (TOLERANCE * scale).max(ROUNDINGS * f64::EPSILON * modulus * largest);
-        // A tangent that was corrected by what was seen along the last step, and how often.
+        // Tangent corrected by the change observed along the last step, and the number of corrections.
         let mut corrected: Option<(DMatrix<f64>, usize)> = None;
         for _ in 0..MOST_CORRECTIONS {
             if residual.amax() == 0.0 {
                 break;
             }
-            let (mut tangent, mut turns) = match corrected.take() {
+            let (mut tangent, mut tangent_corrections) = match corrected.take() {
                 Some(kept) => kept,
                 None => (self.quotients(strain, free, &residual, scale)?, 0),
             };
@@ -320,14 +320,18 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
                 let remaining = rest(&next.0);
                 let gained = remaining.norm() < residual.norm();
                 let length = correction.norm_squared();
-                let turns_left = turns < MOST_TURNS && length > 0.0;
-                if halvings == 0 && turns_left && remaining.norm() > SLOW * residual.norm() {
+                let corrections_left =
+                    tangent_corrections < MOST_TANGENT_CORRECTIONS && length > 0.0;
+                if halvings == 0
+                    && corrections_left
+                    && remaining.norm() > SLOW_CONVERGENCE * residual.norm()
+                {
                     let seen = &residual - &remaining;
                     let missed = seen - &tangent * &correction;
                     tangent += missed * correction.transpose() / length;
-                    turns += 1;
+                    tangent_corrections += 1;
                     if gained {
-                        corrected = Some((tangent, turns));
+                        corrected = Some((tangent, tangent_corrections));
                         break (moved, next, remaining);
                     }
                     correction = solve(tangent.clone(), &residual, modulus);
@@ -355,26 +359,26 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
     }
 }
 
-/// From where the free strains of a step are looked for.
+/// First guess of the free strains of a step.
 #[derive(Clone, Copy)]
 enum Guess {
-    /// As if the step were elastic.
+    /// Strains of an elastic step.
     Elastic,
-    /// As if the volume stayed.
+    /// Strains of a step of constant volume.
     ConstantVolume,
-    /// Where they are.
+    /// Strains of the step before.
     Held,
 }
 
-/// Takes a share of a correction off the free strains.
+/// Subtracts a share of a correction from the free strains.
 fn correct(strain: &mut Strain, free: &[(usize, f64)], share: f64, correction: &DVector<f64>) {
     for (row, &(i, _)) in free.iter().enumerate() {
         strain.0[i] -= share * correction[row];
     }
 }
 
-/// The strains of a residual stress; directions without stiffness (on an edge of a yield surface,
-/// say) are taken as elastic.
+/// Strains of a residual stress; directions without stiffness (on an edge of a yield surface, for
+/// example) are taken as elastic.
 fn solve(tangent: DMatrix<f64>, residual: &DVector<f64>, modulus: f64) -> DVector<f64> {
     let parts = tangent.try_svd(true, true, f64::EPSILON, MOST_ROTATIONS);
     let Some((Some(left), Some(right), values)) =

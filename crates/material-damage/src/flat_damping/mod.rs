@@ -1,4 +1,4 @@
-//! Damping that is the same at all frequencies of a band, in series with any law.
+//! Damping that is constant over a band of frequencies, in series with any law.
 
 mod spectrum;
 
@@ -13,37 +13,37 @@ use crate::history::strain;
 use spectrum::Decay;
 pub use spectrum::{DampingBand, MOST_MECHANISMS, Mechanism, RelaxationSpectrum};
 
-/// A law whose elastic part can be told from the rest, so that damping can stand in series with
-/// it.
+/// Constitutive law whose elastic strain can be separated from the inelastic strain, so that damping
+/// can act in series with it.
 pub trait ElasticInSeries: ConstitutiveLaw {
-    /// The same law with all elastic moduli times a factor, its strengths unchanged.
+    /// The same law with all elastic moduli multiplied by a factor, its strengths unchanged.
     #[must_use]
     fn with_stiffness(&self, factor: f64) -> Self;
-    /// The part of the strain that unloading would leave, from the history of a point; none for
-    /// a law without plastic strain.
+    /// Plastic strain in a history, which remains after unloading; `None` for a law without plastic
+    /// strain.
     #[inline(always)]
     fn inelastic_strain<L: Lane>(&self, _history: &[L]) -> Option<[L; 6]> {
         None
     }
 }
 
-/// Where the medium of a [`FlatDamping`] has the speeds that its law states.
+/// Reference frequency of a [`FlatDamping`], at which waves have the speeds of the law's medium.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ReferenceFrequency {
-    /// At the geometric centre of the band.
+    /// Geometric centre of the band.
     #[default]
     Centre,
-    /// At a frequency (Hz) above zero, such as that of the tests that gave the moduli.
+    /// A frequency (Hz) above zero, such as that of the tests that gave the moduli.
     At(f64),
-    /// At rest: the moduli are static ones.
+    /// Zero frequency: the moduli are static ones.
     Static,
 }
 
 impl ReferenceFrequency {
-    /// The speed of waves there, relative to that of static moduli.
+    /// Phase velocity at the reference frequency, relative to that of static moduli (1).
     ///
     /// # Errors
-    /// A frequency that is not above zero or above 1 MHz.
+    /// If the frequency is not above zero or is above 1 MHz.
     pub fn velocity(self, spectrum: &RelaxationSpectrum) -> Result<f64, ParameterError> {
         Ok(match self {
             Self::Static => 1.0,
@@ -56,40 +56,40 @@ impl ReferenceFrequency {
     }
 }
 
-/// Any law, damped by relaxation mechanisms in series with its plastic flow and damage.
+/// Law with frequency-independent damping: relaxation mechanisms in series with plastic flow and damage.
 ///
-/// The elastic strain `e` of the law (strain less plastic strain) strains a spring and, beside
-/// it, the mechanisms of a [`RelaxationSpectrum`] with moduli proportional to the elastic ones:
+/// The elastic strain `e` of the law (strain less plastic strain) acts on a spring and, in parallel
+/// with it, on the mechanisms of a [`RelaxationSpectrum`] with moduli proportional to the elastic ones:
 ///
 /// `s = C_0 (e + sum y_l (e - v_l))`, `dv_l/dt = w_l (e - v_l)`
 ///
-/// and it is the total `s` that yields and cracks: a strength is never overshot, which damping
-/// *added* to a law does by its viscous stress. The law itself is asked with the strain less the
-/// viscous part and with the moduli of a sudden strain, so that any law can be damped.
+/// and the law yields and cracks under the total `s`: the strength is never exceeded, unlike with
+/// damping *added* to a law, by its viscous stress. The law itself is evaluated with the strain less
+/// the viscous strain and with the moduli of a sudden strain, so that any law can be damped.
 ///
 /// `C_0` is such that waves at the [`ReferenceFrequency`] have the speed of the law's medium.
 /// [`medium`](ConstitutiveLaw::medium) is the unrelaxed one, which bounds the stable step: shorter
 /// than undamped by `sqrt(M(inf) / |M(reference)|)`.
 ///
-/// History: that of the law, and six numbers of each mechanism: the strain of its dashpot at the
-/// end of the next step, as far as it is known, over the share of a strain at rest that is.
+/// History: that of the law, and six variables per mechanism: the part of its dashpot's strain at the
+/// end of the next step that is known at the end of this one, over its share in equilibrium.
 ///
-/// # At rest
-/// An engine asks [`for_step`](ConstitutiveLaw::for_step); without it the law is the static one:
-/// springs of `C_0` hold the stress, and the dashpots follow the elastic strain at once. A motion
-/// that starts from such a state starts from that stress, and it does not relax. `C_0` is softer
-/// than the law as it was given, unless the reference is [`Static`](ReferenceFrequency::Static). An
-/// initial stress relaxes as little. Damage acts on the sum, in effective stress.
+/// # Statics
+/// Engines call [`for_step`](ConstitutiveLaw::for_step) before a motion; without it the law is the
+/// static one: springs of `C_0` carry the stress, and the dashpots follow the elastic strain at once. A
+/// motion that starts from such a state starts from that stress, and it does not relax. `C_0` is softer
+/// than the given law, unless the reference is [`Static`](ReferenceFrequency::Static). An
+/// initial stress does not relax either. Damage acts on the total stress, as effective stress.
 ///
 /// # Why so
-/// *Each mechanism is advanced exactly* for a strain that is linear within the step: passive for
-/// every step, and it takes six numbers, because what is known at the end of a step is folded
-/// into one. *That one is scaled to be the elastic strain itself at rest*, whatever the step: a static
-/// stage needs to know nothing of the steps that follow. *Every point has all mechanisms*: with one in
+/// *Each mechanism is integrated exactly* for a strain that is linear within the step: passive for
+/// every step, with six history variables, because the known terms at the end of a step are combined
+/// into one. *It is scaled to equal the elastic strain in equilibrium*, whatever the step, so that a
+/// static stage does not depend on the steps that follow. *Every point has all mechanisms*: with one in
 /// each element, of a weight larger by their number (Day & Bradley 2001), long waves are damped and
-/// travel alike (three at 5 %: 4.8 to 5.2 %, speeds within 0.2 %) for a third of the memory, but the
-/// stresses of neighbours then differ, by 14 % of their mean as standard deviation around 2 Hz, and it is
-/// against these that strength is held.
+/// propagate alike (three at 5 %: 4.8 to 5.2 %, speeds within 0.2 %) for a third of the memory, but the
+/// stresses of neighbours then differ, by 14 % of their mean as standard deviation around 2 Hz, and
+/// these stresses are compared with the strength.
 ///
 /// ```
 /// use powerhouse_material_damage::*;
@@ -104,34 +104,34 @@ impl ReferenceFrequency {
 /// ```
 #[derive(Clone, Debug)]
 pub struct FlatDamping<M> {
-    /// The law as it was given.
+    /// Law as given.
     reference: M,
-    /// The law that is asked: with other moduli in a step.
-    asked: M,
-    /// None for a law that is not damped.
+    /// Law with the moduli of a step, which is evaluated.
+    effective: M,
+    /// Relaxation mechanisms; `None` for a law without damping.
     spectrum: Option<Arc<RelaxationSpectrum>>,
-    /// Static moduli relative to those of the law as it was given.
+    /// Static moduli relative to those of the given law.
     relaxed: f64,
     medium: ElasticMedium,
     variables: Arc<[HistoryVariable]>,
     terms: Terms,
 }
 
-/// Factors of the mechanisms in a step.
+/// Coefficients of the mechanisms in a step.
 #[derive(Clone, Copy, Debug)]
 struct Terms {
     count: usize,
-    /// Of what a mechanism keeps, in the viscous strain.
+    /// Coefficients of the mechanisms' variables in the viscous strain.
     viscous: [f64; MOST_MECHANISMS],
-    /// Of what a mechanism keeps, in the next step.
+    /// Decay factors of the mechanisms' variables in a step.
     kept: [f64; MOST_MECHANISMS],
-    /// Of the elastic strain, in the next step: what is not kept.
+    /// Coefficients of the elastic strain in the update: one less the decay factors.
     gained: [f64; MOST_MECHANISMS],
 }
 
 impl Terms {
-    /// Mechanisms that follow the elastic strain at once and take none of the stress.
-    fn at_rest(count: usize) -> Self {
+    /// Coefficients in equilibrium: mechanisms that follow the elastic strain at once, without stress.
+    fn in_equilibrium(count: usize) -> Self {
         Self {
             count,
             viscous: [0.0; MOST_MECHANISMS],
@@ -139,10 +139,10 @@ impl Terms {
             gained: [1.0; MOST_MECHANISMS],
         }
     }
-    /// Mechanisms in steps of a length (s), and how much stiffer than its springs alone the whole is
-    /// under a strain that grows within a step.
+    /// Coefficients for steps of a length (s), and the ratio of the stiffness under a strain that grows
+    /// within a step to that of the springs alone.
     fn in_step(mechanisms: &[Mechanism], step: f64) -> (Self, f64) {
-        let mut terms = Self::at_rest(mechanisms.len());
+        let mut terms = Self::in_equilibrium(mechanisms.len());
         let mut sudden = 1.0;
         for (l, mechanism) in mechanisms.iter().enumerate() {
             let decay = Decay::new(mechanism, step);
@@ -156,25 +156,25 @@ impl Terms {
         }
         (terms, sudden)
     }
-    /// The strain less its viscous part.
+    /// Strain less its viscous part.
     #[inline(always)]
-    fn asked<L: Lane>(&self, strain: &Strain<L>, before: &[L]) -> Strain<L> {
-        let mut asked = *strain;
+    fn effective<L: Lane>(&self, strain: &Strain<L>, before: &[L]) -> Strain<L> {
+        let mut effective = *strain;
         for l in 0..self.count {
             let share = strain.0[0].constant(-self.viscous[l]);
             for i in 0..6 {
-                asked.0[i] = before[6 * l + i].mul_add(share, asked.0[i]);
+                effective.0[i] = before[6 * l + i].mul_add(share, effective.0[i]);
             }
         }
-        asked
+        effective
     }
 }
 
 impl<M: ElasticInSeries> FlatDamping<M> {
-    /// The law, damped.
+    /// Damped law of the given law, mechanisms and reference frequency.
     ///
     /// # Errors
-    /// A reference frequency that is not positive.
+    /// If the reference frequency is not positive.
     pub fn new(
         law: M,
         spectrum: RelaxationSpectrum,
@@ -188,36 +188,36 @@ impl<M: ElasticInSeries> FlatDamping<M> {
         let unrelaxed = law.with_stiffness(relaxed * spectrum.unrelaxed());
         Ok(Self {
             medium: unrelaxed.medium(),
-            asked: law.with_stiffness(relaxed),
+            effective: law.with_stiffness(relaxed),
             reference: law,
             spectrum: Some(Arc::new(spectrum)),
             relaxed,
             variables: variables.into(),
-            terms: Terms::at_rest(count),
+            terms: Terms::in_equilibrium(count),
         })
     }
-    /// The law as it is, of the same type: programs that choose at run time whether a law is damped
-    /// compile it once.
+    /// Undamped law of the same type: programs that choose at run time whether a law is damped compile
+    /// it once.
     pub fn none(law: M) -> Self {
         Self {
             medium: law.medium(),
-            asked: law.clone(),
+            effective: law.clone(),
             spectrum: None,
             relaxed: 1.0,
             variables: law.history().into(),
-            terms: Terms::at_rest(0),
+            terms: Terms::in_equilibrium(0),
             reference: law,
         }
     }
-    /// The law without damping.
+    /// Given law, without damping.
     pub fn law(&self) -> &M {
         &self.reference
     }
-    /// The mechanisms; none if the law is not damped.
+    /// Relaxation mechanisms; `None` if the law is not damped.
     pub fn spectrum(&self) -> Option<&RelaxationSpectrum> {
         self.spectrum.as_deref()
     }
-    /// The speed of waves at a frequency (Hz), relative to that of the law's own medium.
+    /// Phase velocity at a frequency (Hz), relative to that of the given law's medium (1).
     pub fn velocity(&self, frequency: f64) -> f64 {
         let of_spectrum = |spectrum: &RelaxationSpectrum| spectrum.velocity(frequency);
         self.relaxed.sqrt() * self.spectrum().map_or(1.0, of_spectrum)
@@ -242,13 +242,13 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         let own = new_history.len() - 6 * self.terms.count;
         let (of_law, relaxing) = new_history.split_at_mut(own);
         let (law_before, before) = input.history.split_at(own);
-        // One place that asks the law: it is compiled once.
-        let strain = self.terms.asked(&input.strain, before);
-        let asked = input.with_history(law_before).with_strain(strain);
-        let stress = self.asked.stress_change(&asked, of_law);
+        // The only evaluation of the law: it is compiled once.
+        let strain = self.terms.effective(&input.strain, before);
+        let effective = input.with_history(law_before).with_strain(strain);
+        let stress = self.effective.stress_change(&effective, of_law);
         let first = input.strain.0[0];
         let mut elastic = input.strain.0;
-        if let Some(inelastic) = self.asked.inelastic_strain(of_law) {
+        if let Some(inelastic) = self.effective.inelastic_strain(of_law) {
             for i in 0..6 {
                 elastic[i] = elastic[i] - inelastic[i];
             }
@@ -257,23 +257,23 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
             let kept = first.constant(self.terms.kept[l]);
             let gained = first.constant(self.terms.gained[l]);
             for i in 0..6 {
-                let place = 6 * l + i;
-                relaxing[place] = before[place].mul_add(kept, elastic[i] * gained);
+                let index = 6 * l + i;
+                relaxing[index] = before[index].mul_add(kept, elastic[i] * gained);
             }
         }
         stress
     }
-    /// As the law tells of the strain less its viscous part: held is what a sudden unloading
-    /// gives back. The rest of the work is with the mechanisms.
+    /// Energies of the law for the strain less its viscous part: the stored one is what a sudden
+    /// unloading releases. The rest of the work is in the mechanisms.
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let own = new_history.len() - 6 * self.terms.count;
         let (law_before, before) = input.history.split_at(own);
-        let strain = self.terms.asked(&input.strain, before);
-        let asked = input.with_history(law_before).with_strain(strain);
-        self.asked.energy(&asked, &new_history[..own])
+        let strain = self.terms.effective(&input.strain, before);
+        let effective = input.with_history(law_before).with_strain(strain);
+        self.effective.energy(&effective, &new_history[..own])
     }
-    /// As the law tells.
+    /// Remaining stiffness of the law for the strain less its viscous part.
     #[inline(always)]
     fn remaining_stiffness<L: Lane>(
         &self,
@@ -283,17 +283,17 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     ) -> RemainingStiffness<L> {
         let own = new_history.len() - 6 * self.terms.count;
         let (law_before, before) = input.history.split_at(own);
-        let strain = self.terms.asked(&input.strain, before);
-        let asked = input.with_history(law_before).with_strain(strain);
-        (self.asked).remaining_stiffness(&asked, &new_history[..own], change)
+        let strain = self.terms.effective(&input.strain, before);
+        let effective = input.with_history(law_before).with_strain(strain);
+        (self.effective).remaining_stiffness(&effective, &new_history[..own], change)
     }
-    /// That of the law for the strain less its viscous part, which a step does not change.
+    /// Tangent of the law for the strain less its viscous part, which does not change within a step.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let own = input.history.len() - 6 * self.terms.count;
         let (law_before, before) = input.history.split_at(own);
-        let strain = self.terms.asked(&input.strain, before);
-        let asked = input.with_history(law_before).with_strain(strain);
-        self.asked.tangent(&asked)
+        let strain = self.terms.effective(&input.strain, before);
+        let effective = input.with_history(law_before).with_strain(strain);
+        self.effective.tangent(&effective)
     }
     fn relaxes(&self) -> bool {
         self.spectrum.is_some()
@@ -304,8 +304,8 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
             None => self.reference.elastic_domain(),
         }
     }
-    /// As the law does with the moduli of a static stage and with those of a sudden strain: all others
-    /// lie between.
+    /// Checks the size with the moduli of a static stage and with those of a sudden strain; all others
+    /// are between them.
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         let Some(spectrum) = self.spectrum() else {
             return self.reference.accept_size(size);
@@ -326,14 +326,14 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         (law.terms, sudden) = if step > 0.0 {
             Terms::in_step(mechanisms, step)
         } else {
-            (Terms::at_rest(mechanisms.len()), 1.0)
+            (Terms::in_equilibrium(mechanisms.len()), 1.0)
         };
-        law.asked = self.reference.with_stiffness(self.relaxed * sudden);
+        law.effective = self.reference.with_stiffness(self.relaxed * sudden);
         law
     }
 }
 
-/// The variables of all mechanisms.
+/// History variables of all mechanisms.
 const RELAXING: [HistoryVariable; 6 * MOST_MECHANISMS] = [
     strain("relaxing_strain_1_xx"),
     strain("relaxing_strain_1_yy"),

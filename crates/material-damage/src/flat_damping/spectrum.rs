@@ -1,14 +1,14 @@
-//! Relaxation mechanisms whose damping is flat over a band of frequencies.
+//! Relaxation spectra whose damping is constant over a band of frequencies.
 
 use core::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix, DVector};
 use powerhouse_model::ParameterError;
 
-/// The most mechanisms of a [`RelaxationSpectrum`].
+/// Greatest number of mechanisms of a [`RelaxationSpectrum`].
 pub const MOST_MECHANISMS: usize = 4;
 
-/// What a [`RelaxationSpectrum`] is fitted to.
+/// Damping ratio, frequency band and number of mechanisms to which a [`RelaxationSpectrum`] is fitted.
 ///
 /// ```
 /// use powerhouse_material_damage::{DampingBand, RelaxationSpectrum};
@@ -20,33 +20,33 @@ pub const MOST_MECHANISMS: usize = 4;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DampingBand {
-    /// Share of critical damping, half the loss factor `Im M / Re M`; above 0, at most 0.2.
+    /// Damping ratio, half the loss factor `Im M / Re M` (1); above 0, at most 0.2.
     pub ratio: f64,
     /// Lowest frequency of the band (Hz), above zero.
     pub lowest: f64,
     /// Highest frequency of the band (Hz), 1.5 to 1000 times the lowest.
     pub highest: f64,
-    /// Relaxation mechanisms, 2 to 4: more follow a wider band, each at a price in memory and
+    /// Number of relaxation mechanisms, 2 to 4: more fit a wider band, each at a cost in memory and
     /// time.
     pub mechanisms: usize,
 }
 
-/// A spring and a dashpot in series.
+/// Relaxation mechanism: a Maxwell element, a spring and a dashpot in series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanism {
-    /// The frequency at which it dissipates most (Hz).
+    /// Relaxation frequency, at which it dissipates most (Hz).
     pub frequency: f64,
-    /// Its stiffness relative to the static one.
+    /// Stiffness of its spring relative to the static modulus (1).
     pub weight: f64,
 }
 
-/// Mechanisms beside an elastic spring whose damping deviates least from a constant over a band.
+/// Relaxation mechanisms in parallel with a spring whose damping is constant over a band of frequencies.
 ///
 /// `M(w) / M(0) = 1 + sum y_l i w / (i w + w_l)`
 ///
-/// The frequencies and weights are those of the smallest largest deviation of `Im M / (2 Re M)`
+/// The frequencies and weights minimise the largest deviation of `Im M / (2 Re M)`
 /// from the ratio (a minimax fit by the exchange of Remez 1934): the deviation has the same size
-/// at `2 n + 1` frequencies, in turn above and below. Below the band damping falls with the
+/// at `2 n + 1` frequencies, with alternating sign. Below the band damping falls with the
 /// frequency, above it with its inverse.
 ///
 /// Causality makes every such medium dispersive: waves of high frequency travel faster, see
@@ -60,17 +60,17 @@ pub struct RelaxationSpectrum {
     deviation: f64,
 }
 
-/// Frequencies at which the deviation is looked at.
-const LOOKS: usize = 400;
+/// Number of intervals of the search for extremes of the deviation.
+const INTERVALS: usize = 400;
 
-/// The most exchanges of extremes; a handful suffice.
+/// Greatest number of exchanges of extremes; a few suffice.
 const MOST_EXCHANGES: usize = 60;
 
 impl RelaxationSpectrum {
-    /// The mechanisms of a band.
+    /// Spectrum fitted to a damping band.
     ///
     /// # Errors
-    /// A field outside its range.
+    /// If a field is outside its range.
     pub fn fit(band: DampingBand) -> Result<Self, ParameterError> {
         ParameterError::check("ratio", band.ratio, 1.0e-6, 0.2)?;
         ParameterError::check("lowest", band.lowest, f64::MIN_POSITIVE, 1.0e6)?;
@@ -79,7 +79,7 @@ impl RelaxationSpectrum {
         let most = MOST_MECHANISMS as f64;
         ParameterError::check("mechanisms", band.mechanisms as f64, 2.0, most)?;
 
-        // Small damping first, then more and more of it: each fit starts from the one before.
+        // Small damping first, then larger in steps: each fit starts from the one before.
         let mut parameters = start(&band);
         let mut fitted = exchange(&band, 0.02 * band.ratio, &mut parameters);
         for share in [0.1, 0.3, 0.6, 1.0] {
@@ -97,19 +97,19 @@ impl RelaxationSpectrum {
         })
     }
 
-    /// What the mechanisms were fitted to.
+    /// Damping band to which the mechanisms were fitted.
     pub fn band(&self) -> DampingBand {
         self.band
     }
-    /// The mechanisms, by rising frequency.
+    /// Mechanisms in the order of rising frequency.
     pub fn mechanisms(&self) -> &[Mechanism] {
         &self.mechanisms
     }
-    /// The largest deviation of the damping from its ratio within the band, relative to it.
+    /// Largest deviation of the damping ratio within the band, relative to its target (1).
     pub fn deviation(&self) -> f64 {
         self.deviation
     }
-    /// The complex modulus at a frequency (Hz), relative to the static one.
+    /// Complex modulus at a frequency (Hz), relative to the static one (1).
     pub fn modulus(&self, frequency: f64) -> Complex<f64> {
         let terms = self.mechanisms.iter().map(|mechanism| {
             let ratio = Complex::new(0.0, frequency / mechanism.frequency);
@@ -117,26 +117,26 @@ impl RelaxationSpectrum {
         });
         terms.fold(Complex::new(1.0, 0.0), |sum, term| sum + term)
     }
-    /// Half the loss factor at a frequency (Hz): the share of critical damping.
+    /// Damping ratio at a frequency (Hz), half the loss factor (1).
     pub fn damping_ratio(&self, frequency: f64) -> f64 {
         let modulus = self.modulus(frequency);
         0.5 * modulus.im / modulus.re
     }
-    /// The phase velocity at a frequency (Hz), relative to that of static moduli.
+    /// Phase velocity at a frequency (Hz), relative to that of static moduli (1).
     pub fn velocity(&self, frequency: f64) -> f64 {
         1.0 / self.modulus(frequency).sqrt().inv().re
     }
-    /// The modulus at infinite frequency, relative to the static one.
+    /// Unrelaxed modulus, at infinite frequency, relative to the static one (1).
     pub fn unrelaxed(&self) -> f64 {
         self.mechanisms.iter().fold(1.0, |sum, m| sum + m.weight)
     }
-    /// The geometric centre of the band (Hz).
+    /// Geometric centre of the band (Hz).
     pub fn centre(&self) -> f64 {
         (self.band.lowest * self.band.highest).sqrt()
     }
 }
 
-/// Logarithms of frequencies and weights to start from: evenly over the band, with the weights
+/// Initial logarithms of frequencies and weights: evenly over the band, with the weights
 /// of small damping, whose sum of overlapping bells is about their spacing.
 fn start(band: &DampingBand) -> DVector<f64> {
     let n = band.mechanisms;
@@ -152,12 +152,12 @@ fn start(band: &DampingBand) -> DVector<f64> {
     })
 }
 
-/// Moves the parameters to the minimax fit of a ratio; yields its deviation.
+/// Improves the parameters to the minimax fit of a ratio; returns its deviation.
 fn exchange(band: &DampingBand, ratio: f64, parameters: &mut DVector<f64>) -> f64 {
     let unknowns = parameters.len();
     let (low, high) = (band.lowest.ln(), band.highest.ln());
     // Extremes of a Chebyshev polynomial of the degree that the unknowns permit.
-    let mut looks: Vec<f64> = (0..=unknowns)
+    let mut nodes: Vec<f64> = (0..=unknowns)
         .map(|i| {
             let angle = core::f64::consts::PI * i as f64 / unknowns as f64;
             0.5 * (low + high) - 0.5 * (high - low) * angle.cos()
@@ -165,12 +165,12 @@ fn exchange(band: &DampingBand, ratio: f64, parameters: &mut DVector<f64>) -> f6
         .collect();
     let mut largest = f64::INFINITY;
     for _ in 0..MOST_EXCHANGES {
-        level(&looks, ratio, parameters);
+        level(&nodes, ratio, parameters);
         let (extremes, found) = extremes(band, ratio, parameters);
         let settled = (found - largest).abs() < 1.0e-12;
         largest = found;
         if extremes.len() == unknowns + 1 {
-            looks = extremes;
+            nodes = extremes;
         }
         if settled {
             break;
@@ -179,14 +179,14 @@ fn exchange(band: &DampingBand, ratio: f64, parameters: &mut DVector<f64>) -> f6
     largest
 }
 
-/// Newton's method for deviations of equal size and alternating sign at given places.
-fn level(looks: &[f64], ratio: f64, parameters: &mut DVector<f64>) {
+/// Newton's method for deviations of equal size and alternating sign at given logarithms of frequency.
+fn level(nodes: &[f64], ratio: f64, parameters: &mut DVector<f64>) {
     let unknowns = parameters.len();
     for _ in 0..40 {
         let mut matrix = DMatrix::zeros(unknowns + 1, unknowns + 1);
         let mut wrong = DVector::zeros(unknowns + 1);
-        for (row, &place) in looks.iter().enumerate() {
-            let (value, slope) = deviation(place, ratio, parameters);
+        for (row, &log_frequency) in nodes.iter().enumerate() {
+            let (value, slope) = deviation(log_frequency, ratio, parameters);
             wrong[row] = -value;
             matrix
                 .row_mut(row)
@@ -209,14 +209,14 @@ fn level(looks: &[f64], ratio: f64, parameters: &mut DVector<f64>) {
     }
 }
 
-/// The relative deviation of the damping at `ln frequency`, and its derivatives.
-fn deviation(place: f64, ratio: f64, parameters: &DVector<f64>) -> (f64, DVector<f64>) {
+/// Relative deviation of the damping at `ln frequency`, and its derivatives.
+fn deviation(log_frequency: f64, ratio: f64, parameters: &DVector<f64>) -> (f64, DVector<f64>) {
     let n = parameters.len() / 2;
     let mut modulus = Complex::new(1.0, 0.0);
     let mut slopes = vec![Complex::new(0.0, 0.0); 2 * n];
     for l in 0..n {
         let weight = parameters[n + l].exp();
-        let turn = Complex::new(0.0, (place - parameters[l]).exp());
+        let turn = Complex::new(0.0, (log_frequency - parameters[l]).exp());
         let term = weight * turn / (turn + 1.0);
         modulus += term;
         slopes[n + l] = term;
@@ -229,26 +229,29 @@ fn deviation(place: f64, ratio: f64, parameters: &DVector<f64>) -> (f64, DVector
     (loss / (2.0 * ratio) - 1.0, slope)
 }
 
-/// Where the deviation is extreme, alternating in sign, and the largest one.
+/// Logarithms of frequency at which the deviation is extreme, alternating in sign, and the largest deviation.
 fn extremes(band: &DampingBand, ratio: f64, parameters: &DVector<f64>) -> (Vec<f64>, f64) {
     let (low, high) = (band.lowest.ln(), band.highest.ln());
-    let spacing = (high - low) / LOOKS as f64;
-    let value = |place: f64| deviation(place, ratio, parameters).0;
+    let spacing = (high - low) / INTERVALS as f64;
+    let value = |log_frequency: f64| deviation(log_frequency, ratio, parameters).0;
     let mut found: Vec<(f64, f64)> = Vec::new();
-    for i in 0..=LOOKS {
-        let place = low + spacing * i as f64;
-        let mut here = (place, value(place));
+    for i in 0..=INTERVALS {
+        let log_frequency = low + spacing * i as f64;
+        let mut here = (log_frequency, value(log_frequency));
         let sign = here.1.signum();
-        if i > 0 && i < LOOKS {
-            let (before, after) = (value(place - spacing), value(place + spacing));
+        if i > 0 && i < INTERVALS {
+            let (before, after) = (
+                value(log_frequency - spacing),
+                value(log_frequency + spacing),
+            );
             if (here.1 - before) * sign < 0.0 || (here.1 - after) * sign < 0.0 {
                 continue;
             }
-            // The top of the parabola through the three.
+            // Vertex of the parabola through the three.
             let bend = before - 2.0 * here.1 + after;
             if bend != 0.0 {
-                let place = place + 0.5 * spacing * (before - after) / bend;
-                here = (place, value(place));
+                let log_frequency = log_frequency + 0.5 * spacing * (before - after) / bend;
+                here = (log_frequency, value(log_frequency));
             }
         }
         match found.last_mut() {
@@ -261,19 +264,25 @@ fn extremes(band: &DampingBand, ratio: f64, parameters: &DVector<f64>) -> (Vec<f
         }
     }
     let largest = found.iter().fold(0.0_f64, |most, (_, e)| most.max(e.abs()));
-    (found.into_iter().map(|(place, _)| place).collect(), largest)
+    (
+        found
+            .into_iter()
+            .map(|(log_frequency, _)| log_frequency)
+            .collect(),
+        largest,
+    )
 }
 
-/// The mechanisms as a step of a given length (s) sees them.
+/// Coefficients of a mechanism for steps of a given length (s).
 ///
-/// With `x = w_l dt / 2` and strain taken as linear within the step, a mechanism's dashpot moves
-/// by `v_1 = a v_0 + alpha e_0 + beta e_1`, `a = exp(-2 x)`, `beta = 1 - (1 - a) / (2 x)`,
+/// With `x = w_l dt / 2` and strain taken as linear within the step, a mechanism's dashpot strain is
+/// `v_1 = a v_0 + alpha e_0 + beta e_1`, `a = exp(-2 x)`, `beta = 1 - (1 - a) / (2 x)`,
 /// `alpha = 1 - a - beta`: exact for such a strain, and passive for every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Decay {
-    /// `a`, what is left of the dashpot's motion.
+    /// Decay factor `a` of the dashpot's strain.
     pub(super) kept: f64,
-    /// `beta`, the share of the strain after it.
+    /// Coefficient `beta` of the strain at the end of the step.
     pub(super) after: f64,
 }
 
@@ -295,9 +304,9 @@ impl Decay {
 mod tests {
     use super::*;
 
-    /// What a mechanism keeps and takes in a step are its exact solution for a strain that grows evenly,
-    /// `1 - (1 - exp(-t)) / t` summed up to its last digit, from steps that are hardly any to those in which it
-    /// relaxes, on both sides of where the formula changes.
+    /// The coefficients of a step are the exact solution for a strain that grows linearly,
+    /// `1 - (1 - exp(-t)) / t` summed up to its last digit, from very short steps to those in which the mechanism
+    /// relaxes, on both sides of the change of formula.
     #[test]
     fn a_step_is_solved_exactly() {
         for turn in [1e-9, 1e-5, 3e-3, 0.9999e-2, 1.0001e-2, 0.1, 0.5, 1.0] {

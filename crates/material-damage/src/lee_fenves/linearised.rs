@@ -1,4 +1,4 @@
-//! The response with its derivatives.
+//! Stress response with its derivatives.
 
 use powerhouse_model::{Lane, LawInput, Stress, each};
 
@@ -7,11 +7,11 @@ use super::{COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, LeeFenves, TENSION}
 use crate::PrincipalAxes;
 use crate::dual::Dual;
 use crate::energy::difference;
-use crate::plastic_damage::{share_of_tension, stiffness_left};
+use crate::plastic_damage::{share_of_tension, stiffness_factor};
 use crate::tangent::implicit;
 
 impl LeeFenves {
-    /// The principal nominal stresses of principal trial stresses (Pa).
+    /// Principal nominal stresses as a function of the principal trial stresses (Pa).
     pub(super) fn principal_response(
         &self,
         input: &LawInput<f64>,
@@ -36,8 +36,8 @@ impl LeeFenves {
             let fixed = known.fixed();
             let flow = implicit(
                 self.flow(&known, excess, strengths),
-                |flow| self.outside(&fixed, flow),
-                |flow| self.outside(&trial, flow),
+                |flow| self.yield_after(&fixed, flow),
+                |flow| self.yield_after(&trial, flow),
             );
             let flowed = self.after(&trial, flow);
             stress = flowed.stress;
@@ -47,14 +47,14 @@ impl LeeFenves {
             let broken = self.compression.damage(crushed, trial.rates[1], most);
             damage = [torn.max(damage[0]), broken.max(damage[1])];
         }
-        let left = stiffness_left(damage, share_of_tension(&stress), shares);
+        let left = stiffness_factor(damage, share_of_tension(&stress), shares);
         each(&stress, |s| left * s)
     }
 }
 
 impl<L: Lane> Trial<L> {
-    /// The trial of principal stresses (Pa) in falling order, after `e_t` and `e_c`, with `b_t` and
-    /// `b_c`.
+    /// Trial state of principal stresses (Pa) in falling order, with `e_t` and `e_c` before the step and
+    /// the rates `b_t` and `b_c`.
     fn of_principal(values: &[L; 3], old: [L; 2], rates: [L; 2]) -> Self {
         let number = |value: f64| values[0].constant(value);
         let mean = (values[0] + values[1] + values[2]) * number(1.0 / 3.0);
@@ -65,7 +65,7 @@ impl<L: Lane> Trial<L> {
 }
 
 impl Trial<f64> {
-    /// The same without derivatives.
+    /// The same trial as constants, without derivatives.
     fn fixed(&self) -> Trial<Dual> {
         Trial {
             mean: Dual::fixed(self.mean),

@@ -13,8 +13,8 @@ use crate::dual::Dual;
 use crate::energy::{self, difference};
 use crate::history;
 use crate::plastic_damage::{
-    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_PLACES,
-    DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE, share_of_tension, weaken,
+    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_INDICES,
+    DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE, nominal_change, share_of_tension,
 };
 use crate::remaining;
 use crate::softening::check_size;
@@ -25,10 +25,10 @@ use flow::Trial;
 
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
-/// What a [`LeeFenves`] law is made of.
+/// Parameters of a [`LeeFenves`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeeFenvesParameters {
-    /// The elastic medium.
+    /// Elastic medium.
     pub medium: ElasticMedium,
     /// Uniaxial tensile strength `f_t` (Pa).
     pub tension_strength: f64,
@@ -36,31 +36,31 @@ pub struct LeeFenvesParameters {
     pub compression_strength: f64,
     /// Uniaxial compressive stress at first flow `f_0` (Pa), `f_c / 10` to `f_c`.
     pub compression_limit: f64,
-    /// Strength in equal biaxial compression over the uniaxial one, 1 to 1.5; concrete: 1.16.
+    /// Ratio of equal biaxial to uniaxial compressive strength `b` (1), 1 to 1.5; concrete: 1.16.
     pub biaxial_ratio: f64,
-    /// `K_c`, radius of the surface on the tensile over that on the compressive meridian, 0.55 to
-    /// 1; concrete: 2/3.
+    /// Ratio `K_c` of the surface's radius on the tensile meridian to that on the compressive one (1),
+    /// 0.55 to 1; concrete: 2/3.
     pub meridian_ratio: f64,
-    /// Dilation angle in the plane of mean and equivalent stress (degrees), 1 to the greatest that
-    /// never gains energy; concrete: 36.
+    /// Dilation angle psi in the plane of mean and equivalent stress (degrees), from 1 to the greatest
+    /// without generation of energy; concrete: 36.
     pub dilation: f64,
-    /// Energy per area of crack (N/m).
+    /// Fracture energy in tension, per area of crack (N/m).
     pub tension_energy: f64,
-    /// Energy per area of crushing band (N/m).
+    /// Fracture energy in compression, per area of crushing band (N/m).
     pub compression_energy: f64,
-    /// The share `r_t` of damage in softening, 0 (all strain stays) to 1 (the effective strength
-    /// stays).
+    /// Share `r_t` of damage in tensile softening (1), from 0 (all strain is plastic) to 1 (the effective
+    /// strength is constant).
     pub tension_damage: f64,
-    /// The same in compression, `r_c`.
+    /// Share `r_c` of damage in compressive softening (1), 0 to 1.
     pub compression_damage: f64,
-    /// The share of tensile damage that heals when cracks close, 0 to 1.
+    /// Stiffness recovery `w`: share of tensile damage that is without effect when cracks close (1), 0 to 1.
     pub stiffness_recovery: f64,
-    /// The share of stiffness that no damage takes away, 1e-6 to 1.
+    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1.
     pub residual_stiffness: f64,
 }
 
-/// Plasticity of the effective stress with softening, and damage in tension and compression that
-/// belongs to it: "concrete damaged plasticity".
+/// Concrete damaged plasticity: softening plasticity of the effective stress with damage in tension
+/// and compression.
 ///
 /// `sigma = (1 - D) s`, `s = sigma0 + C (epsilon - epsilon_p)`, with `I1`, `J2` and the greatest
 /// principal value `s1` of `s`:
@@ -75,7 +75,7 @@ pub struct LeeFenvesParameters {
 ///   `(1 - d_c) c = f_0 ((1 + a) exp(-b_c e_c) - a exp(-2 b_c e_c))`, `1 - d_c = exp(-r_c b_c e_c)`
 ///
 ///   where `a >= 1` makes the peak `f_c`, and `b_t`, `b_c` are such that a band of the element's
-///   width takes its energy, elastic energy included;
+///   width dissipates the fracture energy, elastic energy included;
 /// - `de_t = r <dp1>`, `de_c = (1 - r) <-dp3>` of the greatest and least increment of plastic strain
 ///   and the share of tension `r = sum <s_i> / sum |s_i|`;
 /// - `D = 1 - (1 - d_c)(1 - (1 - w (1 - r)) d_t)` with the stiffness recovery `w`.
@@ -83,8 +83,8 @@ pub struct LeeFenvesParameters {
 /// # History
 /// As [`PlasticDamage`](crate::PlasticDamage): plastic strain (six components, engineering shears),
 /// `e_t`, `e_c`, `d_t`, `d_c`, `D`, damage type, [`YieldState`] (shear: on the cone of the flow,
-/// tension: at its apex), and the widths of the element along the greatest and the least principal
-/// stress when `e_t` and `e_c` first grew, which the bands of cracks and of crushing keep.
+/// tension: at its apex), and the widths of the bands of cracks and of crushing: those of the element
+/// along the greatest and the least principal stress when `e_t` and `e_c` first grew.
 ///
 /// # Return
 /// The deviator keeps its direction, so the returned stress, the increments of plastic strain, `r`
@@ -93,15 +93,15 @@ pub struct LeeFenvesParameters {
 /// whatever the step.
 ///
 /// # Valid range
-/// Elements up to [`largest_size`](Self::largest_size): make sure of it by
-/// [`check_size`](Self::check_size); wider ones soften as steeply as can be followed and take more
-/// energy. Where `f_0 < f_c`, the hardening before the peak is part of the regularised curve, and an
+/// Elements up to [`largest_size`](Self::largest_size), which [`check_size`](Self::check_size)
+/// verifies; wider ones soften as steeply as can be followed and dissipate more energy. Where
+/// `f_0 < f_c`, the hardening before the peak is part of the regularised curve, and an
 /// element of a wide bar that unloads from it has dissipated its share: with `f_0 = f_c` crushing
-/// is objective. A thousandth of the effective strength is never lost. A strain that is not finite
+/// is objective. The effective strength never falls below a thousandth. A strain that is not finite
 /// gives a stress that is not finite.
 ///
 /// # Why so
-/// *Crushed concrete has lost its tensile strength too*: `t` is at most `c f_t / f_0`. Were it kept,
+/// *Crushed concrete has lost its tensile strength too*: `t` is at most `c f_t / f_0`. Otherwise
 /// `B` would become negative, and the surface would open towards tension.
 ///
 /// Source: Lubliner, Oliver, Oller & Onate (1989), *Int. J. Solids Structures* 25(3); Lee & Fenves
@@ -111,21 +111,21 @@ pub struct LeeFenves {
     parameters: LeeFenvesParameters,
     tension: UniaxialCurve,
     compression: UniaxialCurve,
-    /// `A`.
+    /// Coefficient `A` of the yield function.
     biaxial: f64,
-    /// `g`.
+    /// Coefficient `g` of the yield function.
     confined: f64,
-    /// Fall of the mean stress for a fall of `sqrt(J2)` by one.
-    swelling: f64,
+    /// Decrease of the mean stress per decrease of `sqrt(J2)` in plastic flow.
+    dilatancy: f64,
     lambda: f64,
     shear: f64,
 }
 
 impl LeeFenves {
-    /// The law of the parameters.
+    /// Law of the given parameters.
     ///
     /// # Errors
-    /// A parameter outside its range.
+    /// If a parameter is outside its range.
     pub fn new(parameters: LeeFenvesParameters) -> Result<Self, MaterialError> {
         let p = &parameters;
         let medium = ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
@@ -161,7 +161,7 @@ impl LeeFenves {
         let greatest = (ROOT_3 * steepness.min(0.5 * ROOT_3)).atan().to_degrees();
         ParameterError::check("dilation", p.dilation, 1.0, greatest)?;
         let ratio = p.compression_strength / p.compression_limit;
-        let bulge = 2.0 * ratio - 1.0 + 2.0 * (ratio * (ratio - 1.0)).sqrt();
+        let hardening = 2.0 * ratio - 1.0 + 2.0 * (ratio * (ratio - 1.0)).sqrt();
         let flow = p.dilation.to_radians().tan() / (3.0 * ROOT_3);
         let young = medium.young;
         Ok(Self {
@@ -174,35 +174,35 @@ impl LeeFenves {
             )?,
             compression: UniaxialCurve::new(
                 p.compression_limit,
-                bulge,
+                hardening,
                 p.compression_damage,
                 p.compression_energy,
                 young,
             )?,
             biaxial,
             confined,
-            swelling: 3.0 * medium.bulk() / medium.shear() * flow,
+            dilatancy: 3.0 * medium.bulk() / medium.shear() * flow,
             lambda: medium.lambda(),
             shear: medium.shear(),
             parameters,
         })
     }
 
-    /// What the law was made of.
+    /// Parameters of the law.
     pub fn parameters(&self) -> &LeeFenvesParameters {
         &self.parameters
     }
 
-    /// The largest width of an element that dissipates its energies without snapping back (m).
+    /// Largest width of an element that dissipates its fracture energies without snap-back (m).
     pub fn largest_size(&self) -> f64 {
         let crushing = self.compression.largest_size();
         self.tension.largest_size().min(crushing)
     }
 
-    /// Refuses an element whose width normal to a crack (m) is too large.
+    /// Checks that an element of a width normal to a crack (m) does not snap back.
     ///
     /// # Errors
-    /// [`MaterialError::SnapBack`] names the largest permitted width.
+    /// [`MaterialError::SnapBack`], with the largest permitted width.
     pub fn check_size(&self, size: f64) -> Result<(), MaterialError> {
         let limits = [
             (SofteningOf::Tension, Some(self.tension.largest_size())),
@@ -214,8 +214,8 @@ impl LeeFenves {
         check_size(size, &limits)
     }
 
-    /// The yield function of an effective stress with a history in an element of a width (m),
-    /// divided by the effective compressive strength: positive outside.
+    /// Yield function of an effective stress (Pa) and a history in an element of a width (m), relative
+    /// to the effective compressive strength: positive outside the surface.
     pub fn yield_function(&self, effective: &Stress, history: &[f64], size: f64) -> f64 {
         let (mean, shear) = effective.mean_and_shear();
         let greatest = PrincipalAxes::of(effective).values[0];
@@ -225,13 +225,13 @@ impl LeeFenves {
         self.excess([mean, shear], greatest, strengths) / (1.0 - self.biaxial)
     }
 
-    /// `b_t` and `b_c` in bands of widths (m).
+    /// Softening rates `b_t` and `b_c` in bands of the given widths (m).
     #[inline(always)]
     fn rates<L: Lane>(&self, [crack, crushing]: [L; 2]) -> [L; 2] {
         [self.tension.rate(crack), self.compression.rate(crushing)]
     }
 
-    /// The widths of the bands of cracks and of crushing (m), from the axes of the trial stress.
+    /// Widths of the bands of cracks and of crushing (m), from the axes of the trial stress.
     #[inline(always)]
     fn widths<L: Lane>(&self, input: &LawInput<L>, directions: &[[L; 3]; 3]) -> [L; 2] {
         let [first, _, last] = directions;
@@ -242,8 +242,8 @@ impl LeeFenves {
         ]
     }
 
-    /// The inverses of the effective strengths `t` and `c` (1/Pa) and their slopes over `e_t` and
-    /// `e_c`, the first over both.
+    /// Inverses of the effective strengths `t` and `c` (1/Pa) and their derivatives with respect to `e_t`
+    /// and `e_c`, the first with respect to both.
     #[inline(always)]
     fn strengths<L: Lane>(&self, strains: [L; 2], rates: [L; 2]) -> Strengths<L> {
         let [compressive, crushing] = self.compression.inverse_strength(strains[1], rates[1]);
@@ -259,8 +259,8 @@ impl LeeFenves {
         }
     }
 
-    /// `(3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>) / c + (1 - A) (<s1> / t - 1)`, of the inverses
-    /// of `t` and `c`.
+    /// Yield function of the invariants, the greatest stress and the inverses of `t` and `c`,
+    /// `(3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>) / c + (1 - A) (<s1> / t - 1)`.
     #[inline(always)]
     fn excess<L: Lane>(
         &self,
@@ -274,6 +274,7 @@ impl LeeFenves {
         number(1.0 - self.biaxial).mul_add(pulled, pressed)
     }
 
+    /// Terms of the yield function over the compressive strength,
     /// `3 A p + sqrt(3 J2) - (1 + A) <s1> - g <-s1>`.
     #[inline(always)]
     fn over_strength<L: Lane>(&self, [mean, shear]: [L; 2], greatest: L) -> L {
@@ -285,13 +286,13 @@ impl LeeFenves {
     }
 }
 
-/// Effective strengths `t` and `c`.
+/// Inverses of the effective strengths `t` and `c`, with derivatives.
 struct Strengths<L> {
-    /// `1 / t` and `1 / c` (1/Pa).
+    /// Inverses `1 / t` and `1 / c` (1/Pa).
     inverse: [L; 2],
-    /// The slope of the first over `e_t`.
+    /// Derivative of the first with respect to `e_t`.
     opening: L,
-    /// The slopes of both over `e_c`.
+    /// Derivatives of both with respect to `e_c`.
     crushing: [L; 2],
 }
 
@@ -331,20 +332,20 @@ impl ConstitutiveLaw for LeeFenves {
         let elastic = difference(&input.strain.0, old);
         let mut change = Stress::elastic(number(self.lambda), number(self.shear), &elastic);
         let stress = input.initial + change;
-        let mut now = history::taken::<L, { HISTORY.len() }>(old);
+        let mut now = history::load::<L, { HISTORY.len() }>(old);
         now[YIELD_STATE] = zero;
 
         let (mean, shear) = stress.mean_and_shear();
-        // Zero, or NaN where squares are beyond the range of numbers: no yield function is known.
+        // Zero, or NaN where squares are outside the range of numbers: no yield function is defined.
         let finite = shear * zero;
         for normal in &mut change.0[..3] {
             *normal = *normal + finite;
         }
         let strains = [old[TENSION], old[COMPRESSION]];
-        // A band that has not begun has no width yet, and no softening that would need one.
-        let known = |place: usize| old[place].select(zero.less(old[place]), one);
+        // Before first damage the band has no width yet, and the softening does not depend on one.
+        let known = |index: usize| old[index].select(zero.less(old[index]), one);
         let rates = self.rates([known(CRACK_WIDTH), known(CRUSHING_WIDTH)]);
-        // Lanes without flow keep their limits to the last bit while others soften.
+        // Lanes without flow keep their elastic limits to the last bit while others soften.
         let mut strengths = [
             number(1.0 / self.tension.limit()),
             number(1.0 / self.compression.limit()),
@@ -357,7 +358,7 @@ impl ConstitutiveLaw for LeeFenves {
                 compressive.select(softened, strengths[1]),
             ];
         }
-        // No greatest stress is greater.
+        // Upper bound of the greatest stress.
         let greatest = shear.mul_add(number(2.0 / ROOT_3), mean);
         let bound = self.excess([mean, shear], greatest, strengths);
         let may_yield = zero.less(bound);
@@ -375,7 +376,7 @@ impl ConstitutiveLaw for LeeFenves {
             let flow = self.flow(&trial, excess.max(zero), strengths);
             let flow = flow.select(yielded, zero);
             let flowed = self.after(&trial, flow);
-            // What did not flow has the share of its own stress, as where no lane flows.
+            // Lanes without flow take the share of their own stress, as if no lane flowed.
             let elastic_share = share_of_tension(&values);
             tension = flowed.tension.select(yielded, elastic_share);
 
@@ -385,9 +386,9 @@ impl ConstitutiveLaw for LeeFenves {
             let at_apex = flow.less(shear);
             let state = number(YieldState::Shear.number());
             let state = state.select(at_apex, number(YieldState::Tension.number()));
-            let kept = |place: usize, strain: usize, i: usize| {
+            let width_after = |index: usize, strain: usize, i: usize| {
                 let grown = flowed.strains[i] - old[strain];
-                crack_band::kept(old[place], widths[i], grown)
+                crack_band::updated(old[index], widths[i], grown)
             };
             for (variable, value) in [
                 (TENSION, flowed.strains[0]),
@@ -395,13 +396,13 @@ impl ConstitutiveLaw for LeeFenves {
                 (DAMAGE_TENSION, torn.max(old[DAMAGE_TENSION])),
                 (DAMAGE_COMPRESSION, broken.max(old[DAMAGE_COMPRESSION])),
                 (YIELD_STATE, state),
-                (CRACK_WIDTH, kept(CRACK_WIDTH, TENSION, 0)),
-                (CRUSHING_WIDTH, kept(CRUSHING_WIDTH, COMPRESSION, 1)),
+                (CRACK_WIDTH, width_after(CRACK_WIDTH, TENSION, 0)),
+                (CRUSHING_WIDTH, width_after(CRUSHING_WIDTH, COMPRESSION, 1)),
             ] {
                 now[variable] = value.select(yielded, now[variable]);
             }
-            // Deviator and mean fall as the flow says: no difference of large stresses.
-            let lowered = number(self.swelling) * flow;
+            // Deviator and mean decrease by the flow, without a difference of large stresses.
+            let lowered = number(self.dilatancy) * flow;
             let volume = lowered * number(1.0 / (3.0 * p.medium.bulk()));
             let compliance = number(0.5 / self.shear);
             for i in 0..6 {
@@ -437,12 +438,12 @@ impl ConstitutiveLaw for LeeFenves {
             tension = share_of_tension(&PrincipalAxes::of(&stress).values);
         }
         let shares = [p.stiffness_recovery, p.residual_stiffness];
-        let nominal = weaken(&change, &input.initial, &mut now, tension, shares);
-        history::put(&now, new_history);
+        let nominal = nominal_change(&change, &input.initial, &mut now, tension, shares);
+        history::store(&now, new_history);
         nominal
     }
     /// The yield function has one slope along the greatest stress where that is tensile and another
-    /// where it is not; the domain lies within both, and the greatest stress below its bound.
+    /// where it is not; the domain is within both, and the greatest stress below its bound.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         let (tensile, compressive) = (self.tension.limit(), self.compression.limit());
         let strength = (1.0 - self.biaxial) * compressive;
@@ -466,9 +467,9 @@ impl ConstitutiveLaw for LeeFenves {
         new_history: &[L],
         _change: &Stress<L>,
     ) -> RemainingStiffness<L> {
-        remaining::of_flow(input, new_history, Some(DAMAGE_PLACES))
+        remaining::of_flow(input, new_history, Some(DAMAGE_INDICES))
     }
-    /// The consistent one, with the widths of bands as they are; at a kink that of one side.
+    /// Consistent tangent with constant widths of bands; at a kink that of one side.
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
         let elastic = difference(&input.strain.0, input.history);
         let respond = |trial: &[Dual; 3]| self.principal_response(input, trial);

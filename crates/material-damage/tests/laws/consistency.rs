@@ -1,4 +1,4 @@
-//! What the numbers of a material say about each other.
+//! Consistency checks of material parameters.
 
 use powerhouse_material_damage::{
     Finding, MohrCoulomb, MohrCoulombParameters, TwoSurface, TwoSurfaceParameters, YieldSurface,
@@ -6,10 +6,10 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::ElasticMedium;
 
-/// The paper's rock and concrete are told to have cut-offs without effect and compressive
-/// strengths that their cohesion and friction do not give, with the numbers in force.
+/// For the paper's rock and concrete, cut-offs without effect and compressive
+/// strengths that disagree with cohesion and friction are reported, with the actual values.
 #[test]
-fn the_papers_strengths_are_told_to_disagree() {
+fn the_papers_strengths_are_reported_as_inconsistent() {
     for (p, listed, expected) in [
         (
             presets::PAPER_ROCK,
@@ -45,8 +45,8 @@ fn the_papers_strengths_are_told_to_disagree() {
     }
 }
 
-/// A surface through two strengths has both and nothing to tell; one whose cut-off cuts little
-/// or whose medium hardly changes its volume is told.
+/// A surface through two strengths is consistent; a cut-off below the listed strength and a nearly
+/// incompressible medium are reported.
 #[test]
 fn consistent_numbers_have_no_findings() {
     let medium = ElasticMedium::new(25.0e9, 0.17, 2500.0).unwrap();
@@ -79,9 +79,9 @@ fn consistent_numbers_have_no_findings() {
     assert_eq!(findings, [Finding::NearlyIncompressible { poisson: 0.497 }]);
 }
 
-/// The surface of listed strengths tells of a cohesion that cannot be kept, and of none that can.
+/// A cohesion that is inconsistent with the listed strengths is reported, a consistent one is not.
 #[test]
-fn a_cohesion_out_of_force_is_told() {
+fn an_inconsistent_cohesion_is_reported() {
     let n: f64 = 6.678_793;
     for (p, expected) in [
         (presets::PAPER_CONCRETE_LISTED, 0.5 * 16.7e6 / n.sqrt()),

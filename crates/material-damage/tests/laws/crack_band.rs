@@ -9,11 +9,11 @@ use powerhouse_model::{ConstitutiveLaw, Extents, Mat3, Vec3};
 
 use crate::random::Random;
 
-/// The least share of stiffness that stays: what it bears when a crack is wide open is no energy of
-/// fracture.
+/// Residual stiffness: the work of its stress in a wide open crack is not part of the fracture
+/// energy.
 const RESIDUAL: f64 = 1.0e-6;
 
-/// A brick with these edges (m), turned.
+/// A rotated brick with these edges (m).
 fn brick(edges: [f64; 3], turn: &Mat3) -> Extents<f64> {
     let square = Mat3::from_diagonal(&Vec3::from(edges).map(|edge| edge * edge));
     let h = turn * square * turn.transpose();
@@ -27,7 +27,7 @@ fn brick(edges: [f64; 3], turn: &Mat3) -> Extents<f64> {
     ])
 }
 
-/// Bricks of aspect 1 to 10 that are long, or short, along each axis, as they stand and turned at random.
+/// Bricks of aspect 1 to 10 that are long, or short, along each axis, unrotated and rotated at random.
 fn bricks() -> Vec<Extents<f64>> {
     let mut random = Random(5);
     let mut bricks = Vec::new();
@@ -55,10 +55,10 @@ fn work(law: &(impl ConstitutiveLaw + Copy), extents: Extents<f64>, opening: f64
     [end.last().unwrap().work * width, width]
 }
 
-/// Cracks of every law that softens by energy take it in bricks of aspect 1 to 10 along each axis and
-/// turned at random, to 2 %; the width along the crack's normal is kept among the history variables.
+/// Cracks of every law with a fracture energy dissipate it in bricks of aspect 1 to 10 along each axis and
+/// rotated at random, to 2 %; the width along the crack's normal is a history variable.
 #[test]
-fn cracks_take_their_energy_whatever_the_shape_of_the_brick() {
+fn cracks_dissipate_their_energy_whatever_the_shape_of_the_brick() {
     let energy = 133.0;
     let by_energy = Softening::FractureEnergy {
         energy,
@@ -99,9 +99,9 @@ fn cracks_take_their_energy_whatever_the_shape_of_the_brick() {
     }
 }
 
-/// A band that crushes along its axis takes its energy in bricks of any shape, to 2 %.
+/// A band that crushes along its axis dissipates its energy in bricks of any shape, to 2 %.
 #[test]
-fn crushing_takes_its_energy_whatever_the_shape_of_the_brick() {
+fn crushing_dissipates_its_energy_whatever_the_shape_of_the_brick() {
     let law = SofteningPlasticity::new(SofteningPlasticityParameters {
         surface: MohrCoulomb::new(MohrCoulombParameters {
             dilation: 0.0,
@@ -115,7 +115,7 @@ fn crushing_takes_its_energy_whatever_the_shape_of_the_brick() {
     .unwrap();
     for extents in bricks() {
         let [found, width] = work(&law, extents, -1.2e-2);
-        // What the residual strength takes is not in the energy.
+        // The work of the residual strength is not part of the energy.
         let residual = 1.0e-3 * 4.7167e6 * 1.2e-2;
         let ratio = (found - residual) / 1.0e4;
         assert!((0.98..1.02).contains(&ratio), "{width} m: {ratio}");

@@ -1,4 +1,4 @@
-//! The driver of one point, and yield stresses along the paths of the laboratory.
+//! Material point driver, and yield stresses along the paths of laboratory tests.
 
 use powerhouse_material_damage::{
     Control, ElastoPlastic, LinearElastic, MaterialError, MohrCoulomb, MohrCoulombParameters,
@@ -21,7 +21,7 @@ fn constants() -> (f64, f64) {
     (ratio, 2.0 * 1.05e6 * ratio.sqrt())
 }
 
-/// An elastic bar with free sides carries Young's modulus times its strain, and the work is half
+/// The stress of an elastic bar with free sides is Young's modulus times its strain, and the work is half
 /// the product of both.
 #[test]
 fn an_elastic_bar_carries_young_times_strain() {
@@ -87,7 +87,7 @@ fn yield_stresses_along_laboratory_paths_are_closed_forms() {
     assert!((end - 0.5e6).abs() < 1e-10 * 0.5e6, "{end}");
 }
 
-/// What is not finite, and stresses beyond the strength, are refused by name, and the point stays
+/// Targets that are not finite, and stresses beyond the strength, are errors, and the point remains
 /// where it was.
 #[test]
 fn what_cannot_be_followed_is_refused() {

@@ -1,4 +1,4 @@
-//! The cone of Drucker and Prager and its fits.
+//! Drucker-Prager surface and its fits.
 
 use nalgebra::{Matrix3, Vector3};
 use powerhouse_material_damage::{
@@ -74,7 +74,7 @@ fn plane_strain_fit_fails_with_mohr_coulomb() {
         let law = ElastoPlastic::new(cone);
         let (mut old, mut new) = ([0.0; 8], [0.0; 8]);
         let mut stress = [0.0; 3];
-        // The lateral pressure is kept by bisection in the lateral strain.
+        // The lateral pressure is held by bisection in the lateral strain.
         let mut lateral = 0.0;
         let pressure = -2.0e6;
         for step in 1..=400 {

@@ -1,4 +1,4 @@
-//! Stresses under which laws say that they need not be asked.
+//! Elastic domains of laws, in which the engine need not evaluate them.
 
 use powerhouse_material_damage::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
@@ -11,7 +11,7 @@ use crate::hoek_brown::tunnel;
 use crate::random::Random;
 use crate::softening_plasticity::softening;
 
-/// A point that was never strained before.
+/// A point without history.
 struct Fresh<'a, S, M> {
     law: &'a M,
     initial: Stress<S>,
@@ -44,8 +44,8 @@ where
     }
 }
 
-/// Goes out in random directions from random pressures, to where the law first is not elastic, and
-/// looks closely there. What the domain holds is elastic; of the ways that are elastic it holds a share.
+/// Follows random directions from random pressures, to where the law first is not elastic, and
+/// samples closely there. The domain is elastic; it contains a share of the elastic part of the paths.
 fn holds<S, M: ConstitutiveLaw>(law: &M, pressure: f64, share: f64)
 where
     S: Lane<Scalar = S, Token = ()> + Scalar,
@@ -61,7 +61,7 @@ where
         let along = |size: f64| Strain(direction.map(|x| S::from_f64(size * x)));
         let (mut low, mut high) = (0.0, 1.0);
         if point.is_elastic(along(high)) {
-            // Pressed ever harder, a surface of friction never yields.
+            // Under increasing pressure a frictional surface never yields.
             continue;
         }
         for _ in 0..60 {
@@ -96,10 +96,10 @@ where
     );
 }
 
-/// Inside the domain that a law states, a point without history answers with the very bits of its
-/// medium and stays without, however close to the surface; the domain is most of what is elastic.
+/// Inside the domain that a law states, a point without history returns the stress of its
+/// medium bit by bit, and no history, however close to the surface; the domain is most of the elastic one.
 #[test]
-fn laws_need_not_be_asked_where_they_say_so() {
+fn laws_are_elastic_in_their_domain() {
     fn both<M: ConstitutiveLaw>(law: &M, pressure: f64, share: f64) {
         holds::<f64, _>(law, pressure, share);
         holds::<f32, _>(law, pressure, share);
@@ -150,9 +150,9 @@ fn laws_need_not_be_asked_where_they_say_so() {
     );
 }
 
-/// A damped law has no such stresses: its stress depends on what came before.
+/// A damped law has no elastic domain: its stress depends on the past.
 #[test]
-fn damped_laws_are_always_asked() {
+fn damped_laws_have_no_elastic_domain() {
     let band = DampingBand {
         ratio: 0.05,
         lowest: 0.5,

@@ -1,4 +1,4 @@
-//! Strains of every size, and none.
+//! Strains of every magnitude, and NaN.
 
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, LeeFenves,
@@ -17,8 +17,8 @@ fn respond(law: &impl ConstitutiveLaw, strain: [f64; 6]) -> (Stress, Vec<f64>) {
     (stress, new)
 }
 
-/// Finite answers up to a strain of 1e130, and beyond it finite ones or ones that are seen not to
-/// be; the excess (Pa) is that of the effective stress.
+/// Finite results up to a strain of 1e130, and beyond it finite ones or ones that are visibly not
+/// finite; the excess (Pa) is that of the effective stress.
 fn check(law: &impl ConstitutiveLaw, excess: impl Fn(&Stress, &[f64]) -> f64) {
     let mut random = Random(41);
     for exponent in [
@@ -46,13 +46,13 @@ fn check(law: &impl ConstitutiveLaw, excess: impl Fn(&Stress, &[f64]) -> f64) {
         (Stress([0.0; 6]), 0.0)
     );
     for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        for place in 0..6 {
+        for component in 0..6 {
             let mut strain = [1.0e-5; 6];
-            strain[place] = broken;
+            strain[component] = broken;
             let (stress, _) = respond(law, strain);
             assert!(
                 !stress.0.iter().all(|s| s.is_finite()),
-                "{broken} at {place}"
+                "{broken} at {component}"
             );
         }
     }
@@ -101,7 +101,7 @@ fn plastic_damage_is_admissible_or_not_finite() {
     });
 }
 
-/// Falling strength: strains of every size give an admissible stress or one that is not finite.
+/// Softening strength: strains of every size give an admissible stress or one that is not finite.
 #[test]
 fn softening_plasticity_is_admissible_or_not_finite() {
     let law = softening(10.0);

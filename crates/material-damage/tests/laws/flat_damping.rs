@@ -1,4 +1,4 @@
-//! Damping that is flat over a band, alone and in series with plastic flow.
+//! Constant damping over a band, alone and in series with plastic flow.
 
 use core::f64::consts::TAU;
 
@@ -82,9 +82,9 @@ fn the_fit_is_the_minimax_one() {
         for (mechanism, (frequency, weight)) in
             fit.mechanisms().iter().zip(frequencies.iter().zip(weights))
         {
-            let place = (mechanism.frequency / frequency - 1.0).abs();
+            let offset = (mechanism.frequency / frequency - 1.0).abs();
             let size = (mechanism.weight / weight - 1.0).abs();
-            assert!(place < 1.0e-4 && size < 1.0e-4, "{fit:?}");
+            assert!(offset < 1.0e-4 && size < 1.0e-4, "{fit:?}");
         }
         let half_digit = if deviation > 0.1 { 0.005 } else { 0.0005 };
         assert!((fit.deviation() - deviation).abs() < half_digit, "{fit:?}");
@@ -199,7 +199,7 @@ fn the_discrete_modulus_converges() {
 /// Yield holds for the total stress, the viscous part included: amplitudes of 3 and 10 yield
 /// strains at 10 Hz never leave the surface.
 #[test]
-fn yield_is_never_overshot() {
+fn the_strength_is_never_exceeded() {
     let surface = MohrCoulomb::new(presets::PAPER_ROCK).unwrap();
     let spectrum = RelaxationSpectrum::fit(band(0.05, 0.5, 20.0, 3)).unwrap();
     let rock = ElastoPlastic::new(surface);
@@ -225,8 +225,8 @@ fn yield_is_never_overshot() {
     }
 }
 
-/// A law that was never asked for steps is that of its springs, with moduli softer by the square of
-/// the speed at rest and the same strengths, bit for bit; an initial stress under no strain does
+/// A law without a time step is that of its springs, with moduli softer by the square of
+/// the static wave speed and the same strengths, bit for bit; an initial stress without strain does
 /// not relax in any number of steps.
 #[test]
 fn static_stress_is_that_of_the_springs() {
@@ -258,10 +258,10 @@ fn static_stress_is_that_of_the_springs() {
     }
 }
 
-/// A state at rest, elastic, yielding or cracked, stays in steps of any length: stress and history are
-/// those of rest, to the digits of the numbers.
+/// A state in equilibrium, elastic, yielding or cracked, is constant in steps of any length: stress and
+/// history are those of the static law, to rounding.
 #[test]
-fn a_state_at_rest_stays_in_steps_of_any_length() {
+fn an_equilibrium_state_is_constant_in_steps_of_any_length() {
     fn stays(law: &impl ConstitutiveLaw, size: f64) {
         let count = law.history().len();
         let mut random = Random(23);
@@ -282,7 +282,7 @@ fn a_state_at_rest_stays_in_steps_of_any_length() {
                         assert!(change < 1.0e-12 * largest, "{step}: {stress:?} {still:?}");
                     }
                 }
-                // Whether a point flows may change, where it stands may not.
+                // The yield state may change, the other variables may not.
                 for (variable, (now, then)) in law.history().iter().zip(old.iter().zip(&rest)) {
                     let stays = (now - then).abs() < 1.0e-11 * then.abs().max(size);
                     assert!(stays || variable.kind == HistoryKind::Flags, "{variable:?}");
@@ -368,7 +368,7 @@ fn the_work_of_any_motion_is_not_negative() {
     }
 }
 
-/// Bands and references that mean nothing are refused, by name.
+/// Invalid bands and reference frequencies are refused by name.
 #[test]
 fn impossible_bands_are_refused() {
     for (band, name) in [
@@ -389,7 +389,7 @@ fn impossible_bands_are_refused() {
     assert_eq!(refused.unwrap_err().name, "reference");
 }
 
-/// A law that is of the damped type but not damped is the law itself to the last bit, in steps too:
+/// An undamped law of the damped type equals the law itself to the last bit, in steps too:
 /// medium, history, energy and tangent.
 #[test]
 fn without_damping_the_law_is_as_it_is() {

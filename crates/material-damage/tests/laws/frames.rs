@@ -133,8 +133,8 @@ fn pieces() -> impl Strategy<Value = Vec<([f64; 6], f64)>> {
     proptest::collection::vec((rate, -7.0..-4.5_f64), 200)
 }
 
-/// Follows the pieces, 25 steps each, and checks that flow and damage take energy in every step.
-/// `damage` is the place of `D` in the history, if there is one.
+/// Follows the pieces, 25 steps each, and checks that flow and damage dissipate energy in every step.
+/// `damage` is the index of `D` in the history, if there is one.
 fn takes(law: &impl ConstitutiveLaw, path: &[([f64; 6], f64)], damage: Option<usize>) {
     let medium = law.medium();
     let (lambda, shear) = (medium.lambda(), medium.shear());
@@ -156,14 +156,14 @@ fn takes(law: &impl ConstitutiveLaw, path: &[([f64; 6], f64)], damage: Option<us
             let elastic = Strain(core::array::from_fn(|i| strain.0[i] - new[i]));
             let effective = initial + Stress::elastic(lambda, shear, &elastic);
             let flowed = Strain(core::array::from_fn(|i| new[i] - old[i]));
-            let [before, after] = [&old, &new].map(|h| damage.map_or(0.0, |place| h[place]));
+            let [before, after] = [&old, &new].map(|h| damage.map_or(0.0, |index| h[index]));
             assert!((0.0..1.0).contains(&after));
             let plastic = (1.0 - after) * effective.work(&flowed);
             // Rounding of plastic strains of a thousandth under ten megapascals.
             assert!(plastic >= -1e-11, "{}: {plastic:e}", law.name());
-            if let Some(place) = damage {
-                // Of the two damages that make up `D`.
-                assert!(new[place - 2] >= old[place - 2] && new[place - 1] >= old[place - 1]);
+            if let Some(index) = damage {
+                // By the two damage variables that make up `D`.
+                assert!(new[index - 2] >= old[index - 2] && new[index - 1] >= old[index - 1]);
             }
             let energy = law.energy(&input, &new).unwrap();
             assert!(energy.damage >= 0.0 && energy.recovered >= 0.0);
@@ -179,10 +179,10 @@ fn takes(law: &impl ConstitutiveLaw, path: &[([f64; 6], f64)], damage: Option<us
 proptest! {
     #![proptest_config(ProptestConfig { cases: 20, ..ProptestConfig::default() })]
 
-    /// Neither flow nor growing damage gives energy back, on any path: a hundred thousand steps for
+    /// Neither flow nor growing damage generates energy, on any path: a hundred thousand steps for
     /// each law.
     #[test]
-    fn flow_and_damage_take_energy(path in pieces()) {
+    fn flow_and_damage_dissipate_energy(path in pieces()) {
         takes(&ElastoPlastic::new(mohr_coulomb(0.0)), &path, None);
         takes(&ElastoPlastic::new(mohr_coulomb(42.0)), &path, None);
         takes(&ElastoPlastic::new(cone()), &path, None);

@@ -1,4 +1,4 @@
-//! The surface of Hoek and Brown and its law.
+//! Hoek-Brown surface and its law.
 
 use nalgebra::{Matrix3, Vector3};
 use powerhouse_material_damage::{
@@ -42,7 +42,7 @@ fn constants_are_those_of_the_definition() {
     assert!((m / expected[0] - 1.0).abs() < 1e-12 && (s / expected[1] - 1.0).abs() < 1e-12);
 }
 
-/// Yield stresses of the driven law on all paths of the laboratory are those of the curve.
+/// Yield stresses of the law on all paths of laboratory tests are those of the curve.
 #[test]
 fn yield_stresses_along_laboratory_paths_are_closed_forms() {
     for share in [0.0, 0.3, 1.0] {
@@ -171,7 +171,7 @@ fn returns_solve_the_return_equations() {
             continue;
         }
         let opening = 1.0 + p.dilation_share * a * m * depth.powf(a - 1.0);
-        // Relative to what it opens, which may be much near the apex.
+        // Relative to the opening, which may be large near the apex.
         let wrong = if s1 == s2 {
             seen[1] += 1;
             assert!(x[0] > -tiny && x[1] > -tiny && x[2] < tiny, "{case}: {x:?}");
@@ -191,7 +191,7 @@ fn returns_solve_the_return_equations() {
 }
 
 /// With associated flow no stress within the surface is closer in energy than the returned one: an
-/// optimiser that knows of convexity alone finds none.
+/// optimiser that uses convexity alone finds none.
 #[test]
 fn associated_returns_are_closest_points() {
     let mut random = Random(83);
@@ -246,7 +246,7 @@ fn associated_returns_are_closest_points() {
         }
         let found = nearest(0.5 * (low + high)).min(nearest(high));
         let own = energy(surface.return_principal(&t).stress);
-        // What is left of the distance is the root of what is left of the energy.
+        // The remaining distance is the root of the remaining energy.
         let scale = Vector3::from(t).norm_squared();
         assert!(
             own < found + 1e-15 * scale,
@@ -255,7 +255,7 @@ fn associated_returns_are_closest_points() {
     }
 }
 
-/// Wrong parameters are refused by name.
+/// Invalid parameters are refused by name.
 #[test]
 fn wrong_parameters_are_refused() {
     for (wrong, name) in [
@@ -289,7 +289,7 @@ fn wrong_parameters_are_refused() {
 }
 
 /// The driver follows uniaxial tension without dilation beyond the yield stress, in few steps and in many,
-/// from rest and from pressure, and with little or full dilation: the elastic first guess of a step lands on
+/// from zero stress and from pressure, and with little or full dilation: the elastic first guess of a step is on
 /// the apex there, which no correction leaves.
 #[test]
 fn uniaxial_tension_is_followed_with_and_without_dilation() {

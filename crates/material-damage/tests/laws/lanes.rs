@@ -1,4 +1,4 @@
-//! Many points at once against one at a time.
+//! Packs of points against single points.
 
 use powerhouse_material_damage::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, FlatDamping,
@@ -12,8 +12,8 @@ use crate::packs::Pack;
 use crate::random::Random;
 use crate::softening_plasticity::softening;
 
-/// Follows random cyclic strains of four points, wide and one at a time, under an initial stress; what
-/// stands in the place of the new history is another number in the one and none in the other.
+/// Follows random cyclic strains of four points, in packs and one at a time, under an initial stress; the
+/// initial content of the new history is a number in the one and NaN in the other.
 fn same_bits<S, M: ConstitutiveLaw>(law: &M, amplitude: f64)
 where
     S: Lane<Scalar = S, Token = (), Mask = bool> + Scalar,
@@ -131,7 +131,7 @@ fn plastic_damage_is_the_same_wide_and_scalar() {
     same_bits::<f32, _>(&law, 3.0e-4);
 }
 
-/// Falling strength: many points at once are the same bits as one at a time, in both precisions.
+/// Softening strength: many points at once are the same bits as one at a time, in both precisions.
 #[test]
 fn softening_plasticity_is_the_same_wide_and_scalar() {
     for dilation in [0.0, 42.0] {
@@ -148,7 +148,7 @@ fn lee_fenves_is_the_same_wide_and_scalar() {
         tension_damage: 0.6,
         ..presets::PAPER_CONCRETE_LEE_FENVES
     };
-    // The ratio of the strengths is rounded in the one, not in the other.
+    // The ratio of the strengths is rounded in only one of them.
     for parameters in [hardening, presets::PAPER_CONCRETE_LEE_FENVES] {
         let law = LeeFenves::new(parameters).unwrap();
         same_bits::<f64, _>(&law, 3.0e-4);

@@ -92,7 +92,7 @@ fn uniaxial_curves_are_closed_forms() {
 }
 
 /// The surface yields at the strengths in uniaxial tension and compression, at the listed ratio in
-/// biaxial compression, at closed forms in biaxial tension and shear, and its meridians stand in
+/// biaxial compression, at closed forms in biaxial tension and shear, and its meridians have
 /// the listed ratio.
 #[test]
 fn yield_stresses_are_closed_forms() {
@@ -304,9 +304,9 @@ fn returns_solve_the_return_equations() {
     assert!(apexes > 300, "{apexes}");
 }
 
-/// The work of full opening and of crushing is the energy, whatever the size of the element.
+/// The work of full opening and of crushing is the fracture energy, whatever the size of the element.
 #[test]
-fn cracks_and_crushing_take_their_energies() {
+fn cracks_and_crushing_dissipate_their_energies() {
     for p in [GOOD, hardening()] {
         let law = LeeFenves::new(LeeFenvesParameters {
             residual_stiffness: 1e-6,
@@ -329,7 +329,7 @@ fn cracks_and_crushing_take_their_energies() {
     }
 }
 
-/// Closed cracks bear pressure with the whole stiffness if it recovers, and with the damaged one if
+/// Closed cracks carry pressure with the whole stiffness if it recovers, and with the damaged one if
 /// not; opened again, they are as weak as before.
 #[test]
 fn stiffness_recovers_as_cracks_close() {
@@ -402,10 +402,10 @@ fn split_increments_end_alike_or_converge() {
     assert!((slope - 1.0).abs() < 0.15, "{slope}");
 }
 
-/// Elements too wide, a dilation that would gain energy, and numbers out of range are refused by
+/// Elements too wide, a dilation that would generate energy, and numbers out of range are refused by
 /// name.
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_parameters_are_refused() {
     let law = LeeFenves::new(hardening()).unwrap();
     let largest = law.largest_size();
     assert_eq!(law.check_size(0.999 * largest), Ok(()));

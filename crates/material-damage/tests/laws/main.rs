@@ -1,4 +1,4 @@
-//! The laws of the crate, one point at a time.
+//! Tests of the laws of the crate at one point.
 
 mod consistency;
 mod crack_band;

@@ -1,4 +1,4 @@
-//! Mazars' damage in total strain.
+//! Mazars' damage law in total strain.
 
 use powerhouse_material_damage::{
     Control, MaterialError, Mazars, MazarsParameters, MazarsTension, PointDriver, SofteningOf,
@@ -83,7 +83,7 @@ fn uniaxial_curves_are_those_of_the_table() {
         let mut point = PointDriver::new(law);
         let mut last = 0.0;
         for &[strain, stress, damage] in table {
-            // Each branch starts from a sound point.
+            // Each branch starts from an undamaged point.
             if strain * last < 0.0 {
                 point = PointDriver::new(law);
             }
@@ -99,10 +99,10 @@ fn uniaxial_curves_are_those_of_the_table() {
     }
 }
 
-/// The work that opens a crack is the fracture energy for every size that is permitted, and sizes
+/// The work that opens a crack is the fracture energy for every permitted size, and sizes
 /// out of range are refused on both sides.
 #[test]
-fn cracks_take_the_fracture_energy_or_are_refused() {
+fn cracks_dissipate_the_fracture_energy_or_are_refused() {
     let energy = 100.0;
     let law = Mazars::new(typical(MazarsTension::FractureEnergy { energy })).unwrap();
     let [least, largest] = law.permitted_sizes().unwrap();
@@ -142,7 +142,7 @@ fn cracks_take_the_fracture_energy_or_are_refused() {
 /// Where the stress itself falls exponentially, it is `E e0 exp(-B (e - e0))`, and the work that
 /// opens a crack is the fracture energy for elements of any width that does not snap back.
 #[test]
-fn falling_stress_takes_the_fracture_energy_at_any_width() {
+fn falling_stress_dissipates_the_fracture_energy_at_any_width() {
     let energy = 100.0;
     let law = Mazars::new(typical(MazarsTension::FallingStress { energy })).unwrap();
     let [least, largest] = law.permitted_sizes().unwrap();
@@ -165,7 +165,7 @@ fn falling_stress_takes_the_fracture_energy_at_any_width() {
             );
         }
         let taken = path[5999].work * size / energy;
-        // The stiffness that is never lost takes work too.
+        // The work includes that of the residual stiffness.
         let kept = 0.5e-6 * 30.0e9 * end * end * size / energy;
         assert!((taken - 1.0).abs() < 1e-3 + kept, "{size}: {taken}");
     }
@@ -180,7 +180,7 @@ fn falling_stress_takes_the_fracture_energy_at_any_width() {
     );
 }
 
-/// An initial stress damages as the strain that would make it.
+/// An initial stress causes the same damage as the strain of that stress.
 #[test]
 fn initial_stress_counts_as_strain() {
     let law = Mazars::new(typical(rates(0.8))).unwrap();
@@ -220,7 +220,7 @@ fn the_papers_concrete_has_its_listed_strengths() {
     );
 }
 
-/// Strains of all sizes give finite stresses, and those that are not finite ones that are not.
+/// Strains of all magnitudes give finite stresses, and those that are not finite ones that are not.
 #[test]
 fn extreme_strains_are_finite_or_not_finite() {
     let law = Mazars::new(typical(rates(1.0))).unwrap();

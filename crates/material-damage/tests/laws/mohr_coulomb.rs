@@ -1,4 +1,4 @@
-//! The surface of Mohr and Coulomb and its law.
+//! Mohr-Coulomb surface and its law.
 
 use nalgebra::Vector3;
 use powerhouse_material_damage::{
@@ -62,7 +62,7 @@ const TABLE: [[[f64; 3]; 4]; 5] = [
     ],
 ];
 
-/// Plane and edges are returned to as an independent solver of the return equations does, with
+/// Returns to plane and edges agree with an independent solver of the return equations, with
 /// and without dilation and cut-off.
 #[test]
 fn returns_agree_with_the_reference_table() {
@@ -192,7 +192,7 @@ fn follow(
     (stress, old)
 }
 
-/// The principal stresses of a point squeezed to yield under lateral pressures are those of the
+/// The principal stresses of a point compressed to yield under lateral pressures are those of the
 /// closed form `s3 = N s1 - 2 c sqrt(N)`, at plane, edges and apex.
 #[test]
 fn yield_stresses_are_closed_forms() {
@@ -229,7 +229,7 @@ fn yield_stresses_are_closed_forms() {
             assert!((surface.apex() - apex).abs() <= 1e-10 * apex);
         }
     }
-    // The strengths of the paper's Table 1 that are in force.
+    // The strengths that result from the paper's Table 1.
     for (p, compression, tension, apex) in [
         (presets::PAPER_ROCK, 4.716677e6, 0.934980e6, 1.166143e6),
         (presets::PAPER_CONCRETE, 6.720590e6, 1.005864e6, 1.182909e6),
@@ -323,7 +323,7 @@ fn the_law_is_isotropic() {
 }
 
 /// Strains up to the range of numbers give a finite, admissible stress, and those beyond, or NaN,
-/// one that is not finite: never a silent NaN, never a wrong number.
+/// one that is not finite: never a wrong number.
 #[test]
 fn extreme_strains_are_admissible_or_not_finite() {
     let mut random = Random(6);
@@ -343,9 +343,9 @@ fn extreme_strains_are_admissible_or_not_finite() {
             }
         }
         for broken in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300] {
-            for place in 0..6 {
+            for component in 0..6 {
                 let mut strain = [1.0e-4; 6];
-                strain[place] = broken;
+                strain[component] = broken;
                 let stress = follow(&law, &[strain], Stress::default()).0;
                 let finite = stress.0.iter().all(|x| x.is_finite());
                 assert!(!finite, "{broken} {stress:?}");
@@ -354,7 +354,7 @@ fn extreme_strains_are_admissible_or_not_finite() {
     }
 }
 
-/// Wrong parameters are refused by name.
+/// Invalid parameters are refused by name.
 #[test]
 fn wrong_parameters_are_refused() {
     let good = presets::PAPER_ROCK;

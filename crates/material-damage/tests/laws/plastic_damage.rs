@@ -109,7 +109,7 @@ fn raw_parameters_are_the_equation() {
 /// The work that opens a crack is the fracture energy, whatever the size of the element, the
 /// surface, its dilation and the threshold.
 #[test]
-fn cracks_take_the_fracture_energy() {
+fn cracks_dissipate_the_fracture_energy() {
     fn energy<S: YieldSurface>(law: PlasticDamage<S>, size: f64) -> f64 {
         law.check_size(size).unwrap();
         let mut point = PointDriver::new(law).with_size(size).unwrap();
@@ -138,7 +138,7 @@ fn cracks_take_the_fracture_energy() {
                 let law = concrete(cone(dilation, ConeFit::Inscribed), by_energy(threshold));
                 worst = worst.max((energy(law, size) / ENERGY - 1.0).abs());
             }
-            // This flow opens sideways too: all three strains count.
+            // This flow opens laterally too: all three strains count.
             let wide = cone(47.7, ConeFit::Circumscribed);
             assert!(wide.flow_in_uniaxial_tension()[1] > 0.0);
             let law = concrete(wide, by_energy(threshold));
@@ -152,7 +152,7 @@ fn cracks_take_the_fracture_energy() {
 
 /// The work that crushes is the crushing energy, whatever the size of the element.
 #[test]
-fn crushing_takes_its_energy() {
+fn crushing_dissipates_its_energy() {
     for size in [0.25, 1.0] {
         let law = concrete(mohr_coulomb(0.0, None), by_energy(0.0));
         let mut point = PointDriver::new(law).with_size(size).unwrap();
@@ -187,11 +187,11 @@ fn snap_back_is_refused() {
     assert!(law.check_size(f64::NAN).is_err());
 }
 
-/// Neither flow nor growing damage ever gives energy back on random cyclic paths of a hundred
-/// thousand steps; damage stays below one, `d_t` and `d_c` never fall, and the sum of what is
+/// Neither flow nor growing damage ever generates energy on random cyclic paths of a hundred
+/// thousand steps; damage stays below one, `d_t` and `d_c` never fall, and the sum of the energies
 /// stored and dissipated is the work.
 #[test]
-fn nothing_dissipates_less_than_nothing() {
+fn dissipation_is_never_negative() {
     fn check<S: YieldSurface>(law: PlasticDamage<S>) {
         let mut random = Random(31);
         let mut old = [0.0; 15];
@@ -236,7 +236,7 @@ fn nothing_dissipates_less_than_nothing() {
     check(concrete(listed, by_energy(0.0)));
 }
 
-/// Closed cracks bear pressure as sound concrete does if stiffness recovers, and the damaged share
+/// Closed cracks carry pressure as undamaged concrete does if stiffness recovers, and the damaged share
 /// of it if not; reopened, they are as weak as before.
 #[test]
 fn stiffness_recovers_as_cracks_close() {
@@ -267,7 +267,7 @@ fn stiffness_recovers_as_cracks_close() {
     }
 }
 
-/// The history tells what is damaged: nothing, by tension, by compression, or by both.
+/// The damage type in the history is none, tension, compression, or both.
 #[test]
 fn damage_has_a_type() {
     let law = presets::paper_concrete().unwrap();
@@ -288,7 +288,7 @@ fn damage_has_a_type() {
     );
 }
 
-/// Concrete by the code has the strengths of its class on the surface in force.
+/// The yield surface of concrete by the code has the strengths of its class.
 #[test]
 fn concrete_of_the_code_has_its_strengths() {
     for (class, tensile, young) in [

@@ -76,7 +76,7 @@ fn check<S: YieldSurface>(surface: S) {
         "{}: single precision at yield {half:.1e}, {whole:.1e}",
         law.name()
     );
-    // A few roundings of 10 MPa over a change of 0.1 MPa.
+    // A few rounding errors of 10 MPa over a change of 0.1 MPa.
     let limit = 20.0 * rounding * 1.0e7 / 1.0e5;
     assert!(
         plastic > 1.0e-7 && whole < limit,
@@ -84,7 +84,7 @@ fn check<S: YieldSurface>(surface: S) {
     );
 }
 
-/// Under an initial stress of 10 MPa steps of a millionth of it survive in single precision: to
+/// Under an initial stress of 10 MPa steps of a millionth of it are resolved in single precision: to
 /// its rounding while elastic, and on the yield surface to the rounding of the initial stress,
 /// with no drift over two hundred thousand steps.
 #[test]

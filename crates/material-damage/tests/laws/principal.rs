@@ -32,7 +32,7 @@ fn faults<L: Lane>(stress: &Stress<L>) -> [f64; 2] {
     [orthonormal, if size > 0.0 { rest / size } else { rest }]
 }
 
-/// Stresses whose principal values are apart, nearly equal to every degree, and equal.
+/// Stresses whose principal values are distinct, nearly equal to every degree, and equal.
 fn stresses() -> Vec<Stress> {
     let mut random = Random(1);
     let mut stresses = vec![
@@ -70,7 +70,7 @@ fn axes_are_orthonormal_and_rebuild_the_tensor() {
     }
 }
 
-/// Values are those that the tensor was made of, to a few roundings of the largest.
+/// Values are those of which the tensor was built, to a few rounding errors of the largest.
 #[test]
 fn values_are_those_of_the_tensor() {
     let mut random = Random(2);
@@ -89,8 +89,8 @@ fn values_are_those_of_the_tensor() {
     }
 }
 
-/// Tensors whose squares would overflow or vanish are decomposed as well as others; a NaN stays
-/// one.
+/// Tensors whose squares would overflow or vanish are decomposed as well as others; NaN remains
+/// NaN.
 #[test]
 fn extreme_sizes_are_decomposed_and_nan_is_kept() {
     let mut random = Random(3);
@@ -107,11 +107,11 @@ fn extreme_sizes_are_decomposed_and_nan_is_kept() {
             assert!(fault < 20.0 * f64::from(f32::EPSILON), "1e{exponent}");
         }
     }
-    for place in 0..6 {
+    for component in 0..6 {
         let mut broken = [1.0; 6];
-        broken[place] = f64::NAN;
+        broken[component] = f64::NAN;
         let values = PrincipalAxes::of(&Stress(broken)).values;
-        assert!(values.iter().any(|x| x.is_nan()), "{place}: {values:?}");
+        assert!(values.iter().any(|x| x.is_nan()), "{component}: {values:?}");
     }
 }
 
@@ -139,7 +139,7 @@ where
     }
 }
 
-/// Many at once are the same bits as one at a time.
+/// Packs give the same bits as single tensors.
 #[test]
 fn wide_and_scalar_axes_have_the_same_bits() {
     same_bits::<f64>(&stresses());

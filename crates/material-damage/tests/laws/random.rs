@@ -1,4 +1,4 @@
-//! Numbers that look random and are the same at every run.
+//! Pseudo-random numbers, the same in every run.
 
 use powerhouse_model::{Mat3, Stress, Vec3};
 

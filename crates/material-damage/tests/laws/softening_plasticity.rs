@@ -1,4 +1,4 @@
-//! Strength that falls with the flow, against closed forms and an independent return.
+//! Softening plasticity against closed forms and an independent return.
 
 use powerhouse_material_damage::{
     Control, ElastoPlastic, MaterialError, MohrCoulomb, MohrCoulombParameters, PointDriver,
@@ -35,7 +35,7 @@ fn strength() -> f64 {
     2.0 * 1.05e6 * passive_ratio(42.0).sqrt()
 }
 
-/// In uniaxial compression the stress is the falling strength at the plastic shortening, whatever
+/// In uniaxial compression the stress is the softened strength at the plastic shortening, whatever
 /// the size of the element, the dilation and the steps; and the strain is elastic and plastic.
 #[test]
 fn uniaxial_compression_follows_the_curve() {
@@ -66,8 +66,8 @@ fn uniaxial_compression_follows_the_curve() {
     }
 }
 
-/// What a band takes beyond its residual strength is the energy, for every size that does not snap
-/// back; the largest such size is the one at which the softening slope is Young's modulus.
+/// The work of a band in excess of its residual strength is the fracture energy, for every size that does
+/// not snap back; the largest such size is the one at which the softening slope is Young's modulus.
 #[test]
 fn the_energy_is_that_of_the_band() {
     let law = softening(0.0);
@@ -100,8 +100,8 @@ fn the_energy_is_that_of_the_band() {
     );
 }
 
-/// A trial anywhere, after flow or before, comes to where trying every face of the shrunken surface
-/// with bisection of the shortening does; none lies outside it.
+/// A trial anywhere, after flow or before, returns to where an exhaustive search over the faces of the
+/// softened surface with bisection of the shortening does; none lies outside it.
 #[test]
 fn returns_solve_the_return_equations() {
     let mut random = Random(211);
@@ -211,9 +211,9 @@ fn increments_do_not_matter() {
     }
 }
 
-/// Opening alone softens nothing; parameters out of range are refused by name.
+/// Tensile opening alone does not soften; parameters out of range are refused by name.
 #[test]
-fn tension_keeps_its_strength_and_ranges_are_kept() {
+fn opening_does_not_soften_and_ranges_are_checked() {
     let mut point = PointDriver::new(softening(0.0)).with_size(0.5).unwrap();
     let path = point.advance(Control::uniaxial(2.0e-3), 50).unwrap();
     let last = path.last().unwrap();

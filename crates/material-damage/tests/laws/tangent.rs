@@ -116,7 +116,7 @@ fn tangents_are_derivatives() {
 }
 
 /// The tangents of laws that soften and crack are their derivatives too, whether a point loads or
-/// unloads, in tension, compression and between; damped in series as well.
+/// unloads, in tension, compression and between, and with damping in series.
 #[test]
 fn tangents_of_damage_are_derivatives() {
     for dilation in [0.0, 10.0] {

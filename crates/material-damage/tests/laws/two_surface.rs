@@ -1,4 +1,4 @@
-//! The surface through listed strengths.
+//! Yield surface with listed uniaxial strengths.
 
 use nalgebra::Vector3;
 use powerhouse_material_damage::{
@@ -36,7 +36,7 @@ fn faces(p: &TwoSurfaceParameters) -> Vec<Face> {
     faces
 }
 
-/// Yield stresses of the driven law on all paths of the laboratory are closed forms: the listed
+/// Yield stresses of the law on all paths of laboratory tests are closed forms: the listed
 /// strengths without confinement, friction under it, whatever the cohesion.
 #[test]
 fn yield_stresses_along_laboratory_paths_are_closed_forms() {
@@ -80,7 +80,7 @@ fn yield_stresses_along_laboratory_paths_are_closed_forms() {
         );
         let shear = yields(Control::simple_shear([0.0; 3], 1.0e-3), none)[3];
         check(shear, COMPRESSION / (ratio + 1.0), "shear");
-        // Where tension across joins compression, a straight line.
+        // A straight line between lateral tension and compression.
         let across = 0.4 * TENSION;
         let mixed = yields(Control::triaxial(across, -2.0e-3), [across, across, 0.0])[2];
         check(mixed, -0.6 * COMPRESSION, "tension and compression");
@@ -138,7 +138,7 @@ fn returns_agree_with_an_exhaustive_search() {
     }
 }
 
-/// With damage, cracks and crushing begin at the listed strengths and take their energies,
+/// With damage, cracks and crushing begin at the listed strengths and dissipate their energies,
 /// whatever the size of the element.
 #[test]
 fn damage_begins_at_the_listed_strengths() {
@@ -173,7 +173,7 @@ fn damage_begins_at_the_listed_strengths() {
     }
 }
 
-/// Strengths whose ratio leaves friction no place, and numbers out of range, are refused by name.
+/// Strengths whose ratio is below that of the friction angle, and numbers out of range, are refused by name.
 #[test]
 fn wrong_parameters_are_refused() {
     let refused = TwoSurface::new(TwoSurfaceParameters {

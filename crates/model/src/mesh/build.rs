@@ -1,4 +1,4 @@
-//! From the user's numbers to a mesh, with every number checked.
+//! Builder of meshes from the user's numbers, with validation.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
@@ -7,7 +7,7 @@ use super::sides::SideTable;
 use super::{ElementKind, Mesh, MeshError};
 use crate::Vec3;
 
-/// Collects nodes, elements and sets by the user's numbers, then checks them all at once.
+/// Builder of a [`Mesh`]: nodes, elements and sets by the user's numbers.
 #[derive(Clone, Debug, Default)]
 pub struct MeshBuilder {
     nodes: Vec<(u64, Vec3)>,
@@ -24,7 +24,7 @@ impl MeshBuilder {
         self.nodes.push((tag, position));
         self
     }
-    /// Adds an element on nodes given by number, in Gmsh's order, to any number of sets.
+    /// Adds an element with its nodes by number, in Gmsh's order, to any number of element sets.
     pub fn element(
         &mut self,
         tag: u64,
@@ -45,7 +45,7 @@ impl MeshBuilder {
         }
         self
     }
-    /// Adds a facet, given by the numbers of its nodes in any order, to a set; it must be a side of
+    /// Adds a facet, given by the numbers of its nodes in any order, to a facet set; it must be a side of
     /// an element.
     pub fn facet(&mut self, set: &str, nodes: &[u64]) -> &mut Self {
         self.facet_sets
@@ -54,7 +54,7 @@ impl MeshBuilder {
             .push(nodes.to_vec());
         self
     }
-    /// Adds nodes to a set.
+    /// Adds nodes to a node set.
     pub fn node_set(&mut self, set: &str, nodes: &[u64]) -> &mut Self {
         self.node_sets
             .entry(set.into())
@@ -62,7 +62,7 @@ impl MeshBuilder {
             .extend_from_slice(nodes);
         self
     }
-    /// Checks numbers and ranges and makes the mesh. Quality is the business of
+    /// Validates numbers and ranges and builds the mesh; the shapes of elements are checked by
     /// [`Mesh::check`].
     ///
     /// # Errors
@@ -166,7 +166,7 @@ fn elements(
     coincident_elements(mesh)
 }
 
-/// Two elements on the same nodes have the same sorted nodes, hence the same hash of them.
+/// Refuses two elements with the same nodes, found by the hash of their sorted nodes.
 fn coincident_elements(mesh: &Mesh) -> Result<(), MeshError> {
     let sorted = |element: u32| {
         let mut nodes = mesh.nodes_of(element).to_vec();

@@ -1,4 +1,4 @@
-//! Checks of shapes and connections.
+//! Checks of element shapes and connectivity.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -6,26 +6,26 @@ use std::collections::HashMap;
 use super::{ElementKind, Mesh, MeshError};
 use crate::Vec3;
 
-/// Shapes of a mesh's solid elements.
+/// Quality measures of the elements of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityReport {
-    /// Least scaled Jacobian at any corner: 1 for a box, at most 0.87 in a wedge and 0.71 in a
-    /// tetrahedron of equal edges; infinite if there are only bars.
+    /// Least scaled Jacobian (determinant over the product of edge lengths) at any corner: 1 for a box, at most 0.87 in a
+    /// wedge and 0.71 in a tetrahedron of equal edges; infinite if there are only bars.
     pub least_scaled_jacobian: f64,
-    /// The user's number of the element that has it; zero if there are only bars.
+    /// The user's number of the element with the least scaled Jacobian; zero if there are only bars.
     pub worst_element: u64,
     /// Shortest edge (m).
     pub shortest_edge: f64,
     /// Longest edge (m).
     pub longest_edge: f64,
-    /// Largest ratio of longest to shortest edge in one element.
+    /// Largest aspect ratio: longest over shortest edge of one element.
     pub largest_aspect: f64,
-    /// Parts of the mesh that share no nodes.
+    /// Number of connected components of the mesh, which share no nodes.
     pub parts: usize,
 }
 
 impl Mesh {
-    /// Checks shapes and connections: positive Jacobians at all corners, no orphan nodes.
+    /// Checks the mesh for positive Jacobians at all corners and for nodes without elements.
     ///
     /// # Errors
     /// The first fault found, with the user's numbers.
@@ -33,7 +33,7 @@ impl Mesh {
         Ok(self.shapes_and_parts()?.0)
     }
 
-    /// The same as [`check`](Self::check), and the mesh must hang together.
+    /// Checks the mesh as [`check`](Self::check), and that it has one connected component.
     ///
     /// # Errors
     /// As `check`, and [`MeshError::Disconnected`].
@@ -48,7 +48,7 @@ impl Mesh {
         Ok(report)
     }
 
-    /// The report, and an element of the second largest part.
+    /// The report, and an element of the second largest connected component.
     fn shapes_and_parts(&self) -> Result<(QualityReport, u32), MeshError> {
         let mut report = QualityReport {
             least_scaled_jacobian: f64::INFINITY,
@@ -98,7 +98,7 @@ impl Mesh {
             }
             let scaled =
                 edges[0].cross(&edges[1]).dot(&edges[2]) / (lengths[0] * lengths[1] * lengths[2]);
-            // A NaN (an edge without length) is a fault too.
+            // NaN (an edge without length) counts as a fault too.
             if scaled.is_nan() || scaled <= 1e-9 {
                 return Err(MeshError::Inverted {
                     element: tag,
@@ -117,7 +117,7 @@ impl Mesh {
         Ok(())
     }
 
-    /// Number of parts, and an element of the second largest one.
+    /// Number of connected components, and an element of the second largest one.
     fn parts(&self) -> (usize, u32) {
         let mut parent: Vec<u32> = (0..self.node_count() as u32).collect();
         fn root(parent: &mut [u32], mut node: u32) -> u32 {
@@ -141,7 +141,7 @@ impl Mesh {
             parts.entry(part).or_insert((0, element)).0 += 1;
         }
         let mut sizes: Vec<(usize, u32)> = parts.into_values().collect();
-        // Of equal parts the one with the first element counts as the largest.
+        // Of components of equal size the one with the first element counts as the largest.
         sizes.sort_unstable_by_key(|&(size, element)| (Reverse(size), element));
         (sizes.len(), sizes.get(1).map_or(0, |part| part.1))
     }

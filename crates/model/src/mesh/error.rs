@@ -1,70 +1,70 @@
-//! What can be wrong with a mesh, or with a question about it.
+//! Errors of meshes and of operations on them.
 
 use thiserror::Error;
 
-/// A mesh that cannot be computed with. Numbers are the user's tags.
+/// A fault of a mesh, or a failed operation on a mesh. Nodes and elements are named by the user's numbers (tags).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// No elements.
+    /// A mesh without elements.
     #[error("the mesh has no elements")]
     Empty,
-    /// A node number that stands twice.
+    /// A node number that is used twice.
     #[error("node {node} is defined twice")]
     DuplicateNode {
-        /// The number.
+        /// The node number.
         node: u64,
     },
-    /// An element number that stands twice.
+    /// An element number that is used twice.
     #[error("element {element} is defined twice")]
     DuplicateElement {
-        /// The number.
+        /// The element number.
         element: u64,
     },
     /// Two elements on the same nodes.
     #[error("elements {first} and {second} have the same nodes")]
     CoincidentElements {
-        /// One number.
+        /// Number of the first element.
         first: u64,
-        /// The other.
+        /// Number of the second element.
         second: u64,
     },
     /// A coordinate that is not finite.
     #[error("node {node} has coordinate {axis} = {value}, which is not finite")]
     CoordinateNotFinite {
-        /// The node's number.
+        /// Number of the node.
         node: u64,
-        /// `x`, `y` or `z`.
+        /// Axis of the coordinate: `x`, `y` or `z`.
         axis: char,
-        /// The value.
+        /// Value of the coordinate.
         value: f64,
     },
-    /// An element that names a node twice.
+    /// An element that uses a node twice.
     #[error("element {element} uses node {node} twice")]
     RepeatedNode {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// An element that names a node which does not exist.
+    /// An element that uses a node which does not exist.
     #[error("element {element} uses node {node}, which does not exist")]
     DanglingNode {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The node's number.
+        /// Number of the node.
         node: u64,
     },
-    /// A node count that does not fit the kind.
+    /// An element with a number of nodes that does not match its kind.
     #[error("element {element} of kind {kind} has {found} nodes instead of {expected}")]
     NodeCount {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// Its kind.
+        /// Kind of the element.
         kind: &'static str,
-        /// Nodes given.
+        /// Number of nodes given.
         found: usize,
-        /// Nodes wanted.
+        /// Number of nodes of this kind.
         expected: usize,
     },
     /// An inverted or flat element.
@@ -72,104 +72,106 @@ pub enum MeshError {
         "element {element} is inverted or flat: its scaled Jacobian at corner node {node} is {scaled_jacobian:.3e}"
     )]
     Inverted {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The number of the corner node.
+        /// Number of the corner node.
         node: u64,
-        /// Jacobian determinant over the product of its edge lengths.
+        /// Scaled Jacobian at the corner: determinant over the product of the edge lengths.
         scaled_jacobian: f64,
     },
-    /// A bar without length.
-    #[error("bar {element} has no length")]
+    /// A bar of length zero.
+    #[error("bar {element} has zero length")]
     NoLength {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
     },
-    /// Nodes without elements.
+    /// Nodes that belong to no element.
     #[error("node {node} belongs to no element ({count} such nodes)")]
     OrphanNode {
-        /// The first such node's number.
+        /// Number of the first such node.
         node: u64,
-        /// How many there are.
+        /// Number of such nodes.
         count: usize,
     },
-    /// The mesh falls apart.
+    /// A mesh of more than one connected component.
     #[error(
-        "the mesh has {parts} parts that share no nodes; the smaller ones hold element {element} and others"
+        "the mesh has {parts} parts that share no nodes; the smaller ones contain element {element} and others"
     )]
     Disconnected {
-        /// How many.
+        /// Number of connected components.
         parts: usize,
-        /// An element of the second largest part.
+        /// Number of an element of the second largest component.
         element: u64,
     },
     /// A set that does not exist.
     #[error("there is no {what} set '{name}'; the mesh has {}", available.join(", "))]
     NoSuchSet {
-        /// `node`, `facet`, `element`, or all three of them.
+        /// Kind of set: `node`, `facet`, `element`, or all three of them.
         what: &'static str,
-        /// The wanted name.
+        /// The requested name.
         name: String,
-        /// Names that exist.
+        /// Names of the existing sets.
         available: Vec<String>,
     },
-    /// A set that refers to something outside the mesh.
+    /// A set with a node or element that does not exist.
     #[error("the {what} set '{name}' refers to number {number}, which does not exist")]
     SetOutOfRange {
-        /// `node`, `facet` or `element`.
+        /// Kind of set: `node`, `facet` or `element`.
         what: &'static str,
-        /// The set.
+        /// Name of the set.
         name: String,
-        /// A node's or element's number as far as it was given as such, else its index.
+        /// The user's number of the node or element where it was given, else its index.
         number: u64,
     },
-    /// A facet that is no side of any element.
-    #[error("a facet of set '{name}' with nodes {nodes:?} is no side of an element")]
+    /// A facet that is not a side of any element.
+    #[error("a facet of set '{name}' with nodes {nodes:?} is not a side of an element")]
     FacetWithoutElement {
-        /// The set.
+        /// Name of the facet set.
         name: String,
-        /// Numbers of its nodes.
+        /// Numbers of the nodes of the facet.
         nodes: Vec<u64>,
     },
-    /// Numbers so large that smaller elements cannot have numbers of their own behind them.
-    #[error("numbers of {what}s are too large for more of them to have numbers of their own")]
+    /// Node or element numbers too large for the numbers of a refined mesh to fit 64 bits.
+    #[error("the {what} numbers are too large: numbers of the refined mesh would exceed 64 bits")]
     Numbers {
         /// `node` or `element`.
         what: &'static str,
     },
-    /// More than 2^32 - 1 nodes or elements.
-    #[error("the mesh has {count} {what}, more than this version can number")]
+    /// More than 2^32 - 2 nodes, elements or element corners.
+    #[error("the mesh has {count} {what}; at most 4294967294 are supported")]
     TooLarge {
-        /// What they are, such as `nodes`.
+        /// The kind of entity, such as `nodes`.
         what: &'static str,
-        /// How many.
+        /// Number of entities.
         count: usize,
     },
     /// A facet with a side that its element does not have.
     #[error(
-        "the facet set '{name}' names side {side} of element {element}, which has {sides} sides"
+        "the facet set '{name}' contains side {side} of element {element}, which has {sides} sides"
     )]
     NoSuchSide {
-        /// The set.
+        /// Name of the facet set.
         name: String,
-        /// The element's number.
+        /// Number of the element.
         element: u64,
-        /// The side.
+        /// Index of the side.
         side: u8,
-        /// How many sides the element has.
+        /// Number of sides of the element.
         sides: usize,
     },
-    /// An element on both sides of a cut.
-    #[error("element {element} belongs to both parts between which the mesh is to be cut")]
+    /// An element in both element lists of a split.
+    #[error(
+        "element {element} belongs to both element lists between which the mesh is to be split"
+    )]
     SharedElement {
-        /// The element's number.
+        /// Number of the element.
         element: u64,
     },
-    /// Two parts that do not touch.
-    #[error("the two parts between which the mesh is to be cut have no facet in common")]
+    /// Two element lists of a split without common facets.
+    #[error("the two element lists between which the mesh is to be split have no facet in common")]
     NoCommonFacets,
     /// A box without extent along an axis, or with corners that are not finite.
-    #[error("a box from {low} to {high} along {axis} has no extent")]
+    #[error("a box from {low} to {high} along {axis} has no finite, positive extent")]
     NoExtent {
         /// `x`, `y` or `z`.
         axis: char,
@@ -178,58 +180,58 @@ pub enum MeshError {
         /// The upper coordinate (m).
         high: f64,
     },
-    /// A plane that meets no element, or only touches them.
+    /// A slicing plane that intersects no solid element.
     #[error(
-        "the plane {axis} = {value} m cuts no element: the mesh reaches from {low} to {high} m"
+        "the plane {axis} = {value} m cuts no element: the mesh extends from {low} to {high} m"
     )]
     NoSlice {
-        /// `x`, `y` or `z`.
+        /// Axis normal to the plane: `x`, `y` or `z`.
         axis: char,
-        /// Where the plane is (m).
+        /// Coordinate of the plane (m).
         value: f64,
-        /// The lowest coordinate of the mesh (m).
+        /// Lowest coordinate of the mesh (m).
         low: f64,
-        /// The highest one (m).
+        /// Highest coordinate of the mesh (m).
         high: f64,
     },
-    /// A box in which no solid element lies.
-    #[error("no solid element has its centre between {low:?} and {high:?} m")]
+    /// A box that contains the centroid of no solid element.
+    #[error("no solid element has its centroid between {low:?} and {high:?} m")]
     NothingWithin {
-        /// The lowest coordinates of the box (m).
+        /// Lower corner of the box (m).
         low: [f64; 3],
-        /// The highest ones (m).
+        /// Upper corner of the box (m).
         high: [f64; 3],
     },
-    /// A mesh that is not the same in every slice across an axis.
+    /// A mesh that is not extruded along an axis, as a plane slice requires.
     #[error(
-        "the mesh is not the same all along {axis}: element {element} of the slice does not stand between two planes, or the slice is {share:.6} of the volume for its thickness instead of 1"
+        "the mesh is not the same all along {axis}: element {element} of the slice does not lie between two planes, or the volume of the slice is {share:.6} times its share by thickness instead of 1"
     )]
     NotExtruded {
-        /// `x`, `y` or `z`.
+        /// The axis: `x`, `y` or `z`.
         axis: char,
-        /// The number of the element that is farthest from it.
+        /// Number of the first element of the slice that is not between its planes, or of its first element.
         element: u64,
-        /// Volume of the slice over that of the mesh, times extent over thickness.
+        /// Ratio of the slice's volume to the mesh's volume, times the mesh's extent over the slice's thickness.
         share: f64,
     },
     /// A point with a coordinate that is not finite.
     #[error("the point {point:?} is not finite")]
     PointNotFinite {
-        /// Its coordinates (m).
+        /// Coordinates of the point (m).
         point: [f64; 3],
     },
-    /// A point that lies in no solid element.
+    /// A point outside all solid elements by more than the tolerance.
     #[error(
         "the point {point:?} lies in no element: the nearest is {element}, {distance:.3e} m away (permitted {tolerance:.3e} m)"
     )]
     PointOutside {
-        /// Its coordinates (m).
+        /// Coordinates of the point (m).
         point: [f64; 3],
-        /// The number of the nearest element.
+        /// Number of the nearest element.
         element: u64,
-        /// How far the point would have to move to lie in it (m).
+        /// Distance of the point from that element (m).
         distance: f64,
-        /// How far it may move (m).
+        /// Largest permitted distance (m).
         tolerance: f64,
     },
 }

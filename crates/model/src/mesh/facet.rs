@@ -1,20 +1,20 @@
-//! Normals, areas and tributary areas of facets.
+//! Geometry of facets: normals, areas, tributary areas.
 
 use std::collections::BTreeMap;
 
 use super::{Facet, Mesh};
 use crate::Vec3;
 
-/// Geometry of one facet.
+/// Geometry of one facet: nodes, areas and centroid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FacetGeometry {
     /// Mesh indices of its nodes, counter-clockwise seen from outside.
     pub nodes: Vec<u32>,
     /// Outward vector area (m2): unit normal times area, exact for warped quadrilaterals.
     pub vector_area: Vec3,
-    /// The share of the vector area of each node, `integral of N_a n dA` (m2), exact.
+    /// Vector area tributary to each node, `integral of N_a n dA` (m2), exact.
     pub shares: Vec<Vec3>,
-    /// The share of the surface of each node, `integral of N_a dA` (m2), exact for plane
+    /// Area tributary to each node, `integral of N_a dA` (m2), exact for plane
     /// parallelograms and triangles, by 2 x 2 Gauss points for others.
     pub areas: Vec<f64>,
     /// Centroid of its nodes (m).
@@ -32,15 +32,15 @@ impl FacetGeometry {
     }
 }
 
-/// What a node has of a face.
+/// Tributary area of a node on a face, with the mean normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeTributary {
     /// Mesh index of the node.
     pub node: u32,
     /// Outward unit normal, weighted by area; zero where the normals of the facets cancel.
     pub normal: Vec3,
-    /// Area that belongs to the node, `integral of N_a dA` (m2); the areas of all nodes add up to
-    /// that of the face, folded or not.
+    /// Tributary area `integral of N_a dA` (m2); the areas of all nodes add up to
+    /// that of the face, also of a folded one.
     pub area: f64,
 }
 
@@ -63,7 +63,7 @@ impl Mesh {
         sides.map(flux).sum::<f64>() / 3.0
     }
 
-    /// Volume of some elements (m3).
+    /// Total volume of some elements (m3).
     ///
     /// # Panics
     /// If one does not belong to this mesh.
@@ -104,7 +104,7 @@ impl Mesh {
         side.iter().map(|&i| of_element[i as usize]).collect()
     }
 
-    /// What each node has of a face made of facets, in rising order of nodes.
+    /// Tributary areas of the nodes of a face made of facets, in rising order of nodes.
     ///
     /// # Panics
     /// If a facet does not belong to this mesh.
@@ -121,7 +121,7 @@ impl Mesh {
         sums.into_iter()
             .map(|(node, (vector, area))| NodeTributary {
                 node,
-                // What is left of opposite normals is rounding, not a direction.
+                // The sum of opposite normals is rounding, not a direction.
                 normal: if vector.norm() > 1e-12 * area {
                     vector.normalize()
                 } else {

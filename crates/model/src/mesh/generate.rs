@@ -1,4 +1,4 @@
-//! Structured meshes of boxes, and other shapes by moving their nodes.
+//! Structured meshes of boxes, and mapping of node positions.
 
 use super::{Axis, ElementKind, Facet, Mesh, MeshError};
 use crate::Vec3;
@@ -31,9 +31,10 @@ const FACES: [(&str, Axis, bool); 6] = [
 ];
 
 impl Mesh {
-    /// A box of equal eight-node hexahedra between two corners (m), `cells` of them along x, y, z.
+    /// A structured mesh of a box of equal eight-node hexahedra between two corners (m), with `cells` elements along x, y,
+    /// z.
     ///
-    /// All elements are in the set `elements`; the facet sets are `left` and `right` (least and
+    /// All elements are in the element set `elements`; the facet sets are `left` and `right` (least and
     /// greatest x), `front` and `back` (y), `bottom` and `top` (z). Nodes and elements are
     /// numbered from 1, x fastest, then y.
     ///
@@ -56,7 +57,8 @@ impl Mesh {
         box_of(ElementKind::Hex8, &ONE_HEX, low, high, cells, elements)
     }
 
-    /// The same with every cell cut into two wedges by a vertical plane.
+    /// A structured mesh of a box as [`box_of_hexes`](Self::box_of_hexes), with every cell divided into two wedges by a
+    /// vertical plane.
     ///
     /// # Errors
     /// As [`box_of_hexes`](Self::box_of_hexes).
@@ -69,7 +71,8 @@ impl Mesh {
         box_of(ElementKind::Wedge6, &TWO_WEDGES, low, high, cells, elements)
     }
 
-    /// The same with every cell cut into six tetrahedra around its diagonal.
+    /// A structured mesh of a box as [`box_of_hexes`](Self::box_of_hexes), with every cell divided into six tetrahedra
+    /// around its diagonal.
     ///
     /// # Errors
     /// As [`box_of_hexes`](Self::box_of_hexes).
@@ -82,9 +85,9 @@ impl Mesh {
         box_of(ElementKind::Tet4, &SIX_TETS, low, high, cells, elements)
     }
 
-    /// The same mesh with every node moved to `map` of its position (m); sets stay.
+    /// The same mesh with node positions mapped by `map` (m to m); sets are kept.
     ///
-    /// Whether the elements are still sound is the business of [`check`](Self::check).
+    /// The shapes of the mapped elements are checked by [`check`](Self::check).
     ///
     /// # Errors
     /// [`MeshError::CoordinateNotFinite`].

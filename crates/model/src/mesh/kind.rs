@@ -1,6 +1,6 @@
-//! Kinds of elements.
+//! Element kinds.
 
-/// The kind of an element; nodes in Gmsh's order.
+/// Geometric kind of a finite element, with its nodes in Gmsh's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum ElementKind {
@@ -31,7 +31,7 @@ const WEDGE_SIDES: [&[u8]; 5] = [
     &[2, 0, 3, 5],
 ];
 
-/// For each corner, itself and the three neighbours along edges, right-handed.
+/// Local nodes at each corner: the corner itself and its three neighbours along edges, right-handed.
 const HEX_CORNERS: [[u8; 4]; 8] = [
     [0, 1, 3, 4],
     [1, 2, 0, 5],
@@ -53,7 +53,7 @@ const WEDGE_CORNERS: [[u8; 4]; 6] = [
 ];
 
 impl ElementKind {
-    /// How many nodes.
+    /// Number of nodes of the kind.
     pub fn node_count(self) -> usize {
         match self {
             Self::Hex8 => 8,
@@ -62,7 +62,7 @@ impl ElementKind {
             Self::Bar2 => 2,
         }
     }
-    /// The name in messages and scenes.
+    /// Name of the kind in messages and scenes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Hex8 => "hex8",
@@ -71,7 +71,7 @@ impl ElementKind {
             Self::Bar2 => "bar2",
         }
     }
-    /// Whether the kind fills a volume.
+    /// Whether the kind is a solid (three-dimensional) element.
     pub fn is_solid(self) -> bool {
         !matches!(self, Self::Bar2)
     }
@@ -84,8 +84,8 @@ impl ElementKind {
             Self::Bar2 => &[],
         }
     }
-    /// For each corner: the corner and its three neighbours, whose edges form a right-handed
-    /// triad in a sound element.
+    /// Local nodes at each corner: the corner and its three neighbours, whose edges form a right-handed
+    /// triad in a valid element; empty for bars.
     pub fn corners(self) -> &'static [[u8; 4]] {
         match self {
             Self::Hex8 => &HEX_CORNERS,

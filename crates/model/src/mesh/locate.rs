@@ -1,41 +1,40 @@
-//! The element in which a point lies, and where in it.
+//! Location of points in elements (inverse isoparametric map).
 
 use super::select::lies_in;
 use super::{ElementKind, Mesh, MeshError};
 use crate::{Mat3, Vec3};
 
-/// Where a point lies in a mesh.
+/// Location of a point in a mesh: element, natural coordinates and interpolation weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Located {
     /// Mesh index of the element.
     pub element: u32,
-    /// Natural coordinates in it, see [`ElementKind::shape_functions`].
+    /// Natural coordinates in the element, see [`ElementKind::shape_functions`].
     pub natural: Vec3,
     /// Mesh indices of the element's nodes.
     pub nodes: Vec<u32>,
-    /// Weights of these nodes; they add up to one.
+    /// Values of the shape functions of these nodes at the point; they add up to one.
     pub weights: Vec<f64>,
-    /// How far the point was moved into the element (m); zero if it lies in it.
+    /// Distance by which the point was moved into the element (m); zero if it lies in it.
     pub moved: f64,
 }
 
 impl Located {
-    /// The value of a nodal field at the point, exact for fields that are linear in space.
+    /// Interpolated value of a nodal field at the point, exact for fields that are linear in space.
     pub fn interpolate(&self, field: impl Fn(u32) -> Vec3) -> Vec3 {
         let terms = self.nodes.iter().zip(&self.weights);
         terms.map(|(&node, &weight)| field(node) * weight).sum()
     }
 }
 
-/// Natural coordinates this far outside their range still count as inside, so that rounding
-/// loses no point between two elements.
+/// Tolerance of natural coordinates, so that rounding excludes no point between two elements.
 const SLACK: f64 = 1e-10;
 
 impl Mesh {
     /// Locates points (m) in the solid elements.
     ///
     /// A point outside by no more than 1e-6 of the diagonal of the nearest element's box is moved
-    /// to that element's surface. On a side or node that elements share, the first of them is taken.
+    /// to that element's surface. On a side or node shared by elements, the first of them is returned.
     /// Newton's method inverts the isoparametric map; the weights reproduce the point to rounding.
     /// The work is one pass over the elements, the memory that of the points alone.
     ///
@@ -57,8 +56,8 @@ impl Mesh {
         locate(self, points, all, |diagonal| 1e-6 * diagonal)
     }
 
-    /// Locates points (m) in some of the elements, such as those on one side of a joint; they may
-    /// be moved by up to `tolerance` (m), such as onto the chord of a round wall.
+    /// Locates points (m) in some of the elements, such as those on one side of a joint; points may lie outside
+    /// by up to `tolerance` (m), such as the distance of a round wall from its chord.
     ///
     /// # Errors
     /// As [`locate`](Self::locate).
@@ -149,7 +148,7 @@ fn element_box(mesh: &Mesh, element: u32) -> (Vec3, Vec3) {
     })
 }
 
-/// A place in an element and its distance from the point sought.
+/// A position in an element, and its distance (m) from the point to be located.
 #[derive(Clone, Copy)]
 struct Candidate {
     element: u32,
@@ -173,8 +172,8 @@ impl Candidate {
     }
 }
 
-/// The place of a point in an element; if it lies outside, the place that has the same natural
-/// coordinates moved into range.
+/// The position of a point in an element; for a point outside, the position with the natural
+/// coordinates clamped to their range.
 fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
     let kind = mesh.kind(element);
     let map = InverseMap::new(mesh, element, point);
@@ -184,7 +183,7 @@ fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
         natural: centre,
         moved: f64::INFINITY,
     };
-    // From the centre first; from near each corner where that leads outside, as it may in
+    // Start at the centre; then near each corner if the result is outside, as it may be in
     // strongly distorted elements.
     let corners = kind.natural_corners().iter();
     let starts = corners.map(|&corner| centre + 0.8 * (Vec3::from(corner) - centre));
@@ -192,18 +191,18 @@ fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
         let natural = map.solve(start);
         let range = kind.into_range(natural);
         let inside = (range - natural).amax() <= SLACK;
-        let place = if inside { natural } else { range };
-        let distance = map.residual(&place).norm();
+        let clamped = if inside { natural } else { range };
+        let distance = map.residual(&clamped).norm();
         let reached = inside && distance <= 1e-12 * map.size;
         let moved = if reached { 0.0 } else { distance };
         if moved < nearest.moved {
             nearest = Candidate {
                 element,
-                natural: place,
+                natural: clamped,
                 moved,
             };
         }
-        // The map of a tetrahedron is affine, others may reach the point a second time outside.
+        // The map of a tetrahedron is affine; those of other kinds may have a second solution outside.
         if reached || kind == ElementKind::Tet4 {
             break;
         }
@@ -211,17 +210,17 @@ fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
     nearest
 }
 
-/// The isoparametric map of one element, seen from the point whose natural coordinates are sought:
-/// in differences of positions nothing is lost however far the mesh lies from the origin.
+/// The isoparametric map of one element relative to the point to be located:
+/// differences of positions keep their digits however far the mesh is from the origin.
 struct InverseMap {
     kind: ElementKind,
-    /// Nodes, from the point (m).
+    /// Positions of the nodes relative to the point (m).
     offsets: [Vec3; MOST_NODES],
     /// Largest distance of a node from the first (m).
     size: f64,
 }
 
-/// The most nodes of any kind of element.
+/// Largest number of nodes of any kind of element.
 const MOST_NODES: usize = 8;
 
 impl InverseMap {
@@ -241,7 +240,7 @@ impl InverseMap {
         }
     }
 
-    /// Where the map puts natural coordinates, from the point (m).
+    /// Mapped position of natural coordinates relative to the point (m).
     fn residual(&self, natural: &Vec3) -> Vec3 {
         let mut values = [0.0; MOST_NODES];
         self.kind.shape_functions(natural, &mut values);
@@ -258,8 +257,8 @@ impl InverseMap {
             .sum()
     }
 
-    /// Newton's method from `start`, every step halved until it comes nearer; ends where no step
-    /// does, or far outside.
+    /// Newton's method from `start`, with steps halved until the distance decreases; ends where no step
+    /// decreases it, or far outside.
     fn solve(&self, start: Vec3) -> Vec3 {
         const STEPS: usize = 50;
         const FAR: f64 = 8.0;
@@ -288,7 +287,7 @@ impl InverseMap {
     }
 }
 
-/// Points in a grid of boxes, so that those in a given box are found at once.
+/// Points sorted into a regular grid of cells, for fast search of the points in a box.
 struct PointBuckets<'a> {
     points: &'a [Vec3],
     low: Vec3,
@@ -352,10 +351,10 @@ impl<'a> PointBuckets<'a> {
         buckets
     }
 
-    /// The cell of a place; places outside fall into the outermost cells.
-    fn cell(&self, place: &Vec3) -> [usize; 3] {
+    /// The cell of a position; positions outside belong to the outermost cells.
+    fn cell(&self, position: &Vec3) -> [usize; 3] {
         core::array::from_fn(|i| {
-            let along = (place[i] - self.low[i]) * self.density[i];
+            let along = (position[i] - self.low[i]) * self.density[i];
             (along.max(0.0) as usize).min(self.cells[i] - 1)
         })
     }

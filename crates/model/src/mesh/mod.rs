@@ -1,4 +1,4 @@
-//! Meshes with named sets.
+//! Finite element meshes with named sets.
 
 mod build;
 mod check;
@@ -28,19 +28,19 @@ pub use locate::Located;
 pub use select::Axis;
 pub use split::Split;
 
-/// One side of one element.
+/// A facet: one side of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Facet {
     /// Mesh index of the element.
     pub element: u32,
-    /// Which side, an index into [`ElementKind::sides`].
+    /// Index of the side in [`ElementKind::sides`].
     pub side: u8,
 }
 
-/// Nodes, elements and named sets.
+/// A finite element mesh: nodes, elements, and named sets of nodes, elements and facets.
 ///
-/// Inside the software nodes and elements are indices from 0 in the order of the file; the user's
-/// own numbers (tags) are kept and named in every message and result.
+/// Nodes and elements are addressed by mesh indices from 0 in the order of the file; the user's
+/// numbers (tags) are kept and used in all messages and results.
 ///
 /// ```
 /// use powerhouse_model::{ElementKind, Mesh, Vec3};
@@ -67,7 +67,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Starts an empty mesh.
+    /// A builder of a mesh, without nodes and elements.
     pub fn builder() -> MeshBuilder {
         MeshBuilder::default()
     }
@@ -83,33 +83,39 @@ impl Mesh {
     pub fn element_tags(&self) -> &[u64] {
         &self.element_tags
     }
-    /// How many nodes.
+    /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.positions.len()
     }
-    /// How many elements.
+    /// Number of elements.
     pub fn element_count(&self) -> usize {
         self.kinds.len()
     }
-    /// The kind of an element.
+    /// The kind of an element (mesh index).
     ///
     /// # Panics
-    /// If the index is out of range, as the next two.
+    /// If the index is out of range.
     pub fn kind(&self, element: u32) -> ElementKind {
         self.kinds[element as usize]
     }
-    /// The nodes of an element, in Gmsh's order.
+    /// Mesh indices of the nodes of an element, in Gmsh's order.
+    ///
+    /// # Panics
+    /// If the index is out of range.
     pub fn nodes_of(&self, element: u32) -> &[u32] {
         let element = element as usize;
         &self.connectivity[self.offsets[element] as usize..self.offsets[element + 1] as usize]
     }
-    /// The centroid of an element's nodes (m).
+    /// Centroid of the nodes of an element (m).
+    ///
+    /// # Panics
+    /// If the index is out of range.
     pub fn centroid(&self, element: u32) -> Vec3 {
         let nodes = self.nodes_of(element);
         let sum: Vec3 = nodes.iter().map(|&n| self.positions[n as usize]).sum();
         sum / nodes.len() as f64
     }
-    /// Lowest and highest corner of the box around all nodes (m).
+    /// Bounding box of all nodes: lower and upper corner (m).
     pub fn bounding_box(&self) -> (Vec3, Vec3) {
         let infinite = Vec3::repeat(f64::INFINITY);
         self.positions
@@ -118,18 +124,24 @@ impl Mesh {
                 (low.inf(p), high.sup(p))
             })
     }
-    /// Elements of a named set, in rising order.
+    /// Mesh indices of the elements of a named set, in rising order.
     ///
     /// # Errors
-    /// [`MeshError::NoSuchSet`] with the names that exist; so do the next two.
+    /// [`MeshError::NoSuchSet`] with the existing names.
     pub fn element_set(&self, name: &str) -> Result<&[u32], MeshError> {
         find("element", &self.element_sets, name)
     }
-    /// Nodes of a named set, in rising order.
+    /// Mesh indices of the nodes of a named set, in rising order.
+    ///
+    /// # Errors
+    /// [`MeshError::NoSuchSet`] with the existing names.
     pub fn node_set(&self, name: &str) -> Result<&[u32], MeshError> {
         find("node", &self.node_sets, name)
     }
-    /// Facets of a named set.
+    /// Facets of a named set, in rising order.
+    ///
+    /// # Errors
+    /// [`MeshError::NoSuchSet`] with the existing names.
     pub fn facet_set(&self, name: &str) -> Result<&[Facet], MeshError> {
         find("facet", &self.facet_sets, name)
     }
@@ -145,7 +157,7 @@ impl Mesh {
     pub fn facet_sets(&self) -> &BTreeMap<String, Vec<Facet>> {
         &self.facet_sets
     }
-    /// Adds or replaces a node set; duplicates vanish.
+    /// Adds or replaces a node set; duplicates are removed.
     ///
     /// # Errors
     /// [`MeshError::SetOutOfRange`].
@@ -156,7 +168,7 @@ impl Mesh {
         self.node_sets.insert(name.into(), nodes);
         Ok(())
     }
-    /// Adds or replaces an element set; duplicates vanish.
+    /// Adds or replaces an element set; duplicates are removed.
     ///
     /// # Errors
     /// [`MeshError::SetOutOfRange`].
@@ -167,7 +179,7 @@ impl Mesh {
         self.element_sets.insert(name.into(), elements);
         Ok(())
     }
-    /// Adds or replaces a facet set; duplicates vanish.
+    /// Adds or replaces a facet set; duplicates are removed.
     ///
     /// # Errors
     /// [`MeshError::SetOutOfRange`], [`MeshError::NoSuchSide`].

@@ -1,18 +1,18 @@
-//! Nodes near facets.
+//! Nodes within a distance of facets.
 
 use std::collections::HashMap;
 
 use super::Mesh;
 use crate::{Facet, Vec3};
 
-/// A node that is closer by less than this share of the width is not closer.
+/// Share of the width by which a node must be closer.
 const TOLERANCE: f64 = 1e-6;
 
 impl Mesh {
-    /// Which nodes belong to facets or are closer to one than a width (m), by mesh index.
+    /// Flags of the nodes (by mesh index) that belong to facets or are closer to one than a width (m).
     ///
-    /// A node that is closer by less than a millionth of the width is not closer: elements whose
-    /// edges are as long as the width make one layer.
+    /// A node must be closer by at least a millionth of the width, so that elements with
+    /// edges as long as the width form one layer.
     pub fn nodes_near(&self, facets: &[Facet], width: f64) -> Vec<bool> {
         let mut near = vec![false; self.node_count()];
         let mut triangles: Vec<[Vec3; 3]> = Vec::new();
@@ -36,32 +36,32 @@ impl Mesh {
         }
         // Cells as wide as a triangle and the reach: each triangle is in a few, each node in one.
         let cell = longest.max(reach);
-        let place = |x: f64| (x / cell).floor() as i64;
+        let index = |x: f64| (x / cell).floor() as i64;
         let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-        for (index, [a, b, c]) in triangles.iter().enumerate() {
+        for (triangle, [a, b, c]) in triangles.iter().enumerate() {
             let margin = Vec3::repeat(reach);
-            let low = (a.inf(b).inf(c) - margin).map(place);
-            let high = (a.sup(b).sup(c) + margin).map(place);
+            let low = (a.inf(b).inf(c) - margin).map(index);
+            let high = (a.sup(b).sup(c) + margin).map(index);
             for x in low.x..=high.x {
                 for y in low.y..=high.y {
                     for z in low.z..=high.z {
-                        cells.entry([x, y, z]).or_default().push(index);
+                        cells.entry([x, y, z]).or_default().push(triangle);
                     }
                 }
             }
         }
         for (position, near) in self.positions().iter().zip(&mut near) {
-            let at = position.map(place);
+            let at = position.map(index);
             let around = cells.get(&[at.x, at.y, at.z]).into_iter().flatten();
             let mut distances =
-                around.map(|&index| (closest(&triangles[index], position) - position).norm());
+                around.map(|&i| (closest(&triangles[i], position) - position).norm());
             *near = *near || distances.any(|distance| distance < reach);
         }
         near
     }
 }
 
-/// The point of a triangle that is closest to a point: within it, or on one of its sides.
+/// The point of a triangle closest to a given point: within it, or on one of its sides.
 fn closest(&[a, b, c]: &[Vec3; 3], point: &Vec3) -> Vec3 {
     let normal = (b - a).cross(&(c - a));
     let is_within = |from: &Vec3, to: &Vec3| normal.dot(&(to - from).cross(&(point - from))) >= 0.0;

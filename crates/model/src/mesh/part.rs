@@ -1,16 +1,16 @@
-//! Parts of a mesh: some of its elements, or those in a box, whose faces then stand where it ends.
+//! Submeshes: the mesh of some elements, or of those in a box.
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::{Axis, Facet, Mesh, MeshError, Vec3};
 
-/// What differs by less than this share of the mesh's diagonal is the same.
+/// Share of the mesh's diagonal below which coordinates count as equal.
 const TOLERANCE: f64 = 1e-6;
 
 impl Mesh {
-    /// The mesh of some elements with their numbers and those of their nodes.
+    /// The submesh of some elements (mesh indices), with the numbers of elements and nodes.
     ///
-    /// Sets keep what of them is left, down to nothing; facets of elements that are left out go.
+    /// Sets keep their members in the submesh and may become empty; facets of other elements are removed.
     ///
     /// # Errors
     /// [`MeshError::Empty`] if no elements are given, [`MeshError::SetOutOfRange`] if one does not exist.
@@ -47,18 +47,18 @@ impl Mesh {
             builder.element(tag, self.kind(element), &corners, &[] as &[&str]);
         }
         let mut part = builder.build()?;
-        let place = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|place| place as u32);
+        let index = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|index| index as u32);
         for (name, elements) in &self.element_sets {
-            let left = elements.iter().filter_map(|e| place(&kept, e)).collect();
+            let left = elements.iter().filter_map(|e| index(&kept, e)).collect();
             part.set_element_set(name, left)?;
         }
         for (name, set) in &self.node_sets {
-            let left = set.iter().filter_map(|node| place(&nodes, node)).collect();
+            let left = set.iter().filter_map(|node| index(&nodes, node)).collect();
             part.set_node_set(name, left)?;
         }
         for (name, facets) in &self.facet_sets {
             let left = facets.iter().filter_map(|facet| {
-                let element = place(&kept, &facet.element)?;
+                let element = index(&kept, &facet.element)?;
                 Some(Facet { element, ..*facet })
             });
             part.set_facet_set(name, left.collect())?;
@@ -66,15 +66,15 @@ impl Mesh {
         Ok(part)
     }
 
-    /// The elements whose [centroids](Self::centroid) lie in a closed box (m), as
-    /// [`of_elements`](Self::of_elements), with the faces of the mesh where it now ends.
+    /// The submesh of the elements whose [centroids](Self::centroid) lie in a closed box (m), as
+    /// [`of_elements`](Self::of_elements), with the facet sets of its new outer faces.
     ///
-    /// A facet set that covers a whole plane side of the mesh covers what takes the place of that side:
-    /// such a set may absorb or be held as before. Sets of parts of a side, and sets of nodes, keep what is
-    /// left of them. Where layers of elements are not plane the new side has steps.
+    /// A facet set that covers a whole plane side of the mesh covers the new side of the submesh in its place, so that
+    /// boundary conditions on the set remain valid. Other facet sets and node sets keep their members in the submesh.
+    /// Where layers of elements are not plane the new side has steps.
     ///
     /// # Errors
-    /// [`MeshError::NothingWithin`] if no solid element lies there.
+    /// [`MeshError::NothingWithin`] if the box contains no solid element.
     ///
     /// ```
     /// use powerhouse_model::{Mesh, Vec3};
@@ -107,8 +107,8 @@ impl Mesh {
         Ok(part)
     }
 
-    /// The plane sides of the mesh beyond which a box does not reach, with what takes their places: each
-    /// facet that has lost its neighbour goes to the side beyond which that lies farthest.
+    /// The plane sides of the mesh with the facets of the submesh that replace them: each
+    /// facet without its former neighbour belongs to the side beyond which that neighbour lies farthest.
     fn cut_sides(&self, kept: &[u32], (low, high): (&Vec3, &Vec3)) -> Vec<CutSide> {
         let (least, greatest) = self.bounding_box();
         let tolerance = TOLERANCE * (greatest - least).norm();
@@ -119,7 +119,7 @@ impl Mesh {
             nodes
         };
         let surface: BTreeSet<Facet> = self.boundary_facets().into_iter().collect();
-        let mut bare: HashMap<Vec<u32>, Facet> = (self.boundary_facets_of(is_kept).into_iter())
+        let mut exposed: HashMap<Vec<u32>, Facet> = (self.boundary_facets_of(is_kept).into_iter())
             .filter(|facet| !surface.contains(facet))
             .map(|facet| (sorted(facet), facet))
             .collect();
@@ -143,7 +143,7 @@ impl Mesh {
         for element in (0..self.element_count() as u32).filter(|&element| !is_kept(element)) {
             let centroid = self.centroid(element);
             for side in 0..self.kind(element).sides().len() as u8 {
-                let Some(facet) = bare.remove(&sorted(Facet { element, side })) else {
+                let Some(facet) = exposed.remove(&sorted(Facet { element, side })) else {
                     continue;
                 };
                 let beyond =
@@ -151,8 +151,8 @@ impl Mesh {
                 let farthest = sides
                     .iter_mut()
                     .max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
-                if let (Some(side), Ok(place)) = (farthest, kept.binary_search(&facet.element)) {
-                    let element = place as u32;
+                if let (Some(side), Ok(index)) = (farthest, kept.binary_search(&facet.element)) {
+                    let element = index as u32;
                     side.new.push(Facet { element, ..facet });
                 }
             }
@@ -161,21 +161,21 @@ impl Mesh {
     }
 }
 
-/// A plane side of a mesh that is cut off.
+/// A plane side of a mesh, and its replacement in the submesh.
 struct CutSide {
     axis: Axis,
-    /// Whether it looks along its axis or against it.
+    /// Sign of its outward normal along the axis.
     sign: f64,
-    /// Where the box ends (m).
+    /// Bound of the box at this side (m).
     bound: f64,
-    /// Its facets.
+    /// Facets of the side in the mesh.
     old: Vec<Facet>,
-    /// Those of the part that take their place.
+    /// Facets of the submesh that replace them.
     new: Vec<Facet>,
 }
 
 impl CutSide {
-    /// Whether facets hold all of the side.
+    /// Whether a facet set covers the whole side.
     fn is_covered_by(&self, facets: &BTreeSet<&Facet>) -> bool {
         !self.old.is_empty() && self.old.iter().all(|old| facets.contains(old))
     }

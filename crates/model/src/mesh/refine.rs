@@ -1,19 +1,19 @@
-//! Every element cut into smaller ones of its kind.
+//! Uniform refinement: every element divided into smaller ones of its kind.
 
 use std::collections::HashMap;
 
 use super::{ElementKind, Facet, Mesh, MeshError, Vec3};
 
 impl Mesh {
-    /// The mesh with every element cut at the middles of its edges: a solid into eight of its kind, a bar into
-    /// two if it lies along an edge of a solid.
+    /// The uniformly refined mesh: every solid element divided at the midpoints of its edges into eight of its kind, and
+    /// every bar along an edge of a solid into two.
     ///
-    /// The body stays the same: new nodes lie halfway between those of an element, on the sides that it has,
-    /// and do not follow what it stands for. Old nodes keep their places and numbers; new ones follow,
-    /// numbered from the greatest number on. The parts of an element have its number behind a digit of
-    /// their own: of at most 15,840 elements number 12 becomes 100012 to 800012, so that no old number names a
-    /// new element. Sets of elements and facets hold the parts of what they held, sets of nodes also the new
-    /// nodes between nodes of theirs that belong to one edge, side or element.
+    /// The geometry of the body is unchanged: new nodes are midpoints of the element's nodes and are not projected
+    /// onto curved surfaces. Old nodes keep their indices and numbers; new ones follow,
+    /// numbered from the greatest number on. The numbers of the parts of an element are its number with a leading
+    /// digit: in a mesh with numbers up to 15840, number 12 becomes 100012 to 800012, so that no old number is that of a
+    /// new element. Element and facet sets contain the parts of their members, node sets also the new
+    /// nodes whose parent nodes, on one edge, side or element, are all members.
     ///
     /// # Errors
     /// [`MeshError::TooLarge`], [`MeshError::Numbers`].
@@ -29,16 +29,16 @@ impl Mesh {
     /// # Ok::<(), powerhouse_model::MeshError>(())
     /// ```
     pub fn refined(&self) -> Result<Self, MeshError> {
-        let cuts = Cuts::new();
-        self.check_refined_size(&cuts)?;
+        let subdivisions = Subdivisions::new();
+        self.check_refined_size(&subdivisions)?;
         let stride = self.number_stride()?;
         let mut new = NewNodes::of(self);
-        // Nodes of the parts of all solids: bars are cut where these have a node.
+        // Nodes of the parts of all solids: bars are divided where these have a node.
         let mut of_solids = Vec::new();
         for element in self.solids() {
-            let cut = cuts.of(self, element);
-            let points = new.points_of(self, element, cut);
-            let corners = cut.parts.iter().flatten();
+            let subdivision = subdivisions.of(self, element);
+            let points = new.points_of(self, element, subdivision);
+            let corners = subdivision.parts.iter().flatten();
             of_solids.extend(corners.map(|&point| points[point as usize]));
         }
         let mut fine = Self {
@@ -48,7 +48,7 @@ impl Mesh {
             ..Self::default()
         };
         let mut of_solids = of_solids.into_iter();
-        // Where the parts of each element start, and where the last ones end.
+        // First part of each element, and the number of all parts at the end.
         let mut firsts = vec![0];
         for element in 0..self.element_count() as u32 {
             let kind = self.kind(element);
@@ -59,7 +59,7 @@ impl Mesh {
                     None => nodes.to_vec(),
                 },
                 _ => {
-                    let corners = cuts.of(self, element).parts.iter().map(Vec::len);
+                    let corners = subdivisions.of(self, element).parts.iter().map(Vec::len);
                     of_solids.by_ref().take(corners.sum()).collect()
                 }
             };
@@ -79,7 +79,7 @@ impl Mesh {
             .ok_or(MeshError::Numbers { what: "node" })?;
         fine.node_tags
             .extend((greatest..last).map(|number| number + 1));
-        self.refine_sets(&mut fine, (&cuts, &firsts, &new))?;
+        self.refine_sets(&mut fine, &subdivisions, &firsts, &new)?;
         fine.positions.append(&mut new.positions);
         Ok(fine)
     }
@@ -88,10 +88,10 @@ impl Mesh {
         (0..self.element_count() as u32).filter(|&element| self.kind(element).is_solid())
     }
 
-    /// Whether the parts can be numbered inside: each corner of one has a place.
-    fn check_refined_size(&self, cuts: &Cuts) -> Result<(), MeshError> {
+    /// Refuses refined meshes whose element corners exceed the range of indices.
+    fn check_refined_size(&self, subdivisions: &Subdivisions) -> Result<(), MeshError> {
         let corners = |element| {
-            let parts = cuts.of(self, element).parts.iter();
+            let parts = subdivisions.of(self, element).parts.iter();
             parts.map(Vec::len).sum::<usize>()
         };
         let count: usize = (0..self.element_count() as u32).map(corners).sum();
@@ -105,22 +105,24 @@ impl Mesh {
         }
     }
 
-    /// The least power of ten above all numbers of elements, with room for a digit before it.
+    /// Least power of ten above all element numbers, such that a leading digit fits 64 bits.
     fn number_stride(&self) -> Result<u64, MeshError> {
         let greatest = self.element_tags.iter().copied().max().unwrap_or(0);
-        let room = |stride: &u64| *stride < u64::MAX / 10;
+        let fits = |stride: &u64| *stride < u64::MAX / 10;
         let mut powers = (0..)
             .map_while(|power| 10_u64.checked_pow(power))
-            .take_while(room);
+            .take_while(fits);
         let stride = powers.find(|stride| *stride > greatest);
         stride.ok_or(MeshError::Numbers { what: "element" })
     }
 
-    /// Gives the sets of the mesh to the parts of its elements, which start at `firsts`.
+    /// Transfers the sets of the mesh to the parts of its elements, whose indices start at `firsts`.
     fn refine_sets(
         &self,
         fine: &mut Self,
-        (cuts, firsts, new): (&Cuts, &[u32], &NewNodes),
+        subdivisions: &Subdivisions,
+        firsts: &[u32],
+        new: &NewNodes,
     ) -> Result<(), MeshError> {
         for (name, elements) in &self.element_sets {
             let parts = |&element: &u32| firsts[element as usize]..firsts[element as usize + 1];
@@ -135,7 +137,8 @@ impl Mesh {
         for (name, facets) in &self.facet_sets {
             let parts = facets.iter().flat_map(|facet| {
                 let first = firsts[facet.element as usize];
-                let parts = &cuts.of(self, facet.element).sides[facet.side as usize];
+                let subdivision = subdivisions.of(self, facet.element);
+                let parts = &subdivision.sides[facet.side as usize];
                 parts.iter().map(move |&(part, side)| Facet {
                     element: first + part,
                     side,
@@ -147,17 +150,16 @@ impl Mesh {
     }
 }
 
-/// Nodes that stand between others.
+/// New nodes, at midpoints of their parent nodes.
 struct NewNodes {
-    /// Nodes of the mesh before.
+    /// Number of nodes of the coarse mesh.
     old: usize,
     positions: Vec<Vec3>,
-    /// The new node between the ends of an edge or the corners of a side, in rising order; the places of
-    /// two that an edge lacks are filled with `u32::MAX`, which is no node.
+    /// The new node of an edge or side, by its parent nodes in rising order, filled up with `u32::MAX`.
     shared: HashMap<[u32; 4], u32>,
-    /// Between which nodes each of them stands, one after the other.
+    /// Parent nodes of all new nodes, as a flat list.
     parents: Vec<u32>,
-    /// Where those of each start, and where the last ones end.
+    /// Start of the parents of each new node, and the length of the list at the end.
     starts: Vec<usize>,
 }
 
@@ -174,15 +176,15 @@ impl NewNodes {
         }
     }
 
-    /// The nodes at the points of an element, those that do not stand yet being made.
-    fn points_of(&mut self, mesh: &Mesh, element: u32, cut: &Cut) -> Vec<u32> {
+    /// The nodes at the points of a divided element; new ones are created.
+    fn points_of(&mut self, mesh: &Mesh, element: u32, subdivision: &Subdivision) -> Vec<u32> {
         let of_element = mesh.nodes_of(element);
-        let point = |between: &Between| {
-            let mut nodes: Vec<u32> = between.iter().map(|&i| of_element[i as usize]).collect();
+        let point = |parents: &Parents| {
+            let mut nodes: Vec<u32> = parents.iter().map(|&i| of_element[i as usize]).collect();
             if let [node] = nodes[..] {
                 return node;
             }
-            // In one order whichever element asks, so that it stands in one place.
+            // Summed in the same order for every element, so that the position is the same.
             nodes.sort_unstable();
             let key = key_of(&nodes);
             if let Some(&node) = key.as_ref().and_then(|key| self.shared.get(key)) {
@@ -198,17 +200,17 @@ impl NewNodes {
             self.starts.push(self.parents.len());
             new
         };
-        cut.points.iter().map(point).collect()
+        subdivision.points.iter().map(point).collect()
     }
 
-    /// The node in the middle of an edge, if there is one.
+    /// The node at the midpoint of an edge, if there is one.
     fn middle(&self, ends: &[u32]) -> Option<u32> {
         let mut ends = ends.to_vec();
         ends.sort_unstable();
         self.shared.get(&key_of(&ends)?).copied()
     }
 
-    /// The new nodes all of whose parents are among some nodes, given and found in rising order.
+    /// The new nodes whose parents are all among some nodes; both in rising order.
     fn among(&self, nodes: &[u32]) -> impl Iterator<Item = u32> {
         let mut is_among = vec![false; self.old];
         for &node in nodes {
@@ -225,50 +227,50 @@ impl NewNodes {
     }
 }
 
-/// Sorted nodes of an edge or a side; none for those of a whole element, which shares its middle with none.
+/// Key of the sorted nodes of an edge or side; none for those of a whole element, whose midpoint is not shared.
 fn key_of(sorted: &[u32]) -> Option<[u32; 4]> {
     let mut key = [u32::MAX; 4];
     key.get_mut(..sorted.len())?.copy_from_slice(sorted);
     Some(key)
 }
 
-/// Nodes of an element between which a point lies halfway, in rising order; one for the node itself.
-type Between = Vec<u8>;
+/// Local nodes of an element whose midpoint is a point of its subdivision, in rising order; one for the node itself.
+type Parents = Vec<u8>;
 
-/// How an element is cut.
-struct Cut {
-    /// The points at which its parts have nodes.
-    points: Vec<Between>,
-    /// The points of the nodes of each part.
+/// Subdivision of an element into parts of its kind.
+struct Subdivision {
+    /// Points at which the parts have nodes.
+    points: Vec<Parents>,
+    /// Indices of the points of the nodes of each part.
     parts: Vec<Vec<u8>>,
-    /// For each side of the whole the sides of parts that lie on it, with the number of the part.
+    /// For each side of the element the sides of parts on it, as index of the part and side.
     sides: Vec<Vec<(u32, u8)>>,
 }
 
-impl Cut {
-    fn new(kind: ElementKind, mut parts: Vec<Vec<Between>>) -> Self {
-        for between in parts.iter_mut().flatten() {
-            between.sort_unstable();
+impl Subdivision {
+    fn new(kind: ElementKind, mut parts: Vec<Vec<Parents>>) -> Self {
+        for parents in parts.iter_mut().flatten() {
+            parents.sort_unstable();
         }
-        let mut points: Vec<Between> = parts.iter().flatten().cloned().collect();
+        let mut points: Vec<Parents> = parts.iter().flatten().cloned().collect();
         points.sort_unstable();
         points.dedup();
-        let lies_on = |part: &[Between], side: &[u8], whole: &[u8]| {
+        let lies_on = |part: &[Parents], side: &[u8], whole: &[u8]| {
             let mut parents = side.iter().flat_map(|&node| &part[node as usize]);
             parents.all(|parent| whole.contains(parent))
         };
         let on_side = |whole: &&[u8]| {
-            let of_part = |(place, part): (usize, &Vec<Between>)| {
+            let of_part = |(index, part): (usize, &Vec<Parents>)| {
                 let sides = kind.sides().iter().enumerate();
                 let on = sides.filter(|(_, side)| lies_on(part, side, whole));
-                on.map(|(side, _)| (place as u32, side as u8)).collect()
+                on.map(|(side, _)| (index as u32, side as u8)).collect()
             };
             let found: Vec<Vec<(u32, u8)>> = parts.iter().enumerate().map(of_part).collect();
             found.concat()
         };
         let sides = kind.sides().iter().map(on_side).collect();
-        let place = |point: &Between| points.partition_point(|other| other < point) as u8;
-        let parts = parts.iter().map(|part| part.iter().map(place).collect());
+        let index = |point: &Parents| points.partition_point(|other| other < point) as u8;
+        let parts = parts.iter().map(|part| part.iter().map(index).collect());
         Self {
             sides,
             parts: parts.collect(),
@@ -277,25 +279,25 @@ impl Cut {
     }
 }
 
-/// The opposite edges of a tetrahedron. Between the middles of two lies a diagonal of the octahedron that its
-/// four corners leave; the other middles stand around it, counter-clockwise seen from the second one, in the
-/// order of [`Cuts::around`].
+/// The pairs of opposite edges of a tetrahedron. The midpoints of a pair are the ends of a diagonal of the octahedron
+/// that remains without the four corners; the other midpoints surround it, counter-clockwise seen from the second end, in
+/// the order of [`Subdivisions::around`].
 const OPPOSITE_EDGES: [[[u8; 2]; 2]; 3] = [[[0, 1], [3, 2]], [[0, 2], [1, 3]], [[0, 3], [2, 1]]];
 
-/// How elements of all kinds are cut.
-struct Cuts {
-    hexahedron: Cut,
-    wedge: Cut,
-    bar: Cut,
-    /// With the octahedron cut along each of its diagonals.
-    tetrahedron: [Cut; 3],
+/// Subdivisions of all element kinds.
+struct Subdivisions {
+    hexahedron: Subdivision,
+    wedge: Subdivision,
+    bar: Subdivision,
+    /// With the octahedron divided along each of its diagonals.
+    tetrahedron: [Subdivision; 3],
 }
 
-impl Cuts {
+impl Subdivisions {
     fn new() -> Self {
         let mut wedge = corner_parts(ElementKind::Wedge6);
         for level in [0, 3] {
-            // What the corners leave: the triangle of the middles of a triangle's edges.
+            // The remainder without the corners: the triangle of the midpoints of a triangle's edges.
             let node = |n: u8| {
                 let edge = [(n + 1) % 3, (n + 2) % 3];
                 let levels: &[u8] = if n / 3 == level / 3 {
@@ -309,12 +311,12 @@ impl Cuts {
             wedge.push((0..6).map(node).collect());
         }
         Self {
-            hexahedron: Cut::new(ElementKind::Hex8, corner_parts(ElementKind::Hex8)),
-            wedge: Cut::new(ElementKind::Wedge6, wedge),
-            bar: Cut::new(ElementKind::Bar2, corner_parts(ElementKind::Bar2)),
+            hexahedron: Subdivision::new(ElementKind::Hex8, corner_parts(ElementKind::Hex8)),
+            wedge: Subdivision::new(ElementKind::Wedge6, wedge),
+            bar: Subdivision::new(ElementKind::Bar2, corner_parts(ElementKind::Bar2)),
             tetrahedron: OPPOSITE_EDGES.map(|edges| {
                 let parts = corner_parts(ElementKind::Tet4).into_iter();
-                Cut::new(
+                Subdivision::new(
                     ElementKind::Tet4,
                     parts.chain(Self::around(edges)).collect(),
                 )
@@ -323,7 +325,7 @@ impl Cuts {
     }
 
     /// The four tetrahedra around the diagonal of an octahedron.
-    fn around([first, second]: [[u8; 2]; 2]) -> [Vec<Between>; 4] {
+    fn around([first, second]: [[u8; 2]; 2]) -> [Vec<Parents>; 4] {
         let ([a, b], [c, d]) = (first, second);
         let ring = [[a, c], [c, b], [b, d], [d, a]];
         [0, 1, 2, 3].map(|i| {
@@ -332,8 +334,8 @@ impl Cuts {
         })
     }
 
-    /// How an element is cut; the octahedron in a tetrahedron along its shortest diagonal.
-    fn of(&self, mesh: &Mesh, element: u32) -> &Cut {
+    /// The subdivision of an element; the octahedron in a tetrahedron is divided along its shortest diagonal.
+    fn of(&self, mesh: &Mesh, element: u32) -> &Subdivision {
         match mesh.kind(element) {
             ElementKind::Hex8 => &self.hexahedron,
             ElementKind::Wedge6 => &self.wedge,
@@ -353,16 +355,16 @@ impl Cuts {
 }
 
 /// The part at each corner of an element: the element itself, half as large, with that corner in common.
-fn corner_parts(kind: ElementKind) -> Vec<Vec<Between>> {
+fn corner_parts(kind: ElementKind) -> Vec<Vec<Parents>> {
     let nodes = 0..kind.node_count() as u8;
-    // Of which point of each factor (three axes, or a triangle and a line) a node is.
+    // The point of each factor (three axes, or a triangle and a line) of which a node is the product.
     let point = |node: u8| match kind {
         ElementKind::Hex8 => kind.natural_corners()[node as usize].map(|x| u8::from(x > 0.0)),
         ElementKind::Wedge6 => [node % 3, node / 3, 0],
         ElementKind::Tet4 | ElementKind::Bar2 => [node, 0, 0],
     };
-    // The nodes of the smallest edge, side or element that has both.
-    let span = |a: u8, b: u8| -> Between {
+    // The nodes of the smallest edge, side or element that contains both.
+    let span = |a: u8, b: u8| -> Parents {
         let (a, b) = (point(a), point(b));
         let holds = |node: &u8| (0..3).all(|i| [a[i], b[i]].contains(&point(*node)[i]));
         nodes.clone().filter(holds).collect()

@@ -1,29 +1,29 @@
-//! Sets chosen by geometry, for meshes without names.
+//! Selection of nodes, elements and facets by geometry or by name.
 
 use super::{Facet, Mesh, MeshError};
 use crate::Vec3;
 
-/// An axis of space.
+/// A coordinate axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Axis {
-    /// The first horizontal axis.
+    /// The first horizontal axis, x.
     X,
-    /// The second horizontal axis.
+    /// The second horizontal axis, y.
     Y,
-    /// Upwards.
+    /// The vertical axis z, upwards.
     Z,
 }
 
 impl Axis {
-    /// Its place among coordinates: 0, 1 or 2.
+    /// Index of the coordinate: 0, 1 or 2.
     pub fn index(self) -> usize {
         self as usize
     }
-    /// Its unit vector.
+    /// Unit vector along the axis.
     pub fn unit(self) -> Vec3 {
         Vec3::ith(self.index(), 1.0)
     }
-    /// `x`, `y` or `z`.
+    /// Letter of the axis: `x`, `y` or `z`.
     pub fn name(self) -> char {
         ['x', 'y', 'z'][self.index()]
     }
@@ -70,7 +70,7 @@ impl Mesh {
         sorted_once(nodes.copied().collect())
     }
 
-    /// The nodes of a set of any kind, in rising order: of the node set of this name; if there is none,
+    /// The nodes of a named set of any kind, in rising order: of the node set of this name; if there is none,
     /// of the facet set; if there is none either, of the element set.
     ///
     /// # Errors

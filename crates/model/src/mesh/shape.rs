@@ -103,7 +103,7 @@ impl ElementKind {
         }
     }
 
-    /// Natural coordinates of the centre.
+    /// Natural coordinates of the centroid.
     pub fn natural_centre(self) -> Vec3 {
         match self {
             Self::Hex8 | Self::Bar2 => Vec3::zeros(),
@@ -112,7 +112,7 @@ impl ElementKind {
         }
     }
 
-    /// Natural coordinates moved into the element's own range; unchanged if they lie in it.
+    /// Natural coordinates clamped to the range of the element.
     pub(super) fn into_range(self, natural: Vec3) -> Vec3 {
         let clamp = |value: f64| value.clamp(-1.0, 1.0);
         match self {

@@ -1,16 +1,16 @@
-//! Which sides of elements lie on the same nodes.
+//! Adjacency of element sides with the same nodes.
 
 use super::{Facet, Mesh};
 
-/// Facets in buckets by the lowest of their nodes; eight bytes a facet, four a node.
+/// Table of facets in buckets by their lowest node; eight bytes a facet, four a node.
 pub(super) struct SideTable {
-    /// Where the bucket of each node starts.
+    /// Start of the bucket of each node.
     starts: Vec<u32>,
     /// Facets, inside a bucket in the order of their sorted nodes, then of the facets themselves.
     facets: Vec<Facet>,
 }
 
-/// Sorted nodes of a side; `u32::MAX`, which is no node, fills the place of a missing fourth.
+/// Sorted nodes of a side; a missing fourth is `u32::MAX`.
 type Key = [u32; 4];
 
 fn key_of(nodes: impl Iterator<Item = u32>) -> Option<Key> {
@@ -27,8 +27,8 @@ impl Mesh {
         let nodes = self.nodes_of(facet.element);
         let side = self.kind(facet.element).sides()[facet.side as usize];
         let mut key = [u32::MAX; 4];
-        for (place, &corner) in key.iter_mut().zip(side) {
-            *place = nodes[corner as usize];
+        for (entry, &corner) in key.iter_mut().zip(side) {
+            *entry = nodes[corner as usize];
         }
         key.sort_unstable();
         key
@@ -40,16 +40,16 @@ impl Mesh {
         })
     }
 
-    /// Sides of elements that lie on no other element: the surface of the mesh, holes included, in
+    /// The facets of the surface of the mesh, cavities included: sides of elements without a neighbour, in
     /// rising order.
     ///
-    /// A quadrilateral side that meets two triangles counts as surface, and so do they.
+    /// A quadrilateral side next to two triangles counts as surface, and so do the triangles.
     pub fn boundary_facets(&self) -> Vec<Facet> {
         SideTable::of_all(self).alone(self)
     }
 
-    /// The surface of a part of the mesh, as [`boundary_facets`](Self::boundary_facets): sides of
-    /// the elements chosen that lie on no other element chosen.
+    /// The facets of the surface of the chosen elements, as [`boundary_facets`](Self::boundary_facets): their sides without
+    /// a chosen neighbour.
     ///
     /// ```
     /// use powerhouse_model::{Mesh, Vec3};
@@ -62,7 +62,7 @@ impl Mesh {
         SideTable::of(self, |facet| chosen(facet.element)).alone(self)
     }
 
-    /// Those of the sides chosen that lie on no other side chosen, in rising order.
+    /// The chosen sides without a chosen neighbour, in rising order; `chosen` decides by the sorted nodes of a side.
     pub(super) fn alone_among(&self, chosen: impl Fn(&[u32]) -> bool) -> Vec<Facet> {
         SideTable::of(self, |facet| {
             let key = self.side_key(facet);
@@ -94,9 +94,9 @@ impl SideTable {
         let mut facets = vec![nothing; starts[mesh.node_count()] as usize];
         let mut next = starts.clone();
         for facet in sides() {
-            let place = &mut next[mesh.side_key(facet)[0] as usize];
-            facets[*place as usize] = facet;
-            *place += 1;
+            let end = &mut next[mesh.side_key(facet)[0] as usize];
+            facets[*end as usize] = facet;
+            *end += 1;
         }
         for node in 0..mesh.node_count() {
             let bucket = starts[node] as usize..starts[node + 1] as usize;
@@ -105,7 +105,7 @@ impl SideTable {
         Self { starts, facets }
     }
 
-    /// All facets on these nodes, in any order: none, one on the surface, two inside.
+    /// All facets with these nodes, given in any order: none, one on the surface, two inside.
     pub(super) fn with_nodes(&self, mesh: &Mesh, nodes: &[u32]) -> &[Facet] {
         let Some(key) = key_of(nodes.iter().copied()).filter(|key| key[2] != u32::MAX) else {
             return &[];
@@ -117,7 +117,7 @@ impl SideTable {
         &bucket[from..to]
     }
 
-    /// Facets that lie on each other, pair by pair.
+    /// Pairs of facets with the same nodes.
     pub(super) fn neighbours(&self, mesh: &Mesh) -> Vec<[Facet; 2]> {
         self.facets
             .chunk_by(|&a, &b| mesh.side_key(a) == mesh.side_key(b))

@@ -1,23 +1,23 @@
-//! One layer of a mesh that is the same all along an axis.
+//! One layer of elements of a mesh extruded along an axis.
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::{Axis, Facet, Mesh, MeshError};
 
-/// What differs by less than this share of the extent along the axis is the same.
+/// Share of the extent along the axis below which coordinates count as equal.
 const TOLERANCE: f64 = 1e-6;
 
 impl Mesh {
-    /// The elements that a plane across an axis cuts, one layer of a mesh that is the same all along
-    /// it, with their numbers.
+    /// The plane slice at a coordinate `at` (m): the layer of elements that a plane normal to an axis cuts in a mesh
+    /// extruded along it, with their numbers.
     ///
-    /// Sets keep what of them is in the layer. Facet sets on the ends of the mesh become those of the
-    /// layer's own sides, so that what held the ends of the body holds the slice: with both on rollers
-    /// it is in plane strain. Sets without anything in the layer are empty.
+    /// Sets keep their members in the layer and may become empty. Facet sets on the ends of the mesh are moved to the
+    /// sides of the layer, so that supports of the ends act on the slice: with rollers on both sides
+    /// it is in plane strain.
     ///
     /// # Errors
-    /// [`MeshError::NoSlice`]; [`MeshError::NotExtruded`] if an element of the layer reaches beyond
-    /// it, or if the layer's volume is not the share of the whole that its thickness is.
+    /// [`MeshError::NoSlice`]; [`MeshError::NotExtruded`] if an element of the layer extends beyond
+    /// it, or if the layer's share of the volume differs from its share of the extent.
     ///
     /// ```
     /// use powerhouse_model::{Axis, Mesh, Vec3};
@@ -52,10 +52,10 @@ impl Mesh {
             });
         };
         let (from, to) = reach(first);
-        let astray = |&node: &u32| {
+        let is_outside = |&node: &u32| {
             (along(node) - from).abs() > tolerance && (along(node) - to).abs() > tolerance
         };
-        let reaches_beyond = |&&element: &&u32| self.nodes_of(element).iter().any(astray);
+        let reaches_beyond = |&&element: &&u32| self.nodes_of(element).iter().any(is_outside);
         let layer = self.volume_of(&kept) / (to - from);
         let solids = (0..self.element_count() as u32).filter(|&e| self.kind(e).is_solid());
         let share = layer * (high - low) / self.volume_of(&solids.collect::<Vec<u32>>());
@@ -70,7 +70,8 @@ impl Mesh {
         self.layer(&kept, axis, [(low, from), (high, to)], tolerance)
     }
 
-    /// The mesh of some elements; facets in planes that are not in it (m) move to others that are as well.
+    /// The submesh of some elements; facets of facet sets in the end planes of the mesh are replaced by facets of the layer
+    /// in the paired planes (m).
     fn layer(
         &self,
         kept: &[u32],
@@ -99,7 +100,7 @@ impl Mesh {
     }
 }
 
-/// The facets of a plane across an axis, found by where their centroids lie in it.
+/// Facets of a plane normal to an axis, indexed by their centroids in the plane.
 struct Opposite {
     across: [usize; 2],
     cell: f64,
@@ -116,24 +117,24 @@ impl Opposite {
             facets: HashMap::with_capacity(facets.len()),
         };
         for &facet in facets {
-            let place = opposite.place(mesh, facet);
-            opposite.facets.insert(place, facet);
+            let cell = opposite.cell_of(mesh, facet);
+            opposite.facets.insert(cell, facet);
         }
         opposite
     }
 
-    fn place(&self, mesh: &Mesh, facet: Facet) -> [i64; 2] {
+    fn cell_of(&self, mesh: &Mesh, facet: Facet) -> [i64; 2] {
         let centroid = mesh.facet_geometry(facet).centroid;
         self.across
             .map(|axis| (centroid[axis] / self.cell).round() as i64)
     }
 
-    /// The facet that faces another one along the axis.
+    /// The facet opposite to another one along the axis.
     fn facing(&self, mesh: &Mesh, facet: Facet) -> Option<Facet> {
-        let [a, b] = self.place(mesh, facet);
+        let [a, b] = self.cell_of(mesh, facet);
         let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [a + i, b + j]));
         around
             .into_iter()
-            .find_map(|place| self.facets.get(&place).copied())
+            .find_map(|cell| self.facets.get(&cell).copied())
     }
 }

@@ -1,37 +1,37 @@
-//! Cutting a mesh open between two of its parts.
+//! Splitting of a mesh along an internal surface, as for joints.
 
 use std::collections::BTreeMap;
 
 use super::sides::SideTable;
 use super::{Facet, Mesh, MeshError};
 
-/// A mesh cut open along the common facets of two parts.
+/// Result of splitting a mesh along the common facets of two element lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Split {
-    /// The mesh with its copied nodes.
+    /// The split mesh, with duplicated nodes on the surface.
     pub mesh: Mesh,
-    /// The common facets as sides of the first part, in rising order.
+    /// The common facets as sides of elements of the first list, in rising order.
     pub first: Vec<Facet>,
-    /// The same as sides of the second part, in the order of `first`.
+    /// The common facets as sides of elements of the second list, in the order of `first`.
     pub second: Vec<Facet>,
-    /// Mesh indices of nodes and of their copies.
+    /// Mesh indices of each duplicated node and its copy.
     pub copies: Vec<[u32; 2]>,
 }
 
 impl Mesh {
-    /// Cuts the mesh open along the facets that two lists of elements share.
+    /// Splits the mesh along the common facets of two lists of elements (mesh indices).
     ///
-    /// A node of these facets is copied if the cut parts the elements around it: neighbours across
-    /// facets that are not cut stay together. So the cut is open where it reaches the surface of the
-    /// mesh or another cut, closed along its edges inside the body, and cuts that meet along a line
+    /// A node of these facets is duplicated if the split separates the elements around it; elements with a common
+    /// facet that is not split stay connected. The split is open where it reaches the surface of the
+    /// mesh or another split, and closed along its edges inside the body; splits that meet along a line
     /// may be made one after the other. The elements of the first list keep their nodes.
     ///
-    /// Copies follow all nodes, in the order of the nodes copied; they are numbered from the
+    /// Copies follow all nodes, in the order of the duplicated nodes; they are numbered from the
     /// greatest node number on and belong to the node sets of the originals. Element and facet sets
-    /// stay as they are, for elements keep their places. Bars keep their nodes.
+    /// are unchanged, because elements keep their indices. Bars keep their nodes.
     ///
     /// # Errors
-    /// [`MeshError::SharedElement`] for an element on both lists, [`MeshError::NoCommonFacets`],
+    /// [`MeshError::SharedElement`] for an element in both lists, [`MeshError::NoCommonFacets`],
     /// [`MeshError::TooLarge`].
     ///
     /// # Panics
@@ -136,7 +136,7 @@ impl Mesh {
     }
 }
 
-/// Which list an element is on.
+/// The list that contains an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
     First,
@@ -144,26 +144,27 @@ enum Side {
     Neither,
 }
 
-/// The elements around a node of the cut.
+/// The elements around a node of the split.
 #[derive(Clone, Debug, Default)]
 struct Surroundings {
-    /// In rising order.
+    /// Mesh indices of the elements, in rising order.
     elements: Vec<u32>,
-    /// Elements that share a facet at the node, and whether it is cut.
+    /// Pairs of elements with a common facet at the node, and whether the facet is split.
     contacts: Vec<([u32; 2], bool)>,
 }
 
 impl Surroundings {
-    /// For each element the least place of an element that it hangs together with.
+    /// Connected components: for each element the least index of an element connected with it, through split facets too
+    /// if `with_cut`.
     fn components(&self, with_cut: bool) -> Vec<usize> {
-        let place = |element: u32| self.elements.partition_point(|&other| other < element);
+        let index = |element: u32| self.elements.partition_point(|&other| other < element);
         let mut component: Vec<usize> = (0..self.elements.len()).collect();
-        // A few elements: repeated passes are as good as a forest.
+        // For a few elements repeated passes are as fast as union-find.
         let mut changed = true;
         while changed {
             changed = false;
             for &([a, b], is_cut) in &self.contacts {
-                let (a, b) = (place(a), place(b));
+                let (a, b) = (index(a), index(b));
                 let least = component[a].min(component[b]);
                 if (with_cut || !is_cut) && component[a] != component[b] {
                     (component[a], component[b]) = (least, least);
@@ -178,16 +179,16 @@ impl Surroundings {
     fn parted(&self, side: &[Side]) -> Vec<Vec<u32>> {
         let (whole, open) = (self.components(true), self.components(false));
         let mut parts: BTreeMap<(usize, usize), Vec<u32>> = BTreeMap::new();
-        for (place, &element) in self.elements.iter().enumerate() {
+        for (index, &element) in self.elements.iter().enumerate() {
             parts
-                .entry((whole[place], open[place]))
+                .entry((whole[index], open[index]))
                 .or_default()
                 .push(element);
         }
         let is_first = |part: &[u32]| part.iter().any(|&e| side[e as usize] == Side::First);
         let mut keepers: BTreeMap<usize, usize> = BTreeMap::new();
         for (&(whole, open), part) in &parts {
-            // The first list keeps the node; of parts without it the one with the first element.
+            // The first list keeps the node; among parts without it, the one with the first element.
             let keeper = keepers.entry(whole).or_insert(open);
             if is_first(part) && !is_first(&parts[&(whole, *keeper)]) {
                 *keeper = open;

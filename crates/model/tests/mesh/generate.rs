@@ -45,7 +45,7 @@ fn boxes_are_sound() {
     }
 }
 
-/// A box that cannot be is refused before any memory is asked for.
+/// A box that cannot be is refused before any memory is allocated.
 #[test]
 fn impossible_boxes_are_refused() {
     let unit = Vec3::repeat(1.0);

@@ -14,7 +14,7 @@ fn vector_area(mesh: &Mesh, facets: &[Facet]) -> Vec3 {
 }
 
 /// The parts of an element fill it, turned as it is, whatever its shape; neighbours have the nodes of their
-/// common side in common; what new nodes stand between tells where they stand.
+/// common side in common; the parent nodes of a new node determine its position.
 #[test]
 fn parts_fill_the_whole_and_hang_together() {
     for (kind, generator) in GENERATORS {
@@ -35,7 +35,7 @@ fn parts_fill_the_whole_and_hang_together() {
             assert_eq!(last, 8 * stride + tag);
         }
         assert_eq!(fine.check_connected().unwrap().parts, 1);
-        // A hanging node would make sides inside the body bare.
+        // A hanging node would leave sides inside the body without neighbours.
         assert_eq!(
             fine.boundary_facets().len(),
             4 * mesh.boundary_facets().len()

@@ -1,4 +1,4 @@
-//! Surfaces of friction: Mohr-Coulomb, Drucker-Prager, and one through listed strengths.
+//! Frictional plasticity: Mohr-Coulomb, Drucker-Prager, and a two-surface law through given strengths.
 
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, Finding, MohrCoulomb,
@@ -10,44 +10,45 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{KeysError, elastic_medium, missing, placed, refused};
-use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use super::{ElasticKeys, KeysError, elastic_medium, missing, placed, refused};
+use crate::format::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {
     registry.add_law("mohr-coulomb", |keys: MohrCoulombKeys| {
-        let (surface, doubts) = keys.frictional()?.mohr_coulomb()?;
+        let (surface, warnings) = keys.frictional()?.mohr_coulomb()?;
         let material = match keys.softening {
             None => Material::from(ElastoPlastic::new(surface)),
             Some(keys) => Material::from(keys.law(surface)?),
         };
-        Ok(material.with_doubts(doubts))
+        Ok(material.with_warnings(warnings))
     });
     registry.add_law("drucker-prager", |keys: DruckerPragerKeys| {
-        let (surface, doubts) = keys.frictional()?.drucker_prager(keys.fit)?;
-        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
+        let (surface, warnings) = keys.frictional()?.drucker_prager(keys.fit)?;
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
     });
     registry.add_law("two-surface", |keys: TwoSurfaceKeys| {
-        let (surface, doubts) = keys.frictional()?.two_surface()?;
-        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
+        let (surface, warnings) = keys.frictional()?.two_surface()?;
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
     });
 }
 
-/// How strength falls with the plastic shortening: by `fracture_energy` or by `rate`.
+/// Softening: reduction of the strength with plastic shortening, defined by `fracture_energy` or by `rate`.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct StrengthFallKeys {
-    /// Energy per area of a band (N/m) beyond what the residual strength takes, whatever the size of
-    /// the elements.
+    /// Fracture energy: energy per area of a localisation band above that of the residual strength (N/m), above
+    /// 0; independent of the element size.
     fracture_energy: Option<Positive>,
-    /// The rate b of the fall with the plastic shortening; the energy then depends on the mesh.
+    /// Softening rate b with plastic shortening (dimensionless), above 0; the dissipated energy then depends on
+    /// the element size.
     rate: Option<Positive>,
-    /// The share of strength that stays, 0.001 to 1.
+    /// Residual strength as a share of the initial one (dimensionless), 0.001 to 1.
     residual: Share,
 }
 
 impl StrengthFallKeys {
-    /// The law of a surface whose strength falls so.
+    /// Softening plasticity on a Mohr-Coulomb surface.
     fn law(self, surface: MohrCoulomb) -> Result<SofteningPlasticity<MohrCoulomb>, ModelError> {
         let fall = match (self.fracture_energy, self.rate) {
             (Some(energy), None) => StrengthFall::FractureEnergy {
@@ -65,19 +66,19 @@ impl StrengthFallKeys {
     }
 }
 
-/// To which stresses of Mohr and Coulomb a cone is fitted.
+/// Fit of a Drucker-Prager cone to a Mohr-Coulomb surface.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Fit {
-    /// Touches all faces from within.
+    /// Inscribed cone, tangent to all faces of the Mohr-Coulomb pyramid.
     Inscribed,
-    /// Through the edges of triaxial compression; too strong elsewhere.
+    /// Cone through the edges of triaxial compression; too strong for other stress paths.
     Circumscribed,
-    /// Fails in plane strain where Mohr-Coulomb does.
+    /// Cone with the failure load of Mohr-Coulomb in plane strain.
     PlaneStrain,
 }
 
-/// Elastic medium, friction and strengths.
+/// Parameters of a frictional law: elastic medium, friction and strengths.
 pub(super) struct Frictional {
     pub(super) medium: ElasticMedium,
     pub(super) friction: f64,
@@ -134,7 +135,7 @@ impl Frictional {
     }
 }
 
-/// Declares the keys of a law with friction, and some of its own.
+/// Declares the keys of a frictional law: the common ones and those of the law.
 macro_rules! frictional_keys {
     (
         $(#[$doc:meta])* $name:ident {
@@ -145,24 +146,24 @@ macro_rules! frictional_keys {
         #[derive(serde::Deserialize, schemars::JsonSchema)]
         #[serde(deny_unknown_fields)]
         struct $name {
-            /// A published material; other keys replace its parameters one by one.
+            /// Preset: name of a published material whose parameters are the defaults of the other keys.
             preset: Option<$crate::builtin_laws::preset::Preset>,
-            /// Young's modulus (Pa).
+            /// Young's modulus (Pa), above 0.
             young: Option<$crate::format::Positive>,
-            /// Poisson's ratio.
+            /// Poisson's ratio (dimensionless), above -1 and below 0.5.
             poisson: Option<$crate::format::PoissonRatio>,
-            /// Mass density (kg/m3).
+            /// Mass density (kg/m3), above 0.
             density: Option<$crate::format::Positive>,
-            /// Friction angle (degrees), at most 75.
+            /// Friction angle (degrees), 0 to 75.
             friction: Option<$crate::format::NonNegative>,
-            /// Dilation angle (degrees), at most the friction angle; that of the preset, or 0.
+            /// Dilation angle (degrees), 0 to the friction angle; that of the preset, or 0.
             dilation: Option<$crate::format::NonNegative>,
-            /// Cohesion (Pa).
+            /// Cohesion (Pa), 0 or above.
             cohesion: Option<$crate::format::NonNegative>,
-            /// Uniaxial tensile strength (Pa).
+            /// Uniaxial tensile strength (Pa), 0 or above.
             tensile_strength: Option<$crate::format::NonNegative>,
-            /// Uniaxial compressive strength (Pa); surfaces that do not depend on it are checked
-            /// against it.
+            /// Uniaxial compressive strength (Pa), above 0; a warning is given where the yield surface of the
+            /// law implies another one.
             compressive_strength: Option<$crate::format::Positive>,
             $($(#[$own_doc])* $own: $type,)*
         }
@@ -173,7 +174,11 @@ macro_rules! frictional_keys {
             ) -> Result<$crate::builtin_laws::frictional::Frictional, powerhouse_model::ModelError> {
                 $crate::builtin_laws::frictional::FrictionalKeys {
                     preset: self.preset,
-                    elastic: (self.young, self.poisson, self.density),
+                    elastic: $crate::builtin_laws::ElasticKeys {
+                        young: self.young,
+                        poisson: self.poisson,
+                        density: self.density,
+                    },
                     angles: [self.friction, self.dilation],
                     cohesion: self.cohesion,
                     tensile_strength: self.tensile_strength,
@@ -186,12 +191,12 @@ macro_rules! frictional_keys {
 }
 pub(super) use frictional_keys;
 
-/// The keys that laws with friction share, as they were given.
+/// Common keys of frictional laws, as given in the scene.
 pub(super) struct FrictionalKeys {
     pub(super) preset: Option<Preset>,
     /// Young's modulus, Poisson's ratio, density.
-    pub(super) elastic: (Option<Positive>, Option<PoissonRatio>, Option<Positive>),
-    /// Of friction and dilation.
+    pub(super) elastic: ElasticKeys,
+    /// Friction and dilation angles (degrees).
     pub(super) angles: [Option<NonNegative>; 2],
     pub(super) cohesion: Option<NonNegative>,
     pub(super) tensile_strength: Option<NonNegative>,
@@ -199,7 +204,7 @@ pub(super) struct FrictionalKeys {
 }
 
 impl FrictionalKeys {
-    /// The same with what the preset gives.
+    /// Completes the keys with those of the preset.
     pub(super) fn fill(self) -> Result<Frictional, ModelError> {
         let preset = self.preset.map(Preset::surface).transpose()?;
         let (surface, listed) = preset.unzip();
@@ -222,23 +227,23 @@ impl FrictionalKeys {
 }
 
 frictional_keys! {
-    /// Mohr-Coulomb plasticity with tension cut-off and dilation.
+    /// Mohr-Coulomb plasticity with tension cut-off and non-associated flow.
     MohrCoulombKeys {
-        /// How cohesion and cut-off fall as the material flows; they do not by default.
+        /// Softening of cohesion and tension cut-off with plastic strain; none (perfect plasticity) by default.
         softening: Option<StrengthFallKeys>,
     }
 }
 
 frictional_keys! {
-    /// Drucker-Prager plasticity.
+    /// Drucker-Prager plasticity with non-associated flow.
     DruckerPragerKeys {
-        /// The fit of the cone to Mohr-Coulomb; inscribed by default.
+        /// Fit of the cone to the Mohr-Coulomb surface; `inscribed` by default.
         fit: Option<Fit>,
     }
 }
 
 frictional_keys! {
-    /// Plasticity that honours listed uniaxial strengths, with the friction of Mohr-Coulomb under
-    /// confinement.
+    /// Two-surface plasticity: yield surfaces through the given uniaxial strengths, with the friction of
+    /// Mohr-Coulomb under confinement.
     TwoSurfaceKeys {}
 }

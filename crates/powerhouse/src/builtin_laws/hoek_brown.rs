@@ -1,4 +1,4 @@
-//! Rock masses after Hoek and Brown.
+//! Hoek-Brown plasticity of rock masses.
 
 use powerhouse_material_damage::{ElastoPlastic, HoekBrown, HoekBrownParameters};
 use powerhouse_model::{ElasticMedium, ModelError};
@@ -13,30 +13,29 @@ pub(super) fn register(registry: &mut Registry) {
     registry.add_law("hoek-brown", HoekBrownKeys::build);
 }
 
-/// Plasticity of a rock mass after Hoek, Carranza-Torres & Corkum (2002).
+/// Hoek-Brown plasticity of a rock mass (Hoek, Carranza-Torres & Corkum 2002).
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct HoekBrownKeys {
-    /// Young's modulus of the rock mass (Pa).
+    /// Young's modulus of the rock mass (Pa), above 0.
     young: Positive,
-    /// Poisson's ratio of the rock mass.
+    /// Poisson's ratio of the rock mass (dimensionless), above -1 and below 0.5.
     poisson: PoissonRatio,
-    /// Mass density (kg/m3).
+    /// Mass density (kg/m3), above 0.
     density: Positive,
-    /// Uniaxial compressive strength of the intact rock (Pa).
+    /// Uniaxial compressive strength of the intact rock (Pa), above 0.
     intact_strength: Positive,
-    /// Constant m_i of the intact rock, 1 to 50.
+    /// Material constant m_i of the intact rock (dimensionless), 1 to 50.
     intact_constant: Positive,
-    /// Geological strength index, 5 to 100.
+    /// Geological strength index GSI (dimensionless), 5 to 100.
     strength_index: Positive,
-    /// Disturbance factor D by blasting and relief, 0 to 1; 0 by default.
+    /// Disturbance factor D of blast damage and stress relief (dimensionless), 0 to 1; 0 by default.
     disturbance: Option<NonNegative>,
-    /// Dilation as a share of that of associated flow, 0 to 1; 0 by default.
+    /// Dilation as a share of that of associated flow (dimensionless), 0 to 1; 0 by default.
     dilation_share: Option<NonNegative>,
-    /// Uniaxial tensile strength of the rock mass (Pa) against which that of the surface is checked.
+    /// Uniaxial tensile strength of the rock mass (Pa), with which that of the yield surface is compared.
     tensile_strength: Option<NonNegative>,
-    /// Uniaxial compressive strength of the rock mass (Pa) against which that of the surface is
-    /// checked.
+    /// Uniaxial compressive strength of the rock mass (Pa), with which that of the yield surface is compared.
     compressive_strength: Option<Positive>,
 }
 
@@ -56,7 +55,7 @@ impl HoekBrownKeys {
             self.tensile_strength.map(NonNegative::get),
             self.compressive_strength.map(Positive::get),
         ];
-        let doubts = surface.findings(listed);
-        Ok(Material::from(ElastoPlastic::new(surface)).with_doubts(doubts))
+        let warnings = surface.findings(listed);
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
     }
 }

@@ -1,4 +1,4 @@
-//! Concrete damaged plasticity after Lubliner, Lee and Fenves.
+//! Concrete damaged plasticity of Lubliner, Lee and Fenves.
 
 use powerhouse_material_damage::{LeeFenves, LeeFenvesParameters};
 use powerhouse_model::ModelError;
@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{RESIDUAL_STIFFNESS, elastic_medium, missing, placed};
+use super::{ElasticKeys, RESIDUAL_STIFFNESS, elastic_medium, missing, placed};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
@@ -14,52 +14,52 @@ pub(super) fn register(registry: &mut Registry) {
     registry.add_law("lee-fenves", LeeFenvesKeys::build);
 }
 
-/// Concrete damaged plasticity: a surface of Lubliner et al. (1989) that softens, and damage in
-/// tension and compression, after Lee & Fenves (1998).
+/// Concrete damaged plasticity: yield surface of Lubliner et al. (1989) with hardening and softening, and damage in
+/// tension and compression (Lee & Fenves 1998).
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LeeFenvesKeys {
-    /// A published concrete; other keys replace its parameters one by one.
+    /// Preset: name of a published concrete whose parameters are the defaults of the other keys.
     preset: Option<Preset>,
-    /// Young's modulus (Pa).
+    /// Young's modulus (Pa), above 0.
     young: Option<Positive>,
-    /// Poisson's ratio.
+    /// Poisson's ratio (dimensionless), above -1 and below 0.5.
     poisson: Option<PoissonRatio>,
-    /// Mass density (kg/m3).
+    /// Mass density (kg/m3), above 0.
     density: Option<Positive>,
-    /// Uniaxial tensile strength (Pa).
+    /// Uniaxial tensile strength (Pa), above 0.
     tensile_strength: Option<Positive>,
-    /// Uniaxial compressive strength (Pa), at least the tensile one.
+    /// Uniaxial compressive strength (Pa), at least the tensile strength.
     compressive_strength: Option<Positive>,
-    /// Uniaxial compressive stress at first flow (Pa), a tenth of the strength to the whole of it;
-    /// the whole by default.
+    /// Uniaxial compressive stress at initial yield (Pa), 0.1 to 1 times the compressive strength; 1 by default.
     compressive_limit: Option<Positive>,
-    /// Strength in equal biaxial over that in uniaxial compression, 1 to 1.5; 1.16 by default.
+    /// Ratio of equibiaxial to uniaxial compressive strength (dimensionless), 1 to 1.5; 1.16 by default.
     biaxial_ratio: Option<Positive>,
-    /// K_c, radius of the surface on the tensile over that on the compressive meridian, 0.55 to 1;
-    /// 2/3 by default.
+    /// Meridian ratio K_c: radius of the yield surface on the tensile over that on the compressive meridian
+    /// (dimensionless), 0.55 to 1; 2/3 by default.
     meridian_ratio: Option<Positive>,
-    /// Dilation angle in the plane of mean and equivalent stress (degrees), from 1 on; 36 by
-    /// default.
+    /// Dilation angle in the plane of mean and equivalent stress (degrees), 1 or above; 36 by default.
     dilation: Option<Positive>,
-    /// Cracking.
+    /// Softening and damage in tension (cracking).
     tension: Option<BandKeys>,
-    /// Crushing.
+    /// Softening and damage in compression (crushing).
     compression: Option<BandKeys>,
-    /// The share of tensile damage that heals when cracks close, 0 to 1; 1 by default.
+    /// Stiffness recovery: share of tensile damage that vanishes when cracks close (dimensionless), 0 to 1; 1 by
+    /// default.
     stiffness_recovery: Option<NonNegative>,
-    /// The share of stiffness that no damage takes away, 0.001 by default.
+    /// Residual stiffness: share that remains at full damage (dimensionless), 0.001 by default.
     residual_stiffness: Option<Share>,
 }
 
-/// A band of cracking or crushing.
+/// Softening in a band of cracking or crushing.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct BandKeys {
-    /// Energy per area of the band (N/m), whatever the size of the elements; that of the preset.
+    /// Fracture energy per area of the band (N/m), above 0, independent of the element size; that of the preset
+    /// by default.
     fracture_energy: Option<Positive>,
-    /// The share of damage in softening, 0 (all strain stays) to 1 (the effective strength stays);
-    /// that of the preset, or 1 in tension and 0.5 in compression.
+    /// Share of damage in softening (dimensionless), 0 (plastic softening alone) to 1 (damage alone, constant
+    /// effective strength); that of the preset, or 1 in tension and 0.5 in compression.
     damage: Option<NonNegative>,
 }
 
@@ -67,7 +67,11 @@ impl LeeFenvesKeys {
     fn build(self) -> Result<Material, ModelError> {
         let preset = self.preset.map(Preset::lee_fenves).transpose()?;
         let of_preset = |of: fn(&LeeFenvesParameters) -> f64| preset.as_ref().map(of);
-        let elastic = (self.young, self.poisson, self.density);
+        let elastic = ElasticKeys {
+            young: self.young,
+            poisson: self.poisson,
+            density: self.density,
+        };
         let medium = elastic_medium(elastic, preset.map(|preset| preset.medium))?;
         let strength = |own: Option<Positive>, of, key| {
             let own = own.map(Positive::get);
@@ -90,7 +94,7 @@ impl LeeFenvesKeys {
             |p| p.compression_strength,
             "compressive_strength",
         )?;
-        // A preset's limit is a share of its own strength.
+        // The limit of a preset is given as a share of its strength.
         let limit_share = of_preset(|p| p.compression_limit / p.compression_strength);
         let limit = self.compressive_limit.map(Positive::get);
         let recovery = self.stiffness_recovery.map(NonNegative::get);
@@ -127,7 +131,7 @@ impl LeeFenvesKeys {
                 .unwrap_or(RESIDUAL_STIFFNESS),
         });
         let law = law.map_err(placed)?;
-        let doubts = law.findings();
-        Ok(Material::from(law).with_doubts(doubts))
+        let warnings = law.findings();
+        Ok(Material::from(law).with_warnings(warnings))
     }
 }

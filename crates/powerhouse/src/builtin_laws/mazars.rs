@@ -1,4 +1,4 @@
-//! Damage in total strain after Mazars.
+//! Mazars damage in total strain.
 
 use powerhouse_material_damage::{Finding, Mazars, MazarsParameters, MazarsTension, presets};
 use powerhouse_model::ModelError;
@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::preset::Preset;
-use super::{KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
+use super::{ElasticKeys, KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
@@ -14,62 +14,60 @@ pub(super) fn register(registry: &mut Registry) {
     registry.add_law("mazars", MazarsKeys::build);
 }
 
-/// Damage in total strain after Mazars (1986).
+/// Isotropic damage in total strain of Mazars (1986).
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct MazarsKeys {
-    /// A published material, `paper-c25`; other keys replace its parameters one by one.
+    /// Preset `paper-c25`, whose parameters are the defaults of the other keys.
     preset: Option<Preset>,
-    /// Young's modulus (Pa).
+    /// Young's modulus (Pa), above 0.
     young: Option<Positive>,
-    /// Poisson's ratio.
+    /// Poisson's ratio (dimensionless), above -1 and below 0.5.
     poisson: Option<PoissonRatio>,
-    /// Mass density (kg/m3).
+    /// Mass density (kg/m3), above 0.
     density: Option<Positive>,
-    /// Equivalent strain at first damage.
+    /// Damage threshold: equivalent strain at first damage (dimensionless), above 0.
     threshold: Option<Positive>,
-    /// Softening in tension.
+    /// Damage evolution in tension.
     tension: Option<MazarsTensionKeys>,
-    /// Softening in compression.
+    /// Damage evolution in compression.
     compression: Option<MazarsCompressionKeys>,
-    /// The share of stiffness that no damage takes away, 0.001 by default.
+    /// Residual stiffness: share that remains at full damage (dimensionless), 0.001 by default.
     residual_stiffness: Option<Share>,
 }
 
-/// What falls exponentially after first damage.
+/// Quantity that decreases exponentially after first damage.
 #[derive(Clone, Copy, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum Falling {
-    /// The term of damage, as Mazars has it; sizes of elements are permitted within a factor of
-    /// five.
+    /// Damage term of Mazars; element sizes are permitted within a factor of five.
     #[default]
     Damage,
-    /// The stress; all sizes that do not snap back are permitted.
+    /// Stress; all element sizes without snap-back are permitted.
     Stress,
 }
 
-/// How damage grows in tension: either `fracture_energy` and perhaps `falling`, or `rate` and
-/// perhaps `share`.
+/// Damage evolution in tension: either `fracture_energy` with optional `falling`, or `rate` with optional `share`.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct MazarsTensionKeys {
-    /// Energy per area of crack (N/m).
+    /// Fracture energy per area of crack (N/m), above 0.
     fracture_energy: Option<Positive>,
-    /// What falls exponentially, `damage` (the default) or `stress`.
+    /// Exponentially decreasing quantity: `damage` (the default) or `stress`.
     falling: Option<Falling>,
-    /// B, at least the inverse of the threshold.
+    /// Parameter B of the evolution (dimensionless), at least the inverse of the threshold.
     rate: Option<Positive>,
-    /// A, 1 by default.
+    /// Parameter A of the evolution (dimensionless), above 0 and at most 1, 1 by default.
     share: Option<Share>,
 }
 
-/// How damage grows in compression.
+/// Damage evolution in compression.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct MazarsCompressionKeys {
-    /// B.
+    /// Parameter B of the evolution (dimensionless), above 0.
     rate: Positive,
-    /// A, 0 to 2.
+    /// Parameter A of the evolution (dimensionless), 0 to 2.
     share: NonNegative,
 }
 
@@ -83,7 +81,11 @@ impl MazarsKeys {
         let given = |own: Option<f64>, of: fn(&MazarsParameters) -> f64, key| {
             own.or(preset.as_ref().map(of)).ok_or(missing(key))
         };
-        let elastic = (self.young, self.poisson, self.density);
+        let elastic = ElasticKeys {
+            young: self.young,
+            poisson: self.poisson,
+            density: self.density,
+        };
         let medium = elastic_medium(elastic, preset.as_ref().map(|preset| preset.medium))?;
         let tension = match self.tension {
             Some(MazarsTensionKeys {
@@ -133,7 +135,7 @@ impl MazarsKeys {
                 .residual_stiffness
                 .map_or(RESIDUAL_STIFFNESS, Share::get),
         });
-        let doubts = Finding::of_medium(&medium);
-        Ok(Material::from(law.map_err(placed)?).with_doubts(doubts))
+        let warnings = Finding::of_medium(&medium);
+        Ok(Material::from(law.map_err(placed)?).with_warnings(warnings))
     }
 }

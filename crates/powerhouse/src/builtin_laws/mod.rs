@@ -1,4 +1,4 @@
-//! Laws of rock and concrete that every registry holds from the start.
+//! Built-in constitutive laws of rock and concrete.
 
 mod frictional;
 mod hoek_brown;
@@ -22,35 +22,35 @@ pub(crate) fn register(registry: &mut Registry) {
     mazars::register(registry);
 }
 
-/// The share of stiffness that no damage takes away, unless a scene says otherwise.
+/// Default residual stiffness at full damage (dimensionless).
 const RESIDUAL_STIFFNESS: f64 = 1.0e-3;
 
-/// What is wrong with the keys of a law as a whole.
+/// Error in the combination of keys of a law.
 #[derive(Debug, Error)]
 enum KeysError {
-    #[error("the key '{0}' is missing; a preset would give it")]
+    #[error("the key '{0}' is missing; give it, or a preset that contains it")]
     Missing(&'static str),
-    #[error("either fracture_energy, or rate and perhaps share must be given")]
+    #[error("either fracture_energy, or rate with optional share, must be given")]
     Softening,
     #[error("either fracture_energy or rate must be given")]
     Fall,
-    #[error("only a Drucker-Prager surface has a fit")]
+    #[error("the key 'fit' is permitted with surface = \"drucker-prager\" only")]
     Fit,
-    #[error("the preset has no parameters of this law")]
+    #[error("the preset contains no parameters of this law")]
     Preset,
 }
 
-/// Refused at the place of a key, or of the whole table.
+/// Error at a key, or at the whole table for an empty key.
 fn refused(key: &'static str, error: KeysError) -> ModelError {
     ModelError::refused(key, error)
 }
 
-/// A key that neither the table nor a preset gives.
+/// Error of a key that neither the table nor a preset gives.
 fn missing(key: &'static str) -> ModelError {
     refused("", KeysError::Missing(key))
 }
 
-/// What a material refuses, under the key that is at fault.
+/// Translates a material error into an error at the key concerned.
 fn placed(error: MaterialError) -> ModelError {
     match error {
         MaterialError::Parameter(mut parameter) => {
@@ -72,17 +72,31 @@ fn placed(error: MaterialError) -> ModelError {
     }
 }
 
-/// The elastic medium of some keys, those of a preset where they are not given.
+/// The elastic keys of a material, as far as they are given.
+#[derive(Clone, Copy)]
+struct ElasticKeys {
+    /// Young's modulus (Pa).
+    young: Option<Positive>,
+    poisson: Option<PoissonRatio>,
+    /// Mass density (kg/m3).
+    density: Option<Positive>,
+}
+
+/// Elastic medium of the given keys, completed by those of a preset.
 fn elastic_medium(
-    (young, poisson, density): (Option<Positive>, Option<PoissonRatio>, Option<Positive>),
+    keys: ElasticKeys,
     preset: Option<ElasticMedium>,
 ) -> Result<ElasticMedium, ModelError> {
     let given = |own: Option<f64>, of: fn(&ElasticMedium) -> f64, key| {
         own.or(preset.as_ref().map(of)).ok_or(missing(key))
     };
     Ok(ElasticMedium::new(
-        given(young.map(Positive::get), |m| m.young, "young")?,
-        given(poisson.map(PoissonRatio::get), |m| m.poisson, "poisson")?,
-        given(density.map(Positive::get), |m| m.density, "density")?,
+        given(keys.young.map(Positive::get), |m| m.young, "young")?,
+        given(
+            keys.poisson.map(PoissonRatio::get),
+            |m| m.poisson,
+            "poisson",
+        )?,
+        given(keys.density.map(Positive::get), |m| m.density, "density")?,
     )?)
 }

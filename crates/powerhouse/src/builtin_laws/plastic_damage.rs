@@ -1,4 +1,4 @@
-//! Plasticity with damage: Eq. (25) of Wang, Chen & Xiao (2019).
+//! Plastic-damage law, Eq. (25) of Wang, Chen & Xiao (2019).
 
 use powerhouse_material_damage::{
     Finding, PlasticDamage, PlasticDamageParameters, Softening, YieldSurface,
@@ -17,47 +17,48 @@ pub(super) fn register(registry: &mut Registry) {
     registry.add_law("plastic-damage", PlasticDamageKeys::build);
 }
 
-/// The surface at which effective stresses flow.
+/// Yield surface of the effective stress.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum SurfaceKey {
-    /// Mohr-Coulomb with cut-off.
+    /// Mohr-Coulomb surface with tension cut-off.
     MohrCoulomb,
-    /// Drucker-Prager.
+    /// Drucker-Prager surface.
     DruckerPrager,
-    /// Through both listed uniaxial strengths.
+    /// Two surfaces through the given uniaxial tensile and compressive strengths.
     TwoSurface,
 }
 
 frictional_keys! {
-    /// Plasticity with damage in tension and compression after Eq. (25) of Wang, Chen & Xiao (2019).
+    /// Plasticity coupled with damage in tension and compression, Eq. (25) of Wang, Chen & Xiao (2019).
     PlasticDamageKeys {
-        /// The surface at which effective stresses flow; Mohr-Coulomb by default.
+        /// Yield surface of the effective stress; `mohr-coulomb` by default.
         surface: Option<SurfaceKey>,
-        /// The fit of a Drucker-Prager surface; inscribed by default.
+        /// Fit of a Drucker-Prager surface to Mohr-Coulomb; `inscribed` by default.
         fit: Option<Fit>,
-        /// Damage by the opening of cracks; that of the preset, or none.
+        /// Damage evolution in tension (opening of cracks); that of the preset, or no damage.
         tension: Option<SofteningKeys>,
-        /// Damage by crushing and shear; that of the preset, or none.
+        /// Damage evolution in compression (crushing and shear); that of the preset, or no damage.
         compression: Option<SofteningKeys>,
-        /// The share of tensile damage that heals when cracks close, 0 to 1; 1 by default.
+        /// Stiffness recovery: share of tensile damage that vanishes when cracks close (dimensionless), 0 to 1;
+        /// 1 by default.
         stiffness_recovery: Option<NonNegative>,
-        /// The share of stiffness that no damage takes away, 0.001 by default.
+        /// Residual stiffness: share that remains at full damage (dimensionless), 0.001 by default.
         residual_stiffness: Option<Share>,
     }
 }
 
-/// How damage grows: either `fracture_energy`, or `rate` and `share` as they stand in Eq. (25).
+/// Damage evolution: either `fracture_energy`, or `rate` and `share` as in Eq. (25).
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct SofteningKeys {
-    /// Energy per area of crack or crushing band (N/m), whatever the size of the elements.
+    /// Fracture energy per area of a crack or crushing band (N/m), above 0; independent of the element size.
     fracture_energy: Option<Positive>,
-    /// B; the energy then depends on the mesh.
+    /// Parameter B (dimensionless), above 0; the dissipated energy then depends on the element size.
     rate: Option<Positive>,
-    /// A, 1 by default.
+    /// Parameter A (dimensionless), above 0 and at most 1, 1 by default.
     share: Option<NonNegative>,
-    /// Equivalent plastic strain at first damage, 0 by default.
+    /// Damage threshold: equivalent plastic strain at first damage (dimensionless), 0 or above, 0 by default.
     threshold: Option<NonNegative>,
 }
 
@@ -92,7 +93,7 @@ impl PlasticDamageKeys {
             SurfaceKey::TwoSurface => self.on(frictional.two_surface()?),
         }
     }
-    /// The law on a surface.
+    /// Plastic-damage law with a yield surface.
     fn on<S: YieldSurface>(
         &self,
         (surface, findings): (S, Vec<Finding>),
@@ -123,6 +124,6 @@ impl PlasticDamageKeys {
                 .or(preset.map(|p| p.residual_stiffness))
                 .unwrap_or(RESIDUAL_STIFFNESS),
         });
-        Ok(Material::from(law.map_err(placed)?).with_doubts(findings))
+        Ok(Material::from(law.map_err(placed)?).with_warnings(findings))
     }
 }

@@ -1,4 +1,4 @@
-//! Published materials, by the names that scenes give them.
+//! Presets: published materials, by their names in scenes.
 
 use powerhouse_material_damage::{
     LeeFenvesParameters, MohrCoulomb, MohrCoulombParameters, PlasticDamage, YieldSurface, presets,
@@ -9,20 +9,20 @@ use serde::Deserialize;
 
 use super::{KeysError, placed, refused};
 
-/// Published materials.
+/// Preset: published material.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 pub(super) enum Preset {
-    /// The rock of Wang, Chen & Xiao (2019), Table 1. Its cohesion and friction do not give the strengths
+    /// Rock of Wang, Chen & Xiao (2019), Table 1. Its cohesion and friction do not correspond to the strengths
     /// that the table lists beside them: with the laws mohr-coulomb, drucker-prager and plastic-damage it
     /// yields at 0.935 MPa in uniaxial tension and at 4.72 MPa in uniaxial compression, not at 1.3 and
-    /// 35 MPa. law = "two-surface" with this preset honours the listed strengths; so does plastic-damage
+    /// 35 MPa. law = "two-surface" with this preset has the listed strengths; so does plastic-damage
     /// with surface = "two-surface".
     #[serde(rename = "paper-rock")]
     PaperRock,
-    /// The concrete C25 of Wang, Chen & Xiao (2019), Table 1. Its cohesion and friction do not give the
+    /// Concrete C25 of Wang, Chen & Xiao (2019), Table 1. Its cohesion and friction do not correspond to the
     /// strengths that the table lists beside them: with the laws mohr-coulomb, drucker-prager and
     /// plastic-damage it yields at 1.006 MPa in uniaxial tension and at 6.72 MPa in uniaxial compression,
-    /// not at 1.27 and 16.7 MPa. The laws two-surface, lee-fenves and mazars with this preset honour the
+    /// not at 1.27 and 16.7 MPa. The laws two-surface, lee-fenves and mazars with this preset have the
     /// listed strengths, and plastic-damage with surface = "two-surface"; the presets C20 to C40 agree with
     /// their own strengths in every law.
     #[serde(rename = "paper-c25")]
@@ -40,7 +40,7 @@ pub(super) enum Preset {
 }
 
 impl Preset {
-    /// The characteristic strength (MPa) of a concrete of Eurocode 2.
+    /// Characteristic compressive strength of a concrete of Eurocode 2 (MPa).
     fn strength(self) -> Option<f64> {
         match self {
             Self::PaperRock | Self::PaperC25 => None,
@@ -51,7 +51,7 @@ impl Preset {
             Self::C40 => Some(40.0),
         }
     }
-    /// The plastic-damage concrete, if the preset is one.
+    /// Plastic-damage law of a concrete preset; `None` for rock.
     pub(super) fn concrete(self) -> Result<Option<PlasticDamage<MohrCoulomb>>, ModelError> {
         let concrete = match (self, self.strength()) {
             (Self::PaperC25, _) => Some(presets::paper_concrete()),
@@ -60,7 +60,7 @@ impl Preset {
         };
         concrete.transpose().map_err(placed)
     }
-    /// Surface and listed compressive strength (Pa).
+    /// Parameters of the Mohr-Coulomb surface, and listed uniaxial compressive strength (Pa).
     pub(super) fn surface(self) -> Result<(MohrCoulombParameters, f64), ModelError> {
         Ok(match (self, self.concrete()?) {
             (Self::PaperC25, _) => {
@@ -77,7 +77,7 @@ impl Preset {
             }
         })
     }
-    /// The concrete of Lee and Fenves.
+    /// Parameters of the Lee-Fenves law of a concrete preset.
     pub(super) fn lee_fenves(self) -> Result<LeeFenvesParameters, ModelError> {
         match (self, self.strength()) {
             (Self::PaperC25, _) => Ok(presets::PAPER_CONCRETE_LEE_FENVES),

@@ -1,10 +1,10 @@
-//! serde's messages in the words of a scene's author.
+//! Translation of serde's messages into the terms of scene files.
 
 use super::Problem;
 
 impl Problem {
-    /// Takes the message of a serde or toml error apart. serde carries unknown names, types and
-    /// ranges in its messages alone, in the wording of `serde::de::Error`.
+    /// Parses the message of a serde or toml error. serde reports unknown names, types and ranges only in its
+    /// messages, in the wording of `serde::de::Error`.
     pub(super) fn from_serde(message: &str) -> Self {
         let after = |start: &str| message.strip_prefix(start);
         if let Some(rest) = after("unknown field ")
@@ -12,7 +12,7 @@ impl Problem {
         {
             return Self::UnknownKey { key, permitted };
         }
-        // How toml says it in the table of an enum's variant.
+        // Wording of toml in the table of an enum variant.
         if let Some(rest) = after("unexpected keys in table: ")
             && let Some((keys, permitted)) = rest.split_once(", available keys: ")
         {
@@ -52,7 +52,7 @@ fn name_and_others(text: &str) -> Option<(String, Vec<String>)> {
     Some((names.next()?, names.collect()))
 }
 
-/// serde's words for types in those of a scene's author.
+/// Name of a serde type in the terms of scene files.
 fn plain(words: &str) -> String {
     match words {
         "f64" => "a number".into(),

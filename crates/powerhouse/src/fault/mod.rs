@@ -1,4 +1,4 @@
-//! What is wrong with a scene file, and where.
+//! Faults of a scene file, with their byte range.
 
 mod message;
 mod text;
@@ -11,123 +11,122 @@ use crate::magnitude::Magnitude;
 
 pub use text::{SceneFault, SceneText};
 
-/// What lets a scene with unusual magnitudes pass.
-const ALLOW_MAGNITUDES: &str =
-    "where it is meant, `allow = [\"magnitudes\"]` at the top of the scene makes it a warning";
+/// Hint on how to accept quantities outside their usual range.
+const ALLOW_MAGNITUDES: &str = "if the value is intended, `allow = [\"magnitudes\"]` at the top of the scene turns this error into a warning";
 
-/// What is wrong at one place of a scene file.
+/// Type of a fault in a scene file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Problem {
     /// The text is not TOML.
     #[error("{message}")]
     Syntax {
-        /// What the parser says.
+        /// Message of the parser.
         message: String,
     },
-    /// A key that the format does not know.
+    /// Unknown key.
     #[error("unknown key '{key}'")]
     UnknownKey {
         /// The key.
         key: String,
-        /// Keys that may stand here.
+        /// Permitted keys of the table.
         permitted: Vec<String>,
     },
-    /// A key that must be given.
+    /// Missing required key.
     #[error("the key '{key}' is missing")]
     MissingKey {
         /// The key.
         key: String,
     },
-    /// A word that is none of the permitted ones.
+    /// Text that is not one of the permitted choices.
     #[error("'{found}' is not permitted here")]
     UnknownChoice {
-        /// The word.
+        /// Text in the file.
         found: String,
-        /// Permitted words.
+        /// Permitted choices.
         permitted: Vec<String>,
     },
-    /// A value of a wrong type, or outside its range.
+    /// Value of a wrong type, or outside its permitted range.
     #[error("found {found}, expected {expected}")]
     Value {
-        /// What stands in the file.
+        /// Value in the file.
         found: String,
-        /// What may stand there.
+        /// Permitted type or range.
         expected: String,
     },
-    /// A name that refers to nothing.
+    /// Reference to a name that is not defined.
     #[error("there is no {what} '{name}'")]
     NoSuchName {
-        /// What the name should be: a material, a facet set.
+        /// Kind of the named object, such as a material or a facet set.
         what: &'static str,
         /// The name.
         name: String,
-        /// Names that exist.
+        /// Defined names of this kind.
         available: Vec<String>,
     },
-    /// A name that stands twice.
+    /// Name that is defined twice.
     #[error("the {what} '{name}' is defined twice")]
     Duplicate {
-        /// What it names.
+        /// Kind of the named object.
         what: &'static str,
         /// The name.
         name: String,
     },
-    /// A text that stands twice in a list.
-    #[error("'{entry}' stands twice in the list '{list}'")]
+    /// Text that is repeated in a list.
+    #[error("'{entry}' is repeated in the list '{list}'")]
     Repeated {
         /// The key of the list.
         list: String,
-        /// The text.
+        /// Repeated text.
         entry: String,
     },
-    /// An entry of a list that is the same as an earlier one.
-    #[error("an earlier entry of the list '{list}' is the same")]
+    /// Entry of a list that equals an earlier one.
+    #[error("the entry repeats an earlier one of the list '{list}'")]
     SameEntry {
         /// The key of the list.
         list: String,
     },
-    /// A quantity beyond what is usual.
+    /// Quantity outside its usual range.
     #[error(transparent)]
     Magnitude(Magnitude),
-    /// A text that is not in UTF-8.
+    /// Text that is not encoded in UTF-8.
     #[error("found {found}, expected text in UTF-8")]
     Encoding {
-        /// What stands there.
+        /// Invalid bytes.
         found: String,
     },
-    /// Keys that do not go together, or one of which is needed.
+    /// Group of keys of which exactly one must be given.
     #[error("exactly one of {} must be given, found {found}", keys.join(", "))]
     OneOf {
         /// The keys.
         keys: &'static [&'static str],
-        /// How many are given.
+        /// Number of keys that are given.
         found: usize,
     },
-    /// Elements without a part, or with several.
-    #[error("element {element} belongs to {count} parts, it must belong to one")]
+    /// Element that belongs to no part, or to several.
+    #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
     PartCount {
-        /// The user's number of the first such element.
+        /// Number of the first such element in the mesh file.
         element: u64,
-        /// Parts that it belongs to.
+        /// Number of parts to which it belongs.
         count: usize,
     },
-    /// Absorbing faces in front of several media, where the free field needs one.
+    /// Absorbing faces on several media; the free field needs one medium.
     #[error(
-        "the absorbing faces stand before {count} different media; the free field needs one: {media}"
+        "the elements along the absorbing faces have {count} different elastic media, but the free field needs exactly one: {media}"
     )]
     SeveralMedia {
-        /// How many.
+        /// Number of media.
         count: usize,
-        /// The parts of each medium, with the faces before them.
+        /// Parts of each medium, with their faces.
         media: String,
     },
-    /// Another crate refused what stands here; its error is the source.
+    /// Value that another crate rejected; its error is the source.
     #[error("{0}")]
     Refused(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// A problem and the bytes of the scene file that it concerns.
+/// Fault of a scene file: its type, byte range and an optional hint.
 #[derive(Debug)]
 pub struct Fault {
     span: Range<usize>,
@@ -136,7 +135,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A problem at a range of bytes.
+    /// Fault at a byte range.
     pub fn new(span: Range<usize>, problem: Problem) -> Self {
         Self {
             span,
@@ -144,24 +143,24 @@ impl Fault {
             help: None,
         }
     }
-    /// The same with a hint at what would put it right.
+    /// Adds a hint on how to correct the fault.
     #[must_use]
     pub fn with_help(mut self, help: &'static str) -> Self {
         self.help = Some(help);
         self
     }
-    /// What another crate refused at a range of bytes.
+    /// Fault at a byte range from an error of another crate.
     pub fn refused(
         span: Range<usize>,
         source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
     ) -> Self {
         Self::new(span, Problem::Refused(source.into()))
     }
-    /// A quantity beyond what is usual, with the way to let it pass.
+    /// Fault of a quantity outside its usual range, with a hint on how to accept it.
     pub(crate) fn of_magnitude(span: Range<usize>, magnitude: Magnitude) -> Self {
         Self::new(span, Problem::Magnitude(magnitude)).with_help(ALLOW_MAGNITUDES)
     }
-    /// What is wrong.
+    /// Type of the fault.
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
@@ -171,7 +170,7 @@ impl Fault {
             Problem::from_serde(error.message()),
         )
     }
-    /// Adds keys that may also stand where an unknown key was found.
+    /// Adds permitted keys to the fault of an unknown key.
     pub(crate) fn with_permitted(mut self, more: &[&str]) -> Self {
         if let Problem::UnknownKey { permitted, .. } = &mut self.problem {
             permitted.extend(more.iter().map(|&key| key.to_owned()));

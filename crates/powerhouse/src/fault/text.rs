@@ -1,4 +1,4 @@
-//! A fault shown in its text.
+//! Faults with the text of their scene file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,17 +7,17 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::{Fault, Problem};
 
-/// A scene's text and where it came from.
+/// Text of a scene and its path.
 #[derive(Debug)]
 pub struct SceneText {
-    /// The file, or a stand-in for a scene that was given as text.
+    /// Path of the file, or a placeholder for a scene that was given as text.
     pub path: PathBuf,
-    /// The text.
+    /// Text of the scene.
     pub text: String,
 }
 
 impl SceneText {
-    /// Line and column of a byte, both from one; columns count characters.
+    /// Line and column of a byte offset, both from one; columns count characters.
     pub fn position(&self, byte: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(byte)];
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
@@ -26,13 +26,13 @@ impl SceneText {
             before[line_start..].chars().count() + 1,
         )
     }
-    /// The folder that the scene's paths are relative to.
+    /// Folder to which paths in the scene are relative.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
 }
 
-/// One fault of a scene file, with file, line and column.
+/// Fault of a scene file with path, line and column.
 #[derive(Debug)]
 pub struct SceneFault {
     text: Arc<SceneText>,
@@ -40,30 +40,30 @@ pub struct SceneFault {
 }
 
 impl SceneFault {
-    /// A fault of a text.
+    /// Fault in a text.
     pub fn new(text: Arc<SceneText>, fault: Fault) -> Self {
         Self { text, fault }
     }
-    /// What is wrong.
+    /// Type of the fault.
     pub fn problem(&self) -> &Problem {
         &self.fault.problem
     }
-    /// The file.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.text.path
     }
-    /// Line and column, both from one.
+    /// Line and column of the fault, both from one.
     pub fn position(&self) -> (usize, usize) {
         self.text.position(self.fault.span.start)
     }
-    /// The message with the lines of the file that it points at, what is permitted there and the
-    /// nearest match; with terminal colours if wanted.
+    /// Formatted message with the lines of the file concerned, the permitted values and the nearest match;
+    /// `colours` adds terminal colours.
     pub fn render(&self, colours: bool) -> String {
         let path = self.text.path.display().to_string();
         let title = self.problem().to_string();
         let start = self.fault.span.start.min(self.text.text.len());
         let mut end = self.fault.span.end.clamp(start, self.text.text.len());
-        // A table's span may run over many lines: its first line tells where it is.
+        // The byte range of a table may span many lines: only its first line is shown.
         if let Some(line) = self.text.text[start..end].find('\n') {
             end = start + line;
         }
@@ -113,7 +113,7 @@ impl std::error::Error for SceneFault {
 }
 
 impl Problem {
-    /// The list that helps to put it right: what it lists, and its items.
+    /// Rejected name, title of the list of permitted names, and the list.
     fn permitted(&self) -> Option<(&str, &str, &[String])> {
         match self {
             Self::UnknownKey { key, permitted } => Some((key, "keys permitted here", permitted)),
@@ -126,7 +126,7 @@ impl Problem {
     }
 }
 
-/// The name that is nearest by insertions, deletions and replacements, if it is near.
+/// Nearest name by Levenshtein distance, if the distance is small.
 fn nearest<'a>(name: &str, items: &'a [String]) -> Option<&'a str> {
     items
         .iter()
@@ -136,7 +136,7 @@ fn nearest<'a>(name: &str, items: &'a [String]) -> Option<&'a str> {
         .map(|(_, item)| item)
 }
 
-/// Levenshtein's distance.
+/// Levenshtein distance.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

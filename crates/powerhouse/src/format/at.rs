@@ -1,4 +1,4 @@
-//! Values that know where they stand in the scene file.
+//! Values with their byte range in the scene file.
 
 use core::ops::{Deref, Range};
 use std::borrow::Cow;
@@ -6,9 +6,9 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer};
 
-/// A value of the scene file and the bytes that it was read from.
+/// A value of the scene file with the byte range from which it was read.
 ///
-/// Comparison looks at the value alone.
+/// Comparison ignores the byte range.
 #[derive(Clone, Debug, Default)]
 pub struct At<T> {
     value: T,
@@ -16,11 +16,11 @@ pub struct At<T> {
 }
 
 impl<T> At<T> {
-    /// A value that stands at a range of bytes.
+    /// Value with its byte range.
     pub fn new(value: T, span: Range<usize>) -> Self {
         Self { value, span }
     }
-    /// The range of bytes in the scene file.
+    /// Byte range in the scene file.
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
     }

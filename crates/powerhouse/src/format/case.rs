@@ -5,84 +5,84 @@ use serde::Deserialize;
 
 use super::{At, Ground, MeshFile, SceneFile, Support, Wave};
 
-/// A case of a sweep: the scene with another mesh, other waves, another ground, other absorbing faces,
-/// other supports, without some of its joints, or with other keys in some of its tables. What a case does
-/// not name is as in the scene.
+/// A case of a sweep: a variant of the scene with another mesh, other waves, ground, absorbing faces or supports,
+/// without some of its joints, or with changed keys in some of its tables. Everything else is as in the scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// The name, also that of the folder of its results.
+    /// Name of the case, and of its results folder; 1 to 100 characters.
     pub name: At<String>,
-    /// The one choice by which it differs, in a few words, such as `dynamic friction`: reports compare
-    /// it with the first case of the same waves that varies nothing.
+    /// Short description of the one parameter that the case varies, such as `dynamic friction`: reports compare
+    /// it with the first case of the same waves without this key.
     pub varies: Option<String>,
-    /// A sweep leaves it out unless it is asked for by name: for a case that takes far longer than the
-    /// others, such as one of a finer mesh.
+    /// Whether the case is computed only when requested by name, as for a case of a finer mesh that takes much
+    /// longer than the others; false by default.
     #[serde(default)]
     pub on_request: bool,
-    /// Its mesh, in place of the scene's.
+    /// Mesh of the case; that of the scene by default.
     pub mesh: Option<MeshFile>,
-    /// Its waves, in place of all of the scene's.
+    /// Waves of the case, in place of all waves of the scene; those of the scene by default.
     #[serde(rename = "wave", default)]
     pub waves: Vec<Wave>,
-    /// Its ground, in place of the scene's.
+    /// Free-field site of the case; that of the scene by default.
     pub ground: Option<Ground>,
-    /// Its absorbing faces, in place of the scene's.
+    /// Absorbing faces of the case; those of the scene by default.
     pub faces: Option<Vec<At<String>>>,
-    /// Its supports, in place of all of the scene's; none if the list is empty. Those of stages stay.
+    /// Supports of the case, in place of all supports of the scene (an empty list: none); those of the scene by
+    /// default. Supports of stages are kept.
     #[serde(rename = "support")]
     pub supports: Option<Vec<At<Support>>>,
-    /// Joints that it does not have, by name: there the mesh is not cut, the sides are one body.
+    /// Names of joints that are left out: the mesh stays continuous across them.
     #[serde(default)]
     pub continuous: Vec<At<String>>,
-    /// Materials with other keys: the name of one of the scene's, and the keys that differ, each with its
-    /// whole value. The same holds for the tables below.
+    /// Changed keys of materials: the name of a material of the scene and the keys that differ, each with its
+    /// whole value. The tables below work alike.
     #[serde(rename = "material", default)]
     pub materials: Vec<ByName>,
-    /// Parts with other keys, such as another damping, by their set.
+    /// Changed keys of parts, such as another damping, by element set.
     #[serde(rename = "part", default)]
     pub parts: Vec<BySet>,
-    /// Joints with other keys, such as another friction, by name.
+    /// Changed keys of joints, such as another friction, by name.
     #[serde(rename = "joint", default)]
     pub joints: Vec<ByName>,
-    /// Records with other keys, such as another baseline or convention, by name.
+    /// Changed keys of records, such as another baseline correction or convention, by name.
     #[serde(rename = "record", default)]
     pub records: Vec<ByName>,
-    /// Bolts with other keys, by name.
+    /// Changed keys of bolts, by name.
     #[serde(rename = "bolt", default)]
     pub bolts: Vec<ByName>,
-    /// Stages with other keys, by name.
+    /// Changed keys of construction stages, by name.
     #[serde(rename = "stage", default)]
     pub stages: Vec<ByName>,
-    /// Keys of the boundary that differ, such as which motion comes in through it; its faces by `faces`.
+    /// Changed keys of the absorbing boundary, such as its input motion; faces are changed by `faces`.
     pub boundary: Option<Changed>,
-    /// Keys of duration and time step that differ.
+    /// Changed keys of the table `time`.
     pub time: Option<Changed>,
 }
 
-/// A table of the scene, by name, with the keys that differ.
+/// Changed keys of one table of the scene, selected by name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("additionalProperties" = true))]
 pub struct ByName {
-    /// The name of the scene's table.
+    /// Name of the table of the scene that is changed.
     pub name: At<String>,
 }
 
-/// A part of the scene, by its set, with the keys that differ.
+/// Changed keys of one part of the scene, selected by element set.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("additionalProperties" = true))]
 pub struct BySet {
-    /// The element set of the scene's part.
+    /// Element set of the part that is changed.
     pub set: At<String>,
 }
 
-/// The keys that differ of a table of which there is one.
+/// Changed keys of a table that a scene has once.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("additionalProperties" = true))]
 pub struct Changed {}
 
 impl SceneFile {
-    /// The scene as a case has it, once the keys that it changes in tables are in their places.
+    /// Scene of a case, after the case's changed keys were applied to the tables.
     pub(crate) fn with_case(&self, case: &Case) -> Self {
         let mut file = self.clone();
         if let Some(mesh) = &case.mesh {
@@ -100,12 +100,12 @@ impl SceneFile {
         if let (Some(faces), Some(boundary)) = (&case.faces, &mut file.boundary) {
             boundary.faces.clone_from(faces);
         }
-        let left = |name: &At<String>| !case.continuous.iter().any(|other| **other == **name);
-        file.joints.retain(|joint| left(&joint.name));
-        file.output.joints.retain(|history| left(&history.joint));
+        let kept = |name: &At<String>| !case.continuous.iter().any(|other| **other == **name);
+        file.joints.retain(|joint| kept(&joint.name));
+        file.output.joints.retain(|history| kept(&history.joint));
         for stage in &mut file.stages {
-            stage.tied.retain(left);
-            stage.bonded.retain(left);
+            stage.tied.retain(kept);
+            stage.bonded.retain(kept);
         }
         file
     }

@@ -1,14 +1,14 @@
-//! Keys that a case changes in the tables of a scene.
+//! Application of a case's changed keys to the tables of the scene.
 //!
-//! They are put in their places before anything is read of the tables: so whatever a law or a record
-//! wants can be changed, and a fault in it is shown where it stands, in the case.
+//! The keys are replaced before the tables are deserialised: so every key of a law or a record can be changed,
+//! and a fault in a changed key is reported at its position in the case.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::fault::{Fault, Problem};
 
-/// Tables that a case changes, with the key that says which of the scene's it means.
+/// Tables that a case may change, with the key that selects one of them.
 const NAMED: [(&str, &str); 6] = [
     ("material", "name"),
     ("part", "set"),
@@ -17,14 +17,13 @@ const NAMED: [(&str, &str); 6] = [
     ("bolt", "name"),
     ("stage", "name"),
 ];
-/// Tables of which a scene has one.
+/// Tables that a scene has once.
 const SINGLE: [&str; 2] = ["boundary", "time"];
 
-/// Puts the keys of a case in their places. What has not the shape of a change is left for serde to
-/// refuse.
+/// Applies the changed keys of a case. Values of a wrong type are left for serde to reject.
 ///
 /// # Errors
-/// A table that the scene does not have.
+/// The case changes a table that the scene does not have.
 pub(super) fn apply(root: &mut DeTable, case: &str) -> Result<(), Fault> {
     let Some(own) = table_of(root, "case", ("name", case)).map(|own| own.clone()) else {
         return Ok(());
@@ -44,24 +43,24 @@ pub(super) fn apply(root: &mut DeTable, case: &str) -> Result<(), Fault> {
                 };
                 return Err(Fault::new(name.span(), problem));
             };
-            put(table, change, key);
+            replace(table, change, key);
         }
     }
     for section in SINGLE {
         if let Some(DeValue::Table(change)) = own.get(section).map(Spanned::get_ref)
             && let Some(DeValue::Table(table)) = root.get_mut(section).map(Spanned::get_mut)
         {
-            put(table, change, "");
+            replace(table, change, "");
         }
     }
     Ok(())
 }
 
-/// Replaces the keys of a table by those of a change, but for the one that names it.
-fn put<'t>(table: &mut DeTable<'t>, change: &DeTable<'t>, name: &str) {
+/// Replaces keys of a table by the changed ones, except the key that selects the table.
+fn replace<'t>(table: &mut DeTable<'t>, change: &DeTable<'t>, name: &str) {
     for (key, value) in change {
         if key.get_ref() != name {
-            // A key keeps its first place unless it goes first.
+            // Inserting over an existing key would keep the old key's span: remove it first.
             table.remove(&**key.get_ref());
             table.insert(key.clone(), value.clone());
         }
@@ -82,7 +81,7 @@ fn items<'a, 't>(
     }))
 }
 
-/// The table of a section in which a key has a value.
+/// First table of a section in which a key has the given value.
 fn table_of<'a, 't>(
     root: &'a mut DeTable<'t>,
     section: &str,
@@ -101,7 +100,7 @@ fn table_of<'a, 't>(
     })
 }
 
-/// The text of a key, with its place.
+/// Text of a key, with its byte range.
 fn text<'a>(table: &'a DeTable, key: &str) -> Option<Spanned<&'a str>> {
     let value = table.get(key)?;
     match value.get_ref() {

@@ -1,4 +1,4 @@
-//! B of viscous-spring boundaries.
+//! Velocity ratio B of viscous-spring boundaries.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -8,17 +8,18 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// B, the ratio of physical to apparent wave speed.
+/// Velocity ratio B of a viscous-spring boundary: physical over apparent wave speed, by which dashpots are
+/// multiplied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DashpotRatio {
-    /// That of Wang, Chen & Xiao (2019).
+    /// Value of Wang, Chen & Xiao (2019), 1.1.
     Paper,
-    /// A number of 0.1 to 10.
+    /// A given ratio, 0.1 to 10.
     Number(f64),
 }
 
 impl DashpotRatio {
-    /// The number.
+    /// Value of the ratio.
     pub fn get(self) -> f64 {
         match self {
             Self::Paper => AxisParameters::PAPER.speed_ratio,

@@ -1,8 +1,8 @@
-//! From text to [`SceneFile`], keeping the place of every value.
+//! Reading of a [`SceneFile`] from text, with the byte range of every value.
 //!
-//! serde's internally tagged enums and flattened maps lose the places of their values. So tables
+//! serde's internally tagged enums and flattened maps lose the byte ranges of their values. So tables
 //! with a `kind` are rewritten to externally tagged ones first, and the open tables are split into
-//! the keys of the format and those of the registered type, all with their places.
+//! the keys of the format and those of the registered type, all with their byte ranges.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::strict::Strict;
 use super::{Material, Parameters, SceneFile, change};
 use crate::fault::{Fault, Problem};
 
-/// Keys whose table, or whose tables in an array, say their shape by `kind`.
+/// Keys whose table, or whose tables in an array, have a variant selected by `kind`.
 const TAGGED: [&str; 9] = [
     "baseline",
     "damping",
@@ -27,7 +27,7 @@ const TAGGED: [&str; 9] = [
     "pulse",
     "support",
 ];
-/// Open tables, and the keys in them that the format reads itself.
+/// Open tables, and their keys that belong to the scene format.
 const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
 const JOINT: (&str, &[&str]) = (
     "joint",
@@ -43,18 +43,18 @@ const JOINT: (&str, &[&str]) = (
         "unbonded",
     ],
 );
-const BOUNDARY: (&str, &[&str]) = ("boundary", &["kind", "faces", "scatterer", "region"]);
+const BOUNDARY: (&str, &[&str]) = ("boundary", &crate::keys::BOUNDARY);
 
-/// Reads a scene.
+/// Reads a scene from text.
 ///
 /// # Errors
-/// The first fault with its place: broken syntax, an unknown or missing key, a value of a wrong
+/// The first fault with its byte range: invalid syntax, an unknown or missing key, a value of a wrong
 /// type or outside its range.
 pub fn decode(text: &str) -> Result<SceneFile, Fault> {
     read(text, None)
 }
 
-/// Reads a scene as one of its cases has it: as [`decode`] if there is no such case.
+/// Reads a scene with the changes of one of its cases; as [`decode`] if there is no such case.
 ///
 /// # Errors
 /// As [`decode`]; a table that the case changes and the scene does not have.
@@ -87,7 +87,7 @@ fn read(text: &str, case: Option<&str>) -> Result<SceneFile, Fault> {
     Ok(scene)
 }
 
-/// The text of a scene, and which of its cases is meant.
+/// Text of a scene, and the name of the selected case.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Source {
     text: Arc<str>,
@@ -101,18 +101,18 @@ impl Source {
             case: case.map(Into::into),
         }
     }
-    /// Parsed anew.
+    /// Parses the text into a tree.
     pub(super) fn tree(&self) -> Result<Spanned<DeTable<'_>>, Fault> {
         tree_of(&self.text, self.case.as_deref())
     }
 }
 
-/// Reads any structure whose tables with a `kind` are those of scenes.
+/// Reads a structure whose tables with a `kind` are those of scenes.
 pub(crate) fn decode_tagged<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
     T::deserialize(Strict(Deserializer::from(tree(text)?))).map_err(Fault::from_toml)
 }
 
-/// Reads the materials of a text, and nothing else.
+/// Reads only the materials of a text.
 pub(crate) fn decode_materials(text: &str) -> Result<Vec<Material>, Fault> {
     #[derive(Deserialize)]
     struct Materials {
@@ -131,7 +131,7 @@ pub(crate) fn decode_materials(text: &str) -> Result<Vec<Material>, Fault> {
     Ok(materials)
 }
 
-/// The parsed text as a case has it, with its tagged tables rewritten.
+/// Parsed text with the changes of a case applied and tagged tables rewritten.
 fn tree_of<'t>(text: &'t str, case: Option<&str>) -> Result<Spanned<DeTable<'t>>, Fault> {
     let mut root = tree(text)?;
     if let Some(case) = case {
@@ -140,15 +140,15 @@ fn tree_of<'t>(text: &'t str, case: Option<&str>) -> Result<Spanned<DeTable<'t>>
     Ok(root)
 }
 
-/// The parsed text with its tagged tables rewritten.
+/// Parsed text with tagged tables rewritten.
 fn tree(text: &str) -> Result<Spanned<DeTable<'_>>, Fault> {
     let mut root = DeTable::parse(text).map_err(Fault::from_toml)?;
     tag_tables(root.get_mut())?;
     Ok(root)
 }
 
-/// Leaves the shared keys in the open tables of a section and returns the others, table by table.
-/// What is no table is left for serde to refuse.
+/// Removes the parameters from the open tables of a section and returns them, table by table; shared keys
+/// remain. Values that are not tables are left for serde to reject.
 pub(super) fn split<'t>(
     root: &mut DeTable<'t>,
     section: &str,
@@ -207,17 +207,17 @@ fn tag(value: &mut Spanned<DeValue>, tagged: bool) -> Result<(), Fault> {
                 let Some(kind) = table.remove("kind") else {
                     return Err(Fault::new(span, Problem::MissingKey { key }));
                 };
-                let place = kind.span();
+                let kind_span = kind.span();
                 let kind = match kind.into_inner() {
                     DeValue::String(kind) => kind,
                     other => {
                         let found = format!("{} {}", article(other.type_str()), other.type_str());
                         let expected = "a text in quotes".into();
-                        return Err(Fault::new(place, Problem::Value { found, expected }));
+                        return Err(Fault::new(kind_span, Problem::Value { found, expected }));
                     }
                 };
                 let rest = DeValue::Table(core::mem::take(table));
-                table.insert(Spanned::new(place, kind), Spanned::new(span, rest));
+                table.insert(Spanned::new(kind_span, kind), Spanned::new(span, rest));
             }
         }
         other if tagged => {

@@ -5,74 +5,75 @@ use serde::Deserialize;
 
 use super::{Finite, Positive};
 
-/// A factor as a function of time, by which a load is multiplied.
+/// Dimensionless function of time by which a load or a prescribed motion is multiplied.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Function {
-    /// One at all times.
+    /// Constant one.
     Constant {},
-    /// From zero to one in a time, one thereafter.
+    /// Linear ramp from zero at t = 0 to one, constant one thereafter.
     Ramp {
-        /// How long the ramp takes (s).
+        /// Duration of the ramp (s), above 0.
         duration: Positive,
     },
-    /// A sine, `sin(2 pi f t)`.
+    /// Sine function `sin(2 pi f t)`.
     Sine {
         /// Frequency (Hz).
         frequency: Positive,
     },
-    /// A Ricker pulse with peak one, `(1 - 2 a) exp(-a)` with `a = (pi f (t - delay))^2`.
+    /// Ricker pulse with peak one, `(1 - 2 a) exp(-a)` with `a = (pi f (t - delay))^2`.
     Ricker {
         /// Central frequency (Hz).
         frequency: Positive,
-        /// When the peak comes (s).
+        /// Time of the peak (s).
         delay: Finite,
     },
-    /// Straight lines between points, constant before the first and after the last.
+    /// Piecewise linear function through given points, constant before the first and after the last.
     Table {
-        /// Times (s), rising.
+        /// Times of the points (s), strictly increasing.
         times: Vec<Finite>,
-        /// Values at the times.
+        /// Values at the times, as many as times.
         values: Vec<Finite>,
     },
 }
 
-/// A test pulse in place of a record: the displacement of the incident wave.
+/// Analytic displacement pulse of an incident wave, in place of a record.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Pulse {
-    /// A smooth bump of displacement that starts and ends at rest at zero.
+    /// One-sided smooth pulse of displacement that starts and ends with zero displacement and velocity.
     Smooth {
-        /// Greatest displacement (m).
+        /// Peak displacement (m), above 0.
         displacement: Positive,
-        /// Length (s).
+        /// Duration of the pulse (s), above 0.
         duration: Positive,
     },
-    /// A smooth swing of displacement to both sides, with mean zero.
+    /// Two-sided smooth pulse of displacement with zero mean.
     ZeroMean {
-        /// Greatest displacement (m).
+        /// Peak displacement (m), above 0.
         displacement: Positive,
-        /// Length (s).
+        /// Duration of the pulse (s), above 0.
         duration: Positive,
     },
-    /// A Ricker pulse in displacement.
+    /// Ricker pulse of displacement.
     Ricker {
-        /// Greatest displacement (m).
+        /// Peak displacement (m), above 0.
         displacement: Positive,
         /// Central frequency (Hz).
         frequency: Positive,
-        /// Time of the peak after the arrival (s), by default long enough to start from rest.
+        /// Time of the peak after the arrival (s), above 0; by default long enough for a negligible motion at the
+        /// arrival.
         delay: Option<Positive>,
     },
-    /// Some cycles of a harmonic motion under a smooth window.
+    /// Tone burst: cycles of a harmonic displacement under a smooth window.
     Burst {
-        /// Greatest displacement (m).
+        /// Peak displacement (m), above 0.
         displacement: Positive,
-        /// Frequency (Hz).
+        /// Frequency (Hz), above 0.
         frequency: Positive,
-        /// Number of cycles.
+        /// Number of cycles, above 0.
         cycles: Positive,
     },
 }

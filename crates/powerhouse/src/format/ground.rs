@@ -1,4 +1,4 @@
-//! Records, waves and the boundary through which they come in.
+//! Ground motion records, incident waves, the free-field site and the absorbing boundary.
 
 use std::path::PathBuf;
 
@@ -7,71 +7,72 @@ use serde::Deserialize;
 
 use super::{At, Azimuth, Finite, Incidence, NonNegative, Parameters, Positive, Pulse, Share};
 
-/// A ground motion record and what is done with it, in this order: units, cut, baseline, peak.
+/// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
+/// to a peak.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// The name that waves refer to.
+    /// Name to which waves and prescribed motions refer.
     pub name: At<String>,
-    /// The file, relative to the scene file: PEER AT2, or text in one column (with `time_step`) or
-    /// two columns (time in s, acceleration). A record has either a file or components.
+    /// Path of the file, relative to the scene file: PEER AT2, or text in one column (acceleration, with
+    /// `time_step`) or two columns (time in s, acceleration). A record has either a file or components.
     pub file: Option<At<PathBuf>>,
-    /// The files of up to three components of one station; a wave takes one of them. They are
-    /// treated alike: one length, one cut, one factor to the peak.
+    /// Files of up to three components of one station; a wave refers to one of them. All are processed
+    /// alike: one length, one cut, one scale factor.
     pub components: Option<At<Components>>,
-    /// How components of unequal length get a common one; `pad` by default.
+    /// Treatment of components of unequal length: `pad` (zeros are added; the default) or `cut`.
     pub length: Option<At<Length>>,
-    /// Units of the accelerations in the file. PEER AT2 files say it themselves; for text files it
-    /// must be given.
+    /// Unit of the accelerations in the file: `m/s2`, `cm/s2` or `g`. Required for text files; PEER AT2 files
+    /// declare their own.
     pub units: Option<Units>,
-    /// What to do if a file declares another number of samples than it holds; it is refused by
-    /// default.
+    /// Treatment of a file whose declared number of samples differs from the number it contains: `as-declared`
+    /// (an error; the default) or `as-found` (a warning).
     #[serde(default)]
     pub count: Count,
-    /// Time step of a one-column text file (s).
+    /// Sampling interval of a one-column text file (s), above 0.
     pub time_step: Option<Positive>,
-    /// Start and end of what is used of the record (s).
+    /// Time window of the record that is used: start and end (s); all by default.
     pub cut: Option<At<[NonNegative; 2]>>,
-    /// Over this time before the cut's end the acceleration falls to zero (s); 0 by default, a
-    /// plain cut.
+    /// Duration of the taper at the end of the cut (s), over which the acceleration falls to zero; 0 (no taper)
+    /// by default.
     pub taper: Option<At<NonNegative>>,
-    /// How drift of velocity and displacement is taken out; not at all by default.
+    /// Baseline correction, which removes drift of velocity and displacement; none by default.
     #[serde(default)]
     pub baseline: At<Baseline>,
-    /// The peak acceleration to which the record is scaled at last (m/s2), of components that of
-    /// the largest.
+    /// Peak ground acceleration to which the processed record is scaled (m/s2), above 0; with components, the
+    /// peak of the largest one. No scaling by default.
     pub peak: Option<Positive>,
-    /// Lasting displacement at the record's end (m), 0 by default. A record that ends elsewhere,
-    /// or in motion, is refused.
+    /// Permanent displacement at the end of the record (m), 0 by default. A record that ends with another
+    /// displacement, or with a velocity, is an error.
     pub end_displacement: Option<Finite>,
-    /// What the record is.
+    /// Type of the motion that the record describes, which fixes its ratio to the incident wave.
     pub convention: At<Convention>,
 }
 
-/// The components of a record, each a file like that of a record. The names say what waves refer
-/// to; they turn nothing.
+/// Component files of a record, each of a format permitted for `file`. The names are labels to which waves refer;
+/// they imply no direction of the motion.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Components {
-    /// The first horizontal component.
+    /// Path of the file of the first horizontal component.
     pub x: Option<At<PathBuf>>,
-    /// The second horizontal component.
+    /// Path of the file of the second horizontal component.
     pub y: Option<At<PathBuf>>,
-    /// The vertical component.
+    /// Path of the file of the vertical component.
     pub z: Option<At<PathBuf>>,
 }
 
-/// How components get a common length.
+/// Treatment of components of unequal length.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Length {
-    /// The shortest cuts the others.
+    /// All are cut to the length of the shortest.
     Cut,
-    /// Zeros make all as long as the longest.
+    /// All are extended with zeros to the length of the longest.
     Pad,
 }
 
-/// Units of acceleration.
+/// Unit of acceleration.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 pub enum Units {
     /// Metres per second squared.
@@ -85,124 +86,122 @@ pub enum Units {
     Gravity,
 }
 
-/// How strictly a declared number of samples is taken.
+/// Treatment of a declared number of samples that differs from the number in the file.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Count {
-    /// A file that holds another number is refused.
+    /// A file with another number of samples is an error.
     #[default]
     AsDeclared,
-    /// The samples that are there are taken, with a warning.
+    /// The samples in the file are used, with a warning.
     AsFound,
 }
 
-/// Baseline correction.
+/// Method of baseline correction of an accelerogram.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Baseline {
-    /// The record stays as it is.
+    /// No correction.
     #[default]
     None,
-    /// Takes the mean from the acceleration: the end velocity vanishes.
+    /// Subtraction of the mean acceleration: the end velocity becomes zero.
     Mean {},
-    /// Takes from the acceleration the polynomial that fits it best.
+    /// Subtraction of the least-squares polynomial of the acceleration.
     AccelerationPolynomial {
-        /// Order of the polynomial, 0 to 8.
+        /// Degree of the polynomial, 0 to 8.
         order: usize,
     },
-    /// Takes from the acceleration the polynomial that leaves the least mean square velocity;
-    /// order 2 is the parabolic baseline of Berg and Housner (1961).
+    /// Subtraction of the acceleration polynomial that minimises the mean square velocity; order 2 is the
+    /// parabolic baseline of Berg and Housner (1961).
     LeastVelocity {
-        /// Order of the polynomial, 0 to 8.
+        /// Degree of the polynomial, 0 to 8.
         order: usize,
     },
-    /// Takes from the velocity the polynomial that leaves the least mean square velocity among
-    /// those that bring end velocity and end displacement to zero.
+    /// Subtraction of the velocity polynomial that minimises the mean square velocity, subject to zero end
+    /// velocity and zero end displacement.
     VelocityPolynomial {
-        /// Order of the polynomial, 2 to 9.
+        /// Degree of the polynomial, 2 to 9.
         order: usize,
     },
-    /// Butterworth filter, run forwards and backwards. The record grows by 1.5 order / corner at
-    /// both ends.
+    /// High-pass Butterworth filter, applied forwards and backwards (zero phase). The record is extended by
+    /// `1.5 order / corner` (s) at both ends.
     HighPass {
-        /// Corner frequency (Hz).
+        /// Corner frequency (Hz), above 0.
         corner: Positive,
-        /// Order, 1 to 8.
+        /// Order of the filter, 1 to 8.
         order: usize,
     },
 }
 
-/// What a record is, which says how large the incident wave is.
+/// Type of motion that a record describes; it fixes the ratio of the incident wave to the record.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
-    /// The incident wave itself.
+    /// Motion of the incident wave itself.
     Incident,
-    /// The motion of an outcrop, twice the incident wave.
+    /// Outcrop motion: twice the incident wave.
     Outcrop,
-    /// The component of the free surface's motion along the wave's horizontal direction of travel,
-    /// which its azimuth gives: not the x of the mesh where the wave has another azimuth than 0.
+    /// Free-surface motion: horizontal component along the wave's direction of travel, which its azimuth gives
+    /// (the x axis of the mesh only for an azimuth of 0).
     SurfaceAlong,
-    /// The component of the free surface's motion across that direction, horizontally, to its left: not
-    /// the y of the mesh where the wave has another azimuth than 0.
+    /// Free-surface motion: horizontal component across that direction, to its left (the y axis of the mesh only
+    /// for an azimuth of 0).
     SurfaceAcross,
-    /// The same as `surface-along`; where the azimuth is not 0 the run warns that it is not the x of the
+    /// Same as `surface-along`; if the azimuth is not 0, a warning states that this is not the x axis of the
     /// mesh.
     SurfaceX,
-    /// The same as `surface-across`; where the azimuth is not 0 the run warns that it is not the y of
-    /// the mesh.
+    /// Same as `surface-across`; if the azimuth is not 0, a warning states that this is not the y axis of the
+    /// mesh.
     SurfaceY,
-    /// The vertical component of the free surface's motion.
+    /// Free-surface motion: vertical component.
     SurfaceZ,
-    /// The motion inside the half-space.
+    /// Within motion: a component of the motion at a depth in the half-space.
     Within(Within),
 }
 
-/// A component of the motion at a depth below the free surface.
+/// Within motion: one component of the motion at a depth below the free surface.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Within {
-    /// Depth below the surface (m).
+    /// Depth below the free surface (m), above 0.
     pub depth: Positive,
-    /// The component: along the wave's horizontal direction of travel, across it, or up.
+    /// Component: along the wave's horizontal direction of travel, across it, or vertical.
     pub component: WaveAxis,
-    /// Regularisation of the division by the transfer function, 0.001 to 0.5; 0.05 by default.
+    /// Regularisation of the division by the transfer function (dimensionless), 0.001 to 0.5; 0.05 by default.
     pub regularisation: Option<Share>,
 }
 
-/// A component of motion in the frame of a wave.
+/// Component of motion in the coordinate system of a wave.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum WaveAxis {
-    /// Along the horizontal direction of travel.
+    /// Horizontal, along the direction of travel.
     Along,
-    /// Across it, horizontally, to its left.
+    /// Horizontal, across the direction of travel, to its left.
     Across,
-    /// The same as `along`; where the wave's azimuth is not 0 the run warns that it is not the x of the
-    /// mesh.
+    /// Same as `along`; if the azimuth is not 0, a warning states that this is not the x axis of the mesh.
     X,
-    /// The same as `across`; where the wave's azimuth is not 0 the run warns that it is not the y of the
-    /// mesh.
+    /// Same as `across`; if the azimuth is not 0, a warning states that this is not the y axis of the mesh.
     Y,
-    /// Up.
+    /// Vertical, upwards.
     Z,
 }
 
-/// A component of a record.
+/// Component of a record.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Component {
-    /// The file of the first horizontal component.
+    /// First horizontal component.
     X,
-    /// That of the second.
+    /// Second horizontal component.
     Y,
-    /// That of the vertical one.
+    /// Vertical component.
     Z,
 }
 
 impl Component {
-    /// Its name.
+    /// Name of the component, one letter.
     pub fn letter(self) -> char {
         match self {
             Self::X => 'x',
@@ -212,96 +211,96 @@ impl Component {
     }
 }
 
-/// The ground without the structure. Its medium is that of the elements behind the boundary.
+/// Free-field site: the ground without the structure. Its medium is that of the elements along the absorbing
+/// faces.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
-    /// Half-space under a free surface, or full space.
+    /// Half-space below a free surface (the default), or full space.
     #[serde(default)]
     pub space: Space,
-    /// Height of the free surface (m), the top of the mesh by default. A mesh whose top at the
-    /// absorbing faces lies elsewhere is warned of.
+    /// Height z of the free surface (m), the top of the mesh by default. A warning is given if the top of the
+    /// mesh along the absorbing faces lies elsewhere.
     pub surface: Option<At<Finite>>,
 }
 
-/// The space that waves travel in.
+/// Domain in which the incident waves travel.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Space {
-    /// Below a horizontal free surface, which reflects.
+    /// Half-space below a horizontal free surface, which reflects waves.
     #[default]
     HalfSpace,
-    /// Without a surface.
+    /// Full space, without a free surface.
     FullSpace,
 }
 
-/// A plane wave.
+/// Incident plane body wave.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wave {
-    /// The kind of wave.
+    /// Wave type: `p`, `sv` or `sh`.
     pub kind: WaveKind,
-    /// Angle of incidence from the vertical (degrees), 0 for a wave straight from below. Under a
-    /// free surface a grazing wave is refused; a full space takes angles up to 180.
+    /// Angle of incidence from the vertical (degrees), 0 for vertical incidence from below. In a half-space
+    /// below 90, grazing incidence being an error; in a full space up to 180.
     pub incidence: At<Incidence>,
-    /// Horizontal direction of travel from +x towards +y (degrees), 0 by default.
+    /// Azimuth: horizontal direction of travel, from +x towards +y (degrees), -360 to 360, 0 by default.
     pub azimuth: Option<Azimuth>,
-    /// The record, by name. A wave has either a record or a pulse.
+    /// Name of the record of its motion. A wave has either a record or a pulse.
     pub record: Option<At<String>>,
-    /// The component of a record that has some.
+    /// Component of the record (`x`, `y` or `z`), if the record has components.
     pub component: Option<At<Component>>,
-    /// A test pulse.
+    /// Analytic pulse of the incident displacement, in place of a record.
     pub pulse: Option<At<Pulse>>,
-    /// When the record's t = 0 arrives at the reference point (s), 0 by default. If a body at rest
-    /// must wait for the field of one wave (past the critical angle, behind a filter's lead, within
-    /// the ground), all waves come later by the same time, and the run says so.
+    /// Arrival time of the record's t = 0 at the reference point (s), 0 by default. Where the field of a wave is
+    /// not negligible at the start of a body at rest (past the critical angle, before the first sample of a
+    /// filtered record, for a within motion), all waves are delayed by the same time, which the run reports.
     pub arrival: Option<At<Finite>>,
-    /// The point where it arrives then (m). By default the corner of the mesh's box that the wave
-    /// hits first.
+    /// Reference point of the arrival time (m): x, y, z. By default the corner of the mesh's bounding box that
+    /// the wave reaches first.
     pub reference: Option<At<[Finite; 3]>>,
-    /// Multiplies the motion, 1 by default.
+    /// Factor on the motion (dimensionless), 1 by default.
     pub factor: Option<Finite>,
 }
 
-/// Kinds of body waves.
+/// Type of a body wave.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum WaveKind {
-    /// Compressional.
+    /// Compressional wave.
     P,
-    /// Shear, polarised in the vertical plane of travel.
+    /// Shear wave polarised in the vertical plane of travel.
     Sv,
-    /// Shear, polarised horizontally.
+    /// Shear wave polarised horizontally.
     Sh,
 }
 
-/// Where the mesh ends and the ground goes on: the kind of the registry and its parameters.
+/// Absorbing boundary on outer faces of the mesh: its kind in the registry and its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct BoundarySection {
-    /// The boundary's name in the registry, such as `viscous-spring`.
+    /// Kind of the boundary: its name in the registry, such as `viscous-spring`.
     pub kind: At<String>,
-    /// Facet sets on which it stands.
+    /// Absorbing faces: facet sets on the surface of the mesh.
     pub faces: Vec<At<String>>,
-    /// The centre of the structure (m), from which springs take their distance; by default the
-    /// middle of all parts that touch no absorbing face.
+    /// Centre of the structure as the source of scattered waves (m): boundary springs are computed with the
+    /// distance from it. By default the centre of all parts that touch no absorbing face.
     pub scatterer: Option<At<[Finite; 3]>>,
-    /// A region around the structure: the waves enter through the layer of elements around it (domain
-    /// reduction, Bielak et al. 2003), and the faces absorb what is scattered. Outside the layer
-    /// results hold the scattered motion alone.
+    /// Interior region of the domain reduction method (Bielak et al. 2003): incident waves enter through the
+    /// layer of elements around it, and the absorbing faces absorb the scattered waves. Outside the layer
+    /// results are the scattered motion alone. By default waves enter through the absorbing faces.
     pub region: Option<At<Region>>,
-    /// All other keys: what the kind wants.
+    /// All other keys of the table: parameters of the boundary kind.
     #[serde(skip)]
     pub parameters: Parameters,
 }
 
-/// A part of the mesh: either an element set or a box.
+/// Interior region of a domain reduction: either an element set or a box.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// The element set.
+    /// Element set of the region.
     pub set: Option<At<String>>,
-    /// The lowest and the highest corner (m) of a box; elements whose middle lies in it belong to the
-    /// region.
+    /// Lowest and highest corner (m) of a box; elements whose centroids lie in it belong to the region.
     #[serde(rename = "box")]
     pub corners: Option<[[Finite; 3]; 2]>,
 }

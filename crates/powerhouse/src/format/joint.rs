@@ -1,4 +1,4 @@
-//! Joints between parts.
+//! Joints: geometry, initial state and contact law.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -9,89 +9,88 @@ use serde::{Deserialize, Deserializer};
 
 use super::{At, Finite, NonNegative, Parameters, Positive};
 
-/// A joint: where two parts touch, how it starts, and the law of its tractions with the law's
-/// parameters.
+/// Joint: two facing surfaces of the mesh with their initial state and the contact law of their tractions.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct JointSection {
-    /// The name in results.
+    /// Name of the joint in results.
     pub name: At<String>,
-    /// Two element sets that share nodes: the mesh is cut open along their common facets. A joint
-    /// has either this or `facets`.
+    /// Two element sets that share nodes: the nodes of their common facets are doubled. A joint has either
+    /// this or `facets`.
     pub between: Option<At<[String; 2]>>,
-    /// Two facet sets that face each other, of a mesh that is meshed apart there.
+    /// Two facet sets that face each other, of a mesh whose nodes are doubled there already.
     pub facets: Option<At<[String; 2]>>,
-    /// Largest distance of nodes that face each other (m); by default a millionth of the mesh's
+    /// Largest distance between two nodes that are paired (m), above 0; by default a millionth of the mesh's
     /// diagonal.
     pub tolerance: Option<Positive>,
-    /// Largest angle (degrees) between facets that count as one smooth patch, 40 by default.
-    /// Beyond it nodes on the edge have a pair for each side of it.
+    /// Largest angle between the normals of facets of one smooth patch (degrees), above 0, 40 by default. Nodes
+    /// on a sharper edge have one pair for each patch.
     pub corner: Option<At<Positive>>,
-    /// Traction on the joint in the state from which displacements are counted; none by default.
-    /// The law sees the sum of it and what the motion adds, and must admit it.
+    /// Preload: initial traction on the joint in the reference configuration; none by default. The law is
+    /// evaluated with the sum of it and the traction of the motion, and must admit it.
     pub preload: Option<At<Preload>>,
-    /// Distance of the sides in that state (m), or `"meshed"`: that of the nodes in the mesh, along
-    /// the normal. None by default. A pair apart has neither bond nor preload.
+    /// Initial gap between the two sides along the normal (m), 0 by default, or `"meshed"`: the distance of the
+    /// nodes in the mesh. A node pair with a gap has neither bond nor preload.
     pub gap: Option<At<Gap>>,
-    /// Zones that start without the bond that the law gives, as where the joint was cracked before.
+    /// Zones that start without bond, such as an existing crack; none by default.
     pub unbonded: Option<Vec<At<Zone>>>,
-    /// The law's name in the registry, such as `bonded-coulomb`.
+    /// Contact law: its name in the registry, such as `bonded-coulomb`.
     pub law: At<String>,
-    /// All other keys: what the law wants.
+    /// All other keys of the table: parameters of the contact law.
     #[serde(skip)]
     pub parameters: Parameters,
 }
 
-/// The traction on a joint in the state from which displacements are counted.
+/// Preload: initial traction on a joint in the reference configuration.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Preload {
-    /// Pressure across it.
+    /// Uniform normal pressure.
     Pressure {
-        /// Pressure (Pa), positive where the sides are pressed together.
+        /// Normal pressure (Pa), compression positive.
         pressure: Finite,
     },
-    /// The same traction everywhere.
+    /// Uniform traction vector.
     Traction {
-        /// Traction on the side of the joint's first set (Pa), in x, y and z.
+        /// Traction vector on the side of the joint's first set (Pa): x, y, z.
         traction: [Finite; 3],
     },
-    /// The traction of a stress that is the same everywhere.
+    /// Traction of a uniform stress.
     Stress {
-        /// Stress (Pa), tension positive: xx, yy, zz, xy, yz, zx.
+        /// Stress tensor (Pa), tension positive: xx, yy, zz, xy, yz, zx.
         stress: [Finite; 6],
     },
-    /// The traction of the stress of ground under its own weight (9.81 m/s2).
+    /// Traction of the geostatic stress of ground under its own weight (9.81 m/s2).
     Ground {
-        /// Height of the ground's surface (m).
+        /// Height z of the ground surface (m).
         level: Finite,
-        /// Density of the ground (kg/m3).
+        /// Density of the ground (kg/m3), above 0.
         density: Positive,
-        /// Horizontal over vertical stress.
+        /// Coefficient of lateral stress K0: horizontal over vertical stress, 0 or above.
         lateral: NonNegative,
     },
 }
 
-/// Some pairs of a joint: exactly one of `at`, `node`, `set` and `low` with `high`.
+/// Zone of a joint: node pairs selected by exactly one of `at`, `node`, `set` and `low` with `high`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Zone {
-    /// A point (m): the pairs at the node that is nearest to it.
+    /// Point (m): selects the pairs of the nearest node.
     pub at: Option<At<[Finite; 3]>>,
-    /// How far from the point that node may be (m); 0.001 by default.
+    /// Largest distance of that node from the point (m), above 0; 0.001 by default.
     pub within: Option<At<Positive>>,
-    /// A node by its number in the mesh file.
+    /// Node number in the mesh file: selects the pairs of this node.
     pub node: Option<At<u64>>,
-    /// A node, facet or element set: the pairs with a node in it.
+    /// Node, facet or element set: selects the pairs with a node in it.
     pub set: Option<At<String>>,
-    /// The lowest corner of a box (m): the pairs in it, or on its faces.
+    /// Lowest corner of a box (m): selects the pairs in it, or on its faces; with `high`.
     pub low: Option<At<[Finite; 3]>>,
-    /// The highest corner of the box (m).
+    /// Highest corner of the box (m); with `low`.
     pub high: Option<At<[Finite; 3]>>,
 }
 
 impl Zone {
-    /// Whether no key is given.
+    /// Returns whether no key is given.
     pub fn is_empty(&self) -> bool {
         let Self {
             at,
@@ -106,12 +105,12 @@ impl Zone {
     }
 }
 
-/// The distance of a joint's sides at the start.
+/// Initial gap between the two sides of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gap {
-    /// That of the nodes in the mesh.
+    /// Distance of the paired nodes in the mesh, along the normal.
     Meshed,
-    /// A distance (m), not negative.
+    /// Uniform gap (m), 0 or above.
     Distance(f64),
 }
 

@@ -5,67 +5,66 @@ use serde::Deserialize;
 
 use super::{At, Finite, Function, Positive};
 
-/// A support. Sets are node, facet or element sets of the mesh.
+/// Displacement boundary condition on a node, facet or element set of the mesh.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Support {
-    /// Held in all directions.
+    /// Fixed: zero displacement in all directions.
     Fixed {
-        /// The set.
+        /// Node, facet or element set.
         set: At<String>,
     },
-    /// Held in one direction, free across it.
+    /// Roller: zero displacement along one direction, free across it.
     Roller {
-        /// The set.
+        /// Node, facet or element set.
         set: At<String>,
-        /// The direction that is held, of any length; by default the normal of a
-        /// plane facet set.
+        /// Direction of zero displacement, a vector of any length; by default the normal of a plane facet set.
         normal: Option<At<[Finite; 3]>>,
     },
-    /// A plane of symmetry: the other half of the body moves as the mirror image of this one. Held
-    /// along the normal. Refused where the waves are not symmetric about it.
+    /// Symmetry plane: the half of the body that is not modelled moves as the mirror image of the modelled one.
+    /// Zero displacement along the normal. An error if the waves are not symmetric about the plane.
     Symmetry {
-        /// The set, on a plane with the body on one side.
+        /// Node, facet or element set on a plane that has the body on one side.
         set: At<String>,
-        /// The normal of the plane, of any length; by default that of a plane facet set.
+        /// Normal of the plane, a vector of any length; by default that of a plane facet set.
         normal: Option<At<[Finite; 3]>>,
     },
-    /// A plane of antisymmetry: the other half moves as the mirror image of this one with the opposite
-    /// sign. Held across the normal. Refused where the waves are not antisymmetric about it, or where
-    /// something is not elastic.
+    /// Antisymmetry plane: the half of the body that is not modelled moves as the mirror image of the modelled
+    /// one with the opposite sign. Zero displacement in the plane. An error if the waves are not antisymmetric
+    /// about the plane, or if a material or joint is not elastic.
     Antisymmetry {
-        /// The set, on a plane with the body on one side.
+        /// Node, facet or element set on a plane that has the body on one side.
         set: At<String>,
-        /// The normal of the plane, of any length; by default that of a plane facet set.
+        /// Normal of the plane, a vector of any length; by default that of a plane facet set.
         normal: Option<At<[Finite; 3]>>,
     },
-    /// Two opposite faces that move alike, as in a slice of a long tunnel.
+    /// Periodic pair: two opposite faces with equal displacements, as in a slice of a long tunnel.
     Periodic {
-        /// One face.
+        /// Node, facet or element set of the first face.
         from: At<String>,
-        /// The other face: the first, shifted.
+        /// Node, facet or element set of the second face: the first one, translated.
         to: At<String>,
     },
-    /// Moved along one direction as given, free across it.
+    /// Prescribed motion along one direction, free across it.
     Prescribed {
-        /// The set.
+        /// Node, facet or element set.
         set: At<String>,
-        /// The direction, of any length.
+        /// Direction of the motion, a vector of any length.
         direction: At<[Finite; 3]>,
-        /// Displacement along it (m). Either this or a record is given.
+        /// Displacement along the direction (m). Either this or `record` is given.
         displacement: Option<Finite>,
-        /// The record, by name (and component, as `name.x`), whose displacement it is; its first
-        /// sample comes at t = 0. If what a filter puts before that is not quiet when the run starts,
-        /// the records of all prescribed motions come later by the same time, and the run says so.
+        /// Name of the record (with a component: `name.x`) that gives the displacement; its first sample is at
+        /// t = 0. Where the lead that a filter adds before it is not negligible at the start of the run, the
+        /// records of all prescribed motions are delayed by the same time, which the run reports.
         record: Option<At<String>>,
-        /// Function of time by which either is multiplied, one at all times by default.
+        /// Function of time by which the motion is multiplied (dimensionless); constant one by default.
         function: Option<Function>,
     },
 }
 
 impl Support {
-    /// The sets that it names.
+    /// Sets to which the support applies.
     pub fn sets(&self) -> Vec<&At<String>> {
         match self {
             Self::Fixed { set }
@@ -78,69 +77,70 @@ impl Support {
     }
 }
 
-/// A load.
+/// External load.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Load {
-    /// Weight of all parts, downwards.
+    /// Gravity: weight of all parts, along -z.
     Gravity {
-        /// Acceleration (m/s2), 9.81 by default.
+        /// Gravitational acceleration (m/s2), above 0, 9.81 by default.
         acceleration: Option<Positive>,
-        /// Function of time, one at all times by default.
+        /// Function of time by which the load is multiplied (dimensionless); constant one by default.
         function: Option<Function>,
     },
-    /// Pressure on a facet set, positive towards the body.
+    /// Pressure on a facet set, positive towards the body (compression).
     Pressure {
-        /// The facet set.
+        /// Facet set on which the load acts.
         set: At<String>,
-        /// Pressure (Pa), times the function.
+        /// Pressure (Pa), multiplied by the function.
         pressure: Finite,
-        /// Function of time, one at all times by default.
+        /// Function of time by which the load is multiplied (dimensionless); constant one by default.
         function: Option<Function>,
-        /// The stage that takes the load off again, in its increments; without it the load stays for
-        /// good.
+        /// Name of the construction stage that removes the load, in the increments of that stage; never by
+        /// default.
         removed_in: Option<At<String>>,
     },
-    /// Still water on a facet set: the pressure grows with the depth below its level.
+    /// Hydrostatic pressure of water on a facet set, proportional to the depth below the water level.
     Water {
-        /// The facet set.
+        /// Facet set on which the load acts.
         set: At<String>,
-        /// Height of the water level (m).
+        /// Height z of the water level (m).
         level: Finite,
-        /// Density of the water (kg/m3), 1000 by default.
+        /// Density of the water (kg/m3), above 0, 1000 by default.
         density: Option<Positive>,
-        /// Function of time, one at all times by default.
+        /// Function of time by which the load is multiplied (dimensionless); constant one by default.
         function: Option<Function>,
-        /// The stage that takes the load off again, in its increments; without it the load stays for
-        /// good.
+        /// Name of the construction stage that removes the load, in the increments of that stage; never by
+        /// default.
         removed_in: Option<At<String>>,
     },
-    /// Traction on a facet set.
+    /// Traction vector on a facet set.
     Traction {
-        /// The facet set.
+        /// Facet set on which the load acts.
         set: At<String>,
-        /// Traction (Pa) in x, y and z, times the function.
+        /// Traction (Pa): x, y, z, multiplied by the function.
         traction: [Finite; 3],
-        /// If given, the traction grows with the depth below this height (m), where it starts from
-        /// zero; `traction` is then its increase per metre (Pa/m).
+        /// Height z of zero traction (m), below which the traction grows linearly with depth; `traction` is then
+        /// its gradient (Pa/m). Uniform traction by default.
         level: Option<Finite>,
-        /// Function of time, one at all times by default.
+        /// Function of time by which the load is multiplied (dimensionless); constant one by default.
         function: Option<Function>,
-        /// The stage that takes the load off again, in its increments; without it the load stays for
-        /// good.
+        /// Name of the construction stage that removes the load, in the increments of that stage; never by
+        /// default.
         removed_in: Option<At<String>>,
     },
-    /// The same force at every node of a node or facet set; a refined mesh has more of them.
+    /// Equal force at every node of a node or facet set; the total grows with the number of nodes, as in a refined
+    /// mesh.
     Nodal {
-        /// The set.
+        /// Node, facet or element set.
         set: At<String>,
-        /// Force (N) in x, y and z at each node, times the function.
+        /// Force at each node (N): x, y, z, multiplied by the function.
         force: [Finite; 3],
-        /// Function of time, one at all times by default.
+        /// Function of time by which the load is multiplied (dimensionless); constant one by default.
         function: Option<Function>,
-        /// The stage that takes the load off again, in its increments; without it the load stays for
-        /// good.
+        /// Name of the construction stage that removes the load, in the increments of that stage; never by
+        /// default.
         removed_in: Option<At<String>>,
     },
 }
@@ -151,7 +151,7 @@ pub(crate) const GRAVITY: f64 = 9.81;
 pub(crate) const WATER_DENSITY: f64 = 1000.0;
 
 impl Load {
-    /// The set that it acts on; all parts if none.
+    /// Set on which the load acts; `None` for all parts.
     pub fn set(&self) -> Option<&At<String>> {
         match self {
             Self::Gravity { .. } => None,
@@ -161,7 +161,7 @@ impl Load {
             | Self::Nodal { set, .. } => Some(set),
         }
     }
-    /// The stage that takes it off again, if one does.
+    /// Name of the construction stage that removes the load, if any.
     pub fn removed_in(&self) -> Option<&At<String>> {
         match self {
             Self::Gravity { .. } => None,
@@ -171,7 +171,7 @@ impl Load {
             | Self::Nodal { removed_in, .. } => removed_in.as_ref(),
         }
     }
-    /// The load's function of time, if it is not constant.
+    /// Function of time of the load, if one is given.
     pub fn function(&self) -> Option<&Function> {
         match self {
             Self::Gravity { function, .. }

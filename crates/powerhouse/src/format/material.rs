@@ -1,78 +1,77 @@
-//! Materials and the parts made of them.
+//! Materials, parts and their damping.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{At, NonNegative, Parameters, Positive, Reference, Share};
 
-/// A material: a law of the registry and its parameters.
+/// Material: a constitutive law of the registry and its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct Material {
-    /// The name that parts refer to.
+    /// Name to which parts refer.
     pub name: At<String>,
-    /// The law's name in the registry, such as `elastic`.
+    /// Constitutive law: its name in the registry, such as `elastic`.
     pub law: At<String>,
-    /// All other keys: what the law wants.
+    /// All other keys of the table: parameters of the law.
     #[serde(skip)]
     pub parameters: Parameters,
 }
 
-/// An element set, its material and its element kernel.
+/// Part: an element set with its material, element kernel and damping.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// The element set of the mesh.
+    /// Element set of the mesh.
     pub set: At<String>,
-    /// The material's name.
+    /// Name of the material.
     pub material: At<String>,
-    /// The element kernel by its name in the registry, such as `hex8-one-point`. Elements of a kind
-    /// that the kernel does not serve, and all elements if no kernel is given, take the default of
-    /// their kind.
+    /// Element kernel: its name in the registry, such as `hex8-one-point`. Elements of a kind for which the
+    /// kernel is not made have the default kernel of their kind, as have all elements by default.
     pub kernel: Option<At<String>>,
-    /// Damping; none by default. Rock that touches an absorbing face stays undamped, because the
-    /// free field is elastic: give the part a `rim`.
+    /// Material damping; none by default. Rock along an absorbing face should be undamped, because the free field
+    /// is elastic: give the part a `rim`.
     pub damping: Option<At<Damping>>,
-    /// How far from the absorbing faces (m) the part is elastic and undamped, as the free field
-    /// behind them is: elements that touch them, and those of which a node is closer. 0: those that
-    /// touch them alone. Without this key there is no rim.
+    /// Width of the elastic, undamped zone along the absorbing faces (m), 0 or above: elements that touch a
+    /// face, and elements with a node closer than this, have no damping and the elastic law, as the free field.
+    /// 0: only elements that touch a face. No rim by default.
     pub rim: Option<At<NonNegative>>,
 }
 
-/// Damping of a part.
+/// Material damping of a part.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Damping {
-    /// Rayleigh damping `C = mass M + stiffness K` that has a ratio at two frequencies, less in
-    /// between and more outside. Its stiffness part shortens the stable step; where a law yields or cracks
-    /// it acts with what is left of the stiffness, and its stress is in no output.
+    /// Rayleigh damping `C = mass M + stiffness K` with a given damping ratio at two frequencies, less between
+    /// and more outside of them. The stiffness part reduces the stable step; where a law yields or cracks it
+    /// is proportional to the degraded stiffness. Its stress is not contained in any output.
     Rayleigh {
-        /// Share of critical damping at both frequencies, 0.05 for 5 %.
+        /// Damping ratio (share of critical damping) at both frequencies, above 0 and at most 1; 0.05 for 5 %.
         ratio: Share,
-        /// The two frequencies (Hz).
+        /// The two frequencies (Hz), above 0, the lower one first.
         frequencies: [Positive; 2],
     },
-    /// Rayleigh damping by its coefficients.
+    /// Rayleigh damping `C = mass M + stiffness K` with given coefficients.
     Coefficients {
-        /// Mass coefficient (1/s).
+        /// Mass-proportional coefficient (1/s), 0 or above.
         mass: NonNegative,
-        /// Stiffness coefficient (s); where a law yields or cracks it acts with what is left of the
-        /// stiffness.
+        /// Stiffness-proportional coefficient (s), 0 or above; where a law yields or cracks it multiplies the
+        /// degraded stiffness.
         stiffness: NonNegative,
     },
-    /// Damping that is the same at all frequencies of a band, by relaxation mechanisms in series
-    /// with the law. It makes waves dispersive and shortens the stable step little: 9 % at a ratio
-    /// of 0.05 from 0.5 to 20 Hz.
+    /// Frequency-independent damping in a band, by relaxation mechanisms (a generalised Maxwell body) in series
+    /// with the law. Wave speeds become frequency-dependent, and the stable step is reduced slightly: by 9 % for
+    /// a ratio of 0.05 from 0.5 to 20 Hz.
     Flat {
-        /// Share of critical damping within the band, above 0 and at most 0.2.
+        /// Damping ratio (share of critical damping) within the band, above 0 and at most 0.2.
         ratio: At<Positive>,
-        /// Lowest and highest frequency (Hz), the second 1.5 to 1000 times the first.
+        /// Lowest and highest frequency of the band (Hz), the second 1.5 to 1000 times the first.
         band: At<[Positive; 2]>,
-        /// Relaxation mechanisms, 2 to 4, 3 by default: more follow a wider band, each has six history variables
-        /// numbers per point.
+        /// Number of relaxation mechanisms, 2 to 4, 3 by default: a wider band needs more; each has six history
+        /// variables per integration point.
         mechanisms: Option<At<usize>>,
-        /// The frequency at which waves have the speeds of the material: a number (Hz), `"centre"`
-        /// (of the band, geometric; the default) or `"static"`.
+        /// Reference frequency at which the moduli, and with them the wave speeds, are those of the material: a
+        /// number (Hz), `"centre"` (geometric centre of the band; the default) or `"static"` (zero frequency).
         reference: Option<At<Reference>>,
     },
 }

@@ -1,14 +1,18 @@
-//! The scene file: what a user writes.
+//! Data structures of the scene file, key by key.
 //!
 //! A scene is a TOML file. Every key is documented here, and the documentation flows into the JSON
 //! schema ([`Registry::schema`](crate::Registry::schema)) that editors use. Numbers are in SI units; angles are in degrees. Paths of
 //! meshes and records are relative to the scene file.
 //!
-//! Tables with a key `kind` are one of several shapes, such as a [`Load`] or a [`Pulse`]. Materials
-//! and boundaries are open: their `law` and `kind` are looked up in a
-//! [`Registry`](crate::Registry), so that types of one's own can be named in scenes.
+//! The key `kind` of a table selects one of several variants, such as those of a [`Load`] or a [`Pulse`].
+//! Materials, joints and boundaries are open: their `law` and `kind` are looked up in a
+//! [`Registry`](crate::Registry), so that scenes can name user-defined types.
 
 mod at;
+#[expect(
+    dead_code,
+    reason = "keys of tables that a case changes are applied to the parsed text; here they are for the schema"
+)]
 mod case;
 mod change;
 mod dashpot;
@@ -35,170 +39,171 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use at::At;
-pub use case::{ByName, BySet, Case, Changed};
+pub use case::Case;
 pub use dashpot::DashpotRatio;
 pub use decode::{decode, decode_case};
 pub(crate) use decode::{decode_materials, decode_tagged};
 pub use function::{Function, Pulse};
 pub use ground::{
-    Baseline, BoundarySection, Component, Components, Convention, Count, Ground, Length, Record,
-    Region, Space, Units, Wave, WaveAxis, WaveKind, Within,
+    Baseline, BoundarySection, Component, Convention, Count, Ground, Length, Record, Region, Space,
+    Units, Wave, WaveAxis, WaveKind,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub(crate) use load::{GRAVITY, WATER_DENSITY};
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
-pub use output::{
-    Envelope, History, JointHistory, JointQuantity, Output, Quantity, RelativeDisplacement,
-    Section, Snapshots,
-};
+pub use output::{History, JointHistory, JointQuantity, Output, Quantity, Section};
 pub use parameters::Parameters;
 pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
 };
 pub use reference::Reference;
 pub use residual::Residual;
-pub use stage::{
-    Bolt, BoltEnd, Grout, InSituStress, Pattern, Stage, StagePart, StageSupport, StaticMethod,
-};
+pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod};
 pub(crate) use survey::survey;
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 
-/// A scene: a mesh, its materials, the ground motion and what is wanted of the run.
+/// A scene: mesh, materials, joints, ground motion, boundary, construction stages, time stepping and output of
+/// one analysis.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// What the scene is, in one line.
+    /// Title of the scene, one line of 1 to 1000 characters.
     pub title: String,
-    /// Faults that are warnings in this scene: `["magnitudes"]` lets quantities pass that lie beyond what
-    /// is usual of ground and structures. None by default.
+    /// Faults that are reported as warnings in this scene: `["magnitudes"]` accepts quantities outside the
+    /// usual range of ground and structures. None by default.
     #[serde(default)]
     pub allow: Vec<At<Allowance>>,
-    /// The mesh.
+    /// Mesh file and its treatment.
     pub mesh: MeshFile,
-    /// Materials, by name.
+    /// Materials: constitutive laws with their parameters, each with a name.
     #[serde(rename = "material")]
     pub materials: Vec<Material>,
-    /// Element sets and what they are made of; every element belongs to exactly one part.
+    /// Parts: element sets with material, element kernel and damping. Every element belongs to exactly one
+    /// part.
     #[serde(rename = "part")]
     pub parts: Vec<Part>,
-    /// Joints between parts.
+    /// Joints: pairs of surfaces with a contact law between them.
     #[serde(rename = "joint", default)]
     pub joints: Vec<JointSection>,
-    /// Ground motion records, by name.
+    /// Ground motion records (accelerograms), each with a name.
     #[serde(rename = "record", default)]
     pub records: Vec<Record>,
-    /// The ground without the structure, through which the waves come.
+    /// Free-field site: the ground without the structure, in which the incident waves travel.
     #[serde(default)]
     pub ground: Ground,
-    /// Incoming waves; they add up.
+    /// Incident plane waves; their motions are superposed.
     #[serde(rename = "wave", default)]
     pub waves: Vec<Wave>,
-    /// Where the mesh ends and the ground goes on.
+    /// Absorbing boundary on the outer faces of the mesh; none by default.
     pub boundary: Option<BoundarySection>,
-    /// Supports.
+    /// Supports: fixed, roller, symmetric, periodic or prescribed displacements of node sets, in all stages and
+    /// in the run.
     #[serde(rename = "support", default)]
     pub supports: Vec<At<Support>>,
-    /// Loads.
+    /// Loads: gravity, pressures, tractions and nodal forces, in all stages and in the run.
     #[serde(rename = "load", default)]
     pub loads: Vec<At<Load>>,
-    /// The stress of the ground before the first stage; none by default.
+    /// In-situ stress of the ground before the first construction stage; zero by default.
     pub in_situ_stress: Option<At<InSituStress>>,
-    /// Rock bolts; a stage installs them.
+    /// Rock bolts; a construction stage installs them.
     #[serde(rename = "bolt", default)]
     pub bolts: Vec<Bolt>,
-    /// Stages through which the body goes, one after the other, before it moves.
+    /// Construction stages, in order, each ending in static equilibrium, before the dynamic run.
     #[serde(rename = "stage", default)]
     pub stages: Vec<Stage>,
-    /// Duration and time step.
+    /// Duration, start, time step and integration scheme of the dynamic run.
     pub time: Time,
-    /// Number format of the computation.
+    /// Floating-point precision of the computation; double by default.
     #[serde(default)]
     pub precision: Precision,
-    /// The residual of the energy balance at which the run stops, over the largest energy held or
-    /// put in until then: `"auto"` (1e-7 in double precision, 1e-4 in mixed, 1e-2 in single), a
-    /// number, or `"off"`.
+    /// Tolerance of the energy balance: the run stops when the residual exceeds this share of the largest
+    /// energy stored or put in until then. `"auto"` (1e-7 in double precision, 1e-4 in mixed, 1e-2 in
+    /// single; the default), a number above 0 and at most 1, or `"off"`.
     #[serde(default)]
     pub energy_residual: Residual,
-    /// Threads that compute, all by default. Results do not depend on them.
+    /// Number of computing threads; all of the machine by default. Results do not depend on it.
     pub threads: Option<At<NonZeroUsize>>,
-    /// What is written.
+    /// Output requests: histories, section forces, envelopes, snapshots and their intervals.
     #[serde(default)]
     pub output: Output,
-    /// The largest permitted error of the free field (relative L2 error of velocity). If given, a run first computes
-    /// the scene's box without the structure and refuses to go on above this error.
+    /// Tolerance of the free-field check: the largest permitted relative L2 error of the velocity. If given, a
+    /// run first computes the scene's box without the structure and stops above this error. No check by default.
     pub self_check: Option<At<Positive>>,
-    /// Cases of a sweep: what each of them changes of the scene. A run of the scene itself passes them
-    /// over.
+    /// Cases of a sweep: variants of the scene, each with the keys that it changes. A run of the scene itself
+    /// ignores them.
     #[serde(rename = "case", default)]
     pub cases: Vec<Case>,
 }
 
-/// A fault that a scene may allow.
+/// Kind of fault that a scene may downgrade to a warning.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Allowance {
-    /// Quantities beyond what is usual of ground and structures.
+    /// Quantities outside the usual range of ground and structures.
     Magnitudes,
 }
 
-/// The mesh file.
+/// Mesh file, and the operations applied to the mesh after it is read.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// A Gmsh file (`.msh`, version 2.2 or 4.1, text or binary), relative to the scene file. Its
-    /// physical groups are the named sets. With a generator: the file from which that makes the mesh.
+    /// Path of a Gmsh file (`.msh`, version 2.2 or 4.1, text or binary), relative to the scene file. Its
+    /// physical groups are the named sets. With `generator`: path of the generator's input file.
     pub file: At<PathBuf>,
-    /// What makes the mesh, by its name in the registry.
+    /// Name of a mesh generator of the registry, which builds the mesh from `file`; none by default.
     pub generator: Option<At<String>>,
-    /// Multiplies the coordinates, 0.001 for a mesh in millimetres.
+    /// Factor on the coordinates, above 0, 1 by default; 0.001 for a mesh in millimetres.
     #[serde(default = "one")]
     pub scale: Positive,
-    /// How often every element is cut at the middles of its edges, a solid into eight of its kind: 0 to 3
-    /// times, after `within` and `slice`, of which the layer gets twice as many elements thick each time. The
-    /// body stays as it is: round walls do not get rounder. Parts of an element have its number behind a digit
-    /// of their own; a `nodal` load acts at all nodes of its set, of which there are more.
+    /// Number of uniform refinements, 0 to 3, 0 by default. Each halves all edges: a solid becomes eight of its
+    /// kind. Applied after `within` and `slice`; the layer of a slice doubles its number of elements across
+    /// the thickness each time. The geometry stays that of the mesh: curved walls keep their chords. A child
+    /// element has the number of its parent with one digit in front. A `nodal` load acts at all nodes of its
+    /// set, of which refinement makes more.
     pub refine: Option<At<u32>>,
-    /// One layer of elements of a mesh that is the same all along an axis, in place of the whole: what
-    /// holds the ends of the mesh holds the slice. With both on rollers it is in plane strain.
+    /// Slice: one layer of elements of a mesh that is uniform along an axis, computed in place of the whole
+    /// mesh. Supports of the two ends of the mesh act on the two sides of the slice; rollers on both give plane
+    /// strain.
     pub slice: Option<At<Slice>>,
-    /// Only the elements whose centroids lie between these coordinates, in place of the whole: the faces of
-    /// the mesh stand where it then ends, so that less ground is computed. A wave without a `reference`
-    /// reaches the structure sooner by the way that it is spared.
+    /// Coordinate range of the part of the mesh that is computed: elements whose centroids lie in it. The
+    /// outer faces of the mesh move to the new ends. A wave without a `reference` reaches the structure
+    /// earlier by the travel time that is cut off.
     pub within: Option<At<MeshBox>>,
 }
 
-/// Least and greatest coordinates (m), after `scale`; everything along an axis that is not named.
+/// Coordinate range: lowest and highest coordinate (m) per axis, after `scale`; unlimited along an axis that is
+/// not given.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshBox {
-    /// Along the first horizontal axis.
+    /// Lowest and highest x (m), first horizontal axis.
     pub x: Option<[Finite; 2]>,
-    /// Along the second horizontal axis.
+    /// Lowest and highest y (m), second horizontal axis.
     pub y: Option<[Finite; 2]>,
-    /// Upwards.
+    /// Lowest and highest z (m), vertical axis, upwards.
     pub z: Option<[Finite; 2]>,
 }
 
-/// A plane across an axis, which cuts the layer that is computed.
+/// Plane normal to an axis; the layer of elements that it cuts is computed.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Slice {
-    /// The axis along which the mesh is the same everywhere.
+    /// Normal of the plane: the axis along which the mesh is uniform.
     pub across: SliceAxis,
-    /// Where the plane is (m), after `scale`.
+    /// Coordinate of the plane along the axis (m), after `scale`.
     pub at: Finite,
 }
 
-/// Axes of slices.
+/// Coordinate axis normal to a slice.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum SliceAxis {
-    /// The first horizontal axis.
+    /// First horizontal axis.
     X,
-    /// The second horizontal axis.
+    /// Second horizontal axis.
     Y,
-    /// Upwards.
+    /// Vertical axis, upwards.
     Z,
 }
 

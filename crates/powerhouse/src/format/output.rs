@@ -1,4 +1,4 @@
-//! What a run writes.
+//! Output requests of a scene.
 
 use std::path::PathBuf;
 
@@ -7,38 +7,38 @@ use serde::Deserialize;
 
 use super::{At, Finite, Positive, Zone};
 
-/// What is written, and where.
+/// Output requests of a run, and the results folder.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// The folder, relative to the working directory; `results/` and the scene file's name by
-    /// default.
+    /// Path of the results folder, relative to the working directory; `results/` followed by the name of the
+    /// scene file by default.
     pub directory: Option<PathBuf>,
-    /// Time between samples of histories, relative displacements and section forces (s); 0.005 by
-    /// default.
+    /// Sampling interval of histories, relative displacements, section forces, joints and bolts (s), above 0;
+    /// 0.005 by default.
     pub every: Option<At<Positive>>,
-    /// Histories at points.
+    /// History requests: motion, stress or state variables against time at a point, node, set or element.
     #[serde(rename = "history", default)]
     pub histories: Vec<History>,
-    /// Histories of the displacement of one point relative to another.
+    /// Relative displacement requests: histories of the displacement of one point relative to another.
     #[serde(rename = "relative", default)]
     pub relative: Vec<RelativeDisplacement>,
-    /// Section forces of linings and pillars.
+    /// Section force requests: normal force, shear forces and moments of linings and pillars.
     #[serde(rename = "section", default)]
     pub sections: Vec<Section>,
-    /// Histories of joints or parts of them; state, slip, peak opening and energies of every joint as
-    /// a whole are recorded anyway.
+    /// Joint history requests, for joints or zones of them. Contact state, slip, peak opening and energies of
+    /// every whole joint are recorded in any case.
     #[serde(rename = "joint", default)]
     pub joints: Vec<JointHistory>,
-    /// Time between looks at the energies (s); a hundredth of the duration by default.
+    /// Sampling interval of the energy balance (s), above 0; a hundredth of the duration by default.
     pub energies: Option<At<Positive>>,
-    /// Greatest values over the run, everywhere.
+    /// Envelope request: greatest values over the run in all nodes and elements; none by default.
     pub envelope: Option<Envelope>,
-    /// Pictures of the whole body for ParaView.
+    /// Snapshot request: fields of the whole body at regular times, for ParaView; none by default.
     pub snapshots: Option<Snapshots>,
 }
 
-/// What is recorded.
+/// Recorded field quantity.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -48,133 +48,133 @@ pub enum Quantity {
     Velocity,
     /// Acceleration (m/s2).
     Acceleration,
-    /// Stress (Pa), mean over an element: that of the motion, and of what stages left before it; in
-    /// envelopes the greatest and least principal stress. The stress of stiffness-proportional damping is
-    /// not in it, nor in section forces.
+    /// Stress (Pa), tension positive, mean over an element: sum of the stress after the construction stages and
+    /// of the dynamic run; in envelopes the greatest and least principal stress. The stress of
+    /// stiffness-proportional damping is not contained in it, nor in section forces.
     Stress,
-    /// The history variables of the material's law, such as plastic strains, damage, damage type and yield
-    /// state; of elements and, as the greatest values, in envelopes.
+    /// History variables (internal state variables) of the constitutive law, such as plastic strain, damage and
+    /// yield state, mean over an element; in envelopes their greatest values.
     State,
 }
 
-/// Histories at a place: exactly one of `at`, `node`, `set` and `element`.
+/// History request: quantities against time at exactly one of `at`, `node`, `set` and `element`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct History {
-    /// The name in results.
+    /// Name in results; 1 to 100 characters.
     pub name: At<String>,
-    /// A point (m); motion is interpolated in the element around it, stress is that of the
-    /// element.
+    /// Point (m): x, y, z. Motion is interpolated in the element that contains it; stress and state variables
+    /// are those of that element.
     pub at: Option<At<[Finite; 3]>>,
-    /// A node by its number in the mesh file; it has neither stress nor state.
+    /// Node number in the mesh file; a node has motion only, no stress or state variables.
     pub node: Option<At<u64>>,
-    /// A node, facet or element set: the mean over its nodes; it has neither
-    /// stress nor state.
+    /// Node, facet or element set: mean motion of its nodes; no stress or state variables.
     pub set: Option<At<String>>,
-    /// An element by its number in the mesh file, or in the refined mesh; it has stress and state alone.
+    /// Element number in the mesh file, or in the refined mesh: stress and state variables only, no motion.
     pub element: Option<At<u64>>,
-    /// The element set in which the point lies, which decides the side of a joint or interface.
+    /// Element set in which the point is located, which selects the side of a joint or interface; all by default.
     pub among: Option<At<String>>,
-    /// How far the point may be moved to lie in an element (m), such as onto the chord of a round
-    /// wall; 0.001 by default.
+    /// Largest distance by which the point may be moved into an element (m), such as onto the chord of a curved
+    /// wall; above 0, 0.001 by default.
     pub within: Option<At<Positive>>,
-    /// What is recorded; displacement, velocity and acceleration by default, the stress of an
-    /// element.
+    /// Recorded quantities; displacement, velocity and acceleration by default, stress for `element`.
     pub quantities: Option<At<Vec<At<Quantity>>>>,
 }
 
-/// The displacement of a place relative to another one, in x, y, z and along the line between
-/// them. Each of the two is given by exactly one key.
+/// Relative displacement request: displacement of one location relative to another one, in x, y, z and along the
+/// line between them. Each of the two is given by exactly one key.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RelativeDisplacement {
-    /// The name in results.
+    /// Name in results; 1 to 100 characters.
     pub name: At<String>,
-    /// The place by a point (m).
+    /// Point (m) whose displacement is recorded.
     pub at: Option<At<[Finite; 3]>>,
-    /// The place by a node's number in the mesh file.
+    /// Node, by its number in the mesh file, whose displacement is recorded.
     pub node: Option<At<u64>>,
-    /// The place by a set: the mean over its nodes.
+    /// Set whose mean displacement over its nodes is recorded.
     pub set: Option<At<String>>,
-    /// The point to which its displacement is relative (m).
+    /// Reference point (m), whose displacement is subtracted.
     pub from: Option<At<[Finite; 3]>>,
-    /// The node to which it is relative.
+    /// Reference node, by its number in the mesh file.
     pub from_node: Option<At<u64>>,
-    /// The set to whose mean it is relative.
+    /// Reference set: the mean displacement of its nodes is subtracted.
     pub from_set: Option<At<String>>,
-    /// How far points may be moved to lie in an element (m); 0.001 by default.
+    /// Largest distance by which points may be moved into an element (m), above 0; 0.001 by default.
     pub within: Option<At<Positive>>,
 }
 
-/// Forces in a plane cut through a lining or pillar.
+/// Section force request: normal force, shear forces and moments of a plane cut through a lining or pillar.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
-    /// The name in results.
+    /// Name in results; 1 to 100 characters.
     pub name: At<String>,
-    /// The element set that is cut.
+    /// Element set that the plane cuts.
     pub set: At<String>,
-    /// A point of the plane (m).
+    /// Point of the plane (m): x, y, z.
     pub at: At<[Finite; 3]>,
-    /// Normal of the plane, of any length: the direction of the normal force.
+    /// Normal of the plane, a vector of any length: direction of the normal force, tension positive.
     pub normal: At<[Finite; 3]>,
-    /// A direction in the plane, such as the axis of a tunnel.
+    /// Direction in the plane, a vector of any length whose normal component is ignored, such as the axis of a tunnel:
+    /// forces per metre are divided by the extent along it.
     pub along: At<[Finite; 3]>,
-    /// Only elements in the cube of which `at` is the centre and this half the edge, along the axes,
-    /// belong to the cut (m); all by default. A plane cuts a ring twice: this picks one side.
+    /// Half the edge length (m) of a cube around `at`, along the axes, outside of which elements are ignored;
+    /// unlimited by default. A plane cuts a ring twice: this selects one side.
     pub reach: Option<Positive>,
 }
 
-/// What is recorded of a joint.
+/// Recorded quantity of a joint.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum JointQuantity {
-    /// Shares of the area that slide, are open, and whose bond has broken.
+    /// Shares of the area that are sliding, open, and without bond (dimensionless).
     State,
-    /// The largest accumulated slip of any pair (m).
+    /// Largest accumulated slip of any node pair (m).
     Slip,
-    /// The largest opening of any pair at the time (m), negative where all overlap.
+    /// Largest current opening of any node pair (m); negative where all overlap.
     Opening,
-    /// The largest opening of any pair so far (m).
+    /// Largest opening of any node pair up to the current time (m).
     PeakOpening,
-    /// Means over the area of normal traction, tension positive, and of the size of shear traction
-    /// (Pa).
+    /// Area means of the normal traction, tension positive, and of the magnitude of the shear traction (Pa).
     Traction,
-    /// Dissipated by friction so far (J).
+    /// Energy dissipated by friction up to the current time (J).
     Friction,
-    /// Dissipated where bonds broke (J).
+    /// Energy dissipated by bond failure up to the current time (J).
     Bond,
-    /// Lost where sides met (J).
+    /// Kinetic energy lost by impact of the two sides up to the current time (J).
     Impact,
+    /// Means over the area of the history variables of the joint's law, by their names.
+    History,
 }
 
-/// Histories of a joint, or of the pairs that at most one of `at`, `node`, `set` and `low` with `high`
-/// picks.
+/// Joint history request: quantities against time of a joint, or of the node pairs selected by one of `at`,
+/// `node`, `set` and `low` with `high`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointHistory {
-    /// The name in results.
+    /// Name in results; 1 to 100 characters.
     pub name: At<String>,
-    /// The joint's name.
+    /// Name of the joint.
     pub joint: At<String>,
-    /// A point (m): the pairs at the node that is nearest to it.
+    /// Point (m): selects the pairs of the nearest node.
     pub at: Option<At<[Finite; 3]>>,
-    /// How far from the point that node may be (m); 0.001 by default.
+    /// Largest distance of that node from the point (m), above 0; 0.001 by default.
     pub within: Option<At<Positive>>,
-    /// A node by its number in the mesh file.
+    /// Node number in the mesh file: selects the pairs of this node.
     pub node: Option<At<u64>>,
-    /// A node, facet or element set: the pairs with a node in it.
+    /// Node, facet or element set: selects the pairs with a node in it.
     pub set: Option<At<String>>,
-    /// The lowest corner of a box (m): the pairs in it, or on its faces.
+    /// Lowest corner of a box (m): selects the pairs in it, or on its faces; with `high`.
     pub low: Option<At<[Finite; 3]>>,
-    /// The highest corner of the box (m).
+    /// Highest corner of the box (m); with `low`.
     pub high: Option<At<[Finite; 3]>>,
-    /// What is recorded; everything by default.
+    /// Recorded quantities; all by default.
     pub quantities: Option<At<Vec<At<JointQuantity>>>>,
 }
 
 impl JointHistory {
-    /// The pairs that it picks; none if all of them.
+    /// Zone of the selected node pairs; `None` for the whole joint.
     pub fn zone(&self) -> Option<Zone> {
         let zone = Zone {
             at: self.at.clone(),
@@ -188,24 +188,24 @@ impl JointHistory {
     }
 }
 
-/// Greatest values over the run, with their times.
+/// Envelope request: greatest values of quantities over the run, with the times at which they occur.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Envelope {
-    /// What is tracked; displacement, velocity and acceleration by default.
+    /// Recorded quantities; displacement, velocity and acceleration by default.
     pub quantities: Option<At<Vec<At<Quantity>>>>,
-    /// Element sets on which it is tracked; all parts by default.
+    /// Element sets whose elements and nodes are recorded; all parts by default.
     pub sets: Option<Vec<At<String>>>,
-    /// Time between looks (s); 0.005 by default.
+    /// Sampling interval (s), above 0; 0.005 by default.
     pub every: Option<At<Positive>>,
 }
 
-/// Pictures of the whole body.
+/// Snapshot request: fields of the whole body at regular times.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Snapshots {
-    /// Time between them (s).
+    /// Interval between snapshots (s), above 0.
     pub every: At<Positive>,
-    /// What they hold; displacement and velocity by default.
+    /// Recorded quantities; displacement and velocity by default.
     pub quantities: Option<At<Vec<At<Quantity>>>>,
 }

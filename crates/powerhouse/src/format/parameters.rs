@@ -1,4 +1,4 @@
-//! The keys of an open table: what a registered law or boundary wants.
+//! Parameters of a registered law or boundary: the keys of an open table.
 
 use core::ops::Range;
 
@@ -10,15 +10,15 @@ use super::decode::{self, Source};
 use super::strict::Strict;
 use crate::fault::Fault;
 
-/// The keys of a material or boundary that its law or kind reads.
+/// Keys of a material, joint or boundary that are parameters of its law or kind.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
-    /// The whole scene: parsed trees borrow from the text that they came from, so a table is found
-    /// again in it rather than kept.
+    /// Text of the whole scene: parsed trees borrow from their text, so the table is parsed again rather than
+    /// stored.
     text: Source,
     section: &'static str,
     index: usize,
-    /// Keys of the table that the scene format reads itself.
+    /// Keys of the table that belong to the scene format.
     shared: &'static [&'static str],
 }
 
@@ -35,17 +35,17 @@ impl Parameters {
             shared,
         }
     }
-    /// Reads the keys into a structure.
+    /// Deserialises the keys into a structure.
     ///
     /// # Errors
-    /// An unknown or missing key or a value of a wrong type or range, with its place.
+    /// An unknown or missing key, or a value of a wrong type or outside its range, with its byte range.
     pub fn decode<T: DeserializeOwned>(&self) -> Result<T, Fault> {
         let table = self.table()?;
         let table = Spanned::new(table.span(), DeValue::Table(table.into_inner()));
         T::deserialize(Strict(ValueDeserializer::from(table)))
             .map_err(|error| Fault::from_toml(error).with_permitted(self.shared))
     }
-    /// Where the value of a key stands, or the whole table if there is no such key.
+    /// Byte range of the value of a key, or of the whole table if the key is not given.
     pub fn span_of(&self, key: &str) -> Range<usize> {
         self.table().map_or(0..0, |table| {
             table.get_ref().get(key).map_or(table.span(), Spanned::span)

@@ -1,4 +1,4 @@
-//! Numbers with a permitted range: a value outside cannot be read.
+//! Numbers with a permitted range, which is checked when they are read.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -14,12 +14,12 @@ macro_rules! quantity {
         pub struct $name(f64);
 
         impl $name {
-            /// A number, if it is finite and in the range.
+            /// Checked number; `None` if it is not finite or outside the range.
             pub fn new(value: f64) -> Option<Self> {
                 let valid: fn(f64) -> bool = $valid;
                 (value.is_finite() && valid(value)).then_some(Self(value))
             }
-            /// The number.
+            /// Value of the number.
             pub fn get(self) -> f64 {
                 self.0
             }
@@ -60,29 +60,29 @@ macro_rules! quantity {
 }
 
 quantity! {
-    /// Any finite number.
+    /// Finite number.
     Finite, "a finite number", |_| true, { "type": "number" }
 }
 quantity! {
-    /// A finite number above zero.
+    /// Positive finite number.
     Positive, "a number above 0", |x| x > 0.0, { "type": "number", "exclusiveMinimum": 0 }
 }
 quantity! {
-    /// A finite number, zero or above.
+    /// Non-negative finite number.
     NonNegative, "a number of 0 or above", |x| x >= 0.0, { "type": "number", "minimum": 0 }
 }
 quantity! {
-    /// A share: above zero, at most one.
+    /// Fraction above zero and at most one.
     Share, "a number above 0 and at most 1", |x| x > 0.0 && x <= 1.0,
     { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
 }
 quantity! {
-    /// An angle from the vertical in degrees, 0 to 180.
+    /// Angle of incidence from the vertical (degrees), 0 to 180.
     Incidence, "an angle of 0 to 180 degrees", |x| (0.0..=180.0).contains(&x),
     { "type": "number", "minimum": 0, "maximum": 180 }
 }
 quantity! {
-    /// A horizontal direction in degrees, -360 to 360.
+    /// Azimuth: horizontal direction (degrees), -360 to 360.
     Azimuth, "an angle of -360 to 360 degrees", |x| (-360.0..=360.0).contains(&x),
     { "type": "number", "minimum": -360, "maximum": 360 }
 }
@@ -92,7 +92,7 @@ quantity! {
     { "type": "number", "exclusiveMinimum": -1, "exclusiveMaximum": 0.5 }
 }
 quantity! {
-    /// The amplitude ratio A of a viscous-spring boundary, 0 to 100.
+    /// Amplitude ratio A of a viscous-spring boundary, 0 to 100.
     AmplitudeRatio, "a number of 0 to 100", |x| (0.0..=100.0).contains(&x),
     { "type": "number", "minimum": 0, "maximum": 100 }
 }

@@ -1,4 +1,4 @@
-//! The frequency at which a medium has its stated speeds.
+//! Reference frequency of the moduli of a damped material.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -7,15 +7,15 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// The frequency at which a damped material has the speeds that it states.
+/// Reference frequency at which a material with flat damping has its stated moduli and wave speeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Reference {
-    /// The geometric centre of the band.
+    /// Geometric centre of the damping band.
     #[default]
     Centre,
-    /// A frequency (Hz).
+    /// Given frequency (Hz), above 0.
     Frequency(f64),
-    /// At rest.
+    /// Zero frequency: static moduli.
     Static,
 }
 

@@ -1,4 +1,4 @@
-//! The residual of the energy balance.
+//! Tolerance of the energy balance.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -7,15 +7,15 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// The residual of the energy balance at which a run stops.
+/// Tolerance of the energy balance: relative residual above which a run stops.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Residual {
-    /// That of the precision.
+    /// Default of the precision: 1e-7 in double, 1e-4 in mixed, 1e-2 in single.
     #[default]
     Auto,
-    /// A share of the largest energy, above 0 and at most 1.
+    /// Given tolerance over the largest energy, above 0 and at most 1.
     Share(f64),
-    /// None.
+    /// No check of the balance.
     Off,
 }
 

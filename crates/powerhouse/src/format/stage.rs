@@ -1,4 +1,4 @@
-//! What happens to the body before it moves: stress of the ground, bolts, stages.
+//! Static analysis before the dynamic run: in-situ stress, bolts, construction stages.
 
 use core::num::NonZeroU32;
 use std::path::PathBuf;
@@ -8,212 +8,209 @@ use serde::Deserialize;
 
 use super::{At, Finite, Load, NonNegative, Positive, Share};
 
-/// The stress of the ground before the first stage. Elements that are cast later have none.
+/// In-situ stress of the ground before the first construction stage. Elements that are cast later are free of it.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum InSituStress {
-    /// That of ground under its own weight (9.81 m/s2), none above its surface.
+    /// Geostatic stress of ground under its own weight (9.81 m/s2), zero above the ground surface.
     Ground {
-        /// Height of the ground's surface (m).
+        /// Height z of the ground surface (m).
         level: Finite,
-        /// Density of the ground (kg/m3).
+        /// Density of the ground (kg/m3), above 0.
         density: Positive,
-        /// Horizontal over vertical stress (K0), along x.
+        /// Coefficient of lateral stress K0 along x: horizontal over vertical stress, 0 or above.
         lateral: NonNegative,
-        /// The same along y, if it is another.
+        /// Coefficient of lateral stress K0 along y, 0 or above; that along x by default.
         lateral_y: Option<NonNegative>,
     },
-    /// Any stress.
+    /// Stress that varies linearly with depth.
     Linear {
-        /// Height from which the depth counts (m).
+        /// Height z from which depth is measured (m).
         level: Finite,
-        /// Stress there (Pa), tension positive: xx, yy, zz, xy, yz, zx; none by default.
+        /// Stress at that height (Pa), tension positive: xx, yy, zz, xy, yz, zx; zero by default.
         stress: Option<[Finite; 6]>,
-        /// Its change per metre of depth (Pa/m).
+        /// Stress gradient with depth (Pa/m): xx, yy, zz, xy, yz, zx.
         gradient: [Finite; 6],
     },
-    /// One for each element, from a table.
+    /// Stress of each element, from a table.
     Elements {
-        /// The file, relative to the scene's: columns `element [1]`, `xx [Pa]`, `yy [Pa]`, `zz [Pa]`,
-        /// `xy [Pa]`, `yz [Pa]`, `zx [Pa]` (kPa and MPa, too), tension positive, a row for each element
-        /// of the mesh.
+        /// Path of the CSV file, relative to the scene file: columns `element [1]`, `xx [Pa]`, `yy [Pa]`,
+        /// `zz [Pa]`, `xy [Pa]`, `yz [Pa]`, `zx [Pa]` (or kPa, MPa), tension positive, one row for each element of
+        /// the mesh.
         file: At<PathBuf>,
     },
 }
 
-/// Rock bolts of one make: bars embedded in the elements that they cross.
+/// Group of rock bolts with equal properties: bars embedded in the elements that they cross.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bolt {
-    /// The name in stages and results.
+    /// Name of the group in stages and results.
     pub name: At<String>,
-    /// Bolts from head to toe (m), `[[x, y, z], [x, y, z]]` each. Either these or a pattern are given.
+    /// Axes of the bolts, from head to toe (m): `[[x, y, z], [x, y, z]]` each. Either this or `pattern` is given.
     pub lines: Option<At<Vec<[[Finite; 3]; 2]>>>,
-    /// Bolts in rows on a wall or an arch.
+    /// Regular pattern of bolts on a wall or an arch.
     pub pattern: Option<At<Pattern>>,
-    /// Diameter of the bar (m). Either this or the section is given.
+    /// Diameter of the bar (m), above 0. Either this or `section` is given.
     pub diameter: Option<At<Positive>>,
-    /// Section of the bar (m2).
+    /// Cross-sectional area of the bar (m2), above 0.
     pub section: Option<At<Positive>>,
-    /// Young's modulus (Pa), 200 GPa by default.
+    /// Young's modulus (Pa), above 0; 2e11 by default.
     pub young: Option<At<Positive>>,
-    /// Axial force (N) at which the bar flows, in tension and compression; without it it never does.
+    /// Axial yield force of the bar in tension and compression (N), above 0; elastic by default.
     pub yield_force: Option<At<Positive>>,
-    /// Axial force (N) that is locked in when the bolts are installed, 0 by default. In grout it needs
+    /// Pretension: axial force when the bolts are installed (N), 0 or above, 0 by default. With `grout` it needs
     /// an anchored head and toe.
     pub pretension: Option<At<NonNegative>>,
-    /// Grout that gives way; without it the bar is tied to the rock all along.
+    /// Deformable grout with slip; by default the bar has perfect bond to the rock along its length.
     pub grout: Option<At<Grout>>,
-    /// Longest segment (m), where elements are larger: slip in grout is linear within a segment.
+    /// Largest length of a segment (m), above 0, where elements are larger: slip in grout is linear within a
+    /// segment.
     pub longest_segment: Option<At<Positive>>,
 }
 
-/// Bolts normal to a surface, in rows across an opening.
+/// Regular pattern of bolts normal to a surface of an opening.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pattern {
-    /// The facet set. Of its facets those count that are on the surface of the body when the bolts
-    /// are installed.
+    /// Facet set of the heads; only facets on the surface of the body when the bolts are installed are used.
     pub facets: At<String>,
-    /// The direction of the opening, of any length.
+    /// Axis of the opening, a vector of any length.
     pub along: At<[Finite; 3]>,
-    /// Distance of bolts around the opening and along it (m).
+    /// Spacing of the bolts around the opening and along it (m), above 0.
     pub spacing: [Positive; 2],
-    /// Length of the bolts (m).
+    /// Length of the bolts (m), above 0.
     pub length: Positive,
 }
 
-/// Grout in which a bolt may slip.
+/// Elastic-perfectly plastic grout between bolt and rock.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grout {
-    /// Shear force per length and slip (N/m2).
+    /// Shear stiffness: shear force per length of bolt and slip (N/m2), above 0.
     pub stiffness: Positive,
-    /// Greatest shear force per length (N/m), at which it slips on; without it it never does.
+    /// Shear strength per length of bolt (N/m), above 0; unlimited by default.
     pub strength: Option<Positive>,
-    /// How the head holds; by the grout alone by default.
+    /// End condition of the head: `free` (grout alone; the default) or `anchored`.
     #[serde(default)]
     pub head: BoltEnd,
-    /// How the toe holds; by the grout alone by default.
+    /// End condition of the toe: `free` (grout alone; the default) or `anchored`.
     #[serde(default)]
     pub toe: BoltEnd,
 }
 
-/// How the end of a bolt holds.
+/// End condition of a bolt in grout.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum BoltEnd {
-    /// By the grout alone.
+    /// No anchor: the end is held by the grout alone.
     #[default]
     Free,
-    /// Fixed to the rock at its place, by a plate or an expansion shell.
+    /// Anchored: no slip between bolt end and rock, as by a plate or an expansion shell.
     Anchored,
 }
 
-/// What is done to the body before it moves, until it is at rest again. A stage tells what changes.
+/// Construction stage: changes of the model, followed by the computation of static equilibrium.
 ///
-/// Sets that are taken out or put in, loads, bolts and materials stay so in the stages after it and
-/// when the body moves; a load may name a later stage that takes it off. Its supports hold until the
-/// body moves: then their reactions stay on as forces, and absorbing faces take their place. Supports
-/// and loads of the scene itself act in all stages, with their values at the start of the run, and in
-/// the run.
+/// Excavated and cast sets, loads, bolts and materials of a stage persist in later stages and in the dynamic
+/// run; a load may name a later stage that removes it. Supports of a stage act until the dynamic run starts: then
+/// their reactions are kept as nodal forces, and absorbing faces take their place. Supports and loads of the scene
+/// itself act in all stages, with their values at the start of the run, and in the run.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
-    /// The name in results.
+    /// Name of the stage in results.
     pub name: At<String>,
-    /// Element sets that are taken out.
+    /// Element sets that are excavated (deactivated).
     #[serde(default)]
     pub excavate: Vec<At<String>>,
-    /// Element sets that are put in, free of stress in the deformed body. What is cast without having
-    /// been taken out before is not there until then.
+    /// Element sets that are cast (activated) without stress in the deformed body. A set that is cast without
+    /// having been excavated before is inactive until this stage.
     #[serde(default)]
     pub cast: Vec<At<String>>,
-    /// How the body is brought to rest; by conjugate gradients by default.
+    /// Method of the static analysis; `conjugate-gradients` by default.
     pub method: Option<At<StaticMethod>>,
-    /// The share of what is out of balance that comes on the body, 1 by default. Less leaves the rest
-    /// standing, as a face ahead that still bears, until the next stage.
+    /// Release factor: share of the unbalanced forces that is applied in this stage, above 0 and at most 1, 1 by
+    /// default. The rest is carried until the next stage, as by the support of an advancing tunnel face.
     pub release: Option<At<Share>>,
-    /// Increments in which it comes, more where one does not converge; 1 by default.
+    /// Number of load increments, 1 or above, 1 by default; an increment that does not converge is subdivided.
     pub increments: Option<At<NonZeroU32>>,
-    /// The gate: forces out of balance over those of the load at which the body counts as at rest;
-    /// 1e-8 by default.
+    /// Tolerance of static equilibrium: unbalanced force over the force of the load, above 0; 1e-8 by default.
     pub tolerance: Option<At<Positive>>,
-    /// Bolts that are installed, by name.
+    /// Names of the bolt groups that are installed.
     #[serde(default)]
     pub bolts: Vec<At<String>>,
-    /// Joints that are closed in this stage, by name: their sides are one body whatever their law
-    /// admits. In the next stage that does not name it, or when the body moves, a joint starts anew from
-    /// where it stands: as it was given, or as after grouting if an earlier stage grouted it.
+    /// Names of joints that are tied in this stage: no relative displacement, whatever their law. In the next
+    /// stage that does not tie it, or in the dynamic run, a joint is re-initialised in its current position: as
+    /// defined in `[[joint]]`, or as grouted if an earlier stage grouted it.
     #[serde(default)]
     pub tied: Vec<At<String>>,
-    /// Joints that are grouted, by name: whatever gap they have is filled and where they slid they stay;
-    /// they start anew from there, closed and with the bond of their law everywhere. Opening, slip and
-    /// energies count from there.
+    /// Names of joints that are grouted: gaps are filled in the current position, and the joint is re-initialised
+    /// closed, with the bond of its law everywhere. Opening, slip and energies are counted from there.
     #[serde(default)]
     pub bonded: Vec<At<String>>,
-    /// Parts that have another material than their own, until a stage casts them or says otherwise, or
-    /// the body moves.
+    /// Temporary materials of parts, in force until a later stage casts the part or gives it another one, or the
+    /// dynamic run starts.
     #[serde(rename = "part", default)]
     pub parts: Vec<StagePart>,
-    /// Supports until the body moves.
+    /// Supports in force until the dynamic run starts.
     #[serde(rename = "support", default)]
     pub supports: Vec<At<StageSupport>>,
-    /// Loads, which stay unless they name the stage that takes them off.
+    /// Loads added in this stage, in force in later stages and in the run unless `removed_in` names a stage.
     #[serde(rename = "load", default)]
     pub loads: Vec<At<Load>>,
 }
 
-/// How a body is brought to rest.
+/// Method of computing static equilibrium.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum StaticMethod {
-    /// Corrections by the elastic operator, by conjugate gradients: without a matrix, and the default.
-    /// Joints hold or are refused, as with the next two.
+    /// Iterations with the elastic stiffness, solved by preconditioned conjugate gradients without a matrix.
+    /// Joints must stick: a joint that would slide or open is an error, as with the next two methods.
     ConjugateGradients,
-    /// Corrections by the elastic operator, by a sparse Cholesky factor: for many corrections of a model
-    /// that is not large. In builds with the feature `direct`.
+    /// Iterations with the elastic stiffness, solved by a sparse Cholesky factor: for many iterations of a model
+    /// of moderate size. In builds with the feature `direct`.
     Cholesky,
-    /// Corrections by the consistent tangent, factored anew for each: for much plastic flow. In builds
-    /// with the feature `direct`.
+    /// Newton iterations with the consistent tangent, factored in each: for extensive plastic flow. In builds with
+    /// the feature `direct`.
     Newton,
-    /// Damped steps in a time of its own: for joints that slide and open, for heavy softening, and where much
-    /// rock is near its limit.
+    /// Dynamic relaxation, damped motion in pseudo-time: for joints that slide or open, for strong softening, and
+    /// for large zones close to failure.
     DynamicRelaxation,
 }
 
-/// A part of the scene and the material that it has in a stage.
+/// Temporary material of a part from a construction stage on.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StagePart {
-    /// The element set of the part.
+    /// Element set of the part.
     pub set: At<String>,
-    /// The material's name.
+    /// Name of the material.
     pub material: At<String>,
 }
 
-/// A support until the body moves. Sets are node, facet or element sets of the mesh.
+/// Support of a construction stage, in force until the dynamic run starts.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum StageSupport {
-    /// Held in all directions.
+    /// Fixed: zero displacement increment in all directions.
     Fixed {
-        /// The set.
+        /// Node, facet or element set.
         set: At<String>,
     },
-    /// Held in one direction, free across it.
+    /// Roller: zero displacement increment along one direction, free across it.
     Roller {
-        /// The set.
+        /// Node, facet or element set.
         set: At<String>,
-        /// The direction that is held, of any length; by default the normal of a plane facet set.
+        /// Direction of zero displacement, a vector of any length; by default the normal of a plane facet set.
         normal: Option<At<[Finite; 3]>>,
     },
 }
 
 impl StageSupport {
-    /// The set that it names.
+    /// Set to which the support applies.
     pub fn set(&self) -> &At<String> {
         match self {
             Self::Fixed { set } | Self::Roller { set, .. } => set,

@@ -1,8 +1,7 @@
-//! A deserializer that takes nothing for something else: lists have the length that is wanted, tables are
-//! tables.
+//! Deserializer that rejects lists of a wrong length, and lists in place of tables.
 //!
-//! serde reads as many entries of a list as an array has and leaves the others; it reads a structure from
-//! a list, too, entry by entry. A scene's author has made a mistake in both cases.
+//! serde ignores entries of a list beyond the length of an array, and reads a structure from a list, entry by
+//! entry. In a scene file both are mistakes.
 
 use core::fmt;
 
@@ -11,31 +10,31 @@ use serde::de::{
     VariantAccess, Visitor,
 };
 
-/// A deserializer, a visitor, a seed or an access of serde, at whatever depth of a file.
+/// Strict wrapper of a deserializer, visitor, seed or access of serde, at any depth of a file.
 pub(crate) struct Strict<T>(pub(crate) T);
 
-/// What a visitor wants of a list.
+/// Form of value that a visitor requires.
 #[derive(Clone, Copy)]
-enum Wanted {
-    /// Entries of any number.
-    Anything,
-    /// So many entries.
+enum Required {
+    /// Any value, or a list of any length.
+    Any,
+    /// List of this length.
     Length(usize),
-    /// A table.
+    /// Table.
     Table,
 }
 
-struct StrictVisitor<V>(V, Wanted);
+struct StrictVisitor<V>(V, Required);
 
 macro_rules! forward {
-    ($($method:ident($($argument:ident: $type:ty),*) -> $wanted:expr;)*) => {
+    ($($method:ident($($argument:ident: $type:ty),*) -> $required:expr;)*) => {
         $(
             fn $method<V: Visitor<'de>>(
                 self,
                 $($argument: $type,)*
                 visitor: V,
             ) -> Result<V::Value, Self::Error> {
-                self.0.$method($($argument,)* StrictVisitor(visitor, $wanted))
+                self.0.$method($($argument,)* StrictVisitor(visitor, $required))
             }
         )*
     };
@@ -45,37 +44,37 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<D> {
     type Error = D::Error;
 
     forward! {
-        deserialize_any() -> Wanted::Anything;
-        deserialize_bool() -> Wanted::Anything;
-        deserialize_i8() -> Wanted::Anything;
-        deserialize_i16() -> Wanted::Anything;
-        deserialize_i32() -> Wanted::Anything;
-        deserialize_i64() -> Wanted::Anything;
-        deserialize_i128() -> Wanted::Anything;
-        deserialize_u8() -> Wanted::Anything;
-        deserialize_u16() -> Wanted::Anything;
-        deserialize_u32() -> Wanted::Anything;
-        deserialize_u64() -> Wanted::Anything;
-        deserialize_u128() -> Wanted::Anything;
-        deserialize_f32() -> Wanted::Anything;
-        deserialize_f64() -> Wanted::Anything;
-        deserialize_char() -> Wanted::Anything;
-        deserialize_str() -> Wanted::Anything;
-        deserialize_string() -> Wanted::Anything;
-        deserialize_bytes() -> Wanted::Anything;
-        deserialize_byte_buf() -> Wanted::Anything;
-        deserialize_option() -> Wanted::Anything;
-        deserialize_unit() -> Wanted::Anything;
-        deserialize_unit_struct(name: &'static str) -> Wanted::Anything;
-        deserialize_newtype_struct(name: &'static str) -> Wanted::Anything;
-        deserialize_seq() -> Wanted::Anything;
-        deserialize_tuple(length: usize) -> Wanted::Length(length);
-        deserialize_tuple_struct(name: &'static str, length: usize) -> Wanted::Length(length);
-        deserialize_map() -> Wanted::Table;
-        deserialize_struct(name: &'static str, fields: &'static [&'static str]) -> Wanted::Table;
-        deserialize_enum(name: &'static str, variants: &'static [&'static str]) -> Wanted::Anything;
-        deserialize_identifier() -> Wanted::Anything;
-        deserialize_ignored_any() -> Wanted::Anything;
+        deserialize_any() -> Required::Any;
+        deserialize_bool() -> Required::Any;
+        deserialize_i8() -> Required::Any;
+        deserialize_i16() -> Required::Any;
+        deserialize_i32() -> Required::Any;
+        deserialize_i64() -> Required::Any;
+        deserialize_i128() -> Required::Any;
+        deserialize_u8() -> Required::Any;
+        deserialize_u16() -> Required::Any;
+        deserialize_u32() -> Required::Any;
+        deserialize_u64() -> Required::Any;
+        deserialize_u128() -> Required::Any;
+        deserialize_f32() -> Required::Any;
+        deserialize_f64() -> Required::Any;
+        deserialize_char() -> Required::Any;
+        deserialize_str() -> Required::Any;
+        deserialize_string() -> Required::Any;
+        deserialize_bytes() -> Required::Any;
+        deserialize_byte_buf() -> Required::Any;
+        deserialize_option() -> Required::Any;
+        deserialize_unit() -> Required::Any;
+        deserialize_unit_struct(name: &'static str) -> Required::Any;
+        deserialize_newtype_struct(name: &'static str) -> Required::Any;
+        deserialize_seq() -> Required::Any;
+        deserialize_tuple(length: usize) -> Required::Length(length);
+        deserialize_tuple_struct(name: &'static str, length: usize) -> Required::Length(length);
+        deserialize_map() -> Required::Table;
+        deserialize_struct(name: &'static str, fields: &'static [&'static str]) -> Required::Table;
+        deserialize_enum(name: &'static str, variants: &'static [&'static str]) -> Required::Any;
+        deserialize_identifier() -> Required::Any;
+        deserialize_ignored_any() -> Required::Any;
     }
 }
 
@@ -139,9 +138,9 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for StrictVisitor<V> {
     }
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<V::Value, A::Error> {
         match self.1 {
-            Wanted::Anything => self.0.visit_seq(Strict(list)),
-            Wanted::Table => Err(A::Error::invalid_type(Unexpected::Seq, &"a map")),
-            Wanted::Length(length) => {
+            Required::Any => self.0.visit_seq(Strict(list)),
+            Required::Table => Err(A::Error::invalid_type(Unexpected::Seq, &"a map")),
+            Required::Length(length) => {
                 let value = self.0.visit_seq(Strict(&mut list))?;
                 let mut found = length;
                 while list.next_element::<IgnoredAny>()?.is_some() {
@@ -218,7 +217,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<A> {
         length: usize,
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        let visitor = StrictVisitor(visitor, Wanted::Length(length));
+        let visitor = StrictVisitor(visitor, Required::Length(length));
         self.0.tuple_variant(length, visitor)
     }
     fn struct_variant<V: Visitor<'de>>(
@@ -226,7 +225,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<A> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        let visitor = StrictVisitor(visitor, Wanted::Table);
+        let visitor = StrictVisitor(visitor, Required::Table);
         self.0.struct_variant(fields, visitor)
     }
 }

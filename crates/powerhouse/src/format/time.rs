@@ -1,4 +1,4 @@
-//! Duration, step and number format.
+//! Duration, time step, integration scheme and precision.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -9,36 +9,36 @@ use serde::{Deserialize, Deserializer};
 
 use super::{At, Finite, Positive, Share};
 
-/// Duration and time step.
+/// Time integration of the dynamic run: duration, start, step and scheme.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
-    /// How long the run lasts (s).
+    /// Duration of the run (s), above 0.
     pub duration: Positive,
-    /// The time at which it starts (s), 0 by default; records arrive as their waves say.
+    /// Start time of the run (s), 0 by default; it does not shift the arrival times of waves.
     pub start: Option<At<Finite>>,
-    /// The body's motion at the start.
+    /// Initial motion of the body: `rest` (the default) or `field`.
     #[serde(default)]
     pub initial: At<InitialMotion>,
-    /// The time step: `"auto"` (the largest stable one times `safety`) or a number (s). A number
-    /// above the stable step is refused.
+    /// Time step: `"auto"` (the stable step times `safety`; the default) or a number above 0 (s). A number above
+    /// the stable step is an error.
     #[serde(default)]
     pub step: At<Step>,
-    /// The share of the stable step that `"auto"` takes, 1 by default. The stable step is a safe
-    /// one already.
+    /// Factor on the stable step for `"auto"`, above 0 and at most 1, 1 by default; the stable step is a safe
+    /// estimate already.
     pub safety: Option<Share>,
-    /// The integration scheme.
+    /// Integration scheme: `leapfrog` (the default) or `one-sided`.
     #[serde(default)]
     pub scheme: At<Scheme>,
 }
 
-/// The time step.
+/// Time step of the dynamic run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Step {
-    /// The largest stable step.
+    /// Stable step times the safety factor.
     #[default]
     Auto,
-    /// A step (s).
+    /// Given step (s), above 0.
     Seconds(f64),
 }
 
@@ -85,39 +85,40 @@ impl JsonSchema for Step {
     }
 }
 
-/// The body's motion at the start of a run.
+/// Initial motion of the body.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum InitialMotion {
-    /// At rest.
+    /// Zero displacement and velocity.
     #[default]
     Rest,
-    /// The motion of the free field, for waves that are in the body already.
+    /// Motion of the free field at the start, for waves that have entered the body already.
     Field,
 }
 
-/// The integration scheme.
+/// Time integration scheme.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// Central difference in leapfrog form, dashpots implicit.
+    /// Central difference method in leapfrog form, with implicit dashpots.
     #[default]
     Leapfrog,
-    /// Wang, Chen & Xiao (2019), Eqs. (14)-(17), with a one-sided velocity. Refused without
-    /// stiffness damping of at least half a step.
+    /// Explicit scheme with one-sided velocity of Wang, Chen & Xiao (2019), Eqs. (14)-(17). An error unless the
+    /// stiffness damping coefficient is at least half a step.
     OneSided,
 }
 
-/// Number format of nodes and elements.
+/// Floating-point precision of nodal and element arithmetic.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Precision {
-    /// Double precision.
+    /// Double precision throughout.
     #[default]
     F64,
-    /// Nodes in double, element arithmetic in single precision, but for a tenth at most of the elements,
-    /// those of the highest natural frequency.
+    /// Mixed precision: nodes in double, element arithmetic in single precision, except at most a tenth of the
+    /// elements, those of the highest natural frequencies.
     Mixed,
-    /// As mixed, with velocities and forces of nodes in single precision; displacements stay in double.
+    /// Single precision: as mixed, with nodal velocities and forces in single precision; displacements stay in
+    /// double.
     F32,
 }

@@ -1,4 +1,4 @@
-//! Joints of a scene: sides, law, and how they start.
+//! Joints of a scene: sides, contact law and initial conditions.
 
 mod preload;
 mod zone;
@@ -14,25 +14,25 @@ use powerhouse_model::{ContactLaw, JointPair, Mesh, ModelError};
 
 use crate::Error;
 
-/// A joint whose law was chosen by name.
+/// Joint whose contact law was chosen by name.
 pub(crate) type NamedJoint = Joint<Arc<dyn ContactLaw>>;
 
-/// The sides of a joint, by its name.
+/// Name and sides of a joint.
 pub(crate) type NamedSurface = (String, JointSurface);
 
-/// The distance of a joint's sides in the state from which displacements are counted.
+/// Initial gap of a joint: distance of its sides in the state from which displacements count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum InitialGap {
-    /// None: a small distance of the nodes in the mesh is not one of the sides.
+    /// No gap: a small distance of the nodes in the mesh is ignored.
     #[default]
     Closed,
-    /// The same at all pairs (m).
+    /// The same gap at all pairs (m).
     Distance(f64),
-    /// The distance of the nodes in the mesh, along the normal.
+    /// Distance of the nodes of a pair in the mesh, along the normal.
     Meshed,
 }
 
-/// A joint of a scene: sides that are meshed apart or were cut open, their law, and how they start.
+/// Joint of a scene: sides that are meshed apart or were cut open, contact law and initial conditions.
 ///
 /// ```
 /// use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
@@ -53,28 +53,28 @@ pub enum InitialGap {
 /// // Pressed together by 0.2 MPa, and cracked already where x < 1 m.
 /// let cracked = JointZone::Box { low: Vec3::zeros(), high: Vec3::new(1.0, 4.0, 2.0) };
 /// let joint = SceneJoint::new("bedding", surface, law)
-///     .preload(Preload::Pressure(0.2e6))
-///     .unbonded(cracked);
+///     .with_preload(Preload::Pressure(0.2e6))
+///     .with_unbonded(cracked);
 /// # assert_eq!(joint.surface.pairs.len(), 25);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct SceneJoint {
-    /// The name in results.
+    /// Name in results.
     pub name: String,
-    /// The sides.
+    /// Node pairs and facets of the two sides.
     pub surface: JointSurface,
-    /// The law of its tractions.
+    /// Contact law.
     pub law: Arc<dyn ContactLaw>,
-    /// The traction in the state from which displacements are counted; none if there is none.
+    /// Traction in the static state from which displacements count, if any.
     pub preload: Option<Preload>,
-    /// The distance of the sides in that state.
+    /// Initial gap.
     pub gap: InitialGap,
-    /// Where it starts without the bond that its law gives it.
+    /// Pairs without a bond at the start.
     pub unbonded: Vec<JointZone>,
 }
 
 impl SceneJoint {
-    /// A closed joint without preload, as its law starts.
+    /// Closed joint without preload, in the initial state of its law.
     pub fn new(
         name: impl Into<String>,
         surface: JointSurface,
@@ -89,34 +89,34 @@ impl SceneJoint {
             unbonded: Vec::new(),
         }
     }
-    /// Sets the traction in the state from which displacements are counted. The law sees the sum of
-    /// it and what the motion adds.
+    /// Sets the traction in the static state from which displacements count. The traction by motion adds to
+    /// it.
     #[must_use]
-    pub fn preload(mut self, preload: Preload) -> Self {
+    pub fn with_preload(mut self, preload: Preload) -> Self {
         self.preload = Some(preload);
         self
     }
-    /// Sets the distance of the sides in that state. A pair apart has neither bond nor preload.
+    /// Sets the initial gap. A pair with a gap has neither bond nor preload.
     #[must_use]
-    pub fn gap(mut self, gap: InitialGap) -> Self {
+    pub fn with_gap(mut self, gap: InitialGap) -> Self {
         self.gap = gap;
         self
     }
-    /// Adds a zone that starts without a bond, as where a joint was cracked before.
+    /// Adds a zone without a bond at the start, as where a joint was cracked before.
     #[must_use]
-    pub fn unbonded(mut self, zone: JointZone) -> Self {
+    pub fn with_unbonded(mut self, zone: JointZone) -> Self {
         self.unbonded.push(zone);
         self
     }
 
-    /// Sees that its pairs can start as they are to.
+    /// Checks that its pairs permit the initial conditions.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Error> {
         let start = self.start(mesh, &self.surface)?;
         start.joint(mesh, (&self.name, &self.surface), self.law.as_ref())?;
         Ok(())
     }
 
-    /// The joint in its initial state, and its sides, in a body of which some nodes move as one with
+    /// Builds the joint in its initial state, and its sides, in a body some nodes of which share the motion of
     /// others, their leads.
     pub(crate) fn build(
         &self,
@@ -154,21 +154,21 @@ impl SceneJoint {
     }
 }
 
-/// What holds a joint while a body comes to rest, or moves.
+/// Law of a joint in a stage: its own, or a tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Closing {
     /// Its own law.
     Own,
-    /// Held whatever its law admits.
+    /// A tie, whatever its own law admits.
     Tied,
 }
 
-/// How the pairs of a joint start.
+/// Initial conditions of the pairs of a joint.
 #[derive(Default)]
 struct Start {
     preload: Option<Preload>,
     gap: InitialGap,
-    /// Nodes of pairs without a bond.
+    /// Nodes of the pairs without a bond.
     unbonded: HashSet<[u32; 2]>,
 }
 
@@ -204,7 +204,7 @@ impl Start {
     }
 }
 
-/// An error with the joint's name and the user's numbers of the nodes of its pair.
+/// Error with the name of the joint and the numbers of the nodes of its pair in the mesh file.
 fn of_joint(mesh: &Mesh, name: &str, error: ModelError) -> Error {
     let source = match &error {
         ModelError::Refused { source, .. } => source.downcast_ref::<ContactError>().cloned(),

@@ -1,27 +1,27 @@
-//! The traction on a joint in the state from which displacements are counted.
+//! Traction on a joint in the static state from which displacements count.
 
 use powerhouse_model::{ParameterError, Stress, Vec3};
 
 use crate::format::GRAVITY;
 
-/// The traction on a joint in the state from which displacements are counted.
+/// Traction on a joint in the static state from which displacements count (preload).
 ///
-/// What else keeps the body in that state is not part of the scene: it only says what the joint has
-/// to carry before the motion adds to it.
+/// The other forces that keep the body in that state are not part of the scene: the preload only gives
+/// the traction of the joint to which the motion adds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Preload {
-    /// Pressure across it (Pa), positive where the sides are pressed together.
+    /// Uniform pressure across the joint (Pa), positive in compression.
     Pressure(f64),
-    /// Traction on its first side (Pa), in x, y and z.
+    /// Uniform traction on the first side (Pa), in x, y and z.
     Traction(Vec3),
-    /// Stress of the body around it (Pa), the same everywhere; the traction is that on its facets.
+    /// Uniform stress of the body around the joint (Pa); the traction is that on its facets.
     Stress(Stress),
-    /// Stress of ground under its own weight.
+    /// Stress of the ground under its own weight.
     Ground(GroundStress),
 }
 
 impl Preload {
-    /// Traction (Pa) on the first side at a position (m), whose outward normal is given.
+    /// Traction (Pa) on the first side at a position (m) with an outward unit normal.
     pub fn traction(&self, position: &Vec3, normal: &Vec3) -> Vec3 {
         match self {
             Self::Pressure(pressure) => -normal * *pressure,
@@ -42,20 +42,20 @@ impl Preload {
     }
 }
 
-/// Stress of ground under its own weight: `-rho g (level - z)` vertically, a share of that
-/// horizontally, no shear; none above the level.
+/// Stress of ground under its own weight: vertical stress `-rho g (level - z)`, a ratio of it as horizontal
+/// stress, no shear; zero above the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundStress {
-    /// Height of its surface (m).
+    /// Height of the ground surface (m).
     pub level: f64,
     /// Density `rho` (kg/m3).
     pub density: f64,
-    /// Horizontal over vertical stress.
+    /// Ratio of horizontal to vertical stress.
     pub lateral: f64,
 }
 
 impl GroundStress {
-    /// Ground with a surface at a level (m), a density (kg/m3) and a ratio of horizontal to vertical
+    /// Stress of ground with a surface at a level (m), a density (kg/m3) and a ratio of horizontal to vertical
     /// stress, not negative.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Some pairs of a joint.
+//! Selection of pairs of a joint.
 
 use core::fmt;
 
@@ -7,29 +7,29 @@ use powerhouse_model::{Mesh, Vec3};
 
 use crate::Error;
 
-/// Some pairs of a joint.
+/// Selection of pairs of a joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum JointZone {
-    /// All of them.
+    /// All pairs.
     #[default]
     All,
-    /// Those at a node, by the user's number; of either side.
+    /// Pairs at a node of either side, by the number of the node in the mesh file.
     Node(u64),
-    /// Those with a node in a node set; in a facet set if there is no such node set, or in an element
+    /// Pairs with a node in a node set; in a facet set if there is no such node set, or in an element
     /// set if there is neither.
     Set(String),
-    /// Those whose first node lies in a box along the axes, its faces included.
+    /// Pairs whose first node lies in a box along the axes, its faces included.
     Box {
-        /// Its lowest corner (m).
+        /// Lowest corner of the box (m).
         low: Vec3,
-        /// Its highest corner (m).
+        /// Highest corner of the box (m).
         high: Vec3,
     },
-    /// Those whose first node is nearest to a point.
+    /// Pairs whose first node is nearest to a point.
     Near {
-        /// The point (m).
+        /// Position of the point (m).
         position: Vec3,
-        /// How far from it the node may be (m).
+        /// Largest permitted distance of the node from the point (m).
         within: f64,
     },
 }
@@ -50,7 +50,7 @@ impl fmt::Display for JointZone {
 }
 
 impl JointZone {
-    /// Places of its pairs among those of a named joint, rising and at least one.
+    /// Indices of its pairs among those of a named joint, rising and at least one.
     ///
     /// # Errors
     /// A set that does not exist, [`Error::EmptyZone`].
@@ -63,7 +63,7 @@ impl JointZone {
         let where_nodes = |inside: &dyn Fn([u32; 2]) -> bool| -> Vec<usize> {
             let pairs = surface.pairs.iter().enumerate();
             let inside = pairs.filter(|(_, pair)| inside(pair.nodes));
-            inside.map(|(place, _)| place).collect()
+            inside.map(|(index, _)| index).collect()
         };
         let of_set = |nodes: &[u32]| {
             let has = |node: &u32| nodes.binary_search(node).is_ok();

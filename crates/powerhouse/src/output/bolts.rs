@@ -5,25 +5,25 @@ use powerhouse_explicit_core::observe::PeakField;
 use powerhouse_io::TableColumn;
 use powerhouse_model::{Mesh, State};
 
-/// The axial forces of the bolts of one make, segment by segment from head to toe, bolt after bolt.
+/// Axial forces of a bolt group, one value per segment, from head to toe, bolt after bolt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoltForces {
-    /// The name of the bolts.
+    /// Name of the bolt group.
     pub name: String,
-    /// Which bolt each segment belongs to, from zero.
+    /// Index of the bolt of each segment, from zero.
     pub bolts: Vec<usize>,
-    /// The user's number of the element that it is in.
+    /// Number of the element around each segment in the mesh file.
     pub elements: Vec<u64>,
-    /// Distances of its ends from the head (m).
+    /// Distances of the ends of each segment from the head (m).
     pub ends: Vec<[f64; 2]>,
-    /// Axial forces (N), tension positive.
+    /// Axial force of each segment (N), tension positive.
     pub forces: Vec<f64>,
-    /// The greatest of them in a run (N), with its time (s), if one was watched.
+    /// Envelope over the run: greatest axial force of each segment (N) and its time (s); `None` before a run.
     pub greatest: Option<PeakField>,
 }
 
 impl BoltForces {
-    /// The forces of bolts in a state; none if it does not know them.
+    /// Axial forces in a state; `None` if the state does not contain these bolts.
     pub(crate) fn of(bolts: &BoltSet, mesh: &Mesh, state: &State) -> Option<Self> {
         let mut found = Self {
             name: bolts.name().into(),
@@ -47,12 +47,13 @@ impl BoltForces {
         Some(found)
     }
 
-    /// The greatest force (N, tension positive), with the bolt that bears it.
+    /// Index of the bolt with the greatest axial force, and this force (N, tension positive).
     pub fn greatest(&self) -> Option<(usize, f64)> {
         let all = self.bolts.iter().copied().zip(self.forces.iter().copied());
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
-    /// The greatest force of a run (N, tension positive) and its time (s), with the bolt that bore it.
+    /// Index of the bolt with the greatest axial force over the run, this force (N, tension positive) and its time
+    /// (s).
     pub fn greatest_of_run(&self) -> Option<(usize, f64, f64)> {
         let PeakField { values, times } = self.greatest.as_ref()?;
         let all = self.bolts.iter().zip(values.iter().zip(times));

@@ -1,4 +1,4 @@
-//! Plots of histories and pictures of the body.
+//! Plots of histories, and pictures of fields on the body.
 
 use std::path::Path;
 
@@ -15,8 +15,7 @@ pub(super) fn plot(file: &Path, title: &str, columns: &[TableColumn]) -> Result<
     write_plot(file, &Plot::of_table(title, columns))
 }
 
-/// A plot for each name of a table: the columns `NAME.ux`, `NAME.uy` ... together. Each comes with
-/// the name of its file and writes itself.
+/// One plot for each name of a table, with its columns `NAME.ux`, `NAME.uy` ... Returns file names and writers.
 pub(super) fn plots(
     columns: &[TableColumn],
 ) -> Vec<(String, impl FnOnce(&Path) -> Result<(), IoError> + use<>)> {
@@ -46,7 +45,7 @@ pub(super) fn plots(
         .collect()
 }
 
-/// A name as part of the name of a file of results: what is neither letter, digit, `-` nor `_` is `-`.
+/// File name of a result name: every character that is not a letter, digit, `-` or `_` is replaced by `-`.
 pub fn file_name(name: &str) -> String {
     let plain = |c: char| {
         if c.is_alphanumeric() || "-_".contains(c) {
@@ -58,8 +57,8 @@ pub fn file_name(name: &str) -> String {
     name.chars().map(plain).collect()
 }
 
-/// Writes a picture of a field on the body, cut open across y in the middle of its box; of the elements that
-/// are there, if not all are.
+/// Writes a picture of a field on the active elements of the body, sectioned across y in the middle of its
+/// bounding box.
 pub(super) fn picture(
     file: &Path,
     (mesh, present): (&Mesh, Option<&[bool]>),
@@ -76,8 +75,8 @@ pub(super) fn picture(
     write_picture(file, &picture)
 }
 
-/// Writes a picture of the facets of a joint, from where most of them are seen; facets all around
-/// something are cut open across y in their middle.
+/// Writes a picture of the facets of a joint, viewed along their mean normal; closed surfaces are sectioned across y
+/// in their middle.
 pub(super) fn joint_picture(
     file: &Path,
     mesh: &Mesh,
@@ -121,11 +120,11 @@ pub(super) fn joint_picture(
     write_picture(file, &picture)
 }
 
-/// The normal of facets that mostly face one way; none of those that stand around something.
+/// Mean normal of facets; `None` for a closed or strongly curved surface.
 fn face(field: &FacetField) -> Option<Vec3> {
     let (mut sum, mut area) = (Vec3::zeros(), 0.0);
     for facet in &field.facets {
-        let corner = |place: usize| field.positions[facet[place] as usize];
+        let corner = |index: usize| field.positions[facet[index] as usize];
         let last = facet.len() - 1;
         let normal = (corner(2) - corner(0)).cross(&(corner(last) - corner(1)));
         sum += normal;

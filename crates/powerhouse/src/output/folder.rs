@@ -1,4 +1,4 @@
-//! The files of a run.
+//! Results folder of a run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,48 +16,48 @@ use super::lock::{FolderError, FolderLock};
 use super::stages::StageFiles;
 use super::summary::Summary;
 use super::{Results, drawing, vtu};
-use crate::doubt::{RunNotes, Topic};
+use crate::message::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
 
-/// A folder that takes the files of a run.
+/// Results folder: writes the result files of a run.
 ///
-/// | file | what |
+/// | file | content |
 /// |---|---|
 /// | `summary.json` | steps, step, wall time, peaks, energies at the end, warnings and remarks, the names of all files; written last, `incomplete` until then |
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
-/// | `energies.csv` | the energy ledger |
-/// | `joints.csv` | state, slip, opening, tractions and energies of joints and parts of them |
-/// | `joints/NAME.vtu` | each joint's facets at the end with state, slip, opening, energies, times of first slip and crack, and greatest tractions |
-/// | `plots/NAME.svg`, `plots/joint-NAME.svg` | each of them drawn |
+/// | `energies.csv` | energy balance |
+/// | `joints.csv` | contact state, slip, opening, tractions and energies of joints and of zones of them |
+/// | `joints/NAME.vtu` | facets of a joint at the end: contact state, slip, opening, energies, times of first slip and crack, greatest tractions |
+/// | `plots/NAME.svg`, `plots/joint-NAME.svg` | plot of each history |
 /// | `envelope.vtu` | greatest values with their times |
-/// | `state.vtu` | the envelopes of history variables of laws, such as damage, with times; damage type and yield state at the end |
-/// | `pictures/NAME.png` | each of them on the body, cut open in its middle |
-/// | `pictures/joint-NAME-WHAT.png` | each joint's facets with state and bond at the end, what they did over the run, slip and peak opening if there were any |
-/// | `stages/NUMBER-NAME.vtu` | the body at the end of each stage: displacement, stress, the history variables of laws, which elements are there; beside it the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
-/// | `bolts.csv`, `plots/bolts-NAME.svg` | the greatest axial force of each make of bolts against time |
-/// | `bolts/NAME.csv` | axial forces of bolts at the end and the greatest of the run, segment by segment |
-/// | `snapshots.pvd` and a folder beside it | whole fields, and the facets of joints, for ParaView |
-/// | `scene.toml` | the scene as it was run |
+/// | `state.vtu` | envelopes of the history variables of laws, such as damage, with times; damage type and yield state at the end |
+/// | `pictures/NAME.png` | picture of each envelope on the body, sectioned in the middle |
+/// | `pictures/joint-NAME-WHAT.png` | picture of the facets of a joint: final contact state and bond, contact states reached in the run, slip and peak opening if there were any |
+/// | `stages/NUMBER-NAME.vtu` | body at the end of a stage: displacement, stress, history variables of laws, active elements; also the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
+/// | `bolts.csv`, `plots/bolts-NAME.svg` | greatest axial force of each bolt group against time |
+/// | `bolts/NAME.csv` | axial forces of a bolt group at the end and their greatest values over the run, by segment |
+/// | `snapshots.pvd` and a folder beside it | snapshots of fields and of the facets of joints, for ParaView |
+/// | `scene.toml` | scene file of the run |
 ///
-/// Where stages have excavated elements, or not cast them, pictures leave these out, and VTU files have the
-/// field `present` (1 there, 0 not) and NaN or -1 in all others (see [`powerhouse_io::VtuWriter`]).
+/// Inactive elements (excavated, or not yet cast) are left out of pictures; in VTU files the field `present` is 0 (1
+/// for active ones) and all other fields are NaN or -1 (see [`powerhouse_io::VtuWriter`]).
 ///
-/// Every file is written whole or not at all. [`lock`](Self::lock), [`prove`](Self::prove) and
-/// [`clear`](Self::clear) before a run see to it that its results find their place, and neither those of
-/// another run nor older ones beside them.
+/// Every file is written completely or not at all. Before a run, [`lock`](Self::lock) excludes other runs,
+/// [`prove`](Self::prove) checks that all files can be written, and [`clear`](Self::clear) removes the results of an
+/// earlier run.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     path: PathBuf,
 }
 
-/// The collection of snapshots.
+/// Name of the snapshot collection file.
 pub(super) const SNAPSHOTS: &str = "snapshots.pvd";
-/// The folder of stages.
+/// Name of the subfolder of stages.
 pub(super) const STAGES: &str = "stages";
-/// The file that marks a folder of results.
+/// Name of the summary file, which marks a results folder.
 pub(super) const SUMMARY: &str = "summary.json";
-/// Tables, with a plot of each of their names.
+/// Names of the tables of histories, which are also plotted.
 pub(super) const TABLES: [&str; 5] = [
     "histories.csv",
     SECTIONS,
@@ -65,44 +65,44 @@ pub(super) const TABLES: [&str; 5] = [
     "joints.csv",
     "bolts.csv",
 ];
-/// Section forces; above their header stand doubts about them.
+/// Name of the table of section forces, which begins with the warnings about them.
 const SECTIONS: &str = "sections.csv";
-/// Greatest values, with a picture of each.
+/// Name of the envelope file.
 pub(super) const ENVELOPE: &str = "envelope.vtu";
-/// The envelopes of the laws' history variables, with a picture of each.
+/// Name of the file of history variable envelopes.
 pub(super) const STATE: &str = "state.vtu";
-/// The start of the name of a file that is only tried.
+/// Start of the names of test files.
 const PROBE: &str = ".writable";
 
 impl ResultFolder {
-    /// A folder, which is made with its first file or by [`create`](Self::create).
+    /// Results folder at a path; it is created with its first file or by [`create`](Self::create).
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into() }
     }
-    /// Its path.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Makes the folder, and sees that files can be written in it.
+    /// Creates the folder, and checks that files can be written in it.
     ///
     /// # Errors
-    /// The file that could not be written.
+    /// File that could not be written.
     pub fn create(&self) -> Result<(), Error> {
         probe(&self.path.join(PROBE))
     }
 
-    /// Takes the folder for one run, until the lock is dropped; the folder is made if there is none.
+    /// Locks the folder for one run until the lock is dropped; creates the folder if there is none.
     ///
     /// # Errors
-    /// [`FolderError::Busy`] if another run has it; the file that could not be written.
+    /// [`FolderError::Busy`] if another run holds the lock; the file that could not be written.
     pub fn lock(&self) -> Result<FolderLock, Error> {
         FolderLock::take(&self.path)
     }
 
-    /// Sees that a run can write all its files at its end: that each has a place and a name of a length that
-    /// the system takes, and that there is room for their size (bytes), as far as the system tells. Nothing is
-    /// left of what is tried, and files of earlier runs stay.
+    /// Checks that a run can write all its files: that no folder has the path of a file, that the system permits the
+    /// lengths of their names, and that the free disk space is at least their size (bytes), if the system reports
+    /// it. No test file remains, and files of earlier runs are kept.
     ///
     /// # Errors
     /// [`FolderError::InTheWay`], [`FolderError::NoRoom`], or the file that could not be written.
@@ -120,10 +120,10 @@ impl ResultFolder {
         }
         for (folder, length) in longest {
             let was_there = folder.is_dir();
-            // As long as the longest name, and no file of anybody.
+            // A test file with a name as long as the longest, which no other file has.
             probe(&folder.join(format!("{PROBE:x<length$}")))?;
             if !was_there {
-                // It stays if somebody has put something there meanwhile.
+                // The folder remains if a file was put there meanwhile.
                 let _ = fs::remove_dir(&folder);
             }
         }
@@ -141,12 +141,11 @@ impl ResultFolder {
         }
     }
 
-    /// Removes what an earlier run left: its snapshots and stages, and, if there is a summary that this
-    /// software wrote, tables, envelope, plots and pictures. Anything else in the folder stays, a
-    /// scene too.
+    /// Removes the results of an earlier run: its snapshots and stages, and, if there is a summary of this software,
+    /// tables, envelopes, plots and pictures. All other files are kept, including a scene.
     ///
     /// # Errors
-    /// The file that could not be removed.
+    /// File that could not be removed.
     pub fn clear(&self) -> Result<(), Error> {
         let mut old = vec![self.path.join(SNAPSHOTS)];
         old.extend(self.files_in("snapshots", "snapshots_", ".vtu"));
@@ -159,7 +158,7 @@ impl ResultFolder {
             old.extend(self.files_in("pictures", "", ".png"));
             old.extend(self.files_in("joints", "", ".vtu"));
             old.extend(self.files_in("bolts", "", ".csv"));
-            // The mark goes last, so that a failure on the way can be made good.
+            // The summary is removed last, so that the removal can be repeated after a failure.
             old.push(self.path.join(SUMMARY));
         }
         for file in old {
@@ -168,7 +167,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Whether a summary of this software is there.
+    /// Returns whether the folder contains a summary of this software.
     fn has_results(&self) -> bool {
         let text = fs::read(self.path.join(SUMMARY)).unwrap_or_default();
         let summary: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
@@ -176,7 +175,7 @@ impl ResultFolder {
         software.is_some_and(|name| name.starts_with("powerhouse "))
     }
 
-    /// Files of a folder below, by the ends of their names.
+    /// Files of a subfolder whose names have the given start and end.
     fn files_in(&self, folder: &str, start: &str, end: &str) -> Vec<PathBuf> {
         let entries = fs::read_dir(self.path.join(folder)).into_iter().flatten();
         let files = entries.flatten().filter(|entry| {
@@ -186,34 +185,32 @@ impl ResultFolder {
         files.map(|entry| entry.path()).collect()
     }
 
-    /// A sink that writes snapshots of a run, and of the sides of its joints, as VTU files and a PVD
-    /// collection.
+    /// Snapshot writer for the body and the sides of its joints: VTU files and a PVD collection.
     ///
     /// # Errors
-    /// A mesh that VTU files cannot hold.
+    /// Mesh that VTU files cannot represent.
     pub fn snapshots(&self, simulation: &Simulation) -> Result<Box<dyn SnapshotSink>, Error> {
         let body = (&**simulation.mesh(), simulation.present());
         let file = self.path.join(SNAPSHOTS);
         Ok(vtu::snapshots(file, body, simulation.joint_surfaces())?)
     }
 
-    /// A sink that writes what the stages of a scene leave of its body and of the sides of its joints.
+    /// Stage writer: state of the body, joints and bolts at the end of every construction stage.
     ///
     /// # Errors
-    /// A mesh that VTU files cannot hold.
+    /// Mesh that VTU files cannot represent.
     pub fn stages(&self, simulation: &Simulation) -> Result<Box<dyn StageSink>, Error> {
         let (mesh, joints) = (simulation.mesh(), simulation.joint_surfaces());
         let files = StageFiles::new(self.path.join(STAGES), mesh, joints)?;
         Ok(Box::new(files))
     }
 
-    /// Writes the results, and the scene's text if there is one; returns the files written, the
-    /// collection of snapshots and those of stages, which stand there by then, among them. A file that
-    /// cannot be written does not keep the others from it. The summary says that the run is incomplete until
-    /// all others are there.
+    /// Writes the results, and the text of the scene if there is one; returns the paths of all files, including those
+    /// of snapshots and stages written during the run. All other files are written even if one fails. The summary
+    /// has the state `incomplete` until all other files are written.
     ///
     /// # Errors
-    /// The first file that could not be written.
+    /// First file that could not be written.
     pub fn write(
         &self,
         (title, mesh): (&str, &Mesh),
@@ -276,7 +273,7 @@ impl ResultFolder {
             of_stages.sort();
             files.written.extend(of_stages);
         }
-        // Last, so that who finds it finds the others.
+        // Written last, so that a complete summary implies that all files exist.
         if files.failure.is_none() {
             summary.complete(ended, files.names());
         }
@@ -287,7 +284,7 @@ impl ResultFolder {
         }
     }
 
-    /// Writes the tables and draws them.
+    /// Writes the tables and their plots.
     fn write_tables(&self, files: &mut Files, results: &Results, notes: &RunNotes) {
         let tables = [
             &results.histories,
@@ -299,7 +296,7 @@ impl ResultFolder {
         for (name, table) in TABLES.into_iter().zip(tables) {
             if !table.times.is_empty() {
                 let columns = columns(table);
-                // Doubts about all of a run stand in its summary; these are about the numbers below.
+                // Warnings about the whole run are in its summary; these concern the numbers of the table.
                 let heads = match name {
                     SECTIONS => notes.about(Topic::Sections),
                     _ => Vec::new(),
@@ -330,7 +327,7 @@ impl ResultFolder {
     }
 }
 
-/// Removes a file, if it is there.
+/// Removes a file if it exists.
 fn remove(file: &Path) -> Result<(), Error> {
     match fs::remove_file(file) {
         Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write(IoError::File {
@@ -347,7 +344,7 @@ fn probe(file: &Path) -> Result<(), Error> {
     remove(file)
 }
 
-/// Keeps account of what is written, and of the first file that could not be.
+/// Paths of the written files, and the first failure.
 struct Files<'a> {
     folder: &'a Path,
     written: Vec<PathBuf>,
@@ -365,7 +362,7 @@ impl Files<'_> {
         }
     }
 
-    /// What was written, below the folder.
+    /// Paths of the written files relative to the folder.
     fn names(&self) -> Vec<String> {
         let below = self
             .written

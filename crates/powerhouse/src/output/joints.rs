@@ -1,37 +1,71 @@
 //! Joint facets with their fields, for ParaView and as pictures.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
 use powerhouse_contact::{JointFacet, JointSurface};
 use powerhouse_explicit_core::observe::JointTable;
 use powerhouse_io::{FacetField, FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
-use powerhouse_model::{Bond, ContactState, JointPair, JointRecord, Mesh, Vec3};
+use powerhouse_model::{
+    Bond, ContactState, HistoryVariable, JointHistory, JointPair, JointRecord, Mesh, Vec3,
+};
 
-/// The files of a joint's facets.
+use super::vtu;
+
+/// Facets of a joint with their fields, as VTU files and pictures.
 ///
 /// Facets share no points, so that each shows the pair of its own side of an edge. Fields: `state`
 /// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
 /// 1 intact, 2 broken), normal and shear traction,
 /// opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
-/// energies of friction, bond and impact per area; where a stage closed the joint anew, `opening counted
-/// from` too, the distance of the sides then. Tips, where both sides are one, have zeros. Facets of
-/// which a side is not there, beside an excavated room or a lining that is not cast yet, are left out.
+/// energies of friction, bond and impact per area, history variables of the law by their names; where a
+/// stage closed the joint anew, `opening counted from` too, the distance of the sides then. Tips, where
+/// both sides share the node, have zeros. Facets of which a side is absent, beside an excavated room or a
+/// lining that is not cast yet, are left out.
 pub(super) struct JointFacets {
     pub(super) writer: VtuWriter,
     /// Corner positions (m) and the corners of each facet.
     positions: Vec<Vec3>,
     facets: Vec<Vec<u32>>,
-    /// The pair at each point; none at tips.
+    /// Index of the pair at each point; none at tips.
     pairs: Vec<Option<usize>>,
 }
 
-/// Named values at the points of the facets.
-pub(super) type JointFields = Vec<(&'static str, Vec<f64>)>;
+/// Fields at the points of the facets.
+pub(super) type JointFields = Vec<JointField>;
+
+/// Field at the points of the facets, by name.
+pub(super) struct JointField {
+    name: Cow<'static, str>,
+    unit: &'static str,
+    numbers: VtuNumbers,
+    values: Vec<f64>,
+}
+
+impl JointField {
+    /// One of the quantities that every joint has.
+    fn new(name: &'static str, values: Vec<f64>) -> Self {
+        let mut pictures = PICTURES.iter();
+        let is_kind = pictures.any(|(known, _, kinds)| *known == name && !kinds.is_empty());
+        Self {
+            name: name.into(),
+            unit: unit_of(name),
+            numbers: match is_kind {
+                true => VtuNumbers::Whole,
+                false => VtuNumbers::Real,
+            },
+            values,
+        }
+    }
+}
+
+/// History variables of the pairs of a joint, those of a pair side by side.
+pub(super) type PairHistory<'a> = (&'a [HistoryVariable], &'a [f64]);
 
 impl JointFacets {
-    /// Facets of a mesh of which these elements are there (none said: all); `file` is named if they cannot
-    /// be written. None if no facet is left.
+    /// Facets of a mesh with its present elements (none: all are); errors name `file`. None if no facet is
+    /// left.
     pub(super) fn new(
         file: &Path,
         mesh: &Mesh,
@@ -40,8 +74,8 @@ impl JointFacets {
     ) -> Result<Option<Self>, IoError> {
         let (mut positions, mut facets, mut pairs) = (Vec::<Vec3>::new(), Vec::new(), Vec::new());
         let sides = present.map(|present| Sides::new(mesh, surface, present));
-        let stands = |facet: &&JointFacet| sides.as_ref().is_none_or(|sides| sides.has(facet));
-        for facet in surface.facets.iter().filter(stands) {
+        let has = |facet: &&JointFacet| sides.as_ref().is_none_or(|sides| sides.has(facet));
+        for facet in surface.facets.iter().filter(has) {
             let first = positions.len() as u32;
             facets.push((first..first + facet.nodes.len() as u32).collect::<Vec<u32>>());
             for (&node, pair) in facet.nodes.iter().zip(&facet.pairs) {
@@ -65,19 +99,48 @@ impl JointFacets {
         }))
     }
 
-    /// Contact states and peak values of its pairs.
-    pub(super) fn fields(&self, pairs: &[JointPair], records: &[JointRecord]) -> JointFields {
+    /// Contact states, peak values, energies and history variables of its pairs.
+    pub(super) fn fields(
+        &self,
+        (pairs, records): (&[JointPair], &[JointRecord]),
+        (variables, history): PairHistory,
+    ) -> JointFields {
         let anew = records.iter().any(|record| record.closed_at.is_some());
         let of_field = |(name, value): &(&'static str, Value)| {
             let values = self.spread(|pair| value(&pairs[pair], &records[pair]));
-            (*name, values)
+            JointField::new(name, values)
         };
         let fields = FIELDS.iter().chain(anew.then_some(&CLOSED_AT));
-        fields.map(of_field).collect()
+        let of_variable = |(v, variable): (usize, &HistoryVariable)| JointField {
+            name: variable.name.into(),
+            unit: vtu::unit(variable.unit),
+            numbers: vtu::numbers(variable),
+            values: self.spread(|pair| history[pair * variables.len() + v]),
+        };
+        let variables = variables.iter().enumerate().map(of_variable);
+        fields.map(of_field).chain(variables).collect()
     }
 
-    /// Pictures of its pairs: what each shows, its unit, its numbers and the names of these if they
-    /// are kinds. What never was above zero has none, but for the state.
+    /// Fields of the state that a stage leaves, with the history variables by their names.
+    pub(super) fn fields_of_stage(&self, pairs: &[JointPair], state: &JointHistory) -> JointFields {
+        let count = state.variables.len();
+        let mut fields = self.fields((pairs, &state.records), (&[], &[]));
+        fields.extend(
+            state
+                .variables
+                .iter()
+                .enumerate()
+                .map(|(v, name)| JointField {
+                    name: name.clone().into(),
+                    unit: "",
+                    numbers: VtuNumbers::Real,
+                    values: self.spread(|pair| state.history[pair * count + v]),
+                }),
+        );
+        fields
+    }
+
+    /// Pictures of its pairs. A quantity that never was above zero has none, but for those that are kinds.
     pub(super) fn pictures(&self, table: &JointTable) -> Vec<JointPicture> {
         let field = |name: &str| {
             let (_, value) = FIELDS.iter().find(|(known, _)| *known == name)?;
@@ -101,10 +164,10 @@ impl JointFacets {
         pictures.collect()
     }
 
-    /// Writes them at a time (s): what has become of the pairs, and their greatest and least tractions
-    /// over the run with their times.
+    /// Writes the fields at a time (s), with the extreme tractions over the run and their times.
     pub(super) fn write(&self, file: &Path, table: &JointTable, time: f64) -> Result<(), IoError> {
-        let mut fields = self.fields(&table.pairs, &table.records);
+        let history = (&table.variables[..], &table.history[..]);
+        let mut fields = self.fields((&table.pairs, &table.records), history);
         let tractions = &table.tractions;
         for (name, time, peak) in [
             (
@@ -123,25 +186,27 @@ impl JointFacets {
                 &tractions.greatest_shear,
             ),
         ] {
-            fields.push((name, self.spread(|pair| peak.values[pair])));
-            fields.push((time, self.spread(|pair| peak.times[pair])));
+            let values = self.spread(|pair| peak.values[pair]);
+            fields.push(JointField::new(name, values));
+            let times = self.spread(|pair| peak.times[pair]);
+            fields.push(JointField::new(time, times));
         }
         self.writer.write(file, time, &scalars(&fields), &[])
     }
 
-    /// The values of the pairs at the points.
+    /// Values at the points from those of the pairs.
     fn spread(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let of = |pair: &Option<usize>| pair.map_or(0.0, &value);
         self.pairs.iter().map(of).collect()
     }
 }
 
-/// Which sides of a joint's facets are there.
+/// Presence of the sides of the facets of a joint.
 struct Sides<'s> {
     mesh: &'s Mesh,
     surface: &'s JointSurface,
     present: &'s [bool],
-    /// Elements that are there, at the nodes of the second side.
+    /// Present elements at the nodes of the second side.
     beside: HashMap<u32, Vec<u32>>,
 }
 
@@ -166,7 +231,7 @@ impl<'s> Sides<'s> {
         }
     }
 
-    /// Whether both sides of a facet are there: the element that it is a side of, and another one that has
+    /// Whether both sides of a facet are present: the element that it is a side of, and another one that has
     /// all nodes that face its own.
     fn has(&self, facet: &JointFacet) -> bool {
         let first = facet.first.element;
@@ -185,26 +250,19 @@ impl<'s> Sides<'s> {
     }
 }
 
-/// The fields as a file takes them; kinds are whole numbers.
+/// Fields as a VTU file has them; kinds and flags are whole numbers.
 pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
-    let of_kinds = |name: &str| {
-        let mut pictures = PICTURES.iter();
-        pictures.any(|(known, _, kinds)| *known == name && !kinds.is_empty())
-    };
-    let scalars = fields.iter().map(|(name, values)| VtuField {
-        name,
+    let scalars = fields.iter().map(|field| VtuField {
+        name: &field.name,
         components: 1,
-        numbers: match of_kinds(name) {
-            true => VtuNumbers::Whole,
-            false => VtuNumbers::Real,
-        },
-        unit: unit_of(name),
-        values,
+        numbers: field.numbers,
+        unit: field.unit,
+        values: &field.values,
     });
     scalars.collect()
 }
 
-/// The unit of a field.
+/// Unit of one of the quantities that every joint has.
 fn unit_of(name: &str) -> &'static str {
     match name {
         _ if name.starts_with("time") => "s",
@@ -215,18 +273,18 @@ fn unit_of(name: &str) -> &'static str {
     }
 }
 
-/// A picture of the facets of a joint.
+/// Picture of the facets of a joint.
 pub(super) struct JointPicture {
-    /// What it shows.
+    /// Quantity that is drawn.
     pub(super) name: &'static str,
-    /// Its unit.
+    /// Unit of the quantity.
     pub(super) unit: &'static str,
-    /// Names of its numbers from 0, if they are kinds.
+    /// Names of the values 0, 1 and so on of a quantity that is a kind; empty otherwise.
     pub(super) kinds: &'static [&'static str],
     pub(super) field: FacetField,
 }
 
-/// The fields that are drawn, with their units or the names of their kinds.
+/// Quantities that are drawn, with their units or the names of their kinds.
 pub(super) const PICTURES: [(&str, &str, &[&str]); 5] = [
     ("state", "", &["sticks", "slides", "open"]),
     ("over the run", "", &["held", "slid", "opened", "both"]),
@@ -235,7 +293,7 @@ pub(super) const PICTURES: [(&str, &str, &[&str]); 5] = [
     ("peak opening", "m", &[]),
 ];
 
-/// Where a stage closed a joint anew: the distance of the sides then, from which opening counts.
+/// Distance of the sides from which opening counts, where a stage closed a joint anew.
 const CLOSED_AT: (&str, Value) = ("opening counted from", |_, record| record.origin().x);
 
 type Value = fn(&JointPair, &JointRecord) -> f64;
@@ -281,7 +339,7 @@ mod tests {
 
     use super::*;
 
-    /// Facets of a joint are shown where both sides are there: not beside a room that is excavated, on
+    /// Facets of a joint are shown where both sides are present: not beside an excavated room, on
     /// either side, nor where nothing is left.
     #[test]
     fn facets_beside_rooms_are_left_out() {

@@ -1,4 +1,4 @@
-//! One run at a time in a folder.
+//! Lock of a results folder against concurrent runs.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
@@ -11,76 +11,76 @@ use thiserror::Error;
 
 use crate::Error;
 
-/// The file that a run holds locked in its folder.
+/// Name of the lock file in the results folder.
 pub(super) const LOCK: &str = ".powerhouse-lock";
-/// How often a lock is tried anew that somebody removed between two operations.
+/// Number of attempts to take a lock that another run removes between two operations.
 const TRIES: usize = 8;
 
-/// Why a folder does not take the files of a run, or lost them.
+/// Error of a results folder that cannot hold the files of a run, or lost them.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FolderError {
-    /// Another run writes there.
+    /// Folder in which another run writes.
     #[error(
-        "{}: {holder} writes into this folder; wait for its end or give another one (--out)",
+        "{}: {holder} writes into this folder; wait for its end or give another folder (--out)",
         folder.display()
     )]
     Busy {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// The run that does: its process and when it started.
+        /// Run that holds the lock: its process and start time.
         holder: String,
     },
-    /// The folder was removed, or another one put in its place, while the run wrote there.
+    /// Folder that was removed or replaced during the run.
     #[error(
-        "{}: this folder, or its lock, was removed while the run went on; what the run still held was written there anew, what it had written before (snapshots, stages) may be missing",
+        "{}: this folder, or its lock, was removed while the run went on; results in memory were written to it again, but files written before (snapshots, stages) may be missing",
         folder.display()
     )]
     Gone {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// The files of the run do not fit on the disk.
+    /// Insufficient disk space for the files of the run.
     #[error(
-        "{}: the run may write up to {:.3} GB, {:.3} GB are free; ask for fewer snapshots or give another folder (--out)",
+        "{}: the run may write up to {:.3} GB, {:.3} GB are free; request fewer snapshots or give another folder (--out)",
         folder.display(), *needed as f64 / 1e9, *free as f64 / 1e9
     )]
     NoRoom {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// Predicted size of the files, at most (bytes).
+        /// Upper bound of the size of the files (bytes).
         needed: u64,
-        /// Free on the disk (bytes).
+        /// Free disk space (bytes).
         free: u64,
     },
-    /// A folder stands where a file of results is to go.
-    #[error("{}: a folder stands where the run writes this file", file.display())]
+    /// Folder with the path of a result file.
+    #[error("{}: there is a folder of this name, which a result file needs", file.display())]
     InTheWay {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
 }
 
-/// A folder that one run holds until this is dropped.
+/// Lock of a results folder by one run, released when dropped.
 ///
 /// # Why so
-/// The operating system holds the lock for the process, and lets it go when the process ends however it ends: a
-/// lock file that is left behind after a kill hinders nobody. What stands in the file only names the run.
+/// The operating system holds the lock for the process and releases it however the process ends: a lock file that is
+/// left after a killed run blocks no other run. The content of the file only identifies the run.
 #[derive(Debug)]
 pub struct FolderLock {
     folder: PathBuf,
-    /// Locked as long as it is open; none where the file system has no locks.
+    /// Lock file, locked as long as it is open; not locked where the file system has no locks.
     _file: Option<File>,
-    /// What stands in the file, unlike that of any other run.
+    /// Content of the lock file, unique to the run.
     content: String,
     remark: Option<String>,
 }
 
 impl FolderLock {
-    /// Takes a folder, which is made if there is none.
+    /// Locks a folder, which is created if there is none.
     ///
     /// # Errors
-    /// [`FolderError::Busy`] if another run holds it, [`Error::Write`] if the file cannot be made.
+    /// [`FolderError::Busy`] if another run holds the lock, [`Error::Write`] if the file cannot be created.
     pub(super) fn take(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(LOCK);
         let fault = |source| {
@@ -96,7 +96,7 @@ impl FolderLock {
                 .truncate(false)
                 .open(&path);
             let mut file = match opened {
-                // Another run that ended removed the folder's lock, or the folder.
+                // A run that just ended removed the lock file or the folder.
                 Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
                 opened => opened.map_err(fault)?,
             };
@@ -114,7 +114,7 @@ impl FolderLock {
                 }
                 Err(TryLockError::Error(error)) => {
                     remark = Some(format!(
-                        "the file system of {} has no locks ({error}): take care that no other run writes there",
+                        "the file system of {} has no locks ({error}): make sure that no other run writes there",
                         folder.display()
                     ));
                 }
@@ -142,7 +142,7 @@ impl FolderLock {
                 content,
                 remark,
             };
-            // The file may be one that its last owner has just removed.
+            // The file may have been removed by its last owner meanwhile.
             if lock.is_held() {
                 return Ok(lock);
             }
@@ -151,22 +151,21 @@ impl FolderLock {
         Err(FolderError::Busy { folder, holder }.into())
     }
 
-    /// What a user should know of how the lock was taken: that of a run that was killed was taken over, or
-    /// the file system has no locks.
+    /// Remark for the user: the lock of a killed run was taken over, or the file system has no locks.
     pub fn remark(&self) -> Option<&str> {
         self.remark.as_deref()
     }
 
-    /// Whether the folder and the lock in it are still those that were taken.
+    /// Returns whether the folder still contains the lock file of this run.
     pub fn is_held(&self) -> bool {
         let found = fs::read_to_string(self.folder.join(LOCK));
         found.is_ok_and(|found| found == self.content)
     }
 
-    /// Lets the folder go at the end of a run.
+    /// Releases the lock at the end of a run.
     ///
     /// # Errors
-    /// [`FolderError::Gone`] if it vanished meanwhile.
+    /// [`FolderError::Gone`] if the folder or its lock was removed during the run.
     pub fn release(self) -> Result<(), Error> {
         match self.is_held() {
             true => Ok(()),
@@ -180,14 +179,14 @@ impl FolderLock {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // Before the lock is let go, so that it is nobody else's. Nothing is lost if the file stays.
+        // Removed before the lock is released, so that it is not that of another run. A remaining file is harmless.
         if self.is_held() {
             let _ = fs::remove_file(self.folder.join(LOCK));
         }
     }
 }
 
-/// Process, start and a number of its own.
+/// Signature of a run: process, start time and a unique number.
 fn signature() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
@@ -201,7 +200,7 @@ fn signature() -> String {
     )
 }
 
-/// The line of a signature that names a run.
+/// Line of a signature that identifies the run.
 fn named(content: &str) -> &str {
     content.lines().next().unwrap_or(content)
 }
@@ -228,8 +227,8 @@ mod tests {
         std::env::temp_dir().join(format!("powerhouse-lock-{name}-{}", std::process::id()))
     }
 
-    /// A folder has one run at a time, which is named to the second; after it the next may come, and nothing is
-    /// left of the lock.
+    /// A folder admits one run at a time, which the refusal of a second one names; afterwards the next may start, and
+    /// the lock file is removed.
     #[test]
     fn a_folder_has_one_run_at_a_time() {
         let folder = folder("one");
@@ -245,7 +244,7 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// The lock of a run that was killed is taken over, and its run is named.
+    /// The lock of a killed run is taken over, with a remark that names the run.
     #[test]
     fn the_lock_of_a_dead_run_is_taken_over() {
         let folder = folder("dead");
@@ -265,9 +264,9 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// A folder that vanishes, or is replaced by that of another run, is noticed.
+    /// A folder that is removed, or replaced by that of another run, is detected.
     #[test]
-    fn a_folder_that_vanishes_is_noticed() {
+    fn a_removed_folder_is_detected() {
         let folder = folder("gone");
         let lock = FolderLock::take(&folder).unwrap();
         fs::remove_dir_all(&folder).unwrap();
@@ -275,23 +274,23 @@ mod tests {
         let other = FolderLock::take(&folder).unwrap();
         let refused = lock.release().unwrap_err();
         assert!(matches!(refused, Error::Folder(FolderError::Gone { .. })));
-        // What the first one left to do did not touch the lock of the other.
+        // Dropping the first lock did not remove the lock file of the other run.
         assert!(other.is_held());
         drop(other);
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// Dates are those of the calendar.
+    /// Dates agree with the calendar.
     #[test]
     fn dates_are_those_of_the_calendar() {
-        for (seconds, wanted) in [
+        for (seconds, expected) in [
             (0, "1970-01-01 00:00:00"),
             (951_782_399, "2000-02-28 23:59:59"),
             (951_782_400, "2000-02-29 00:00:00"),
             (1_735_689_599, "2024-12-31 23:59:59"),
             (4_107_542_400, "2100-03-01 00:00:00"),
         ] {
-            assert_eq!(date(seconds), wanted);
+            assert_eq!(date(seconds), expected);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What is kept of a run.
+//! Output requests and results of a run, and their files.
 
 mod bolts;
 mod drawing;
@@ -26,6 +26,6 @@ pub use plan::{
     EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
     SnapshotRequest, StateRequest, StressRequest,
 };
-pub(crate) use results::Recordings;
 pub use results::{EnergyResidual, Results};
+pub(crate) use results::{FinishedRun, Recordings};
 pub(crate) use state_variables::StateVariables;

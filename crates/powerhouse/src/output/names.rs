@@ -1,4 +1,4 @@
-//! The files that a run will write.
+//! Names of the files that a run will write.
 
 use powerhouse_model::{HistoryKind, HistoryVariable};
 
@@ -6,18 +6,18 @@ use super::drawing::file_name;
 use super::folder::{ENVELOPE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
 use super::{OutputPlan, joints, vtu};
 
-/// What a run has that gives names to files.
+/// Output plan and named objects of a run, after which files are named.
 pub(crate) struct Named<'n> {
     pub(crate) plan: &'n OutputPlan,
     pub(crate) joints: Vec<&'n str>,
     pub(crate) stages: Vec<&'n str>,
     pub(crate) bolts: Vec<&'n str>,
-    /// The history variables of laws.
+    /// History variables of the laws.
     pub(crate) variables: &'n [HistoryVariable],
 }
 
 impl Named<'_> {
-    /// The files that the run may write, below its folder.
+    /// Paths of the files that the run may write, relative to its folder.
     pub(crate) fn files(&self) -> Vec<String> {
         let plan = self.plan;
         let mut files: Vec<String> = [SUMMARY, "scene.toml", ENVELOPE, STATE, SNAPSHOTS]
@@ -28,19 +28,19 @@ impl Named<'_> {
         let mut add = |folder: &str, name: &str, end: &str| {
             files.push(format!("{folder}/{}{end}", file_name(name)));
         };
-        let histories = plan.histories.iter().map(|wish| &wish.name);
+        let histories = plan.histories.iter().map(|request| &request.name);
         let stresses = plan.stresses.iter().chain(&plan.state.places);
-        let cuts = plan.cuts.iter().map(|wish| &wish.cut.name);
+        let cuts = plan.cuts.iter().map(|request| &request.cut.name);
         let names = histories
-            .chain(stresses.map(|wish| &wish.name))
-            .chain(plan.relative.iter().map(|wish| &wish.name))
+            .chain(stresses.map(|request| &request.name))
+            .chain(plan.relative.iter().map(|request| &request.name))
             .chain(cuts);
         for name in names {
             add("plots", name, ".svg");
         }
         add("plots", "energies", ".svg");
-        let watched = plan.joints.iter().map(|wish| wish.name.as_str());
-        for name in self.joints.iter().copied().chain(watched) {
+        let requested = plan.joints.iter().map(|request| request.name.as_str());
+        for name in self.joints.iter().copied().chain(requested) {
             add("plots", &format!("joint-{name}"), ".svg");
         }
         let peaks = self.variables.iter();

@@ -1,4 +1,4 @@
-//! Names of results, and the files that are named after them.
+//! Checks of result names and of the files named after them.
 
 use std::collections::BTreeMap;
 
@@ -6,72 +6,71 @@ use thiserror::Error;
 
 use super::drawing::file_name;
 
-/// The longest name, in bytes, of which files can be named: file systems permit 255, and names get
-/// beginnings and ends.
+/// Largest length of a name in bytes: file systems permit 255, and names get prefixes and suffixes.
 const LONGEST: usize = 200;
 
-/// Why results cannot have a name.
+/// Error of a result name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NameError {
-    /// A name without a letter that shows.
+    /// Empty name, or one of blanks.
     #[error("a {what} has an empty name")]
     Empty {
-        /// What is named.
+        /// Kind of the named object.
         what: &'static str,
     },
-    /// A name with a line break, a NUL or another control character.
-    #[error("the name {name:?} has a control character")]
+    /// Name with a control character, such as a line break or NUL.
+    #[error("the name {name:?} contains a control character")]
     Control {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// A name that is too long for a file.
-    #[error("the name '{}...' has {length} bytes, files are named by at most {LONGEST}", name.chars().take(20).collect::<String>())]
+    /// Name that is too long for a file.
+    #[error("the name '{}...' has {length} bytes, at most {LONGEST} are permitted", name.chars().take(20).collect::<String>())]
     Long {
-        /// The name.
+        /// Name.
         name: String,
-        /// Its length in bytes.
+        /// Length in bytes.
         length: usize,
     },
-    /// A case of which no folder can be named.
-    #[error("no folder can have the name '{name}'")]
+    /// Name of a case that cannot be that of a folder.
+    #[error("'{name}' cannot be the name of a folder")]
     Folder {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// Two results of one name.
-    #[error("two results are called '{name}'")]
+    /// Equal names of two results.
+    #[error("two results have the name '{name}'")]
     Twice {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// Two names whose files would be one, where the case of letters does not count.
-    #[error("the names '{first}' and '{second}' would share the file {file}")]
+    /// Different names of two results with the same file name, ignoring the case of letters.
+    #[error("the names '{first}' and '{second}' would both have the file {file}")]
     Shared {
-        /// The first name.
+        /// First name.
         first: String,
-        /// The second one.
+        /// Second name.
         second: String,
-        /// The file.
+        /// Common file.
         file: String,
     },
 }
 
-/// What a name stands for.
+/// Kind of a named object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NamedThing {
-    /// A history, a relative displacement or a section.
+    /// History, relative displacement or section.
     Result,
-    /// A joint.
+    /// Joint.
     Joint,
-    /// Part of a joint.
+    /// Zone of a joint.
     JointZone,
-    /// Bolts.
+    /// Bolt group.
     Bolts,
-    /// A stage.
+    /// Construction stage.
     Stage,
-    /// A case of a sweep, of which a folder is named.
+    /// Case of a sweep, after which a folder is named.
     Case,
 }
 
@@ -80,13 +79,13 @@ impl NamedThing {
         match self {
             Self::Result => "result",
             Self::Joint => "joint",
-            Self::JointZone => "part of a joint",
-            Self::Bolts => "make of bolts",
+            Self::JointZone => "zone of a joint",
+            Self::Bolts => "bolt group",
             Self::Stage => "stage",
             Self::Case => "case",
         }
     }
-    /// The files of a name. Those of stages begin with the stage's number.
+    /// Files named after a name; those of stages begin with the number of the stage and are always distinct.
     fn files(self, name: &str) -> Vec<String> {
         let plain = file_name(name);
         match self {
@@ -106,26 +105,28 @@ impl NamedThing {
     }
 }
 
-/// Sees that each name can be that of a file, and that no two share one; returns the place of the name at
-/// fault with what is wrong.
+/// Checks that each name can be that of a file and that no two names have the same file.
+///
+/// # Errors
+/// Index of the invalid name, with the error.
 pub(crate) fn check_names<'n>(
     names: impl IntoIterator<Item = (NamedThing, &'n str)>,
 ) -> Result<(), (usize, NameError)> {
     let mut taken: BTreeMap<String, &str> = BTreeMap::new();
     taken.insert("plots/energies.svg".into(), "energies");
-    for (place, (named, name)) in names.into_iter().enumerate() {
-        check_name(named.words(), name).map_err(|error| (place, error))?;
-        let leaves = name.contains(['/', '\\']) || [".", ".."].contains(&name);
-        if named == NamedThing::Case && leaves {
+    for (index, (named, name)) in names.into_iter().enumerate() {
+        check_name(named.words(), name).map_err(|error| (index, error))?;
+        let is_path = name.contains(['/', '\\']) || [".", ".."].contains(&name);
+        if named == NamedThing::Case && is_path {
             let name = name.into();
-            return Err((place, NameError::Folder { name }));
+            return Err((index, NameError::Folder { name }));
         }
         for file in named.files(name) {
             let key = file.to_lowercase();
             match taken.get(&key) {
                 Some(first) if *first == name => {
                     let name = name.into();
-                    return Err((place, NameError::Twice { name }));
+                    return Err((index, NameError::Twice { name }));
                 }
                 Some(first) => {
                     let error = NameError::Shared {
@@ -133,7 +134,7 @@ pub(crate) fn check_names<'n>(
                         second: name.into(),
                         file,
                     };
-                    return Err((place, error));
+                    return Err((index, error));
                 }
                 None => taken.insert(key, name),
             };
@@ -160,7 +161,7 @@ fn check_name(what: &'static str, name: &str) -> Result<(), NameError> {
 mod tests {
     use super::*;
 
-    /// Two names never share a file, whatever they name and however they are written.
+    /// Two names never have the same file, whatever objects they name.
     #[test]
     fn two_names_never_share_a_file() {
         use NamedThing::{Bolts, Case, Joint, JointZone, Result as Results, Stage};
@@ -172,8 +173,8 @@ mod tests {
             ((Bolts, "roof"), (Results, "bolts roof")),
             ((Case, "SV"), (Case, "sv")),
         ] {
-            let (place, error) = check_names([first, second]).unwrap_err();
-            assert_eq!(place, 1);
+            let (index, error) = check_names([first, second]).unwrap_err();
+            assert_eq!(index, 1);
             assert!(matches!(error, NameError::Shared { .. }), "{error}");
             let alone = [first, (second.0, "another")];
             assert_eq!(check_names(alone), Ok(()));
@@ -185,7 +186,7 @@ mod tests {
         assert_eq!(check_names([(Results, "crown, left \"x\"")]), Ok(()));
     }
 
-    /// A name of which no file can be named is refused.
+    /// A name that cannot be that of a file is rejected.
     #[test]
     fn a_name_is_one_line_that_shows() {
         for name in ["", "  ", "a\nb", "a\0b", &"x".repeat(300)] {

@@ -1,139 +1,276 @@
 //! Output requests.
 
 use powerhouse_explicit_core::observe::{
-    Cut, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
+    CrossSection, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
 };
 
 use crate::JointZone;
 
-/// Motion at a place.
+/// Request for the motion at a place against time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct HistoryRequest {
-    /// The name in results.
+    /// Name of its columns in results.
     pub name: String,
-    /// Where.
+    /// A node, a set of nodes or a point.
     pub place: Place,
-    /// Which motions.
+    /// Displacement, velocity, acceleration.
     pub motion: Motion,
 }
 
-/// The stress of an element.
+impl HistoryRequest {
+    /// A request under a name.
+    pub fn new(name: impl Into<String>, place: impl Into<Place>, motion: Motion) -> Self {
+        Self {
+            name: name.into(),
+            place: place.into(),
+            motion,
+        }
+    }
+}
+
+/// Request for the mean stress of an element, or for the history variables of its law, against time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StressRequest {
-    /// The name in results.
+    /// Name of its columns in results.
     pub name: String,
-    /// Where.
+    /// An element by its number, or around a point.
     pub place: StressPlace,
 }
 
-/// The displacement of a place relative to another.
+impl StressRequest {
+    /// A request under a name.
+    pub fn new(name: impl Into<String>, place: impl Into<StressPlace>) -> Self {
+        Self {
+            name: name.into(),
+            place: place.into(),
+        }
+    }
+}
+
+/// Request for the displacement of a place relative to another, against time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RelativeRequest {
-    /// The name in results.
+    /// Name of its columns in results.
     pub name: String,
-    /// The place.
+    /// The place whose displacement is recorded.
     pub at: Place,
-    /// The place to which its displacement is relative.
+    /// The place to which the displacement is relative.
     pub from: Place,
 }
 
-/// A cut whose section forces are wanted.
+impl RelativeRequest {
+    /// A request under a name.
+    pub fn new(name: impl Into<String>, at: impl Into<Place>, from: impl Into<Place>) -> Self {
+        Self {
+            name: name.into(),
+            at: at.into(),
+            from: from.into(),
+        }
+    }
+}
+
+/// Request for the section forces of a cut through an element set, against time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SectionRequest {
-    /// The plane.
-    pub cut: Cut,
+    /// The plane, its axes and its extent.
+    pub cut: CrossSection,
     /// The element set that is cut.
     pub set: String,
 }
 
-/// Greatest values over a run.
+impl SectionRequest {
+    /// A request for a cut through an element set.
+    pub fn new(set: impl Into<String>, cut: CrossSection) -> Self {
+        Self {
+            cut,
+            set: set.into(),
+        }
+    }
+}
+
+/// Request for greatest values over the run (envelopes) of motions and principal stresses.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EnvelopeRequest {
-    /// Which motions.
+    /// Displacement, velocity, acceleration.
     pub motion: Motion,
     /// Whether principal stresses are tracked.
     pub stress: bool,
     /// The element sets; all elements if none is named.
     pub sets: Vec<String>,
-    /// Time between looks (s).
+    /// Time between samples (s).
     pub every: f64,
 }
 
-/// What becomes of some pairs of a joint.
+impl EnvelopeRequest {
+    /// Envelopes of all motions of all elements, without stresses, from samples every so many seconds.
+    pub fn new(every: f64) -> Self {
+        Self {
+            motion: Motion::ALL,
+            stress: false,
+            sets: Vec::new(),
+            every,
+        }
+    }
+    /// The same of these motions.
+    #[must_use]
+    pub fn with_motion(mut self, motion: Motion) -> Self {
+        self.motion = motion;
+        self
+    }
+    /// The same with or without principal stresses.
+    #[must_use]
+    pub fn with_stress(mut self, stress: bool) -> Self {
+        self.stress = stress;
+        self
+    }
+    /// The same of these element sets.
+    #[must_use]
+    pub fn with_sets(mut self, sets: Vec<String>) -> Self {
+        self.sets = sets;
+        self
+    }
+}
+
+/// Request for states, openings, slips and tractions of node pairs of a joint, against time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct JointRequest {
-    /// The name in results.
+    /// Name of its columns in results.
     pub name: String,
     /// The joint's name.
     pub joint: String,
-    /// Which of its pairs.
+    /// The node pairs among those of the joint.
     pub zone: JointZone,
-    /// What is recorded of them.
+    /// The quantities that are recorded.
     pub quantities: JointQuantities,
 }
 
-/// Whole fields at a cadence.
+impl JointRequest {
+    /// A request under a name, of some pairs of a joint.
+    pub fn new(
+        name: impl Into<String>,
+        joint: impl Into<String>,
+        zone: JointZone,
+        quantities: JointQuantities,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            joint: joint.into(),
+            zone,
+            quantities,
+        }
+    }
+}
+
+/// Request for fields of the whole body at equal intervals of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SnapshotRequest {
-    /// What they hold.
+    /// The fields that each snapshot holds.
     pub fields: SnapshotFields,
-    /// Time between them (s).
+    /// Time between snapshots (s).
     pub every: f64,
 }
 
-/// What is wanted of the history variables of laws: plastic strains, damage, yield states. The greatest of every
-/// amount and the last of all flags are kept anyway.
+impl SnapshotRequest {
+    /// Snapshots of the default fields every so many seconds.
+    pub fn new(every: f64) -> Self {
+        Self {
+            fields: SnapshotFields::default(),
+            every,
+        }
+    }
+    /// The same with these fields.
+    #[must_use]
+    pub fn with_fields(mut self, fields: SnapshotFields) -> Self {
+        self.fields = fields;
+        self
+    }
+}
+
+/// Request for history variables (internal state variables) of laws: plastic strains, damage, yield states.
+///
+/// The greatest value of every amount and the last value of all flags are recorded without a request.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct StateRequest {
-    /// Histories of elements; their motion and stress are asked for apart.
+    /// Elements whose variables are recorded against time; their motion and stress are requests of their
+    /// own.
     pub places: Vec<StressRequest>,
-    /// Time between looks at the greatest values (s); without one they are looked at when the run
-    /// ends.
+    /// Time between samples of the greatest values (s); without one they are sampled when the run ends.
     pub every: Option<f64>,
     /// Whether snapshots hold all variables.
     pub snapshots: bool,
 }
 
-/// What is wanted of a run.
+impl StateRequest {
+    /// The same with the variables of an element against time.
+    #[must_use]
+    pub fn with_place(mut self, place: StressRequest) -> Self {
+        self.places.push(place);
+        self
+    }
+    /// The same with greatest values sampled every so many seconds.
+    #[must_use]
+    pub fn with_every(mut self, every: f64) -> Self {
+        self.every = Some(every);
+        self
+    }
+    /// The same with or without all variables in snapshots.
+    #[must_use]
+    pub fn with_snapshots(mut self, snapshots: bool) -> Self {
+        self.snapshots = snapshots;
+        self
+    }
+}
+
+/// Output requests of a run.
+///
+/// `with_x` sets the field `x`; [`history`](Self::history) and its kin add one request to a list.
 ///
 /// ```
 /// use powerhouse::engine::observe::Motion;
 /// use powerhouse::model::Vec3;
 /// use powerhouse::OutputPlan;
-/// let mut plan = OutputPlan::default();
-/// plan.every = 0.01;
 /// let (crown, floor) = (Vec3::new(0.0, 0.0, -60.0), Vec3::new(0.0, 0.0, -92.0));
-/// let plan = plan
+/// let plan = OutputPlan::default()
+///     .with_every(0.01)
 ///     .history("crown", crown, Motion::ALL)
 ///     .relative("closure", crown, floor);
 /// assert_eq!(plan.histories.len(), 1);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct OutputPlan {
     /// Time between samples of histories, relative displacements and section forces (s).
     pub every: f64,
-    /// Histories.
+    /// Motions against time.
     pub histories: Vec<HistoryRequest>,
-    /// Histories of stress.
+    /// Stresses of elements against time.
     pub stresses: Vec<StressRequest>,
-    /// Relative displacements.
+    /// Relative displacements against time.
     pub relative: Vec<RelativeRequest>,
-    /// Cuts.
+    /// Section forces against time.
     pub cuts: Vec<SectionRequest>,
     /// Joints, or parts of them, beside what is recorded of every joint as a whole.
     pub joints: Vec<JointRequest>,
-    /// Time between looks at the energies (s).
+    /// Time between samples of the energies (s).
     pub energies: Option<f64>,
-    /// Greatest values.
+    /// Greatest values over the run.
     pub envelope: Option<EnvelopeRequest>,
-    /// Whole fields.
+    /// Fields of the whole body.
     pub snapshots: Option<SnapshotRequest>,
     /// History variables of laws.
     pub state: StateRequest,
 }
 
 impl Default for OutputPlan {
-    /// Nothing; samples would be 5 ms apart.
+    /// No request; samples would be 5 ms apart.
     fn default() -> Self {
         Self {
             every: 0.005,
@@ -151,45 +288,62 @@ impl Default for OutputPlan {
 }
 
 impl OutputPlan {
+    /// Sets the time between samples of histories, relative displacements and section forces (s).
+    #[must_use]
+    pub fn with_every(mut self, every: f64) -> Self {
+        self.every = every;
+        self
+    }
+    /// Sets the time between samples of the energies (s).
+    #[must_use]
+    pub fn with_energies(mut self, every: f64) -> Self {
+        self.energies = Some(every);
+        self
+    }
+    /// Sets the greatest values that are recorded.
+    #[must_use]
+    pub fn with_envelope(mut self, envelope: EnvelopeRequest) -> Self {
+        self.envelope = Some(envelope);
+        self
+    }
+    /// Sets the snapshots of the whole body.
+    #[must_use]
+    pub fn with_snapshots(mut self, snapshots: SnapshotRequest) -> Self {
+        self.snapshots = Some(snapshots);
+        self
+    }
+    /// Sets what is recorded of history variables.
+    #[must_use]
+    pub fn with_state(mut self, state: StateRequest) -> Self {
+        self.state = state;
+        self
+    }
     /// Adds the motion at a place.
     #[must_use]
     pub fn history(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
-        self.histories.push(HistoryRequest {
-            name: name.into(),
-            place: place.into(),
-            motion,
-        });
+        self.histories
+            .push(HistoryRequest::new(name, place, motion));
         self
     }
     /// Adds the stress of an element, by its number or around a point.
     #[must_use]
     pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
-        self.stresses.push(StressRequest {
-            name: name.into(),
-            place: place.into(),
-        });
+        self.stresses.push(StressRequest::new(name, place));
         self
     }
     /// Adds the history variables of an element's law, by its number or around a point.
     #[must_use]
     pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
-        self.state.places.push(StressRequest {
-            name: name.into(),
-            place: place.into(),
-        });
+        self.state.places.push(StressRequest::new(name, place));
         self
     }
     /// Adds the displacement of a place relative to another.
     #[must_use]
     pub fn relative(mut self, name: &str, at: impl Into<Place>, from: impl Into<Place>) -> Self {
-        self.relative.push(RelativeRequest {
-            name: name.into(),
-            at: at.into(),
-            from: from.into(),
-        });
+        self.relative.push(RelativeRequest::new(name, at, from));
         self
     }
-    /// Adds what becomes of some pairs of a joint.
+    /// Adds states, openings, slips and tractions of some node pairs of a joint.
     #[must_use]
     pub fn joint(
         mut self,
@@ -198,21 +352,14 @@ impl OutputPlan {
         zone: JointZone,
         quantities: JointQuantities,
     ) -> Self {
-        self.joints.push(JointRequest {
-            name: name.into(),
-            joint: joint.into(),
-            zone,
-            quantities,
-        });
+        self.joints
+            .push(JointRequest::new(name, joint, zone, quantities));
         self
     }
     /// Adds the forces of a cut through an element set.
     #[must_use]
-    pub fn cut(mut self, set: &str, cut: Cut) -> Self {
-        self.cuts.push(SectionRequest {
-            cut,
-            set: set.into(),
-        });
+    pub fn cut(mut self, set: &str, cut: CrossSection) -> Self {
+        self.cuts.push(SectionRequest::new(set, cut));
         self
     }
 }

@@ -1,4 +1,4 @@
-//! What a run has given.
+//! Recorded output of a run.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
-    BoltHistories, BoltTables, Column, Cut, EnergyHistory, Envelope, EnvelopeTable, History,
-    HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
+    BoltHistories, BoltTables, Column, CrossSection, EnergyHistory, Envelope, EnvelopeTable,
+    History, HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
 use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunReport, StageReport};
@@ -18,66 +18,67 @@ use super::{BoltForces, JointRequest, OutputPlan, SectionRequest, StateVariables
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
-/// The ledger's column of what does not balance.
+/// Column of the residual in the energy balance.
 const RESIDUAL: &str = "residual";
-/// Its columns of work from outside.
+/// Columns of external work in the energy balance.
 const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
 
-/// What an energy balance leaves.
+/// Residual of the energy balance of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyResidual {
-    /// At the end (J).
+    /// Residual at the end of the run (J).
     pub energy: f64,
-    /// Its size over the work put in; none if nothing was put in.
+    /// Its absolute value over the external work; none without external work.
     pub share_of_input: Option<f64>,
-    /// The largest residual of the run, over the largest energy held or put in until then.
+    /// Largest residual of the run, over the largest energy held or put in until then.
     pub largest: f64,
 }
 
-/// What a run has given.
+/// Recorded output and reports of a run.
 #[derive(Clone)]
+#[non_exhaustive]
 pub struct Results {
-    /// Steps, step, end.
+    /// Report of the engine: number and length of steps, how the run ended, energy residual.
     pub run: RunReport,
-    /// How long it took.
+    /// Wall time of the run, construction stages included.
     pub wall_time: Duration,
-    /// Histories and relative displacements.
+    /// Motions, stresses, history variables and relative displacements against time.
     pub histories: HistoryTable,
-    /// Section forces.
+    /// Section forces against time.
     pub sections: HistoryTable,
-    /// Shapes of the sections.
+    /// Geometry of the sections: area, centroid, axes.
     pub section_geometry: Vec<SectionGeometry>,
-    /// The columns of the energy ledger.
+    /// Columns of the energy ledger against time.
     pub energies: HistoryTable,
-    /// Greatest values.
+    /// Envelopes (greatest values over the run) of motions and principal stresses.
     pub envelope: Option<EnvelopeTable>,
-    /// The envelopes of the laws' history variables, if any has some.
+    /// Envelopes of the laws' history variables; none if no law has any.
     pub state: Option<StateTable>,
-    /// Joints: shares of area, greatest slips and openings and energies against time.
+    /// Joint histories: shares of area, greatest slips and openings, tractions and energies against time.
     pub joint_histories: HistoryTable,
-    /// Final contact state and peak values of each joint, and of the parts of joints that were asked for.
+    /// Final contact state and peak values of each joint, and of the requested zones of joints.
     pub joint_outcomes: Vec<JointOutcome>,
-    /// The pairs of each joint at the end, with what has become of them over the run.
+    /// Node pairs of each joint with their final states and peak values.
     pub joints: Vec<JointTable>,
-    /// The sides of the joints, in the same order.
+    /// Surfaces of the joints, in the same order.
     pub joint_surfaces: Vec<JointSurface>,
-    /// Which elements of the mesh are there in the motion, one flag per element; none if all are.
+    /// Which elements of the mesh are present in the motion, one flag per element; none if all are.
     pub present: Option<Vec<bool>>,
-    /// How many snapshots the run's sink took.
+    /// Number of snapshots that were written.
     pub snapshots: u64,
-    /// What the stages took and did, before the run.
+    /// Reports of the construction stages before the run.
     pub stages: Vec<StageReport>,
-    /// Whether the body had a stress before the first of them.
+    /// Whether an in-situ stress was given before the first stage.
     pub in_situ_stress: bool,
-    /// What holds the body beside its loads, if it went through stages.
+    /// Report of the hand-over from stages to the motion: reactions and residual forces that are carried on.
     pub hand_over: Option<HandOverReport>,
-    /// The axial forces of bolts at the end, and the greatest of the run.
+    /// Axial forces of bolts at the end, and their greatest values over the run.
     pub bolts: Vec<BoltForces>,
-    /// The greatest axial force of each make of bolts against time, first at rest: `NAME.greatest`.
+    /// Greatest axial force of each set of bolts against time, first in static equilibrium: `NAME.greatest`.
     pub bolt_histories: HistoryTable,
 }
 
-/// The report of the run, without what it observed: an error that carries results can be read.
+/// Shows the report of the run only, so that an error with results is readable.
 impl fmt::Debug for Results {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Results")
@@ -88,12 +89,12 @@ impl fmt::Debug for Results {
 }
 
 impl Results {
-    /// The share of the load that may be out of balance where the stress of the ground is given.
+    /// Largest unbalanced share of the load of the first stage under a given in-situ stress without a warning.
     pub const BALANCED: f64 = 0.05;
-    /// The share of an edge up to which a slip counts as small.
+    /// Largest slip or opening over the shortest edge that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
 
-    /// The energies at the end (J) that were ever other than zero, but for the residual.
+    /// Names and final values (J) of the energies that were ever other than zero, the residual left out.
     pub fn energy_terms(&self) -> Vec<(&str, f64)> {
         let columns = self.energies.columns.iter();
         columns
@@ -101,7 +102,7 @@ impl Results {
             .filter_map(|column| Some((column.name.as_str(), *column.values.last()?)))
             .collect()
     }
-    /// What the energy balance leaves at the end; none if energies were not recorded.
+    /// Residual of the energy balance; `None` if energies were not recorded.
     pub fn energy_residual(&self) -> Option<EnergyResidual> {
         let last = |name| self.energies.column(name)?.values.last().copied();
         let energy = last(RESIDUAL)?;
@@ -112,7 +113,7 @@ impl Results {
             largest: self.run.energy_residual,
         })
     }
-    /// For each joint its name and its largest slip or opening over the shortest edge of its facets.
+    /// Name of each joint and its largest slip or opening over the shortest edge of its facets.
     /// Pairs keep their nodes, so that a share above some [`Results::SMALL_SLIP`] is no longer small.
     pub fn slip_shares(&self, mesh: &Mesh) -> Vec<(&str, f64)> {
         let largest = |table: &JointTable| {
@@ -127,39 +128,40 @@ impl Results {
             .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
     }
-    /// Doubts about the results: joints whose slip is not small.
-    pub fn doubts(&self, mesh: &Mesh) -> Vec<Remark> {
+    /// Warnings about the results: large slips, large hourglass energy, unbalanced in-situ stress, coarse
+    /// sampling.
+    pub fn warnings(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
         let remark = |(joint, share): (&str, f64)| Remark::LargeSlip {
             joint: joint.into(),
             share,
         };
-        let mut doubts: Vec<Remark> = large.map(remark).collect();
-        let resists = |stage: Option<&str>, sets: &[HourglassShare], doubts: &mut Vec<Remark>| {
+        let mut warnings: Vec<Remark> = large.map(remark).collect();
+        let resists = |stage: Option<&str>, sets: &[HourglassShare], warnings: &mut Vec<Remark>| {
             let large = sets
                 .iter()
                 .filter(|set| set.share() > HourglassShare::LIMIT);
-            doubts.extend(large.map(|set| Remark::Hourglass {
+            warnings.extend(large.map(|set| Remark::Hourglass {
                 stage: stage.map(String::from),
                 set: set.set.clone(),
                 share: set.share(),
             }));
         };
         for stage in &self.stages {
-            resists(Some(&stage.name), &stage.hourglass, &mut doubts);
+            resists(Some(&stage.name), &stage.hourglass, &mut warnings);
         }
-        resists(None, &self.run.hourglass, &mut doubts);
+        resists(None, &self.run.hourglass, &mut warnings);
         let mut worst: Vec<Remark> = Vec::new();
-        for doubt in doubts {
-            keep_worst(&mut worst, doubt);
+        for warning in warnings {
+            keep_worst(&mut worst, warning);
         }
         worst.extend(self.unbalanced());
-        worst.extend(sampling::doubts(&self.histories, self.envelope.as_ref()));
+        worst.extend(sampling::warnings(&self.histories, self.envelope.as_ref()));
         worst
     }
-    /// The doubt about a stress of the ground that does not agree with what acts in the first stage, unless
-    /// that changes the body.
+    /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
+    /// changes the body.
     fn unbalanced(&self) -> Option<Remark> {
         let first = self.stages.first()?;
         let share = first.solution.unbalanced;
@@ -172,13 +174,13 @@ impl Results {
             node,
         })
     }
-    /// The greatest values of all histories, section forces and envelopes.
+    /// Table of the greatest values of all histories, section forces, joints and envelopes.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
         peaks.add_history(&self.sections);
         peaks.add_history(&self.bolt_histories);
-        // Most of a joint mostly does nothing.
+        // Zero peaks of joints are left out.
         let mut of_joints = self.joint_histories.clone();
         let moves = |column: &Column| column.values.iter().any(|value| *value != 0.0);
         of_joints.columns.retain(moves);
@@ -193,7 +195,7 @@ impl Results {
     }
 }
 
-/// What the observers of a plan collect.
+/// Recordings of the observers of an output plan.
 pub(crate) struct Recordings {
     histories: Option<Recording<HistoryTable>>,
     sections: Option<Recording<HistoryTable>>,
@@ -207,9 +209,18 @@ pub(crate) struct Recordings {
     present: Option<Vec<bool>>,
 }
 
+/// Reports of a run beside its recordings.
+pub(crate) struct FinishedRun {
+    pub(crate) run: RunReport,
+    pub(crate) wall_time: Duration,
+    /// Number of snapshots that the run's sink took.
+    pub(crate) snapshots: u64,
+    /// Bolts with their forces at the end.
+    pub(crate) bolts: Vec<BoltForces>,
+}
+
 impl Recordings {
-    /// The observers of a plan for a body of the elements that are present (all if none are said), and where
-    /// they put what they see.
+    /// Recordings and observers of an output plan for the active elements of a body (`None`: all).
     pub(crate) fn observe(
         plan: &OutputPlan,
         mesh: &Mesh,
@@ -238,12 +249,14 @@ impl Recordings {
         }
         if !plan.cuts.is_empty() {
             let mut forces = SectionForces::new(Cadence::Seconds(plan.every)).map_err(model)?;
-            for wish in &plan.cuts {
+            for request in &plan.cuts {
                 let is_there = |e: &u32| present.is_none_or(|present| present[*e as usize]);
-                let set = mesh.element_set(&wish.set)?.iter().copied();
+                let set = mesh.element_set(&request.set)?.iter().copied();
                 let elements: Vec<u32> = set.filter(is_there).collect();
-                forces.add_cut(mesh, &wish.cut, &elements).map_err(model)?;
-                remarks.extend(through_tetrahedra(mesh, wish, &elements));
+                forces
+                    .add_section(mesh, &request.cut, &elements)
+                    .map_err(model)?;
+                remarks.extend(through_tetrahedra(mesh, request, &elements));
             }
             recordings.section_geometry = forces.geometries().cloned().collect();
             recordings.sections = Some(forces.recording());
@@ -254,19 +267,19 @@ impl Recordings {
             recordings.energies = Some(energies.recording());
             observers.push(Box::new(energies));
         }
-        if let Some(wish) = &plan.envelope {
+        if let Some(request) = &plan.envelope {
             let mut elements = Vec::new();
-            if wish.sets.is_empty() {
+            if request.sets.is_empty() {
                 elements.extend(0..mesh.element_count() as u32);
             }
-            for set in &wish.sets {
+            for set in &request.sets {
                 elements.extend_from_slice(mesh.element_set(set)?);
             }
             let nodes = mesh.nodes_of_elements(&elements);
-            let stressed: &[u32] = if wish.stress { &elements } else { &[] };
-            let cadence = Cadence::Seconds(wish.every);
+            let stressed: &[u32] = if request.stress { &elements } else { &[] };
+            let cadence = Cadence::Seconds(request.every);
             let envelope =
-                Envelope::new(mesh, &nodes, wish.motion, stressed, cadence).map_err(model)?;
+                Envelope::new(mesh, &nodes, request.motion, stressed, cadence).map_err(model)?;
             recordings.envelope = Some(envelope.recording());
             observers.push(Box::new(envelope));
         }
@@ -277,7 +290,7 @@ impl Recordings {
         Ok((recordings, observers))
     }
 
-    /// Keeps what becomes of joints, whose sides are given by name.
+    /// Adds an observer of joints, whose sides are given by name.
     pub(crate) fn watch_joints(
         &mut self,
         plan: &OutputPlan,
@@ -286,8 +299,8 @@ impl Recordings {
         observers: &mut Vec<Box<dyn Observer>>,
     ) -> Result<(), Error> {
         let mut watches: Vec<JointWatch> = surfaces.iter().map(whole).collect();
-        for wish in &plan.joints {
-            watches.push(wish.watch(mesh, &surfaces)?);
+        for request in &plan.joints {
+            watches.push(request.watch(mesh, &surfaces)?);
         }
         if !watches.is_empty() {
             let joints = JointHistories::new(Cadence::Seconds(plan.every), watches);
@@ -299,7 +312,7 @@ impl Recordings {
         Ok(())
     }
 
-    /// Keeps the forces of bolts.
+    /// Adds an observer of bolt forces.
     pub(crate) fn watch_bolts<'b>(
         &mut self,
         plan: &OutputPlan,
@@ -316,22 +329,24 @@ impl Recordings {
         Ok(())
     }
 
-    /// The sides of the joints, by name.
+    /// Surfaces of the joints, by name.
     pub(crate) fn joint_surfaces(&self) -> &[NamedSurface] {
         &self.joint_surfaces
     }
 
-    /// Which elements are there; none if all are.
+    /// Which elements are present; none if all are.
     pub(crate) fn present(&self) -> Option<&[bool]> {
         self.present.as_deref()
     }
 
-    /// All that was recorded; bolts come with their forces at the end.
-    pub(crate) fn finish(
-        self,
-        (run, wall_time, snapshots): (RunReport, Duration, u64),
-        mut bolts: Vec<BoltForces>,
-    ) -> Results {
+    /// The results of a run that is over.
+    pub(crate) fn finish(self, finished: FinishedRun) -> Results {
+        let FinishedRun {
+            run,
+            wall_time,
+            snapshots,
+            mut bolts,
+        } = finished;
         let table = |recording: Option<Recording<HistoryTable>>| {
             recording.map(|r| r.copy()).unwrap_or_default()
         };
@@ -341,14 +356,14 @@ impl Recordings {
             .unwrap_or_default();
         let tables = self.bolts.map(|recording| recording.copy());
         let BoltTables { history, peaks } = tables.unwrap_or_default();
-        // A run that failed at once has looked at none.
+        // A run that failed at its start has no samples.
         let seen = peaks.into_iter().filter(|_| !history.times.is_empty());
         for peaks in seen {
             if let Some(bolts) = bolts.iter_mut().find(|bolts| bolts.name == peaks.name) {
                 bolts.greatest = Some(peaks.greatest);
             }
         }
-        // Joints that share nodes stand side by side in the model, whatever their order here.
+        // Joints with common nodes are adjacent in the model, whatever their order in the scene.
         let surface = |joint: &JointTable| {
             let mut surfaces = self.joint_surfaces.iter();
             let found = surfaces.find(|(name, _)| *name == joint.name);
@@ -378,10 +393,9 @@ impl Recordings {
     }
 }
 
-/// Adds a doubt; of those about the hourglass resistance of one set in stages the one with the largest share
-/// stays.
-fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
-    let of_stage = |doubt: &Remark| match doubt {
+/// Adds a warning; of those about the hourglass work of one set in several stages only the largest is kept.
+fn keep_worst(warnings: &mut Vec<Remark>, warning: Remark) {
+    let of_stage = |warning: &Remark| match warning {
         Remark::Hourglass {
             stage: Some(_),
             set,
@@ -389,22 +403,22 @@ fn keep_worst(doubts: &mut Vec<Remark>, doubt: Remark) {
         } => Some((set.clone(), *share)),
         _ => None,
     };
-    let known = of_stage(&doubt).and_then(|(set, share)| {
-        let mut known = doubts.iter_mut();
+    let known = of_stage(&warning).and_then(|(set, share)| {
+        let mut known = warnings.iter_mut();
         let found = known.find(|known| of_stage(known).is_some_and(|(other, _)| other == set));
         found.map(|known| (known, share))
     });
     match known {
-        None => doubts.push(doubt),
+        None => warnings.push(warning),
         Some((known, share)) => {
             if of_stage(known).is_some_and(|(_, least)| share > least) {
-                *known = doubt;
+                *known = warning;
             }
         }
     }
 }
 
-/// What is kept of every joint.
+/// Request for every joint as a whole.
 fn whole((name, surface): &NamedSurface) -> JointWatch {
     JointWatch {
         name: name.clone(),
@@ -419,7 +433,7 @@ fn whole((name, surface): &NamedSurface) -> JointWatch {
 }
 
 impl JointRequest {
-    /// The pairs that it asks for.
+    /// The pairs that are requested.
     fn watch(&self, mesh: &Mesh, surfaces: &[NamedSurface]) -> Result<JointWatch, Error> {
         let of_name = surfaces.iter().find(|(name, _)| *name == self.joint);
         let Some((joint, surface)) = of_name else {
@@ -436,7 +450,7 @@ impl JointRequest {
     }
 }
 
-/// The histories of a plan, and what is asked for in vain.
+/// Histories of a plan, and warnings of requests that record nothing.
 fn histories(
     plan: &OutputPlan,
     mesh: &Mesh,
@@ -447,22 +461,22 @@ fn histories(
     if let Some(present) = present {
         builder = builder.among(present);
     }
-    for wish in &plan.histories {
-        if wish.motion != Motion::default() {
-            builder = builder.motion(&wish.name, wish.place.clone(), wish.motion);
+    for request in &plan.histories {
+        if request.motion != Motion::default() {
+            builder = builder.motion(&request.name, request.place.clone(), request.motion);
         }
     }
-    for wish in &plan.stresses {
-        builder = builder.stress(&wish.name, wish.place.clone());
+    for request in &plan.stresses {
+        builder = builder.stress(&request.name, request.place.clone());
     }
-    for wish in &plan.state.places {
-        builder = builder.state(&wish.name, wish.place.clone());
+    for request in &plan.state.places {
+        builder = builder.state(&request.name, request.place.clone());
     }
-    for wish in &plan.relative {
-        let (from, at) = (wish.from.clone(), wish.at.clone());
-        builder = builder.relative(&wish.name, from, at, Motion::DISPLACEMENT);
+    for request in &plan.relative {
+        let (from, at) = (request.from.clone(), request.at.clone());
+        builder = builder.relative(&request.name, from, at, Motion::DISPLACEMENT);
     }
-    // In the order of the places.
+    // In the order of the requests.
     let asked = RefCell::new(Vec::new());
     let variables = |element| {
         asked.borrow_mut().push(element);
@@ -471,21 +485,21 @@ fn histories(
     let history = builder.build_with(mesh, variables).map_err(model)?;
     let places = plan.state.places.iter().zip(asked.into_inner());
     let in_vain = places.filter(|(_, element)| state_variables.of_element(*element).is_empty());
-    let remarks = in_vain.map(|(wish, element)| Remark::NoState {
-        name: wish.name.clone(),
+    let remarks = in_vain.map(|(request, element)| Remark::NoState {
+        name: request.name.clone(),
         element: mesh.element_tags()[element as usize],
     });
     Ok((history, remarks.collect()))
 }
 
-/// The doubt about a cut through linear tetrahedra among some elements.
-fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> Option<Remark> {
-    let Cut {
+/// Warning about a section through linear tetrahedra.
+fn through_tetrahedra(mesh: &Mesh, request: &SectionRequest, elements: &[u32]) -> Option<Remark> {
+    let CrossSection {
         point,
         normal,
         within,
         ..
-    } = &wish.cut;
+    } = &request.cut;
     let beyond = |&node: &u32| (mesh.positions()[node as usize] - point).dot(normal);
     let counts = |element: u32| {
         let centre = mesh.centroid(element);
@@ -504,8 +518,8 @@ fn through_tetrahedra(mesh: &Mesh, wish: &SectionRequest, elements: &[u32]) -> O
     let tetrahedra = cut.iter().filter(|e| mesh.kind(***e) == ElementKind::Tet4);
     let tetrahedra = tetrahedra.count();
     (tetrahedra > 0).then(|| Remark::TetrahedralSection {
-        section: wish.cut.name.clone(),
-        set: wish.set.clone(),
+        section: request.cut.name.clone(),
+        set: request.set.clone(),
         elements: tetrahedra,
         of: cut.len(),
     })

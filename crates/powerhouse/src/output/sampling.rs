@@ -1,47 +1,47 @@
-//! Whether accelerations were recorded often enough.
+//! Check of the sampling intervals of accelerations.
 
 use powerhouse_explicit_core::observe::{Column, EnvelopeTable, HistoryTable};
 
 use crate::Remark;
 use crate::magnitude::rounded;
 
-/// Samples before and behind the peak that are looked at.
+/// Number of samples before and after the peak that are evaluated.
 const AROUND: usize = 8;
-/// Squares of differences from sample to sample over squares of samples, around the peak: 1 for a sinusoid of
-/// six samples a period, 2 for noise.
+/// Threshold of the roughness: squares of differences between samples over squares of samples around the peak; 1 for
+/// a sinusoid with six samples per period, 2 for noise.
 const ROUGH: f64 = 1.0;
-/// What every second look of an envelope finds of its greatest acceleration at least if it looks often enough:
-/// that of a sinusoid of seven looks a period.
+/// Least ratio of the greatest acceleration of every second sample to that of all samples for a sufficient sampling
+/// interval: that of a sinusoid with seven samples per period.
 const OF_ALTERNATE_LOOKS: f64 = 0.9;
 
-/// Doubts about accelerations that vary faster than they were recorded.
-pub(super) fn doubts(histories: &HistoryTable, envelope: Option<&EnvelopeTable>) -> Vec<Remark> {
-    let mut doubts: Vec<Remark> = Vec::new();
+/// Warnings about accelerations with too long sampling intervals.
+pub(super) fn warnings(histories: &HistoryTable, envelope: Option<&EnvelopeTable>) -> Vec<Remark> {
+    let mut warnings: Vec<Remark> = Vec::new();
     if let [first, .., last] = histories.times[..] {
         let interval = rounded((last - first) / (histories.times.len() - 1) as f64);
         let rough = |motion: &&[Column]| roughness(motion).is_some_and(|share| share > ROUGH);
         let motions = histories
             .columns
-            .chunk_by(|a, b| place_of(a) == place_of(b));
-        doubts.extend(motions.filter(rough).map(|motion| Remark::Undersampled {
-            name: place_of(&motion[0]).0.into(),
+            .chunk_by(|a, b| motion_of(a) == motion_of(b));
+        warnings.extend(motions.filter(rough).map(|motion| Remark::Undersampled {
+            name: motion_of(&motion[0]).0.into(),
             interval,
         }));
     }
-    let share = envelope.and_then(EnvelopeTable::share_of_alternate_looks);
-    let rare = share.filter(|share| *share < OF_ALTERNATE_LOOKS);
-    doubts.extend(rare.map(|share| Remark::RareLooks { share }));
-    doubts
+    let share = envelope.and_then(EnvelopeTable::share_of_alternate_samples);
+    let sparse = share.filter(|share| *share < OF_ALTERNATE_LOOKS);
+    warnings.extend(sparse.map(|share| Remark::SparseEnvelope { share }));
+    warnings
 }
 
-/// The name of a column without its component, and its unit: those of one motion share both.
-fn place_of(column: &Column) -> (&str, &str) {
+/// Name of a column without its component, and its unit, which identify one motion.
+fn motion_of(column: &Column) -> (&str, &str) {
     let name = column.name.rsplit_once('.');
     (name.map_or(&*column.name, |(name, _)| name), column.unit)
 }
 
-/// Squares of the differences from sample to sample over squares of the samples of an acceleration around its
-/// peak; none for another quantity, or without motion.
+/// Roughness of an acceleration around its peak: squares of the differences between samples over squares of the
+/// samples; `None` for another quantity, or without motion.
 fn roughness(motion: &[Column]) -> Option<f64> {
     if motion[0].unit != "m/s2" {
         return None;
@@ -65,8 +65,8 @@ fn roughness(motion: &[Column]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// The roughness of a sinusoid is that of its samples per period, whatever its direction; a lone spike is
-    /// rough, one that lasts is not.
+    /// The roughness of a sinusoid follows from its samples per period, whatever its direction; a spike of one sample is
+    /// rough, a wide one is not.
     #[test]
     fn roughness_is_that_of_samples_per_period() {
         let column = |name: &str, value: &dyn Fn(usize) -> f64| Column {

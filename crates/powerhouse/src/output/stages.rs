@@ -1,4 +1,4 @@
-//! The files of stages.
+//! Result files of construction stages.
 
 use std::path::{Path, PathBuf};
 
@@ -12,9 +12,8 @@ use super::vtu::{numbers, unit};
 use crate::joint::NamedSurface;
 use crate::{CompletedStage, Error, StageSink};
 
-/// Writes what stages leave: `NUMBER-NAME.vtu` with displacement, stress, the history variables of laws and which
-/// elements are there; beside it a file for the facets of each joint and a table for each make of
-/// bolts.
+/// Writer of stage results: `NUMBER-NAME.vtu` with displacement, stress, history variables of laws and active
+/// elements, a file for the facets of each joint, and a table for each bolt group.
 pub(super) struct StageFiles {
     folder: PathBuf,
     writer: VtuWriter,
@@ -52,7 +51,7 @@ impl StageFiles {
             let end = file(&format!("-{}.vtu", file_name(joint)));
             let facets = JointFacets::new(&end, stage.mesh, surface, Some(&present))?;
             if let (Some(state), Some(facets)) = (of_name, facets) {
-                let fields = facets.fields(&surface.pairs, &state.records);
+                let fields = facets.fields_of_stage(&surface.pairs, state);
                 let time = (stage.index + 1) as f64;
                 facets.writer.write(&end, time, &scalars(&fields), &[])?;
             }
@@ -66,7 +65,7 @@ impl StageFiles {
         Ok(())
     }
 
-    /// Writes the body; the number of the stage stands for the time.
+    /// Writes the fields of the body; the number of the stage is written as the time.
     fn body(&self, file: &Path, stage: &CompletedStage) -> Result<(), IoError> {
         let count = stage.mesh.element_count();
         let displacement = stage
@@ -77,7 +76,7 @@ impl StageFiles {
         let displacement: Vec<f64> = displacement.collect();
         let stress: Vec<f64> = stage.stress.iter().flat_map(|stress| stress.0).collect();
         let state_variables: Vec<(&HistoryVariable, Vec<f64>)> = (stage.variables.iter())
-            .map(|variable| (variable, shown(stage.state, variable, count)))
+            .map(|variable| (variable, element_values(stage.state, variable, count)))
             .collect();
         let field = |(name, unit), components, numbers, values| VtuField {
             name,
@@ -102,8 +101,8 @@ impl StageFiles {
     }
 }
 
-/// What every element shows of a variable, zero where its law has none.
-fn shown(state: &State, variable: &HistoryVariable, count: usize) -> Vec<f64> {
+/// Element values of a history variable, zero where the law does not have it.
+fn element_values(state: &State, variable: &HistoryVariable, count: usize) -> Vec<f64> {
     let mut all = vec![0.0; count];
     for field in state
         .history
@@ -119,7 +118,7 @@ fn shown(state: &State, variable: &HistoryVariable, count: usize) -> Vec<f64> {
 }
 
 impl StageSink for StageFiles {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         Ok(self.write(stage)?)
     }
 }

@@ -1,4 +1,4 @@
-//! History variables of the laws of a scene, and where.
+//! History variables of the laws of a scene, by element.
 
 use std::collections::HashSet;
 
@@ -8,21 +8,22 @@ use powerhouse_model::{Cadence, HistoryVariable, Mesh, ModelError};
 use super::OutputPlan;
 use crate::{Error, Scene};
 
-/// No run lasts so long (s): what is looked at in this interval is seen at its start and end.
-const EVER: f64 = f64::MAX;
+/// Interval longer than any run (s), by which values are sampled at the start and end only.
+const BEYOND_END: f64 = f64::MAX;
 
-/// History variables of the laws of a scene, and where.
+/// History variables of the laws of a scene, by element.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StateVariables {
-    /// All variables, each name once.
+    /// All history variables, without repetitions of names.
     pub(crate) variables: Vec<HistoryVariable>,
-    /// Those of the law of each element.
+    /// History variables of the law of each part.
     of_parts: Vec<Vec<HistoryVariable>>,
+    /// Index of the part of each element; `None` for rims and elements without part.
     part_of: Vec<Option<usize>>,
 }
 
 impl StateVariables {
-    /// The variables of the parts of a scene; rims have no history variables.
+    /// History variables of the parts of a scene; rims are elastic and have none.
     pub(crate) fn of(scene: &Scene, rims: &[HashSet<u32>]) -> Result<Self, Error> {
         let mesh = &scene.mesh;
         let mut found = Self {
@@ -46,11 +47,11 @@ impl StateVariables {
         }
         Ok(found)
     }
-    /// The variables of the law of an element.
+    /// History variables of the law of an element.
     pub(crate) fn of_element(&self, element: u32) -> &[HistoryVariable] {
         self.part_of[element as usize].map_or(&[], |part| &self.of_parts[part])
     }
-    /// The observer of the greatest values; none without history variables.
+    /// Observer of the envelopes of history variables; `None` if no law has any.
     pub(crate) fn peaks(
         &self,
         plan: &OutputPlan,
@@ -59,10 +60,10 @@ impl StateVariables {
         if self.variables.is_empty() {
             return Ok(None);
         }
-        let has_some = |&element: &u32| !self.of_element(element).is_empty();
-        let elements = (0..mesh.element_count() as u32).filter(has_some);
+        let has_variables = |&element: &u32| !self.of_element(element).is_empty();
+        let elements = (0..mesh.element_count() as u32).filter(has_variables);
         let elements: Vec<u32> = elements.collect();
-        let cadence = Cadence::Seconds(plan.state.every.unwrap_or(EVER));
+        let cadence = Cadence::Seconds(plan.state.every.unwrap_or(BEYOND_END));
         let peaks = StatePeaks::new(mesh, &elements, &self.variables, cadence);
         Ok(Some(peaks.map_err(ModelError::from)?))
     }

@@ -1,4 +1,4 @@
-//! What a run says of itself in one file.
+//! Summary file of a run.
 
 use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use powerhouse_explicit_core::{Ended, StageReport};
@@ -6,9 +6,9 @@ use powerhouse_model::{LimitingTerm, Mesh};
 use serde::Serialize;
 
 use super::{BoltForces, Results};
-use crate::doubt::{Doubt, RunNotes};
+use crate::message::{Message, RunNotes};
 
-/// `summary.json`.
+/// Content of `summary.json`.
 #[derive(Debug, Serialize)]
 pub(super) struct Summary {
     title: String,
@@ -36,17 +36,17 @@ pub(super) struct Summary {
     peaks: Vec<Peak>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     joints: Vec<Joint>,
-    /// J, at the last look; terms that were ever other than zero
+    /// J, at the last sample; terms that were ever nonzero
     energies: Vec<Energy>,
     #[serde(skip_serializing_if = "Option::is_none")]
     energy_residual: Option<Residual>,
-    /// Doubts about the results, of which everything that shows them must tell
-    warnings: Vec<Doubt>,
-    /// Facts of the scene's composition
+    /// Warnings about the results, to be shown with them
+    warnings: Vec<Message>,
+    /// Facts about the composition of the scene
     remarks: Vec<String>,
-    /// Whether laws or joints have history variables, so that small changes may grow
+    /// Whether laws or joints have history variables, so that results depend on the load path
     path_dependent: bool,
-    /// Below the folder, this one left out
+    /// Paths relative to the folder, without the summary
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<String>,
 }
@@ -62,7 +62,7 @@ struct StableStepSummary {
     term: &'static str,
 }
 
-/// What a stage took and did.
+/// Changes and solution of a construction stage.
 #[derive(Debug, Serialize)]
 struct Stage {
     name: String,
@@ -70,7 +70,7 @@ struct Stage {
     cast: usize,
     increments: u32,
     corrections: u32,
-    /// Forces out of balance over the load
+    /// Unbalanced force over the load
     residual: f64,
     /// m
     largest_displacement: f64,
@@ -79,7 +79,7 @@ struct Stage {
 
 #[derive(Debug, Serialize)]
 struct HandOver {
-    /// N, norm
+    /// N, norm of the carried forces
     standing: f64,
     /// Over the internal forces
     difference: f64,
@@ -91,7 +91,7 @@ struct Bolts {
     bolts: usize,
     /// N, at the end
     greatest_force: f64,
-    /// Which bolt bears it, from one
+    /// Number of the bolt with this force, from one
     bolt: usize,
     /// N, in the run
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -112,7 +112,7 @@ struct Peak {
     time: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<String>,
-    /// Whether it is no motion but rounding beside the others of its unit
+    /// Whether the value is of the size of rounding errors compared with others of its unit
     #[serde(skip_serializing_if = "core::ops::Not::not")]
     below_rounding: bool,
 }
@@ -127,7 +127,7 @@ struct Joint {
     /// s
     #[serde(skip_serializing_if = "Option::is_none")]
     first_slip: Option<f64>,
-    /// Number of a node there, on the first side
+    /// Number of the pair's node on the first side
     #[serde(skip_serializing_if = "Option::is_none")]
     first_slip_node: Option<u64>,
     /// s
@@ -143,7 +143,7 @@ struct Joint {
     never_bonded: f64,
     /// Share of the area
     broken: f64,
-    /// Whence slip, opening and energies count, if not from the body without displacement
+    /// Reference configuration of slip, opening and energies, if not that of zero displacement
     #[serde(skip_serializing_if = "Option::is_none")]
     counted_from: Option<&'static str>,
     /// m
@@ -158,7 +158,7 @@ struct Joint {
     bond: f64,
     /// J
     impact: f64,
-    /// Of the pairs of the joint that share nodes
+    /// Of pairs with common nodes
     most_sweeps: u32,
     /// Change of motion in the last sweep
     worst_residual: f64,
@@ -172,9 +172,9 @@ struct Energy {
 
 #[derive(Debug, Serialize)]
 struct Residual {
-    /// J, at the last look
+    /// J, at the last sample
     energy: f64,
-    /// Over the work put in
+    /// Over the input work
     #[serde(skip_serializing_if = "Option::is_none")]
     share_of_input: Option<f64>,
     /// Of the run, over the largest energy until then
@@ -182,13 +182,13 @@ struct Residual {
 }
 
 impl Summary {
-    /// Makes it that of a run without all its files, for a reason; returns how the run ended.
+    /// Marks the summary as incomplete for a reason; returns the previous end state and failure.
     pub(super) fn interrupt(&mut self, reason: &str) -> (String, Option<String>) {
         let ended = core::mem::replace(&mut self.ended, "incomplete".into());
         (ended, self.failure.replace(reason.into()))
     }
 
-    /// Makes it that of a run that ended in a way, and has these files.
+    /// Sets the end state and failure of the run, and its files.
     pub(super) fn complete(&mut self, ended: (String, Option<String>), files: Vec<String>) {
         (self.ended, self.failure) = ended;
         self.files = files;
@@ -224,7 +224,7 @@ impl Summary {
             }),
             stages: results.stages.iter().map(Stage::new).collect(),
             hand_over: results.hand_over.as_ref().map(|report| HandOver {
-                standing: report.standing,
+                standing: report.carried_forces,
                 difference: report.difference,
             }),
             bolts: results.bolts.iter().filter_map(Bolts::new).collect(),
@@ -245,7 +245,7 @@ impl Summary {
                 share_of_input: residual.share_of_input,
                 largest: residual.largest,
             }),
-            warnings: notes.doubts(&results.doubts(mesh)),
+            warnings: notes.all_warnings(&results.warnings(mesh)),
             remarks: notes.facts(),
             path_dependent: results.state.is_some() || !results.joints.is_empty(),
             files: Vec::new(),

@@ -1,4 +1,4 @@
-//! Fields for ParaView.
+//! VTU and PVD files for ParaView.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
 use super::drawing::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
 
-/// The writer of a mesh of which these elements are there; none said: all.
+/// Writer of a mesh with the given active elements (`None`: all).
 fn writer(file: &Path, mesh: &Mesh, present: Option<&[bool]>) -> Result<VtuWriter, IoError> {
     let writer = VtuWriter::new(mesh, FieldPrecision::Single);
     let mut writer = writer.map_err(|source| IoError::File {
@@ -27,12 +27,12 @@ fn writer(file: &Path, mesh: &Mesh, present: Option<&[bool]>) -> Result<VtuWrite
     Ok(writer)
 }
 
-/// The unit of a history variable as files have it: none for numbers without one.
+/// Unit of a history variable in files; empty for dimensionless ones.
 pub(super) fn unit(unit: &'static str) -> &'static str {
     if unit == "1" { "" } else { unit }
 }
 
-/// Flags are whole numbers, amounts and components are not.
+/// Number format of a history variable: integers for flags, reals for amounts and components.
 pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
     match variable.kind {
         HistoryKind::Flags => VtuNumbers::Whole,
@@ -40,8 +40,7 @@ pub(super) fn numbers(variable: &HistoryVariable) -> VtuNumbers {
     }
 }
 
-/// A sink that writes each snapshot as a VTU file, joints as files beside it, and all of them as a
-/// collection.
+/// Snapshot writer: one VTU file per snapshot, one per joint, and a PVD collection of all.
 pub(super) fn snapshots(
     file: PathBuf,
     (mesh, present): (&Mesh, Option<&[bool]>),
@@ -60,10 +59,10 @@ pub(super) fn snapshots(
     }))
 }
 
-/// Writes snapshots as they come.
+/// Writer of snapshots.
 struct SnapshotFiles {
     collection: PvdCollection,
-    /// The facets of the joints, by name.
+    /// Facets of the joints, by name.
     joints: Vec<(String, JointFacets)>,
 }
 
@@ -106,7 +105,8 @@ impl SnapshotSink for SnapshotFiles {
         let mut joints: Vec<(String, &VtuWriter, JointFields)> = Vec::new();
         for (name, facets) in &self.joints {
             if let Some(view) = shot.joints.iter().find(|joint| joint.name == name) {
-                let fields = facets.fields(view.pairs, view.records);
+                let fields =
+                    facets.fields((view.pairs, view.records), (view.variables, view.history));
                 joints.push((file_name(name), &facets.writer, fields));
             }
         }
@@ -123,15 +123,15 @@ impl SnapshotSink for SnapshotFiles {
     }
 }
 
-/// Peaks and their times as fields over the whole mesh, zero where nothing was tracked.
+/// Envelopes and their times as fields over the whole mesh, zero where nothing was recorded.
 pub(super) struct EnvelopeFields {
     nodal: Vec<PeakOverMesh>,
     elemental: Vec<PeakOverMesh>,
-    /// Whole numbers of elements, by name.
+    /// Integer fields of elements, by name.
     flags: Vec<(&'static str, Vec<f64>)>,
 }
 
-/// One kind of peak over the whole mesh.
+/// Envelope of one quantity over the whole mesh.
 struct PeakOverMesh {
     name: &'static str,
     unit: &'static str,
@@ -140,12 +140,23 @@ struct PeakOverMesh {
     times: Vec<f64>,
 }
 
+/// Peaks with their name and unit in files.
+struct NamedPeaks<'a> {
+    name: &'static str,
+    unit: &'static str,
+    field: &'a PeakField,
+}
+
+impl<'a> NamedPeaks<'a> {
+    fn new(name: &'static str, unit: &'static str, field: &'a PeakField) -> Self {
+        Self { name, unit, field }
+    }
+}
+
 impl PeakOverMesh {
-    fn new(
-        (name, unit, field): (&'static str, &'static str, &PeakField),
-        indices: &[u32],
-        count: usize,
-    ) -> Option<Self> {
+    /// The peaks of nodes or elements (mesh indices) among so many; none if nothing was tracked.
+    fn new(peaks: NamedPeaks, indices: &[u32], count: usize) -> Option<Self> {
+        let NamedPeaks { name, unit, field } = peaks;
         let spread = |values: &[f64]| {
             let mut all = vec![0.0; count];
             for (&index, &value) in indices.iter().zip(values) {
@@ -163,7 +174,7 @@ impl PeakOverMesh {
     }
 }
 
-/// What an envelope may hold.
+/// Names of the quantities of an envelope.
 pub(super) const ENVELOPES: [&str; 5] = [
     "largest displacement",
     "largest velocity",
@@ -176,13 +187,13 @@ impl EnvelopeFields {
     pub(super) fn new(envelope: &EnvelopeTable, mesh: &Mesh) -> Self {
         let [displacement, velocity, acceleration, greatest, least] = ENVELOPES;
         let nodal = [
-            (displacement, "m", &envelope.displacement),
-            (velocity, "m/s", &envelope.velocity),
-            (acceleration, "m/s2", &envelope.acceleration),
+            NamedPeaks::new(displacement, "m", &envelope.displacement),
+            NamedPeaks::new(velocity, "m/s", &envelope.velocity),
+            NamedPeaks::new(acceleration, "m/s2", &envelope.acceleration),
         ];
         let elemental = [
-            (greatest, "Pa", &envelope.greatest_stress),
-            (least, "Pa", &envelope.least_stress),
+            NamedPeaks::new(greatest, "Pa", &envelope.greatest_stress),
+            NamedPeaks::new(least, "Pa", &envelope.least_stress),
         ];
         let (nodes, elements) = (&envelope.nodes, &envelope.elements);
         let of_nodes = |field| PeakOverMesh::new(field, nodes, mesh.node_count());
@@ -193,8 +204,8 @@ impl EnvelopeFields {
             flags: Vec::new(),
         }
     }
-    /// History variables of laws: the greatest of every amount that was ever above zero, flags as they were
-    /// last.
+    /// Fields of the history variables of laws: envelopes of amounts that were ever above zero, final values of
+    /// flags.
     pub(super) fn of_state(state: &StateTable, mesh: &Mesh) -> Self {
         let (elements, count) = (&state.elements, mesh.element_count());
         let some = |field: &&(HistoryVariable, PeakField)| field.1.values.iter().any(|v| *v > 0.0);
@@ -203,7 +214,8 @@ impl EnvelopeFields {
             .iter()
             .filter(some)
             .filter_map(|(variable, field)| {
-                PeakOverMesh::new((variable.name, variable.unit, field), elements, count)
+                let peaks = NamedPeaks::new(variable.name, variable.unit, field);
+                PeakOverMesh::new(peaks, elements, count)
             });
         let flags = state.flags.iter().map(|(variable, values)| {
             let mut all = vec![0.0; count];
@@ -218,14 +230,14 @@ impl EnvelopeFields {
             flags: flags.collect(),
         }
     }
-    /// Name, field and unit of every peak.
+    /// Name, field and unit of every envelope.
     pub(super) fn peaks(&self) -> impl Iterator<Item = (&str, PictureField<'_>, &str)> {
         let nodal = self.nodal.iter();
         let nodal = nodal.map(|p| (p.name, PictureField::Nodal(&p.values), p.unit));
         let elemental = self.elemental.iter();
         nodal.chain(elemental.map(|p| (p.name, PictureField::Elemental(&p.values), p.unit)))
     }
-    /// Writes them as one VTU file at a time (s).
+    /// Writes the fields as one VTU file with a time (s).
     pub(super) fn write(
         &self,
         file: &Path,

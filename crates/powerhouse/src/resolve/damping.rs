@@ -1,4 +1,4 @@
-//! Damping of parts.
+//! Damping of parts from scene files.
 
 use powerhouse_explicit_core::Rayleigh;
 use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpectrum};
@@ -8,10 +8,10 @@ use crate::Damping;
 use crate::fault::Fault;
 use crate::format::{self, At, Reference};
 
-/// The mechanisms of a band that names none.
+/// Default number of relaxation mechanisms.
 const MECHANISMS: usize = 3;
 
-/// The damping of a table.
+/// Damping of a scene table.
 pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
     match &**table {
         format::Damping::Rayleigh { ratio, frequencies } => {
@@ -38,14 +38,14 @@ pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
                 mechanisms: mechanisms.as_ref().map_or(MECHANISMS, |count| **count),
             });
             let spectrum = spectrum.map_err(|error| {
-                let place = match (error.name, mechanisms) {
+                let span = match (error.name, mechanisms) {
                     ("ratio", _) => ratio.span(),
                     ("mechanisms", Some(count)) => count.span(),
                     _ => band.span(),
                 };
-                Fault::refused(place, error)
+                Fault::refused(span, error)
             })?;
-            let (place, reference) = match reference {
+            let (span, reference) = match reference {
                 None => (table.span(), ReferenceFrequency::Centre),
                 Some(at) => {
                     let reference = match **at {
@@ -57,7 +57,7 @@ pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
                 }
             };
             let velocity = reference.velocity(&spectrum);
-            velocity.map_err(|error| Fault::refused(place, error))?;
+            velocity.map_err(|error| Fault::refused(span, error))?;
             Ok(Damping::Flat {
                 spectrum,
                 reference,

@@ -1,4 +1,4 @@
-//! Waves and the field that they make.
+//! Incident waves of a scene file, and the free field that is their sum.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -19,12 +19,12 @@ use crate::format::{
 use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
 use crate::{Error, Remark, Scene, magnitude};
 
-/// Ways out of several media behind the absorbing faces.
+/// Hint on several media along the absorbing faces.
 const ONE_MEDIUM: &str = "where a tunnel or lining runs through, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces: layers before them are not possible";
-/// What makes a record that is filtered begin more quietly.
+/// Hint on a filtered record whose motion at the start of the run is not negligible.
 const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
-/// The scene with the sum of all waves, in the medium behind the absorbing faces.
+/// Adds the sum of all waves to the scene, in the medium along the absorbing faces.
 pub(super) fn field(
     file: &SceneFile,
     mut scene: Scene,
@@ -32,7 +32,7 @@ pub(super) fn field(
 ) -> Result<Scene, Fault> {
     let (Some(first), Some(_)) = (file.waves.first(), &file.boundary) else {
         return match file.waves.first() {
-            // A wave needs a boundary to come in through.
+            // A wave needs a boundary through which it enters the mesh.
             Some(wave) => {
                 let key = "boundary".into();
                 Err(Fault::new(
@@ -90,22 +90,22 @@ pub(super) fn field(
         waves.push(wave);
     }
     let waves = quiet(waves, (&file.waves, records), (low, high), &mut scene)?;
-    let mut told = BTreeSet::new();
+    let mut checked = BTreeSet::new();
     for (wave, table) in waves.iter().zip(&file.waves) {
         let Some(name) = &table.record else { continue };
         let record = component(name, table.component.as_ref(), records)?;
-        if told.insert(name.to_string()) {
+        if checked.insert(name.to_string()) {
             let arrival = wave.parameters().arrival;
             scene
                 .remarks
                 .extend(cut_short(name, record, arrival, &scene));
         }
     }
-    let driven = scene.plane_waves(waves);
+    let driven = scene.with_plane_waves(waves);
     driven.map_err(|error| Fault::refused(first.incidence.span(), error))
 }
 
-/// The remark that a record is of an axis which the wave's azimuth turns away from that of the mesh.
+/// Warning about a record along x or y of a wave whose azimuth is not 0.
 fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
     let azimuth = table.azimuth.map_or(0.0, Azimuth::get);
     let name = table.record.as_ref()?;
@@ -120,7 +120,7 @@ fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
         },
         _ => return None,
     };
-    (azimuth % 360.0 != 0.0).then(|| Remark::TurnedAxis {
+    (azimuth % 360.0 != 0.0).then(|| Remark::RotatedAxis {
         record: name.to_string(),
         convention,
         clear,
@@ -128,7 +128,7 @@ fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
     })
 }
 
-/// The record of a wave: by its name, or a component of one that has some.
+/// Record of a wave: by its name, or by name and component.
 fn component<'r>(
     name: &At<String>,
     component: Option<&At<format::Component>>,
@@ -148,7 +148,7 @@ fn plane_wave(
     allowed: bool,
 ) -> Result<PlaneWave, Fault> {
     let factor = table.factor.map_or(1.0, Finite::get);
-    let mut place = table.incidence.span();
+    let mut span = table.incidence.span();
     if let (Some(component), None) = (&table.component, &table.record) {
         let key = "record".into();
         return Err(Fault::new(component.span(), Problem::MissingKey { key }));
@@ -158,7 +158,7 @@ fn plane_wave(
             let record = component(name, table.component.as_ref(), records)?;
             parameters.convention = record.convention;
             parameters.arrival -= record.lead;
-            place = record.place.clone();
+            span = record.convention_span.clone();
             let peak = factor.abs() * record.report.peak_acceleration;
             if let (Err(magnitude), true) = (
                 magnitude::RECORDED_PEAK.check("peak of the wave", peak),
@@ -177,7 +177,7 @@ fn plane_wave(
         }
         (record, pulse) => {
             return Err(Fault::new(
-                place,
+                span,
                 Problem::OneOf {
                     keys: &["record", "pulse"],
                     found: usize::from(record.is_some()) + usize::from(pulse.is_some()),
@@ -187,7 +187,7 @@ fn plane_wave(
     };
     PlaneWave::new(parameters, signal).map_err(|error| match error {
         WaveError::WeakComponent { .. } | WaveError::NoSurface { .. } => {
-            Fault::refused(place, error)
+            Fault::refused(span, error)
         }
         WaveError::GrazingIncidence { .. } => Fault::refused(table.incidence.span(), error)
             .with_help("a smaller angle, or `space = \"full-space\"` under [ground]"),
@@ -233,10 +233,9 @@ fn pulse(pulse: &Pulse, factor: f64) -> Result<Arc<dyn Signal>, WaveError> {
     })
 }
 
-/// A body at rest needs a field at rest. What begins before its record does (past the critical angle,
-/// inside a filter's lead, or before the motion within the ground that it explains) comes later and
-/// is tapered, and all waves come later with it. A wave that the scene itself lets arrive before the
-/// start is refused.
+/// Delays all waves so that the field is negligible at the start of a body at rest. Waves whose motion begins before
+/// their record (past the critical angle, in the lead of a filter, or for within motions) determine the delay and are
+/// tapered. A wave whose given arrival is before the start is an error.
 fn quiet(
     waves: Vec<PlaneWave>,
     (tables, records): (&[Wave], &BTreeMap<String, PreparedRecord>),
@@ -261,7 +260,7 @@ fn quiet(
             continue;
         }
         let given = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
-        if given + way(&wave, &corners) < scene.start {
+        if given + travel_time(&wave, &corners) < scene.start {
             return Err(early(table, &wave, level.largest(), scene));
         }
         let lead = table.record.as_ref().map_or(Ok(0.0), |name| {
@@ -292,8 +291,8 @@ fn quiet(
     Ok(delayed)
 }
 
-/// How long after it passes its reference point a wave reaches the first of some points (s).
-fn way(wave: &PlaneWave, points: &[Vec3]) -> f64 {
+/// Travel time (s) of a wave from its reference point to the first of some points.
+fn travel_time(wave: &PlaneWave, points: &[Vec3]) -> f64 {
     let parameters = wave.parameters();
     let slowness = parameters.direction() / parameters.kind.speed(&parameters.medium);
     let delays = points
@@ -302,7 +301,7 @@ fn way(wave: &PlaneWave, points: &[Vec3]) -> f64 {
     delays.fold(f64::INFINITY, f64::min)
 }
 
-/// A wave that the scene lets arrive before its start.
+/// Fault of a wave that arrives before the start of the run.
 fn early(table: &Wave, wave: &PlaneWave, level: f64, scene: &Scene) -> Fault {
     let given = [
         table.arrival.as_ref().map(At::span),

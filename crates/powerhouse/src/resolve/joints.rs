@@ -1,4 +1,4 @@
-//! Joints: the mesh is cut open where they are, before any of its nodes are looked up.
+//! Joints from scene files: doubles the nodes of the mesh along them, before nodes of other items are resolved.
 
 use powerhouse_contact::{JointSurface, SurfaceOptions};
 use powerhouse_model::{ContactLaw, Facet, Mesh, Stress};
@@ -8,15 +8,15 @@ use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Gap, JointSection, Positive, Zone};
 use crate::{GroundStress, InitialGap, JointZone, Preload, Registry, SceneJoint};
 
-/// Cuts a mesh open between the parts of its joints and matches the sides of all of them.
+/// Doubles the nodes of a mesh between the sets of its joints, and pairs the nodes of the two sides of all joints.
 pub(super) fn joints(
     mut mesh: Mesh,
     sections: &[JointSection],
     registry: &Registry,
 ) -> Result<(Mesh, Vec<SceneJoint>), Fault> {
     let mut sides = Vec::with_capacity(sections.len());
-    for (place, section) in sections.iter().enumerate() {
-        if sections[..place]
+    for (index, section) in sections.iter().enumerate() {
+        if sections[..index]
             .iter()
             .any(|other| other.name == section.name)
         {
@@ -50,11 +50,11 @@ pub(super) fn joints(
         });
     }
     let mut joints = Vec::with_capacity(sections.len());
-    for (section, ([first, second], place)) in sections.iter().zip(&sides) {
+    for (section, ([first, second], span)) in sections.iter().zip(&sides) {
         let law: Box<dyn ContactLaw> = registry.joint_law(section)?;
         let options = options(&mesh, section)?;
         let surface = JointSurface::between(&mesh, first, second, &options);
-        let surface = surface.map_err(|error| Fault::refused(place.clone(), error))?;
+        let surface = surface.map_err(|error| Fault::refused(span.clone(), error))?;
         let mut joint = SceneJoint::new(section.name.to_string(), surface, law);
         start(&Names { mesh: &mesh }, section, &mut joint)?;
         joints.push(joint);
@@ -62,11 +62,11 @@ pub(super) fn joints(
     Ok((mesh, joints))
 }
 
-/// How a joint starts.
+/// Initial state of a joint: gap, unbonded zones and preload.
 fn start(names: &Names, section: &JointSection, joint: &mut SceneJoint) -> Result<(), Fault> {
-    let check = |joint: &SceneJoint, place| {
+    let check = |joint: &SceneJoint, span| {
         let checked = joint.check(names.mesh);
-        checked.map_err(|error| Fault::refused(place, error))
+        checked.map_err(|error| Fault::refused(span, error))
     };
     if let Some(gap) = &section.gap {
         joint.gap = match **gap {
@@ -102,19 +102,18 @@ fn preload(preload: &At<format::Preload>) -> Result<Preload, Fault> {
     })
 }
 
-/// Farthest that a point may be from the node that it names (m), unless the scene says otherwise.
+/// Default of the largest distance of a point from the node that it selects (m).
 const WITHIN: f64 = 1e-3;
 
-/// The pairs that the keys of a zone name, of which there must be exactly one; `place` is where they
-/// stand.
+/// Zone of exactly one of the keys; `span` is the byte range of the table.
 pub(super) fn zone(
     names: &Names,
     zone: &Zone,
-    place: core::ops::Range<usize>,
+    span: core::ops::Range<usize>,
 ) -> Result<JointZone, Fault> {
     let missing = |key: &str| {
         let key = key.into();
-        Fault::new(place.clone(), Problem::MissingKey { key })
+        Fault::new(span.clone(), Problem::MissingKey { key })
     };
     let corners = match (&zone.low, &zone.high) {
         (Some(low), Some(high)) => Some((low, high)),
@@ -153,7 +152,7 @@ pub(super) fn zone(
                 set.is_some(),
                 corners.is_some(),
             ];
-            return Err(one_of(place, &["at", "node", "set", "low"], &given));
+            return Err(one_of(span, &["at", "node", "set", "low"], &given));
         }
     })
 }
@@ -165,11 +164,11 @@ fn options(mesh: &Mesh, section: &JointSection) -> Result<SurfaceOptions, Fault>
         .map_or(1e-6 * (high - low).norm(), Positive::get);
     let corner = section.corner.as_ref();
     let angle = corner.map_or(SurfaceOptions::CORNER_ANGLE, |at| at.get().to_radians());
-    let place = corner.map_or(section.name.span(), At::span);
-    SurfaceOptions::new(tolerance, angle).map_err(|error| Fault::refused(place, error))
+    let span = corner.map_or(section.name.span(), At::span);
+    SurfaceOptions::new(tolerance, angle).map_err(|error| Fault::refused(span, error))
 }
 
-/// What two sets hold.
+/// Members of two sets.
 fn named<'m, T: Clone + 'm>(
     sets: &At<[String; 2]>,
     look_up: impl Fn(&str) -> Result<&'m [T], powerhouse_model::MeshError>,

@@ -1,4 +1,4 @@
-//! Supports, loads and functions of time.
+//! Supports, loads and functions of time from scene files.
 
 use std::collections::BTreeMap;
 
@@ -18,9 +18,9 @@ use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_D
 use crate::scene::InitialMotion;
 use crate::{Mirror, Parity, Remark, Scene};
 
-/// Nodes of periodic faces match within this share of the mesh's diagonal.
+/// Matching tolerance of the nodes of periodic faces, over the diagonal of the mesh.
 const PERIODIC_TOLERANCE: f64 = 1e-6;
-/// Mean over sum of the areas of a face that passes as plane: cosine of about a degree.
+/// Least ratio of vector area to total area of a face that counts as plane: cosine of about a degree.
 const PLANE: f64 = 0.999_85;
 
 pub(super) fn supports(
@@ -105,7 +105,7 @@ pub(super) fn supports(
     Ok(())
 }
 
-/// A plane of symmetry: its table, its set, and its normal if that is given.
+/// Symmetry plane: its table, its set, and its normal if given.
 type Plane<'f> = (
     &'f At<format::Support>,
     &'f At<String>,
@@ -134,33 +134,33 @@ fn mirror(
     Ok(())
 }
 
-/// A vector that has a direction.
+/// Vector that is not zero.
 pub(super) fn direction(at: &At<[Finite; 3]>) -> Result<Vec3, Fault> {
     let vector = vector(at);
     if vector.norm() > 0.0 {
         return Ok(vector);
     }
-    let (found, expected) = ("a vector without length".into(), "a direction".into());
+    let (found, expected) = ("a zero vector".into(), "a direction".into());
     Err(Fault::new(at.span(), Problem::Value { found, expected }))
 }
 
-/// When the records of prescribed motions come.
+/// Arrival of the records of prescribed motions.
 struct Arrivals {
-    /// When the run starts (s).
+    /// Start of the run (s).
     start: f64,
-    /// By how much all records come later (s), so that the body may start at rest.
+    /// Delay of all records (s), so that the body starts at rest.
     padding: f64,
 }
 
 impl Arrivals {
-    /// Where in a record, which has a lead (s), the run starts (s).
+    /// Time of the record (s), with its lead (s), at the start of the run.
     fn first(&self, record: &PreparedRecord) -> f64 {
         self.start + record.lead - self.padding
     }
 }
 
-/// The displacement of a record, times a factor. It begins before the record's own start with what a filter
-/// put there; where that has begun when the run starts it is let in smoothly.
+/// Displacement of a record, multiplied by a function. A filtered record begins before its original start; if it has
+/// begun at the start of the run, it is multiplied by a smooth ramp.
 fn of_record(
     name: &At<String>,
     factor: Box<dyn TimeFunction>,
@@ -180,8 +180,8 @@ fn of_record(
     }))
 }
 
-/// Over so long (s) a record that has begun already is let in: half a period of its filter's corner, zero
-/// for a record that no filter begins before its start.
+/// Duration of the ramp (s) of a record that has begun at the start of the run: half a period of the filter's corner
+/// frequency, zero for a record without filter.
 fn easing(record: &PreparedRecord) -> f64 {
     match record.baseline.map(|report| report.correction) {
         Some(BaselineCorrection::HighPass { corner, .. }) => 0.5 / corner,
@@ -194,9 +194,8 @@ fn signal(name: &At<String>, record: &PreparedRecord) -> Result<RecordSignal, Fa
     signal.map_err(|error| Fault::refused(name.span(), error))
 }
 
-/// When the records of prescribed motions come: as late, alike all of them, as it takes for what filters put
-/// before their starts to be below the threshold of a quiet start, as of waves, until it is let in. What was
-/// delayed for it is added to the remarks.
+/// Arrival of the records of prescribed motions: the common delay with which the leads of their filters are below the
+/// threshold of a quiet start, as of waves, until the end of the ramp. A delay is added to the remarks.
 fn arrivals(
     supports: &[At<format::Support>],
     records: &BTreeMap<String, PreparedRecord>,
@@ -232,12 +231,12 @@ fn arrivals(
         if level(start + easing) >= threshold {
             levels.insert(name.to_string(), level(start));
         }
-        // The least delay from which on all longer ones are quiet: at the longest nothing has begun.
+        // The shortest delay such that all longer ones are quiet; with the longest one no record has begun.
         let step = record.history.step();
         let count = (start.max(0.0) / step).ceil() as usize;
         let quiet = |i: &usize| level(start + easing - step * *i as f64) < threshold;
-        let own = (0..=count).rev().take_while(quiet).last();
-        padding = padding.max(step * own.unwrap_or(count) as f64);
+        let delay = (0..=count).rev().take_while(quiet).last();
+        padding = padding.max(step * delay.unwrap_or(count) as f64);
     }
     if padding > 0.0 {
         let waves = scene.remarks.iter().find_map(|remark| match remark {
@@ -245,7 +244,7 @@ fn arrivals(
             _ => None,
         });
         let has_waves = scene.field.is_some();
-        scene.remarks.push(Remark::QuietMotion {
+        scene.remarks.push(Remark::DelayedMotion {
             padding,
             records: levels.into_iter().collect(),
             waves: has_waves.then(|| waves.unwrap_or(0.0)),
@@ -255,7 +254,7 @@ fn arrivals(
     Ok(Arrivals { start, padding })
 }
 
-/// The mean outward normal of a plane facet set.
+/// Mean outward normal of a plane facet set.
 pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault> {
     if names.mesh.facet_set(set).is_err() && names.mesh.node_set(set).is_ok() {
         let key = "normal".into();
@@ -265,7 +264,7 @@ pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault
     if facets.is_empty() {
         let problem = Problem::Value {
             found: "a set without facets".into(),
-            expected: "a plane face: was it cut off?".into(),
+            expected: "a plane face with facets; the mesh may have been cut off there".into(),
         };
         return Err(Fault::new(set.span(), problem));
     }
@@ -278,13 +277,13 @@ pub(super) fn mean_normal(names: &Names, set: &At<String>) -> Result<Vec3, Fault
         return Ok(mean);
     }
     let problem = Problem::Value {
-        found: "facets that face different ways".into(),
+        found: "facets with different normals".into(),
         expected: "a plane face, or the key 'normal'".into(),
     };
     Err(Fault::new(set.span(), problem))
 }
 
-/// What acts on a body: forces at nodes, or an acceleration (m/s2) of all masses.
+/// Load on a body: forces at nodes, or an acceleration of all masses (m/s2).
 pub(super) enum LoadOrWeight {
     Load(StagedLoad),
     Weight(Vec3, Box<dyn TimeFunction>),
@@ -303,10 +302,10 @@ pub(super) fn loads(names: &Names, loads: &[At<Load>], scene: &mut Scene) -> Res
     Ok(())
 }
 
-/// What the name of a facet set stands for.
+/// Function that resolves the name of a facet set.
 type FacetsOf<'f> = dyn Fn(&At<String>) -> Result<Vec<Facet>, Fault> + 'f;
 
-/// A load, on what its facet set stands for.
+/// Load of a scene table; `facets` resolves its facet set.
 pub(super) fn load(
     names: &Names,
     load: &At<Load>,
@@ -366,11 +365,11 @@ pub(super) fn load(
     Ok(LoadOrWeight::Load(StagedLoad::new(load, removed_in)))
 }
 
-/// A function of time, times a factor.
+/// Function of time multiplied by a factor.
 fn history<T>(
     function: Option<&Function>,
     factor: f64,
-    place: &At<T>,
+    table: &At<T>,
 ) -> Result<Box<dyn TimeFunction>, Fault> {
     use core::f64::consts::{PI, TAU};
     Ok(match function {
@@ -395,10 +394,11 @@ fn history<T>(
             let values: Vec<f64> = values.iter().map(|v| factor * v.get()).collect();
             let table = Table::new(&times, &values).map_err(|_| {
                 Fault::new(
-                    place.span(),
+                    table.span(),
                     Problem::Value {
                         found: format!("{} times and {} values", times.len(), values.len()),
-                        expected: "a table of as many values as rising times".into(),
+                        expected: "a table with as many values as times, which must increase"
+                            .into(),
                     },
                 )
             })?;

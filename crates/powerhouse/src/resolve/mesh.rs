@@ -1,4 +1,4 @@
-//! The mesh of a scene: from a file or a generator, or a part of it, in smaller elements.
+//! Mesh of a scene file: read or generated, then scaled, cut and refined.
 
 use std::path::PathBuf;
 
@@ -8,11 +8,11 @@ use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 use super::ordered;
 use crate::fault::{Fault, SceneText};
 use crate::format::{self, At, Finite};
-use crate::{Registry, Remark, SceneDoubt};
+use crate::{Registry, Remark, SceneRemark};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
-/// So often elements may be cut: thrice makes 512 of each.
+/// Largest number of refinements: three make 512 elements of each.
 const MOST_REFINEMENTS: u32 = 3;
 
 pub(super) fn mesh(
@@ -67,24 +67,24 @@ pub(super) fn mesh(
     Ok((mesh, left_out))
 }
 
-/// What the mesh's file holds beside the mesh, or in no group.
+/// Remark about nodes and elements of the mesh file that are left out or belong to no physical group.
 fn unused(report: &GmshReport) -> Option<Remark> {
     let (nodes, dropped) = (report.dropped_nodes, report.dropped_elements);
     let grouped = |group: &GmshGroup| group.dimension == 3 || group.dimension == 1;
-    // A mesh without any group is meant to be one set.
+    // A mesh without groups is one set.
     let ungrouped = match report.groups.iter().any(grouped) {
         true => report.ungrouped_elements,
         false => 0,
     };
-    let found = SceneDoubt::MeshFile {
+    let found = SceneRemark::MeshFile {
         nodes,
         dropped,
         ungrouped,
     };
-    (nodes + dropped + ungrouped > 0).then_some(Remark::Doubt(found))
+    (nodes + dropped + ungrouped > 0).then_some(Remark::Scene(found))
 }
 
-/// One layer of a mesh.
+/// Plane slice of a mesh.
 fn sliced(mesh: &Mesh, slice: &At<format::Slice>) -> Result<Mesh, Fault> {
     let axis = match slice.across {
         format::SliceAxis::X => Axis::X,
@@ -95,7 +95,7 @@ fn sliced(mesh: &Mesh, slice: &At<format::Slice>) -> Result<Mesh, Fault> {
     sliced.map_err(|error| Fault::refused(slice.span(), error))
 }
 
-/// A mesh with every element cut so many times.
+/// Mesh after a number of uniform refinements.
 fn refined(mut mesh: Mesh, times: u32) -> Result<Mesh, AnyError> {
     ParameterError::check("refine", times.into(), 0.0, MOST_REFINEMENTS.into())?;
     for _ in 0..times {

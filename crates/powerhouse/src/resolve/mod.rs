@@ -1,4 +1,4 @@
-//! From what a scene file says to a scene: names become sets, materials, fields and loads.
+//! Composition of a scene from its file: resolves names into sets, materials, fields and loads.
 
 mod damping;
 mod ground;
@@ -45,7 +45,7 @@ pub(crate) fn compose(
     scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
     scene.places.mesh = file.mesh.file.span();
     scene.remarks.extend(left_out);
-    // Before points are looked for in a mesh of another size.
+    // Checked before points are located in a mesh of a wrong size.
     let of_mesh = |(_, of): &(Magnitude, MagnitudeOf)| *of == MagnitudeOf::Mesh;
     let unusual = scene.unusual_magnitudes().into_iter().find(of_mesh);
     if let (Some((magnitude, _)), false) = (unusual, scene.magnitudes_allowed) {
@@ -119,10 +119,10 @@ pub(crate) fn compose(
             report: record.report,
             baseline: record.baseline,
         });
-        for doubt in &record.doubts {
+        for warning in &record.warnings {
             scene.remarks.push(Remark::RecordFile {
                 name: name.clone(),
-                doubt: doubt.clone(),
+                warning: warning.clone(),
             });
         }
     }
@@ -161,12 +161,12 @@ pub(crate) fn compose(
     Ok(scene)
 }
 
-/// Refuses a pair of numbers at a place of which the first is not below the second.
-fn ordered(place: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), Fault> {
+/// Checks that the first of two numbers is below the second.
+fn ordered(span: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), Fault> {
     match low < high {
         true => Ok(()),
         false => Err(Fault::new(
-            place,
+            span,
             Problem::Value {
                 found: format!("[{low}, {high}]"),
                 expected: "two numbers, the lower one first".into(),
@@ -175,7 +175,7 @@ fn ordered(place: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), 
     }
 }
 
-/// Sets of supports and loads in which there is nothing, as of a part of a mesh that was cut off.
+/// Warnings about empty sets of supports and loads, as of a part of the mesh that was cut off.
 fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
     let of_stages = || file.stages.iter();
     let supports = (file.supports.iter().flat_map(|support| support.sets()))
@@ -200,7 +200,7 @@ fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
     remarks.collect()
 }
 
-/// Records, or all components of one, that neither a wave nor a prescribed motion names.
+/// Warnings about records that neither a wave nor a prescribed motion uses, in any component.
 fn unused_records(file: &SceneFile) -> Vec<Remark> {
     let of_waves = file.waves.iter().filter_map(|wave| wave.record.as_ref());
     let of_supports = file.supports.iter().filter_map(|support| match &**support {
@@ -241,23 +241,22 @@ fn parts(
             let material = named("material", &table.material, materials)?;
             let mut part = Part::new(table.set.to_string(), material.clone());
             if let Some(kernel) = &table.kernel {
-                part = part.kernel(registry.kernel(kernel)?.clone());
+                part = part.with_kernel(registry.kernel(kernel)?.clone());
             }
             if let Some(damping) = &table.damping {
-                part = part.damping(damping::damping(damping)?);
+                part = part.with_damping(damping::damping(damping)?);
                 let moving = part.moving_material();
                 moving.map_err(|error| Fault::refused(damping.span(), error))?;
             }
             if let Some(rim) = &table.rim {
-                part = part.rim(rim.get());
+                part = part.with_rim(rim.get());
             }
             Ok(part)
         })
         .collect()
 }
 
-/// The elements of a region. The waves enter around it, so that a boundary with an input of its own is
-/// refused.
+/// Elements of a domain reduction region. Waves enter around it, so that an `input` of the boundary is an error.
 fn region(
     names: &Names,
     section: &format::BoundarySection,
@@ -283,7 +282,7 @@ fn region(
     }
 }
 
-/// Every element belongs to one part; bars may belong to none.
+/// Checks that every element belongs to exactly one part; bars may belong to none.
 fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
     let mesh = names.mesh;
     let mut owners = vec![0_usize; mesh.element_count()];
@@ -296,14 +295,14 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
         }
     }
     let mut elements = 0..mesh.element_count() as u32;
-    let forgotten = |&e: &u32| owners[e as usize] == 0 && mesh.kind(e).is_solid();
-    match (elements.find(forgotten), file.parts.last()) {
+    let unassigned = |&e: &u32| owners[e as usize] == 0 && mesh.kind(e).is_solid();
+    match (elements.find(unassigned), file.parts.last()) {
         (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element, 0)),
         _ => Ok(()),
     }
 }
 
-/// Files can be named after all that has results, and no two share one.
+/// Checks that all names of results can be names of files, and that no two have the same file.
 fn check_names(file: &SceneFile) -> Result<(), Fault> {
     let output = &file.output;
     let joints = file.joints.iter().map(|j| (NamedThing::Joint, &j.name));
@@ -329,10 +328,10 @@ fn check_names(file: &SceneFile) -> Result<(), Fault> {
         .collect();
     let names = named.iter().map(|(what, name)| (*what, name.as_str()));
     let checked = crate::output::check_names(names);
-    checked.map_err(|(place, error)| Fault::refused(named[place].1.span(), error))
+    checked.map_err(|(index, error)| Fault::refused(named[index].1.span(), error))
 }
 
-/// No rim is wider than the body.
+/// Checks that no rim is wider than the body.
 fn check_rims(mesh: &Mesh, file: &SceneFile) -> Result<(), Fault> {
     let rims = file.parts.iter().filter_map(|part| part.rim.as_ref());
     for rim in rims {
@@ -341,29 +340,29 @@ fn check_rims(mesh: &Mesh, file: &SceneFile) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A distance that is no larger than the diagonal of the mesh.
-fn check_reach(
-    mesh: &Mesh,
-    (distance, place): (f64, core::ops::Range<usize>),
-) -> Result<(), Fault> {
+/// Checks that a distance is not larger than the diagonal of the mesh.
+fn check_reach(mesh: &Mesh, (distance, span): (f64, core::ops::Range<usize>)) -> Result<(), Fault> {
     let (low, high) = mesh.bounding_box();
     let diagonal = (high - low).norm();
     if distance <= diagonal {
         return Ok(());
     }
     let found = format!("{distance} m");
-    let expected = format!("no more than the diagonal of the body, {diagonal:.4} m");
-    Err(Fault::new(place, Problem::Value { found, expected }))
+    let expected = format!("at most the diagonal of the body, {diagonal:.4} m");
+    Err(Fault::new(span, Problem::Value { found, expected }))
 }
 
-/// Every element has a kernel, and every kernel an element.
+/// Checks that every element has a kernel, and that every kernel is for an element of its part.
 fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), Fault> {
     for (part, table) in parts.iter().zip(&file.parts) {
         let elements = names.elements(&table.set)?;
         let kinds = elements.iter().map(|&element| names.mesh.kind(element));
         if let (Some(kernel), Some(at)) = (part.idle_kernel(kinds), &table.kernel) {
             let (set, kernel) = (part.set.clone(), kernel.name().into());
-            return Err(Fault::refused(at.span(), Error::IdleKernel { set, kernel }));
+            return Err(Fault::refused(
+                at.span(),
+                Error::UnusedKernel { set, kernel },
+            ));
         }
         let unserved = |&&element: &&u32| part.kernel_for(names.mesh.kind(element)).is_none();
         if let Some(&element) = elements.iter().find(unserved) {
@@ -383,7 +382,7 @@ fn part_count(mesh: &Mesh, span: core::ops::Range<usize>, element: u32, count: u
     Fault::new(span, Problem::PartCount { element, count })
 }
 
-/// Looks up the names of a mesh.
+/// Resolver of the set names and numbers of a mesh.
 struct Names<'m> {
     mesh: &'m Mesh,
 }
@@ -397,7 +396,7 @@ impl<'m> Names<'m> {
     fn facets(&self, name: &At<String>) -> Result<&'m [Facet], Fault> {
         self.mesh.facet_set(name).map_err(|e| no_such_set(name, e))
     }
-    /// Sees that a node of this number exists.
+    /// Checks that a node number exists.
     fn node(&self, number: &At<u64>) -> Result<(), Fault> {
         if self.mesh.node_tags().contains(number) {
             return Ok(());
@@ -477,7 +476,7 @@ fn unique<T>(
     }
 }
 
-/// Keys of which exactly one must be given.
+/// Fault of keys of which exactly one must be given.
 fn one_of(span: core::ops::Range<usize>, keys: &'static [&'static str], given: &[bool]) -> Fault {
     let found = given.iter().filter(|given| **given).count();
     Fault::new(span, Problem::OneOf { keys, found })

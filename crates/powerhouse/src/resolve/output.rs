@@ -1,7 +1,7 @@
-//! What a run records.
+//! Output plan of a scene file.
 
 use powerhouse_explicit_core::observe::{
-    Cut, JointQuantities, Motion, Place, SnapshotFields, Spot, StressPlace,
+    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
 };
 use powerhouse_model::Vec3;
 
@@ -16,8 +16,8 @@ use crate::output::{
 };
 use crate::{JointZone, SceneJoint};
 
-/// Looks at the energies during a run, unless the scene says otherwise.
-const ENERGY_LOOKS: f64 = 100.0;
+/// Default number of samples of the energy balance in a run.
+const ENERGY_SAMPLES: f64 = 100.0;
 
 pub(super) fn plan(
     names: &Names,
@@ -29,7 +29,7 @@ pub(super) fn plan(
     if let Some(every) = &output.every {
         plan.every = every.get();
     }
-    // Every joint has results of its own name.
+    // Every joint has results under its name.
     let mut used: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
     let all_names = (output.histories.iter().map(|history| &history.name))
         .chain(output.relative.iter().map(|relative| &relative.name))
@@ -49,15 +49,15 @@ pub(super) fn plan(
     for history in &output.histories {
         histories(names, history, &mut plan)?;
     }
-    for wish in &output.relative {
-        let keys = (&wish.at, &wish.node, &wish.set);
-        let from = (&wish.from, &wish.from_node, &wish.from_set);
+    for request in &output.relative {
+        let keys = (&request.at, &request.node, &request.set);
+        let from = (&request.from, &request.from_node, &request.from_set);
         let site = Site {
             names,
             among: &None,
-            within: &wish.within,
+            within: &request.within,
         };
-        let no_place = |keys, given: [bool; 3]| one_of(wish.name.span(), keys, &given);
+        let no_place = |keys, given: [bool; 3]| one_of(request.name.span(), keys, &given);
         let at = site
             .place(keys)?
             .map_err(|given| no_place(&["at", "node", "set"], given))?;
@@ -66,24 +66,24 @@ pub(super) fn plan(
             .map_err(|given| no_place(&["from", "from_node", "from_set"], given))?;
         if ![&at, &from]
             .iter()
-            .any(|place| matches!(place, Place::Spot(_)))
+            .any(|place| matches!(place, Place::Point(_)))
         {
             site.without_point()?;
         }
-        let name = wish.name.to_string();
+        let name = request.name.to_string();
         plan.relative.push(RelativeRequest { name, at, from });
     }
     for section in &output.sections {
         plan.cuts.push(cut(names, section)?);
     }
-    for wish in &output.joints {
-        plan.joints.push(joint(names, wish, joints)?);
+    for request in &output.joints {
+        plan.joints.push(joint(names, request, joints)?);
     }
     plan.energies = Some(
         output
             .energies
             .as_ref()
-            .map_or(duration / ENERGY_LOOKS, |every| every.get()),
+            .map_or(duration / ENERGY_SAMPLES, |every| every.get()),
     );
     if let Some(envelope) = &output.envelope {
         let mut sets = Vec::new();
@@ -95,29 +95,28 @@ pub(super) fn plan(
         if quantities.contains(&Quantity::State) {
             plan.state.every = Some(envelope.every.as_ref().map_or(plan.every, |e| e.get()));
         }
-        plan.envelope = Some(EnvelopeRequest {
-            motion: motion(&quantities),
-            stress: quantities.contains(&Quantity::Stress),
-            sets,
-            every: envelope.every.as_ref().map_or(plan.every, |e| e.get()),
-        });
+        plan.envelope = Some(
+            EnvelopeRequest::new(envelope.every.as_ref().map_or(plan.every, |e| e.get()))
+                .with_motion(motion(&quantities))
+                .with_stress(quantities.contains(&Quantity::Stress))
+                .with_sets(sets),
+        );
     }
     if let Some(snapshots) = &output.snapshots {
         let default = [Quantity::Displacement, Quantity::Velocity];
         let quantities = quantities(&snapshots.quantities, &default)?;
         plan.state.snapshots = quantities.contains(&Quantity::State);
-        plan.snapshots = Some(SnapshotRequest {
-            fields: SnapshotFields {
+        plan.snapshots = Some(SnapshotRequest::new(snapshots.every.get()).with_fields(
+            SnapshotFields {
                 motion: motion(&quantities),
                 stress: quantities.contains(&Quantity::Stress),
             },
-            every: snapshots.every.get(),
-        });
+        ));
     }
     Ok(plan)
 }
 
-/// What is recorded where nothing is said.
+/// Default quantities of histories and envelopes.
 const MOTION: [Quantity; 3] = [
     Quantity::Displacement,
     Quantity::Velocity,
@@ -126,30 +125,30 @@ const MOTION: [Quantity; 3] = [
 
 type Quantities<Q = Quantity> = Option<At<Vec<At<Q>>>>;
 
-/// The quantities that are wanted: some, or the default.
-fn quantities<Q: Copy>(wanted: &Quantities<Q>, default: &[Q]) -> Result<Vec<Q>, Fault> {
-    match wanted {
+/// Requested quantities, or the default.
+fn quantities<Q: Copy>(requested: &Quantities<Q>, default: &[Q]) -> Result<Vec<Q>, Fault> {
+    match requested {
         None => Ok(default.to_vec()),
-        Some(wanted) if wanted.is_empty() => Err(Fault::new(
-            wanted.span(),
+        Some(requested) if requested.is_empty() => Err(Fault::new(
+            requested.span(),
             Problem::Value {
                 found: "an empty list".into(),
                 expected: "one quantity or more".into(),
             },
         )),
-        Some(wanted) => Ok(wanted.iter().map(|quantity| **quantity).collect()),
+        Some(requested) => Ok(requested.iter().map(|quantity| **quantity).collect()),
     }
 }
 
-/// Refuses quantities that a place does not have.
+/// Checks that none of the requested quantities is undefined at a location.
 fn without(
-    wanted: &Quantities,
+    requested: &Quantities,
     lacking: impl Fn(Quantity) -> bool,
     found: &str,
     expected: &str,
 ) -> Result<(), Fault> {
-    let mut wanted = wanted.iter().flat_map(|wanted| wanted.iter());
-    match wanted.find(|quantity| lacking(***quantity)) {
+    let mut requested = requested.iter().flat_map(|requested| requested.iter());
+    match requested.find(|quantity| lacking(***quantity)) {
         None => Ok(()),
         Some(quantity) => Err(Fault::new(
             quantity.span(),
@@ -182,9 +181,9 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
             found,
             "stress or state, or a point, node or set",
         )?;
-        let wanted = quantities(&history.quantities, &[Quantity::Stress])?;
+        let requested = quantities(&history.quantities, &[Quantity::Stress])?;
         site.without_point()?;
-        in_element(plan, &wanted, &name, &StressPlace::Element(**element));
+        in_element(plan, &requested, &name, &StressPlace::Element(**element));
         return Ok(());
     }
     let place = match site.place((&history.at, &history.node, &history.set))? {
@@ -196,10 +195,10 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
             return Err(one_of(history.name.span(), keys, &given));
         }
     };
-    let wanted = quantities(&history.quantities, &MOTION)?;
+    let requested = quantities(&history.quantities, &MOTION)?;
     match &place {
-        Place::Spot(spot) => {
-            in_element(plan, &wanted, &name, &StressPlace::Spot(spot.clone()));
+        Place::Point(spot) => {
+            in_element(plan, &requested, &name, &StressPlace::Point(spot.clone()));
         }
         _ => {
             let found = "stress or state at a node or set";
@@ -212,7 +211,7 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
             )?;
         }
     }
-    let motion = motion(&wanted);
+    let motion = motion(&requested);
     if motion != Motion::default() {
         plan.histories.push(HistoryRequest {
             name,
@@ -223,31 +222,35 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     Ok(())
 }
 
-/// What is wanted of a joint.
-fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<JointRequest, Fault> {
-    let of_name = |joint: &&SceneJoint| joint.name == *wish.joint;
+/// Request for the histories of a joint.
+fn joint(
+    names: &Names,
+    request: &JointHistory,
+    joints: &[SceneJoint],
+) -> Result<JointRequest, Fault> {
+    let of_name = |joint: &&SceneJoint| joint.name == *request.joint;
     let Some(joint) = joints.iter().find(of_name) else {
         let available = joints.iter().map(|joint| joint.name.clone()).collect();
-        let (what, name) = ("joint", wish.joint.to_string());
+        let (what, name) = ("joint", request.joint.to_string());
         let problem = Problem::NoSuchName {
             what,
             name,
             available,
         };
-        return Err(Fault::new(wish.joint.span(), problem));
+        return Err(Fault::new(request.joint.span(), problem));
     };
-    let place = wish.name.span();
-    let zone = match wish.zone() {
+    let span = request.name.span();
+    let zone = match request.zone() {
         None => JointZone::All,
-        Some(zone) => super::joints::zone(names, &zone, place.clone())?,
+        Some(zone) => super::joints::zone(names, &zone, span.clone())?,
     };
     let pairs = zone.pairs(names.mesh, (&joint.name, &joint.surface));
-    pairs.map_err(|error| Fault::refused(place, error))?;
-    let quantities = match &wish.quantities {
+    pairs.map_err(|error| Fault::refused(span, error))?;
+    let quantities = match &request.quantities {
         None => JointQuantities::ALL,
         Some(_) => {
-            let wanted = quantities(&wish.quantities, &[])?;
-            let has = |quantity| wanted.contains(&quantity);
+            let requested = quantities(&request.quantities, &[])?;
+            let has = |quantity| requested.contains(&quantity);
             JointQuantities {
                 state: has(JointQuantity::State),
                 slip: has(JointQuantity::Slip),
@@ -257,28 +260,29 @@ fn joint(names: &Names, wish: &JointHistory, joints: &[SceneJoint]) -> Result<Jo
                 friction: has(JointQuantity::Friction),
                 bond: has(JointQuantity::Bond),
                 impact: has(JointQuantity::Impact),
+                history: has(JointQuantity::History),
             }
         }
     };
     Ok(JointRequest {
-        name: wish.name.to_string(),
+        name: request.name.to_string(),
         joint: joint.name.clone(),
         zone,
         quantities,
     })
 }
 
-/// Adds what is wanted of an element.
-fn in_element(plan: &mut OutputPlan, wanted: &[Quantity], name: &str, place: &StressPlace) {
-    let wish = || StressRequest {
+/// Adds requests for stress and state variables of an element.
+fn in_element(plan: &mut OutputPlan, requested: &[Quantity], name: &str, place: &StressPlace) {
+    let request = || StressRequest {
         name: name.into(),
         place: place.clone(),
     };
-    if wanted.contains(&Quantity::Stress) {
-        plan.stresses.push(wish());
+    if requested.contains(&Quantity::Stress) {
+        plan.stresses.push(request());
     }
-    if wanted.contains(&Quantity::State) {
-        plan.state.places.push(wish());
+    if requested.contains(&Quantity::State) {
+        plan.state.places.push(request());
     }
 }
 
@@ -290,7 +294,7 @@ fn motion(quantities: &[Quantity]) -> Motion {
     }
 }
 
-/// What places of a wish have in common.
+/// Options common to the locations of a request.
 struct Site<'s> {
     names: &'s Names<'s>,
     among: &'s Option<At<String>>,
@@ -304,7 +308,7 @@ type Keys<'s> = (
 );
 
 impl Site<'_> {
-    /// The place that one of three keys gives, or which of them are given if it is not one.
+    /// Location given by exactly one of three keys; otherwise which of them are given.
     fn place(&self, keys: Keys) -> Result<Result<Place, [bool; 3]>, Fault> {
         Ok(Ok(match keys {
             (Some(at), None, None) => self.spot(at)?.into(),
@@ -320,10 +324,10 @@ impl Site<'_> {
         }))
     }
 
-    /// A point, if it lies in the mesh.
-    fn spot(&self, at: &At<[Finite; 3]>) -> Result<Spot, Fault> {
+    /// Point, checked to lie in the mesh.
+    fn spot(&self, at: &At<[Finite; 3]>) -> Result<ObservationPoint, Fault> {
         let mesh = self.names.mesh;
-        let mut spot = Spot::at(vector(at));
+        let mut spot = ObservationPoint::at(vector(at));
         if let Some(within) = self.within {
             check_reach(mesh, (within.get(), within.span()))?;
             spot = spot.within(within.get());
@@ -343,7 +347,7 @@ impl Site<'_> {
         Ok(spot)
     }
 
-    /// Refuses what says how a point is found, where none is given.
+    /// Checks that options of a point are not given without a point.
     fn without_point(&self) -> Result<(), Fault> {
         let among = self.among.as_ref().map(At::span);
         match among.or(self.within.as_ref().map(At::span)) {
@@ -360,7 +364,7 @@ fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
     names.elements(&section.set)?;
     let point = vector(&section.at);
     Ok(SectionRequest {
-        cut: Cut {
+        cut: CrossSection {
             name: section.name.to_string(),
             point,
             normal: vector(&section.normal),

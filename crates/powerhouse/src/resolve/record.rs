@@ -1,4 +1,4 @@
-//! Records from files, treated as their scene says.
+//! Ground motion records: reading and processing.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -19,32 +19,32 @@ use crate::format::{
 };
 use crate::{Remark, Scene};
 
-/// A record ready to drive waves.
+/// Processed record, ready for waves and prescribed motions.
 pub(super) struct PreparedRecord {
     pub(super) history: TimeHistory,
-    /// Lasting displacement (m).
+    /// Permanent displacement at the end (m).
     pub(super) end: f64,
     pub(super) convention: InputConvention,
-    /// Time that the record gained before its former start, and at its end (s).
+    /// Lead (s): extension by a filter before the original start, and at the end.
     pub(super) lead: f64,
-    /// Where its name stands in the scene file.
+    /// Byte range of its name in the scene file.
     pub(super) name: core::ops::Range<usize>,
-    /// Where its convention stands in the scene file.
-    pub(super) place: core::ops::Range<usize>,
+    /// Byte range of its convention in the scene file.
+    pub(super) convention_span: core::ops::Range<usize>,
     pub(super) report: RecordReport,
     pub(super) baseline: Option<BaselineReport>,
-    /// What was taken differently from what the file declares.
-    pub(super) doubts: Vec<String>,
+    /// Differences of the file from its declaration.
+    pub(super) warnings: Vec<String>,
 }
 
-/// Reads and treats all records, by name.
+/// Reads and processes all records, by name.
 pub(super) fn records(
     text: &SceneText,
     file: &SceneFile,
 ) -> Result<BTreeMap<String, PreparedRecord>, Fault> {
     let mut records = BTreeMap::new();
     for table in &file.records {
-        for (name, record) in treated(text, table)? {
+        for (name, record) in processed(text, table)? {
             unique(
                 "record",
                 &At::new(name, table.name.span()),
@@ -56,8 +56,8 @@ pub(super) fn records(
     Ok(records)
 }
 
-/// The record of a table, or its components, each with its name.
-fn treated(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRecord)>, Fault> {
+/// Processed record of a table, or its components, each with its name.
+fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRecord)>, Fault> {
     let name = table.name.span();
     let mut parts = Vec::new();
     for (part, read) in files(text, table)? {
@@ -73,16 +73,16 @@ fn treated(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedReco
     let present = parts.iter().map(|(_, history, ..)| peak(history));
     let present = present.fold(0.0, f64::max);
     let end = table.end_displacement.map_or(0.0, Finite::get);
-    let mut treated = Vec::new();
-    for (part, mut history, baseline, doubts) in parts {
+    let mut processed = Vec::new();
+    for (part, mut history, baseline, warnings) in parts {
         let refused = |error: WaveError| Fault::refused(name.clone(), error);
-        if let Some(wanted) = table.peak {
+        if let Some(peak) = table.peak {
             if present == 0.0 {
                 return Err(refused(WaveError::ZeroPeak));
             }
-            history = history.scaled(wanted.get() / present).map_err(refused)?;
+            history = history.scaled(peak.get() / present).map_err(refused)?;
         }
-        // A record that does not come to rest is refused here, where its name stands.
+        // A record that does not end at rest is rejected here, at its name.
         let signal = history.clone().into_signal(EndDisplacement::Declared(end));
         let report = signal.map_err(refused)?.report();
         let record = PreparedRecord {
@@ -91,23 +91,23 @@ fn treated(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedReco
             end,
             convention: convention(&table.convention),
             lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),
-            place: table.convention.span(),
+            convention_span: table.convention.span(),
             report,
             baseline,
-            doubts,
+            warnings,
         };
-        treated.push((part, record));
+        processed.push((part, record));
     }
-    Ok(treated)
+    Ok(processed)
 }
 
-/// One file of a record.
+/// File of a record.
 struct Part<'t> {
     name: String,
     file: &'t At<PathBuf>,
 }
 
-/// What the files of a record hold, brought to one length.
+/// Samples of the files of a record, with a common length.
 fn files<'t>(
     text: &SceneText,
     table: &'t Record,
@@ -153,7 +153,7 @@ fn files<'t>(
     Ok(parts.into_iter().zip(read).collect())
 }
 
-/// Cut and baseline.
+/// Applies cut and baseline correction.
 fn corrected(
     table: &Record,
     mut history: TimeHistory,
@@ -182,7 +182,7 @@ fn corrected(
     }
 }
 
-/// The part of a history between two times (s).
+/// Part of a history between two times (s).
 fn cut_out(
     history: &TimeHistory,
     [start, end]: [f64; 2],
@@ -191,7 +191,7 @@ fn cut_out(
     let first = (start / history.step()).round() as usize;
     let samples = history.acceleration();
     let from_start = samples.get(first..).unwrap_or_default().to_vec();
-    TimeHistory::new(history.step(), from_start)?.first(end - start, taper)
+    TimeHistory::new(history.step(), from_start)?.truncated(end - start, taper)
 }
 
 fn correction(baseline: &Baseline) -> BaselineCorrection {
@@ -230,10 +230,11 @@ fn convention(convention: &Convention) -> InputConvention {
     }
 }
 
-/// The share of a record's Arias intensity that a run is to hold.
-const HELD: f64 = 0.95;
+/// Least share of a record's Arias intensity that a run should contain.
+const LEAST_SHARE: f64 = 0.95;
 
-/// The remark that a run ends before most of a record has come, whose first sample comes at a time (s).
+/// Warning about a run that ends before most of the Arias intensity of a record has arrived; `arrival` is the time of
+/// the first sample (s).
 pub(super) fn cut_short(
     name: &str,
     record: &PreparedRecord,
@@ -243,12 +244,12 @@ pub(super) fn cut_short(
     let end = scene.start + scene.duration;
     let history = &record.history;
     let whole = history.arias_intensity();
-    let held = (end - arrival).min(history.duration());
-    let part = match held > history.step() {
-        true => history.first(held, 0.0).ok()?.arias_intensity(),
+    let contained = (end - arrival).min(history.duration());
+    let part = match contained > history.step() {
+        true => history.truncated(contained, 0.0).ok()?.arias_intensity(),
         false => 0.0,
     };
-    (part < HELD * whole).then(|| Remark::CutShort {
+    (part < LEAST_SHARE * whole).then(|| Remark::TruncatedRecord {
         name: name.into(),
         share: part / whole,
         run: end,

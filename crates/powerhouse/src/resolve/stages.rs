@@ -1,4 +1,4 @@
-//! Stages, bolts and the stress of the ground.
+//! Construction stages, bolts and in-situ stress from scene files.
 
 use std::collections::BTreeMap;
 
@@ -16,12 +16,12 @@ use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;
 use crate::stage::{Timeline, check_removal, surface_of};
-use crate::{BoltPlace, InSituStress, Material, Scene, SceneBolts, SceneStage};
+use crate::{BoltLayout, InSituStress, Material, Scene, SceneBolts, SceneStage};
 
 /// Young's modulus of steel (Pa).
 const STEEL: f64 = 200.0e9;
 
-/// Composes stages, bolts and the stress of the ground, and sees that each can be as it is to.
+/// Composes and checks stages, bolts and in-situ stress.
 pub(super) fn stages(
     text: &SceneText,
     names: &Names,
@@ -29,7 +29,7 @@ pub(super) fn stages(
     materials: &BTreeMap<String, Material>,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
-    scene.places.stages = places(file);
+    scene.places.stages = stage_spans(file);
     if let Some(stress) = &file.in_situ_stress {
         scene.in_situ_stress = Some(in_situ(text, names.mesh, stress)?);
     }
@@ -40,29 +40,29 @@ pub(super) fn stages(
         scene.stages.push(self::stage(names, stage, materials)?);
     }
     let timeline = Timeline::of(scene).map_err(|error| {
-        let place = scene.places.of(&error).unwrap_or_default();
-        Fault::refused(place, error)
+        let span = scene.places.of(&error).unwrap_or_default();
+        Fault::refused(span, error)
     })?;
     let Some(timeline) = timeline else {
         return Ok(());
     };
-    for (place, stage) in file.stages.iter().enumerate() {
-        let present = &timeline.moments[place].present;
+    for (index, stage) in file.stages.iter().enumerate() {
+        let present = &timeline.configurations[index].present;
         for load in &stage.loads {
             if let Some(name) = load.removed_in() {
-                let checked = check_removal(&scene.stages, place, name);
+                let checked = check_removal(&scene.stages, index, name);
                 checked.map_err(|error| Fault::refused(name.span(), error))?;
             }
             let facets = |set: &At<String>| -> Result<Vec<Facet>, Fault> {
                 let facets = surface_of(names.mesh, present, names.facets(set)?);
                 if facets.is_empty() {
-                    let found = "facets inside the body, or of what is not there".into();
+                    let found = "facets inside the body or of inactive elements".into();
                     let expected = "facets on its surface".into();
                     return Err(Fault::new(set.span(), Problem::Value { found, expected }));
                 }
                 Ok(facets)
             };
-            let own = &mut scene.stages[place];
+            let own = &mut scene.stages[index];
             match loads::load(names, load, &facets)? {
                 loads::LoadOrWeight::Load(load) => own.loads.push(load),
                 loads::LoadOrWeight::Weight(acceleration, history) => {
@@ -74,22 +74,22 @@ pub(super) fn stages(
     Ok(())
 }
 
-/// Where stages stand, and what they name.
-fn places(file: &SceneFile) -> StageSpans {
-    let mut places = StageSpans::default();
-    let mut put = |stage: Option<&At<String>>, key, value: &str, place| {
+/// Byte ranges of stages and of the values in them.
+fn stage_spans(file: &SceneFile) -> StageSpans {
+    let mut spans = StageSpans::default();
+    let mut put = |stage: Option<&At<String>>, key, value: &str, span| {
         let stage = stage.map(|stage| stage.to_string());
-        places.items.insert((stage, key, value.to_owned()), place);
+        spans.items.insert((stage, key, value.to_owned()), span);
     };
     for bolts in &file.bolts {
         put(None, "bolt", bolts.name.as_str(), bolts.name.span());
     }
-    let without = [
+    let needing_stages = [
         file.in_situ_stress.as_ref().map(At::span),
         file.bolts.first().map(|bolts| bolts.name.span()),
     ];
-    if let Some(place) = without.into_iter().flatten().next() {
-        put(None, "stage", "", place);
+    if let Some(span) = needing_stages.into_iter().flatten().next() {
+        put(None, "stage", "", span);
     }
     put(None, "initial", "", file.time.initial.span());
     for name in file.loads.iter().filter_map(|load| load.removed_in()) {
@@ -127,10 +127,10 @@ fn places(file: &SceneFile) -> StageSpans {
         }
     }
     let names = file.stages.iter();
-    places.names = names
+    spans.names = names
         .map(|stage| (stage.name.to_string(), stage.name.span()))
         .collect();
-    places
+    spans
 }
 
 fn in_situ(
@@ -177,8 +177,8 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
             return Err(one_of(span, &["diameter", "section"], &given));
         }
     };
-    let place = match (&bolts.lines, &bolts.pattern) {
-        (Some(lines), None) => BoltPlace::Lines(
+    let layout = match (&bolts.lines, &bolts.pattern) {
+        (Some(lines), None) => BoltLayout::Lines(
             (lines.iter())
                 .map(|[head, toe]| BoltLine {
                     head: vector(head),
@@ -188,7 +188,7 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
         ),
         (None, Some(pattern)) => {
             names.facets(&pattern.facets)?;
-            BoltPlace::Pattern {
+            BoltLayout::Pattern {
                 facets: pattern.facets.to_string(),
                 pattern: BoltPattern {
                     along: direction(&pattern.along)?,
@@ -202,11 +202,12 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
             return Err(one_of(span, &["lines", "pattern"], &given));
         }
     };
-    let or_never = |value: &Option<At<Positive>>| value.as_ref().map_or(f64::INFINITY, |v| v.get());
+    let or_unlimited =
+        |value: &Option<At<Positive>>| value.as_ref().map_or(f64::INFINITY, |v| v.get());
     let parameters = BoltParameters {
         young: bolts.young.as_ref().map_or(STEEL, |young| young.get()),
         area,
-        yield_force: or_never(&bolts.yield_force),
+        yield_force: or_unlimited(&bolts.yield_force),
         pretension: bolts.pretension.as_ref().map_or(0.0, |force| force.get()),
         grout: bolts.grout.as_ref().map(|grout| engine::Grout {
             stiffness: grout.stiffness.get(),
@@ -214,7 +215,7 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
             head: end(grout.head),
             toe: end(grout.toe),
         }),
-        longest_segment: or_never(&bolts.longest_segment),
+        longest_segment: or_unlimited(&bolts.longest_segment),
     };
     parameters.check().map_err(|error| {
         let keys = [
@@ -226,12 +227,12 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
                 bolts.longest_segment.as_ref().map(At::span),
             ),
         ];
-        let place = keys.into_iter().find(|(name, _)| *name == error.name);
-        Fault::refused(place.and_then(|(_, place)| place).unwrap_or(span), error)
+        let key = keys.into_iter().find(|(name, _)| *name == error.name);
+        Fault::refused(key.and_then(|(_, of_key)| of_key).unwrap_or(span), error)
     })?;
     Ok(SceneBolts {
         name: bolts.name.to_string(),
-        place,
+        layout,
         parameters,
     })
 }
@@ -243,7 +244,7 @@ fn end(end: format::BoltEnd) -> engine::BoltEnd {
     }
 }
 
-/// A stage without its loads, which need to know what is there.
+/// Stage without its loads, which depend on the active elements.
 fn stage(
     names: &Names,
     table: &format::Stage,
@@ -302,10 +303,10 @@ fn static_method(method: &At<format::StaticMethod>) -> Result<StaticMethod, Faul
         format::StaticMethod::Newton => Ok(StaticMethod::Cholesky(Linearisation::Tangent)),
         #[cfg(not(feature = "direct"))]
         format::StaticMethod::Cholesky | format::StaticMethod::Newton => {
-            let found = "a direct solver, which this build does not have".into();
+            let found = "a direct solver, which this build does not include".into();
             let expected = "conjugate-gradients or dynamic-relaxation".into();
             let fault = Fault::new(method.span(), Problem::Value { found, expected });
-            Err(fault.with_help("cargo's `--features direct` brings it"))
+            Err(fault.with_help("build with `--features direct`"))
         }
     }
 }

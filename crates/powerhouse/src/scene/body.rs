@@ -1,4 +1,4 @@
-//! What all models of a scene have in common: elements, and what acts on them.
+//! Elements, supports and loads common to the static and dynamic models of a scene.
 
 use std::collections::HashSet;
 
@@ -8,15 +8,15 @@ use powerhouse_model::ElementKind;
 
 use super::Scene;
 use crate::acting::{StagedLoad, function};
-use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneDoubt};
+use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneRemark};
 
-/// Elements of one part that one kernel computes with one material.
+/// Elements of one part with one kernel and one material.
 pub(crate) struct Piece {
-    /// The part's place among the scene's.
+    /// Index of the part in the scene.
     pub(crate) part: usize,
-    /// Mesh indices.
+    /// Mesh indices of the elements.
     pub(crate) elements: Vec<u32>,
-    /// The material as it moves.
+    /// Material in the dynamic run.
     pub(crate) material: Material,
     kernel: Kernel,
     damping: Rayleigh,
@@ -24,14 +24,14 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    /// Blocks as they move.
+    /// Block factory of the dynamic model.
     pub(crate) fn moving(&self, part: &Part, precision: Precision) -> Box<dyn BlockFactory> {
         let mut options = BlockOptions::default();
         options.precision = precision;
         options.damping = self.damping;
         self.kernel.factory(&part.set, &self.material, options)
     }
-    /// Blocks as they rest, in double precision: of the material as it moves, or of another.
+    /// Block factory of static models, in double precision, with the dynamic material or another one.
     pub(crate) fn resting(&self, part: &Part, other: Option<&Material>) -> Box<dyn BlockFactory> {
         let material = match other {
             None => self.material.clone(),
@@ -44,18 +44,18 @@ impl Piece {
 }
 
 impl Scene {
-    /// The elements of all parts, kind by kind, rims apart; and what is to be said of them.
+    /// Elements of all parts by kind, rims separately, and remarks about them.
     pub(super) fn pieces(&self, rims: &[HashSet<u32>]) -> Result<(Vec<Piece>, Vec<Remark>), Error> {
         let (mut pieces, mut remarks) = (Vec::new(), Vec::new());
         for (place, (part, rim)) in self.parts.iter().zip(rims).enumerate() {
-            let doubts = part.material.doubts().iter();
-            remarks.extend(doubts.map(|doubt| Remark::Material {
+            let warnings = part.material.warnings().iter();
+            remarks.extend(warnings.map(|warning| Remark::Material {
                 set: part.set.clone(),
-                doubt: doubt.clone(),
+                warning: warning.clone(),
             }));
             let kinds = self.by_kind(part)?;
             if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
-                return Err(Error::IdleKernel {
+                return Err(Error::UnusedKernel {
                     set: part.set.clone(),
                     kernel: kernel.name().into(),
                 });
@@ -90,9 +90,8 @@ impl Scene {
         Ok((pieces, remarks))
     }
 
-    /// Supports, ties, prescribed motions, loads and weights of the scene, and what stages add of
-    /// loads and weights, as they are in a stage, held at their values at the start of the run, or
-    /// as they are when the body moves.
+    /// Adds supports, periodic pairs, prescribed motions, loads and weights of the scene and its stages to a model: in
+    /// a stage with their values at the start of the run, in the dynamic run as functions of time.
     pub(crate) fn acted_on<'a>(
         &self,
         mut builder: ModelBuilder<'a>,
@@ -126,7 +125,7 @@ impl Scene {
         builder
     }
 
-    /// Whether a load is not yet taken off in a stage, or when the body moves.
+    /// Returns whether a load is not yet removed in a stage, or in the dynamic run.
     fn is_there(&self, lasting: &StagedLoad, stage: Option<usize>) -> bool {
         let Some(name) = &lasting.removed_in else {
             return true;
@@ -135,7 +134,7 @@ impl Scene {
         matches!((stage, removal), (Some(stage), Some(removal)) if stage < removal)
     }
 
-    /// What damping in series costs a part, and where it is elastic.
+    /// Remarks about the flat damping and the rim of a part.
     fn facts(
         &self,
         part: &Part,
@@ -173,13 +172,13 @@ impl Scene {
             });
             let changes = part.damping != Damping::None || !part.material.is_linear();
             if rim.len() == of && (changes || width > 0.0) {
-                facts.push(Remark::Doubt(SceneDoubt::WholeRim { set: set() }));
+                facts.push(Remark::Scene(SceneRemark::WholeRim { set: set() }));
             }
         }
         Ok(facts)
     }
 
-    /// The elements of a part, kind by kind.
+    /// Elements of a part by kind.
     fn by_kind(&self, part: &Part) -> Result<Vec<(ElementKind, Vec<u32>)>, Error> {
         let mut kinds: Vec<(ElementKind, Vec<u32>)> = Vec::new();
         for &element in self.mesh.element_set(&part.set)? {

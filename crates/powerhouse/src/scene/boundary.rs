@@ -1,15 +1,15 @@
-//! What a scene says of where the mesh ends.
+//! The absorbing boundary of a scene.
 
 use std::sync::Arc;
 
 use powerhouse_model::{AbsorbingBoundary, Vec3};
 
-/// Where the mesh ends and the ground goes on.
+/// Absorbing boundary of a scene: its condition, its faces and the scatterer.
 #[derive(Clone)]
 pub struct Boundary {
-    /// What absorbs.
+    /// Boundary condition: springs and dashpots.
     pub condition: Arc<dyn AbsorbingBoundary>,
-    /// The facet sets on which it stands.
+    /// Facet sets of the absorbing faces.
     pub faces: Vec<String>,
     /// The centre of what scatters (m); without one, the middle of the parts that touch no
     /// absorbing face, or of the mesh's box if all do.
@@ -33,16 +33,16 @@ impl Boundary {
             region: None,
         }
     }
-    /// The same around a scatterer (m).
+    /// Sets the centre of what scatters (m).
     #[must_use]
-    pub fn scatterer(mut self, centre: Vec3) -> Self {
+    pub fn with_scatterer(mut self, centre: Vec3) -> Self {
         self.scatterer = Some(centre);
         self
     }
-    /// The same with a field that enters through the layer around a region (mesh indices of its
-    /// elements), which must be elastic, undamped ground of the field's medium.
+    /// Sets the region (mesh indices of its elements) around which the field enters; the layer must be
+    /// elastic, undamped ground of the field's medium.
     #[must_use]
-    pub fn entering_around(mut self, region: Vec<u32>) -> Self {
+    pub fn with_region(mut self, region: Vec<u32>) -> Self {
         self.region = Some(region);
         self
     }

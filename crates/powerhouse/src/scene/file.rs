@@ -1,25 +1,25 @@
-//! Scenes from files.
+//! Reading of scenes from files.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::Scene;
+use super::{InputOverview, Scene};
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{Allowance, Case, SceneFile};
 use crate::output::{NamedThing, check_names};
-use crate::{Error, Registry, SceneDoubt, format, resolve};
+use crate::{Error, Registry, SceneRemark, format, resolve};
 
 impl Scene {
-    /// Reads a scene file, its mesh and its records; laws, kernels and boundaries are those that
-    /// come with the software.
+    /// Scene of a file, with its mesh and its records; laws, kernels and boundaries are those that come with
+    /// the software.
     ///
     /// # Errors
-    /// [`Error::Scene`] with file, line and column for everything that is wrong with the scene,
-    /// [`Error::Read`] if the file itself cannot be read.
+    /// [`Error::Scene`] with file, line and column for a fault in the scene, [`Error::Read`] if the file cannot be
+    /// read.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::from_file_with(path, &Registry::default())
     }
-    /// The same with the names of a registry.
+    /// Scene of a file whose laws, kernels and boundaries are those of a registry.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file).
@@ -27,7 +27,7 @@ impl Scene {
         let path = path.as_ref();
         Self::from_toml(read_text(path)?, path, registry)
     }
-    /// Reads a case of a scene file: the scene with what the case changes.
+    /// Scene of a case of a file: the scene with the keys that the case changes.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file), and [`Error::NoSuchCase`].
@@ -39,8 +39,7 @@ impl Scene {
         let path = path.as_ref();
         Self::compose(read_text(path)?, path.into(), Some(case), registry)
     }
-    /// Reads a scene from text. `path` is the name in messages, and its folder the one that paths
-    /// in the scene are relative to.
+    /// Scene of a text in TOML. `path` is used in messages; paths in the scene are relative to its folder.
     ///
     /// # Errors
     /// [`Error::Scene`], as [`from_file`](Self::from_file).
@@ -63,7 +62,7 @@ impl Scene {
         let mut file = format::decode(&text.text).map_err(refused)?;
         let allowed = file.allow.iter().any(|a| **a == Allowance::Magnitudes);
         let unusual = format::survey(&text.text).map_err(refused)?;
-        // What a law refuses is worse than a magnitude.
+        // Errors of laws are reported before quantities outside their usual range.
         check_registered(&file, registry).map_err(refused)?;
         if let (Some((magnitude, place)), false) = (unusual.first(), allowed) {
             return Err(refused(Fault::of_magnitude(place.clone(), magnitude.clone())).into());
@@ -76,34 +75,36 @@ impl Scene {
             }
             file = format::decode_case(&text.text, name).map_err(refused)?;
         } else {
-            // A sweep of hours is to say at its start what is wrong with its last case.
+            // All cases are checked at once, so that a sweep does not fail in its last case after hours.
             for name in &cases {
                 check_case(&text.text, name, registry).map_err(refused)?;
             }
         }
         let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
         for (magnitude, _) in unusual {
-            scene.remark_once(SceneDoubt::Magnitude(magnitude));
+            scene.remark_once(SceneRemark::Magnitude(magnitude));
         }
-        // Once the text is known, faults of the whole scene have their places in it.
+        // With the text, faults of the whole scene are reported with line and column.
         let source = Some(text.clone());
         let found = scene.check_magnitudes().and_then(|()| scene.check_names());
         found.map_err(|error| scene.places.put(&source, error))?;
         scene.check_threads();
+        scene.input = InputOverview::of(&file, case);
         scene.directory = file.output.directory;
         scene.cases = cases;
         let on_request = file.cases.iter().filter(|case| case.on_request);
         scene.cases_on_request = on_request.map(|case| case.name.to_string()).collect();
         scene.case = case.map(str::to_owned);
+        scene.registry = Some(registry.clone());
         scene.source = Some(text);
         Ok(scene)
     }
 }
 
-/// The longest scene file (bytes).
+/// Largest size of a scene file (bytes).
 const LARGEST: u64 = 64 << 20;
 
-/// Reads the text of a scene, or of another file of its kind.
+/// Reads the text of a scene or another TOML file.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     let bytes = powerhouse_io::read_whole(path, LARGEST).map_err(|source| Error::Read {
         path: path.into(),
@@ -122,12 +123,12 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     })
 }
 
-/// Reads a case as far as neither mesh nor records are needed.
+/// Checks a case without reading mesh or records.
 fn check_case(text: &str, name: &str, registry: &Registry) -> Result<(), Fault> {
     check_registered(&format::decode_case(text, name)?, registry)
 }
 
-/// Sees that laws and boundaries of the registry take their keys.
+/// Checks the keys of laws and boundaries with the registry.
 fn check_registered(file: &SceneFile, registry: &Registry) -> Result<(), Fault> {
     for material in &file.materials {
         registry.material(material)?;
@@ -141,7 +142,7 @@ fn check_registered(file: &SceneFile, registry: &Registry) -> Result<(), Fault> 
     Ok(())
 }
 
-/// The names of cases, each of them once.
+/// Checks that the names of cases are unique and valid.
 fn case_names(cases: &[Case]) -> Result<Vec<String>, Fault> {
     let mut names: Vec<String> = Vec::with_capacity(cases.len());
     for case in cases {

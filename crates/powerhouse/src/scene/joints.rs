@@ -1,4 +1,4 @@
-//! From the joints of a scene to constraints.
+//! Constraints of the joints of a scene.
 
 use powerhouse_contact::Joint;
 use powerhouse_explicit_core::PeriodicPairs;
@@ -7,12 +7,12 @@ use super::Scene;
 use crate::Error;
 use crate::joint::{Closing, NamedJoint, NamedSurface};
 
-/// Joints that share nodes, and those nodes.
+/// Group of joints with common nodes, and their nodes.
 type Group = (Vec<u32>, Vec<NamedJoint>);
 
 impl Scene {
-    /// Constraints of the joints: those that share nodes, directly or by way of others, in one; and
-    /// the surfaces by the joints' names.
+    /// Constraints of the joints, one for each group of joints with common nodes, directly or through others, and
+    /// the joint surfaces by name.
     pub(crate) fn constraints_of_joints(
         &self,
         closing: impl Fn(&str) -> Closing,

@@ -1,4 +1,4 @@
-//! Which medium and which part stand where.
+//! Parts and media of elements and of absorbing faces.
 
 use powerhouse_model::{ElasticMedium, Facet, MeshError, Vec3};
 
@@ -6,11 +6,11 @@ use super::Scene;
 use crate::Error;
 
 impl Scene {
-    /// The index of the part that each element belongs to; bars may belong to none and are then left
+    /// Index of the part of each element; bars may belong to none and are then left
     /// out of the model.
     ///
     /// # Errors
-    /// A set that does not exist; a solid of no part, an element of several.
+    /// Set that does not exist; solid without part, or element of several parts.
     pub fn part_of_elements(&self) -> Result<Vec<Option<usize>>, Error> {
         let mut owner = vec![None; self.mesh.element_count()];
         let counted = |element: u32, count: usize| Error::PartCount {
@@ -32,7 +32,7 @@ impl Scene {
         }
     }
 
-    /// The facets of the absorbing faces, face by face.
+    /// Names and facets of the absorbing faces.
     ///
     /// # Errors
     /// A set that does not exist.
@@ -43,10 +43,10 @@ impl Scene {
             .collect()
     }
 
-    /// The indices of the parts behind the absorbing faces, each once, in the order of the parts.
+    /// Indices of the parts along the absorbing faces, in the order of the parts.
     ///
     /// # Errors
-    /// As the two above.
+    /// As [`part_of_elements`](Self::part_of_elements) and [`absorbing_facets`](Self::absorbing_facets).
     pub fn parts_behind_boundary(&self) -> Result<Vec<usize>, Error> {
         let owner = self.part_of_elements()?;
         let facets = self.absorbing_facets()?;
@@ -59,7 +59,7 @@ impl Scene {
         Ok(behind)
     }
 
-    /// The different media behind the absorbing faces, in which a free field lives if it is one.
+    /// Different media behind the absorbing faces; a free field needs a single one.
     ///
     /// # Errors
     /// As [`parts_behind_boundary`](Self::parts_behind_boundary).
@@ -74,7 +74,7 @@ impl Scene {
         Ok(media)
     }
 
-    /// The parts behind the absorbing faces with the faces before each, medium by medium: as in
+    /// Text that names the parts behind the absorbing faces with the faces before each, medium by medium: as in
     /// `'rock' (left, right), 'soil' (left)`.
     ///
     /// # Errors
@@ -102,7 +102,7 @@ impl Scene {
         Ok(told.join(", "))
     }
 
-    /// The centre of what scatters (m): as given, or the middle of the box around the parts that
+    /// Centre of the scatterer (m), from which springs take their distance: as given, or the middle of the box around the parts that
     /// touch no absorbing face, or around the mesh if all do.
     ///
     /// # Errors

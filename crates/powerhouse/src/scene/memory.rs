@@ -1,26 +1,26 @@
-//! History variables of the laws of a scene, in numbers.
+//! Number of history variables of a scene, for estimates of memory.
 
 use powerhouse_model::HistoryVariable;
 
 use super::Scene;
 use crate::Error;
 
-/// The number of history variables of the laws of a scene.
+/// Number of stored history variables (internal state variables) of the laws of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LawMemory {
-    /// Numbers at all points together, once.
+    /// Stored numbers at all integration points together, one state counted.
     pub numbers: usize,
-    /// Elements whose law has history variables that are shown.
+    /// Number of elements whose law has history variables in the output.
     pub elements: usize,
-    /// What is shown of it, each name once: all but what damping needs for itself.
+    /// History variables in the output, each name once; those of relaxation mechanisms are left out.
     pub variables: Vec<HistoryVariable>,
 }
 
 impl Scene {
-    /// The number of history variables of the laws, rims and relaxation mechanisms reckoned in.
+    /// Number of stored history variables of the laws, rims and relaxation mechanisms included.
     ///
     /// # Errors
-    /// A set that does not exist, a rim without an element, damping that has no place in its law.
+    /// Set that does not exist, rim without elements, or flat damping that the law does not permit.
     pub fn law_memory(&self) -> Result<LawMemory, Error> {
         let mut memory = LawMemory::default();
         for (part, rim) in self.parts.iter().zip(self.rims()?) {

@@ -1,4 +1,4 @@
-//! Planes about which the body and its motion are symmetric or antisymmetric.
+//! Planes of symmetry or antisymmetry of body and motion.
 
 use powerhouse_explicit_core::Support;
 use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
@@ -7,17 +7,17 @@ use thiserror::Error;
 use super::{Scene, SceneSpans};
 use crate::Error;
 
-/// How the other half of a body moves.
+/// Parity of the motion about a symmetry plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// As the mirror image of this half.
+    /// Symmetric: the other half moves as the mirror image of the modelled one.
     Symmetric,
-    /// As the mirror image with the opposite sign.
+    /// Antisymmetric: the other half moves as the mirror image with the opposite sign.
     Antisymmetric,
 }
 
 impl Parity {
-    /// Its name in messages.
+    /// Name of the parity in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -26,7 +26,7 @@ impl Parity {
         }
     }
 
-    /// A vector as the other half has it: `v - 2 (v.n) n`, with the opposite sign if antisymmetric.
+    /// Vector of the other half: `v - 2 (v.n) n`, with the opposite sign if antisymmetric.
     fn image(self, normal: &Vec3, vector: &Vec3) -> Vec3 {
         let mirrored = reflected(normal, vector);
         match self {
@@ -36,13 +36,13 @@ impl Parity {
     }
 }
 
-/// A plane at which half of a body stands for the whole.
+/// Symmetry plane at which half of a body is modelled in place of the whole.
 ///
-/// Nodes on it do not move along its normal if the motion is symmetric, nor across the normal if it is
-/// antisymmetric. Loads and prescribed motions are taken to have the same parity; waves, weights and
-/// materials are looked at when the scene is prepared. A vertical plane is symmetric for P and SV waves
-/// that travel along it, antisymmetric for SH waves that do, and for SV waves that come straight up
-/// with their motion along its normal.
+/// Nodes on the plane have no displacement along its normal if the motion is symmetric, and none in the plane if it is
+/// antisymmetric. Loads and prescribed motions are assumed to have the same parity; waves, weights and materials are
+/// checked when the scene is prepared. A vertical plane is a plane of symmetry for P and SV waves that travel along
+/// it, of antisymmetry for SH waves that travel along it and for vertically incident SV waves polarised along its
+/// normal.
 ///
 /// ```
 /// use powerhouse::{Mirror, Parity};
@@ -55,21 +55,21 @@ impl Parity {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
-    /// Nodes on the plane (mesh indices): all that the body has there.
+    /// Nodes on the plane (mesh indices): all of the body.
     pub nodes: Vec<u32>,
-    /// Normal of the plane, of any length but zero.
+    /// Normal of the plane, a nonzero vector of any length.
     pub normal: Vec3,
-    /// How the other half moves.
+    /// Parity of the motion.
     pub parity: Parity,
 }
 
 impl Mirror {
-    /// What holds the nodes.
+    /// Supports of the nodes on the plane.
     pub(crate) fn supports(&self) -> Vec<Support> {
         let directions = match self.parity {
             Parity::Symmetric => vec![self.normal],
             Parity::Antisymmetric => {
-                // The axis that is farthest from the normal, across it, and the third direction.
+                // The coordinate axis farthest from the normal, projected into the plane, and the third direction.
                 let axis = Vec3::ith(self.normal.iamin(), 1.0);
                 let across = self.normal.cross(&axis);
                 vec![across, self.normal.cross(&across)]
@@ -80,61 +80,61 @@ impl Mirror {
     }
 }
 
-/// Why half of a body does not stand for the whole.
+/// Why a symmetry plane is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MirrorError {
-    /// No plane.
+    /// Symmetry plane without nodes or normal.
     #[error("a plane of symmetry needs nodes and a normal")]
     Nothing,
-    /// A node that is not on the plane of the others.
+    /// Node that is not on the plane.
     #[error("node {node} lies {distance:.3e} m off the plane of symmetry")]
     OffPlane {
-        /// The user's number.
+        /// Number of the node in the mesh file.
         node: u64,
-        /// Its distance from the plane (m).
+        /// Distance of the node from the plane (m).
         distance: f64,
     },
-    /// Nodes on both sides.
-    #[error("the body stands on both sides of the plane of symmetry: node {node} lies beyond it")]
+    /// Body with nodes on both sides of the plane.
+    #[error("the body is on both sides of the plane of symmetry: node {node} lies beyond it")]
     BothSides {
-        /// The user's number of a node on the smaller side.
+        /// Number of a node on the smaller side in the mesh file.
         node: u64,
     },
-    /// An absorbing face in the plane.
+    /// Absorbing face in the plane.
     #[error("the absorbing face '{face}' lies in the plane of symmetry")]
     Absorbs {
-        /// The face.
+        /// Facet set of the face.
         face: String,
     },
-    /// Waves or weights of another parity.
+    /// Waves or weights with another parity than the plane.
     #[error(
         "{what} is not {parity} about this plane: it differs from its image by {deviation:.3} of its peak"
     )]
     Parity {
-        /// What is not: a field, or a weight.
+        /// Name of the field or weight.
         what: String,
-        /// What it should be.
+        /// Parity of the plane.
         parity: &'static str,
-        /// The largest difference over the peak.
+        /// Largest difference from the mirror image over the peak.
         deviation: f64,
     },
-    /// Antisymmetry of something that answers to tension and pressure differently.
+    /// Plane of antisymmetry in a model with a part, joint or initial stress that is not linear elastic.
     #[error(
-        "{what} is not elastic: it does not answer to the opposite motion with the opposite force"
+        "{what} is not elastic: opposite motions do not give opposite forces, as antisymmetry requires"
     )]
     Nonlinear {
-        /// A part, a joint, or an initial stress.
+        /// Name of the part or joint, or the initial stress.
         what: String,
     },
 }
 
-/// What is off the plane by less than this share of the mesh's diagonal is on it.
+/// Tolerance of the distance of nodes from the plane, over the diagonal of the mesh.
 const TOLERANCE: f64 = 1e-6;
-/// A field has a parity if it differs from its image by no more than this share of its peak: tables of
-/// waves past the critical angle are as exact in displacement.
+/// Tolerance of the difference of a field from its mirror image, over its peak: the accuracy of the displacement tables
+/// of waves past the critical angle.
 const PARITY_TOLERANCE: f64 = 1e-5;
-/// Points and instants at which a field is looked at.
+/// Numbers of points and instants at which a field is evaluated.
 const POINTS: usize = 64;
 const INSTANTS: usize = 400;
 
@@ -143,10 +143,10 @@ fn reflected(normal: &Vec3, vector: &Vec3) -> Vec3 {
 }
 
 impl Scene {
-    /// Sees that half of the body stands for the whole at every plane of symmetry.
+    /// Checks that body and waves have the parity of every symmetry plane.
     ///
     /// # Errors
-    /// Why it does not at the first one, at its place in the scene's file.
+    /// Error of the first invalid plane, with its position in the scene file.
     pub(super) fn check_mirrors(&self) -> Result<(), Error> {
         for (index, mirror) in self.mirrors.iter().enumerate() {
             self.check_mirror(mirror)
@@ -169,7 +169,7 @@ impl Scene {
             .iter()
             .any(|&node| node as usize >= positions.len())
         {
-            // Supports on nodes that are not there are refused with the model.
+            // Supports on nodes that do not exist are rejected when the model is built.
             return Ok(());
         }
         let origin = positions[first as usize];
@@ -221,7 +221,7 @@ impl Scene {
         }
     }
 
-    /// Refuses what has no opposite.
+    /// Checks that parts, joints and initial stress are linear elastic.
     fn check_linear(&self) -> Result<(), Error> {
         let parts = self.parts.iter().filter(|part| !part.material.is_linear());
         let parts = parts.map(|part| format!("part '{}'", part.set));
@@ -257,7 +257,7 @@ impl Scene {
             for (here, there) in here.iter().zip(&there) {
                 let difference = (here - parity.image(normal, there)).norm();
                 peak = peak.max(here.norm());
-                // What is no number is worse than anything.
+                // A value that is not a number counts as the largest difference.
                 worst = if difference <= worst {
                     worst
                 } else {
@@ -277,7 +277,7 @@ impl Scene {
     }
 }
 
-/// Displacements of a field (m).
+/// Displacements of a field at points and instants (m).
 fn moved(sampler: &dyn FieldSampler, time: f64) -> Vec<Vec3> {
     let mut motion = vec![FieldMotion::default(); sampler.len()];
     sampler.add_motion(time, &mut motion);

@@ -7,6 +7,7 @@ mod joints;
 mod medium;
 mod memory;
 mod mirror;
+mod overview;
 mod prepare;
 mod region;
 mod rim;
@@ -19,6 +20,7 @@ pub use boundary::Boundary;
 pub(crate) use file::read_text;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
+pub use overview::{InputOverview, WaveOverview};
 pub(crate) use prepare::field_motion;
 pub use region::RegionError;
 pub(crate) use spans::{NOT_AT_REST, SceneSpans, StageSpans};
@@ -39,9 +41,11 @@ use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
+use crate::{
+    Error, InSituStress, Part, Registry, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
+};
 
-/// Nodes whose motion is given, in every model of a scene.
+/// Nodes with prescribed motion, shared by all models of a scene.
 pub(crate) struct PrescribedMotion {
     pub(crate) nodes: Vec<u32>,
     pub(crate) direction: Vec3,
@@ -58,39 +62,43 @@ impl From<Prescribed> for PrescribedMotion {
     }
 }
 
-/// The time step of a run.
+/// Time step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeStep {
-    /// This share of the stable step, above 0 and at most 1.
+    /// Share of the stable step, above 0 and at most 1.
     OfStable(f64),
-    /// A step (s); refused if it is above the stable one.
+    /// Length (s); refused if it is above the stable step.
     Seconds(f64),
 }
 
-/// The residual of the energy balance at which a run stops, over the largest energy held or put in
-/// until then.
+/// Largest permitted residual of the energy balance, over the largest energy held or put in until then; a run
+/// stops above it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ResidualLimit {
-    /// 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
+    /// Default of the precision: 1e-7 in double, 1e-4 in mixed, 1e-2 in single.
     #[default]
     OfPrecision,
-    /// This share.
+    /// A share above 0 and at most 1.
     Share(f64),
-    /// The balance is not kept, unless energies are recorded, and stops nothing.
+    /// No limit: the balance is not kept unless energies are recorded.
     Unchecked,
 }
 
-/// The body's motion at the start.
+/// Motion of the body at the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InitialMotion {
-    /// At rest.
+    /// Zero displacement and velocity.
     #[default]
     Rest,
-    /// The motion of the incident field.
+    /// Displacement and velocity of the incident field.
     Field,
 }
 
-/// Everything that a run needs: a mesh, its parts, what acts on it, and what is wanted of it.
+/// Input of a run: a mesh, its parts, boundary conditions, loads, construction stages and output requests.
+///
+/// `with_x` sets what `x` returns (or adds to it, where `x` is a list under a plural name); a method named by a
+/// singular noun adds one item to the list of the plural: [`part`](Self::part) to [`parts`](Self::parts),
+/// [`support`](Self::support) to [`supports`](Self::supports).
 ///
 /// A scene is read from a file ([`Scene::from_file`]) or composed here; both give the same type.
 /// ```
@@ -106,12 +114,12 @@ pub enum InitialMotion {
 /// let wave = PlaneWave::new(PlaneWaveParameters::vertical(WaveKind::P, media::ROCK, 400.0), pulse)?;
 /// let scene = Scene::new("box", mesh)
 ///     .part(Part::new("rock", Material::from(LinearElastic::new(media::ROCK))))
-///     .field(wave)
-///     .boundary(Boundary::new(
+///     .with_field(wave)
+///     .with_boundary(Boundary::new(
 ///         ViscousSpring::default(),
 ///         ["left", "right", "front", "back", "bottom"],
-///     ).scatterer(Vec3::new(200.0, 200.0, 400.0)))
-///     .duration(0.2);
+///     ).with_scatterer(Vec3::new(200.0, 200.0, 400.0)))
+///     .with_duration(0.2);
 /// let mut simulation = scene.prepare()?;
 /// assert!(simulation.stable_step()?.step > 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -121,7 +129,7 @@ pub struct Scene {
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) parts: Vec<Part>,
     pub(crate) field: Option<Arc<dyn IncidentField>>,
-    /// The plane waves that the field is the sum of, as far as it is known to be one.
+    /// Plane waves whose sum is the field, if the field is such a sum.
     pub(crate) waves: Vec<PlaneWave>,
     pub(crate) boundary: Option<Boundary>,
     pub(crate) supports: Vec<Support>,
@@ -151,15 +159,17 @@ pub struct Scene {
     pub(crate) source: Option<Arc<SceneText>>,
     pub(crate) places: SceneSpans,
     pub(crate) directory: Option<PathBuf>,
-    /// The names of the cases in its file.
+    /// Names of the cases in the scene file.
     pub(crate) cases: Vec<String>,
     pub(crate) cases_on_request: Vec<String>,
-    /// The case of its file that it is.
+    /// Name of the case that the scene is, if any.
     pub(crate) case: Option<String>,
+    pub(crate) input: InputOverview,
+    pub(crate) registry: Option<Registry>,
 }
 
 impl Scene {
-    /// An undriven scene of a mesh without parts: one second of leapfrog steps in double precision.
+    /// Scene of a mesh without parts, waves or loads: duration one second, leapfrog scheme, double precision.
     pub fn new(title: impl Into<String>, mesh: Mesh) -> Self {
         Self {
             title: title.into(),
@@ -198,6 +208,8 @@ impl Scene {
             cases: Vec::new(),
             cases_on_request: Vec::new(),
             case: None,
+            input: InputOverview::default(),
+            registry: None,
         }
     }
     /// Adds a part; every element of the mesh must belong to exactly one.
@@ -206,18 +218,18 @@ impl Scene {
         self.parts.push(part);
         self
     }
-    /// Sets the motion of the site without the structure.
+    /// Sets the incident field: the motion of the site without the structure.
     #[must_use]
-    pub fn field(mut self, field: impl IncidentField + 'static) -> Self {
+    pub fn with_field(mut self, field: impl IncidentField + 'static) -> Self {
         self.field = Some(Arc::new(field));
         self.waves.clear();
         self
     }
-    /// The same for the sum of plane waves, which studies of the scene then know one by one.
+    /// Sets the incident field to a sum of plane waves, which studies of the scene then know one by one.
     ///
     /// # Errors
     /// No wave, or waves in different media.
-    pub fn plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
+    pub fn with_plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
         let fields = waves.iter().cloned();
         let fields = fields.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
         let sum = Superposition::new(fields.collect()).map_err(ModelError::from)?;
@@ -225,39 +237,39 @@ impl Scene {
         self.waves = waves;
         Ok(self)
     }
-    /// The same for a field that another scene has too.
+    /// Sets the incident field to one that another scene has too.
     #[must_use]
-    pub fn shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
+    pub fn with_shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
         self.field = Some(field);
         self.waves.clear();
         self
     }
-    /// Sets where the mesh ends.
+    /// Sets the absorbing boundary.
     #[must_use]
-    pub fn boundary(mut self, boundary: Boundary) -> Self {
+    pub fn with_boundary(mut self, boundary: Boundary) -> Self {
         self.boundary = Some(boundary);
         self
     }
-    /// Adds nodes that are held.
+    /// Adds a support: nodes that are held in some or all directions.
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }
-    /// Adds a plane at which half of the body stands for the whole.
+    /// Adds a symmetry plane, at which half of the body is modelled.
     #[must_use]
     pub fn mirror(mut self, mirror: Mirror) -> Self {
         self.supports.extend(mirror.supports());
         self.mirrors.push(mirror);
         self
     }
-    /// Adds nodes that move as one.
+    /// Adds pairs of nodes that move as one (periodic boundary conditions).
     #[must_use]
-    pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
+    pub fn with_periodic_pairs(mut self, pairs: PeriodicPairs) -> Self {
         self.periodic.push(pairs);
         self
     }
-    /// Adds nodes whose motion is given.
+    /// Adds nodes with a prescribed motion.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed.into());
@@ -269,9 +281,8 @@ impl Scene {
         self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
-    /// Adds a load that a stage takes off again, by name: what it leaves out of balance comes on the
-    /// body in the increments of that stage, and as far as its release says. It is not there when the body
-    /// moves.
+    /// Adds a temporary load that a stage, given by name, removes. Its removal is applied in the increments of that
+    /// stage, multiplied by the release factor. It does not act in the dynamic run.
     #[must_use]
     pub fn temporary_load(
         mut self,
@@ -282,19 +293,19 @@ impl Scene {
         (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
-    /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.
+    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
         self.weights.push((acceleration, Arc::new(history)));
         self
     }
-    /// Adds a joint; each must have a name of its own. Joints that share nodes are solved together.
+    /// Adds a joint with a unique name. Joints with common nodes are solved together.
     #[must_use]
     pub fn joint(mut self, joint: SceneJoint) -> Self {
         self.joints.push(joint);
         self
     }
-    /// Adds a condition that corrects predicted velocities.
+    /// Adds a constraint, which corrects predicted velocities.
     #[must_use]
     pub fn constraint(mut self, constraint: impl Constraint + 'static) -> Self {
         self.constraints.push(Box::new(constraint));
@@ -302,68 +313,73 @@ impl Scene {
     }
     /// Sets the stress of the ground before the first stage.
     #[must_use]
-    pub fn in_situ_stress(mut self, stress: InSituStress) -> Self {
+    pub fn with_in_situ_stress(mut self, stress: InSituStress) -> Self {
         self.in_situ_stress = Some(stress);
         self
     }
-    /// Adds bolts, which a stage installs.
+    /// Adds a bolt group, which a stage installs.
     #[must_use]
-    pub fn bolts(mut self, bolts: SceneBolts) -> Self {
+    pub fn with_bolts(mut self, bolts: SceneBolts) -> Self {
         self.bolts.push(bolts);
         self
     }
-    /// Adds a stage through which the body goes before it moves, after those that it has.
+    /// Adds a construction stage before the motion, after those that the scene has.
     #[must_use]
     pub fn stage(mut self, stage: SceneStage) -> Self {
         self.stages.push(stage);
         self
     }
-    /// Sets how long the run lasts (s).
+    /// Sets the duration of the run (s).
     #[must_use]
-    pub fn duration(mut self, duration: f64) -> Self {
+    pub fn with_duration(mut self, duration: f64) -> Self {
         self.duration = duration;
         self
     }
-    /// Sets the time at which the run starts (s), and how.
+    /// Sets the time at which the run starts (s).
     #[must_use]
-    pub fn start(mut self, time: f64, motion: InitialMotion) -> Self {
-        (self.start, self.initial) = (time, motion);
+    pub fn with_start_time(mut self, time: f64) -> Self {
+        self.start = time;
         self
     }
-    /// Sets the time step.
+    /// Sets the motion of the body at the start.
     #[must_use]
-    pub fn step(mut self, step: TimeStep) -> Self {
+    pub fn with_initial_motion(mut self, motion: InitialMotion) -> Self {
+        self.initial = motion;
+        self
+    }
+    /// Sets the time step of the run.
+    #[must_use]
+    pub fn with_step(mut self, step: TimeStep) -> Self {
         self.step = step;
         self
     }
-    /// Sets the scheme.
+    /// Sets the time integration scheme.
     #[must_use]
-    pub fn integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
+    pub fn with_integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
         self.integrator = Box::new(integrator);
         self
     }
-    /// Sets the number format.
+    /// Sets the number format of the elements and nodes.
     #[must_use]
-    pub fn precision(mut self, precision: Precision) -> Self {
+    pub fn with_precision(mut self, precision: Precision) -> Self {
         self.precision = precision;
         self
     }
-    /// Sets the residual of the energy balance at which a run stops.
+    /// Sets the residual of the energy balance at which the run stops.
     #[must_use]
-    pub fn energy_residual(mut self, limit: ResidualLimit) -> Self {
+    pub fn with_energy_residual(mut self, limit: ResidualLimit) -> Self {
         self.residual = limit;
         self
     }
-    /// Computes with so many threads instead of all, at most those of the machine; the bits of results do
-    /// not depend on it.
+    /// Sets the number of threads, at most those of the machine; the bits of results do not depend on it.
     #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
+    pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
         self
     }
-    /// Sets what is recorded.
+    /// Sets the output requests.
     #[must_use]
-    pub fn output(mut self, output: OutputPlan) -> Self {
+    pub fn with_output(mut self, output: OutputPlan) -> Self {
         self.output = output;
         self
     }
@@ -371,12 +387,11 @@ impl Scene {
     /// Sets the largest permitted error of the free field, which the command `powerhouse run` checks
     /// before it runs a scene.
     #[must_use]
-    pub fn require_free_field(mut self, error: f64) -> Self {
+    pub fn with_self_check(mut self, error: f64) -> Self {
         self.self_check = Some(error);
         self
     }
-    /// Adds a record, so that checks look at what it asks of the mesh; a field is made of it
-    /// separately.
+    /// Adds a record, so that checks take its frequency content into account; it is not used for the field.
     #[must_use]
     pub fn record(mut self, name: impl Into<String>, history: TimeHistory) -> Self {
         self.records.insert(name.into(), history);
@@ -384,9 +399,21 @@ impl Scene {
     }
     /// Sets the folder for the files of a run.
     #[must_use]
-    pub fn directory(mut self, path: impl Into<PathBuf>) -> Self {
+    pub fn with_directory(mut self, path: impl Into<PathBuf>) -> Self {
         self.directory = Some(path.into());
         self
+    }
+
+    /// Sets the registry of names, as reading a file does: checks and advice of the scene then know the
+    /// boundaries and kernels that a program has registered.
+    #[must_use]
+    pub fn with_registry(mut self, registry: Registry) -> Self {
+        self.registry = Some(registry);
+        self
+    }
+    /// The registry that the scene was read with; none for one that was composed without.
+    pub fn registry(&self) -> Option<&Registry> {
+        self.registry.as_ref()
     }
 
     /// The title.
@@ -397,95 +424,119 @@ impl Scene {
     pub fn mesh(&self) -> &Arc<Mesh> {
         &self.mesh
     }
-    /// The parts.
+    /// The parts: element sets with their material and kernel.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
-    /// The motion of the site without the structure.
-    pub fn incident_field(&self) -> Option<&Arc<dyn IncidentField>> {
+    /// The incident field: the motion of the site without the structure.
+    pub fn field(&self) -> Option<&Arc<dyn IncidentField>> {
         self.field.as_ref()
     }
-    /// The plane waves that it is the sum of; none if it is given otherwise.
-    pub fn incident_waves(&self) -> &[PlaneWave] {
+    /// The plane waves of which the incident field is the sum; none if the field is given otherwise.
+    pub fn plane_waves(&self) -> &[PlaneWave] {
         &self.waves
     }
-    /// Where the mesh ends.
-    pub fn absorbing_boundary(&self) -> Option<&Boundary> {
+    /// The absorbing boundary.
+    pub fn boundary(&self) -> Option<&Boundary> {
         self.boundary.as_ref()
     }
-    /// How long the run lasts (s).
-    pub fn run_duration(&self) -> f64 {
+    /// Duration of the run (s).
+    pub fn duration(&self) -> f64 {
         self.duration
     }
-    /// The time at which it starts (s).
+    /// Time at which the run starts (s).
     pub fn start_time(&self) -> f64 {
         self.start
     }
-    /// Threads that compute; all if none.
-    pub fn thread_count(&self) -> Option<usize> {
+    /// Number of threads; none for all of the machine.
+    pub fn threads(&self) -> Option<usize> {
         self.threads
     }
-    /// How the body moves then.
+    /// Motion of the body at the start of the run.
     pub fn initial_motion(&self) -> InitialMotion {
         self.initial
     }
-    /// The number format.
-    pub fn number_format(&self) -> Precision {
+    /// Time step of the run.
+    pub fn step(&self) -> TimeStep {
+        self.step
+    }
+    /// Time integration scheme.
+    pub fn integrator(&self) -> &dyn TimeIntegrator {
+        self.integrator.as_ref()
+    }
+    /// Residual of the energy balance at which the run stops.
+    pub fn energy_residual(&self) -> ResidualLimit {
+        self.residual
+    }
+    /// Stress of the ground before the first stage.
+    pub fn in_situ_stress(&self) -> Option<&InSituStress> {
+        self.in_situ_stress.as_ref()
+    }
+    /// Bolts, which stages install.
+    pub fn bolts(&self) -> &[SceneBolts] {
+        &self.bolts
+    }
+    /// Symmetry planes.
+    pub fn mirrors(&self) -> &[Mirror] {
+        &self.mirrors
+    }
+    /// Number format of the elements and nodes.
+    pub fn precision(&self) -> Precision {
         self.precision
     }
-    /// Nodes that are held.
+    /// Supports: nodes that are held in some or all directions.
     pub fn supports(&self) -> &[Support] {
         &self.supports
     }
-    /// Nodes that move as one.
+    /// Pairs of nodes that move as one (periodic boundary conditions).
     pub fn periodic_pairs(&self) -> &[PeriodicPairs] {
         &self.periodic
     }
-    /// The stages through which the body goes before it moves.
+    /// Construction stages before the motion, in their order.
     pub fn stages(&self) -> &[SceneStage] {
         &self.stages
     }
-    /// Whether a field, a load, a weight or a prescribed motion acts on it.
+    /// Whether an incident field, a load, a weight or a prescribed motion acts on the body.
     pub fn is_driven(&self) -> bool {
         self.field.is_some()
             || self.loads.iter().any(|load| load.removed_in.is_none())
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
     }
-    /// Whether forces that last act on it: weight, or what its stages leave.
+    /// Whether permanent forces act on the body: weight, or what its stages leave.
     pub fn is_loaded_for_good(&self) -> bool {
         !self.weights.is_empty() || !self.stages.is_empty()
     }
-    /// What is recorded.
-    pub fn output_plan(&self) -> &OutputPlan {
+    /// Output requests.
+    pub fn output(&self) -> &OutputPlan {
         &self.output
     }
     /// The largest permitted error of the free field, if a run is to check it first.
     pub fn self_check(&self) -> Option<f64> {
         self.self_check
     }
-    /// The records of the scene's file as they enter its waves, by name.
+    /// Processed records of the scene file, by name.
     pub fn records(&self) -> &BTreeMap<String, TimeHistory> {
         &self.records
     }
-    /// The file that the scene was read from, with its text.
+    /// Path and text of the scene file; `None` for a scene composed in Rust.
     pub fn source(&self) -> Option<&Arc<SceneText>> {
         self.source.as_ref()
     }
-    /// The names of the cases in the scene's file.
+    /// Names of the cases in the scene file.
     pub fn case_names(&self) -> &[String] {
         &self.cases
     }
-    /// Those of them that a sweep leaves out unless they are asked for.
+    /// Names of the cases that a sweep computes on request only.
     pub fn cases_on_request(&self) -> &[String] {
         &self.cases_on_request
     }
-    /// The case of its file that the scene is, if it is one.
+    /// Name of the case that the scene is, if any.
     pub fn case(&self) -> Option<&str> {
         self.case.as_deref()
     }
-    /// The folder for the files of a run: as the scene says, or `results/` and the name of the
-    /// scene's file; a case has a folder of its name in it.
+    /// Results folder of a run: as given in the scene, or `results/` with the name of the scene file; a case has a
+    /// subfolder of its name.
     pub fn result_folder(&self) -> ResultFolder {
         let named = || {
             let stem = self
@@ -500,12 +551,12 @@ impl Scene {
             None => folder,
         })
     }
-    /// The names of the joints, their sides and their laws.
+    /// Names, surfaces and laws of the joints.
     pub fn joints(&self) -> impl Iterator<Item = (&str, &JointSurface, &dyn ContactLaw)> {
         let joints = self.joints.iter();
         joints.map(|joint| (joint.name.as_str(), &joint.surface, joint.law.as_ref()))
     }
-    /// What was found while the scene was composed.
+    /// Remarks and warnings that were found while the scene was composed.
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }

@@ -1,4 +1,4 @@
-//! From a scene to a model that can be stepped.
+//! Building of the dynamic model of a scene.
 
 use std::sync::Arc;
 
@@ -15,18 +15,18 @@ use crate::output::{Recordings, StateVariables};
 use crate::stage::{Staging, Timeline, last_renewal};
 use crate::{Error, InSituStress, Remark, Simulation};
 
-/// What is above a level by less than this share of the mesh's diagonal stands on it.
+/// Tolerance of heights above a level, over the diagonal of the mesh.
 const ROUNDING_OF_PLACE: f64 = 1e-9;
 
-/// A model that is all but built, and the sides of its joints by name.
+/// Model builder with all components, and the joint surfaces by name.
 pub(crate) struct Moving<'a> {
     pub(crate) builder: ModelBuilder<'a>,
     surfaces: Vec<NamedSurface>,
 }
 
 impl Scene {
-    /// Builds the model: checks everything, renumbers, packs elements, prepares the boundary. Stages
-    /// are looked at, not gone through: that is the run's.
+    /// Simulation of the scene: model built and checked, nodes renumbered, elements packed, boundary prepared.
+    /// Construction stages are checked here and computed by the run.
     ///
     /// # Errors
     /// The first thing that does not fit, named by the user's sets and numbers.
@@ -64,14 +64,14 @@ impl Scene {
         remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.joints.iter().filter_map(|joint| {
             let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
-            Some(Remark::JointAnew {
+            Some(Remark::JointRenewed {
                 joint: joint.name.clone(),
                 stage: stage.map(str::to_owned),
                 renewal,
             })
         }));
         let state_variables = StateVariables::of(&self, &rims)?;
-        let mut observed = Recordings::observe(
+        let (mut recordings, mut observers) = Recordings::observe(
             &self.output,
             &self.mesh,
             timeline.as_ref().and_then(Timeline::present),
@@ -89,12 +89,10 @@ impl Scene {
             }
             let Moving { builder, surfaces } =
                 self.moving(builder, &pieces, timeline.as_ref(), &mut remarks)?;
-            observed
-                .0
-                .watch_joints(&self.output, &self.mesh, surfaces, &mut observed.1)?;
+            recordings.watch_joints(&self.output, &self.mesh, surfaces, &mut observers)?;
             if let Some(timeline) = &timeline {
                 let bolts = timeline.bolts(self.stages.len());
-                (observed.0).watch_bolts(&self.output, bolts, &mut observed.1)?;
+                recordings.watch_bolts(&self.output, bolts, &mut observers)?;
             }
             builder.build()?
         };
@@ -104,32 +102,38 @@ impl Scene {
             state.time = self.start;
             model.set_state(&state)?;
         }
-        let field = match (self.initial, &self.field) {
+        let initial = match (self.initial, &self.field) {
             (InitialMotion::Rest, _) => None,
             (InitialMotion::Field, Some(field)) => Some(field.clone()),
             (InitialMotion::Field, None) => return Err(Error::NoField),
         };
         let integrator = core::mem::replace(&mut self.integrator, Box::new(Leapfrog));
-        Ok(Simulation::new(
-            (self.title.clone(), self.mesh.clone(), model),
-            (integrator, step),
-            (self.duration, self.residual),
-            (self.source.clone(), self.places.clone()),
-            field,
-            (self.output.clone(), observed),
-            state_variables.variables.clone(),
-            core::mem::take(&mut self.remarks),
-            timeline.map(|timeline| Staging {
+        Ok(Simulation {
+            title: self.title.clone(),
+            mesh: self.mesh.clone(),
+            model,
+            integrator,
+            step,
+            duration: self.duration,
+            residual: self.residual,
+            source: self.source.clone(),
+            spans: self.places.clone(),
+            initial,
+            plan: self.output.clone(),
+            recordings,
+            observers,
+            variables: state_variables.variables.clone(),
+            remarks: core::mem::take(&mut self.remarks),
+            staging: timeline.map(|timeline| Staging {
                 scene: self,
                 pieces,
                 timeline,
                 variables: state_variables.variables,
             }),
-        ))
+        })
     }
 
-    /// The remark that the in-situ stress of ground ends below the top of the body that the first stage
-    /// finds.
+    /// Warning about an in-situ stress that ends below the top of the body in the first stage.
     fn above_ground(&self, timeline: Option<&Timeline>) -> Option<Remark> {
         let Some(InSituStress::Field(field)) = &self.in_situ_stress else {
             return None;
@@ -146,8 +150,7 @@ impl Scene {
         (field.ends && above).then_some(Remark::AboveGround { level, top })
     }
 
-    /// The model that moves, but for its start; what is found about its surroundings is added to the
-    /// remarks.
+    /// Builder of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.
     pub(crate) fn moving<'a>(
         &self,
         mut builder: ModelBuilder<'a>,
@@ -161,8 +164,8 @@ impl Scene {
         }
         let present = timeline.and_then(Timeline::present);
         let parts = self.boundary_parts(present, remarks)?;
-        let doubts = self.doubts_of_weight(parts.as_ref());
-        remarks.extend(doubts.into_iter().map(Remark::Doubt));
+        let warnings = self.gravity_warnings(parts.as_ref());
+        remarks.extend(warnings.into_iter().map(Remark::Scene));
         if let Some(parts) = parts {
             builder = builder.boundary(parts);
         }
@@ -182,8 +185,8 @@ impl Scene {
         Ok(Moving { builder, surfaces })
     }
 
-    /// What stands where the mesh ends: none without a boundary. Faces of elements that are not there
-    /// when the body moves do not absorb.
+    /// Springs and dashpots of the absorbing boundary; `None` without a boundary. Faces of elements that are inactive in
+    /// the run do not absorb.
     fn boundary_parts(
         &self,
         present: Option<&[bool]>,
@@ -251,12 +254,12 @@ impl Scene {
     }
 }
 
-/// The motion of a field at the nodes: displacement (m) at `time` and velocity (m/s) half a step
-/// before it.
+/// Motion of a field at the nodes: displacement at `time` (m) and velocity half a step before (m/s).
 pub(crate) fn field_motion(
     field: &dyn IncidentField,
     points: &[Vec3],
-    (time, step): (f64, f64),
+    time: f64,
+    step: f64,
 ) -> Result<(Vec<Vec3>, Vec<Vec3>), Error> {
     let sampler = field.prepare(points)?;
     let mut motion = vec![powerhouse_model::FieldMotion::default(); points.len()];

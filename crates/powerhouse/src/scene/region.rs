@@ -1,4 +1,4 @@
-//! A region that the field enters through the layer of elements around it.
+//! Domain reduction region: the free field enters through the layer of elements around it.
 
 use powerhouse_boundary::ReductionLayer;
 use powerhouse_model::{BoundarySite, IncidentField};
@@ -7,51 +7,52 @@ use thiserror::Error;
 use super::{InitialMotion, Scene};
 use crate::{Damping, Error, Remark, reduction_layer};
 
-/// Why a field cannot enter through the layer around a region.
+/// Why domain reduction through the layer around a region is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RegionError {
-    /// No field that could enter.
-    #[error("a region lets waves in through the layer around it, and no wave comes")]
+    /// Region in a scene without waves.
+    #[error("the region is for waves that enter around it, but the scene has no wave")]
     NoField,
-    /// A region without an element, or one that is the whole body.
-    #[error("the region has {inside} of {of} elements: some must be in it, and some around it")]
+    /// Region without elements, or one that covers the whole body.
+    #[error(
+        "the region has {inside} of {of} elements: there must be elements inside and around it"
+    )]
     Nothing {
-        /// Elements of the region.
+        /// Number of elements of the region.
         inside: usize,
-        /// Elements of the body.
+        /// Number of elements of the body.
         of: usize,
     },
-    /// A region that reaches the absorbing faces.
+    /// Region that reaches the absorbing faces.
     #[error(
-        "the region has node {node} on an absorbing face ({count} such nodes): a layer of elements must lie between, since those faces see scattered waves alone"
+        "the region has node {node} on an absorbing face ({count} such nodes): at least one layer of elements must lie between, since these faces absorb scattered waves alone"
     )]
     TouchesFace {
-        /// The user's number of the first such node.
+        /// Number of the first such node in the mesh file.
         node: u64,
-        /// How many there are.
+        /// Number of such nodes.
         count: usize,
     },
-    /// An element of the layer that is not the ground of the field.
+    /// Element of the layer that is not elastic, undamped ground of the field's medium.
     #[error(
-        "element {element} of the layer around the region is {what}: the field solves the equations of elastic, undamped ground of its own medium there"
+        "element {element} of the layer around the region is {what}: the layer must be elastic, undamped ground of the field's medium"
     )]
     OtherGround {
-        /// The user's number.
+        /// Number of the element in the mesh file.
         element: u64,
-        /// What it is.
+        /// Description of its deviation.
         what: &'static str,
     },
-    /// A body that starts with the motion of the field.
+    /// Initial motion of the free field in a scene with a region.
     #[error(
-        "a body that starts with the field's own motion has it outside the region too, where only scattered waves belong: start at rest"
+        "the initial motion of the free field would also be outside the region, where the motion is that of scattered waves: start at rest"
     )]
     InMotion,
 }
 
 impl Scene {
-    /// The layer around the region through which the field enters, if there is a region, and what is to
-    /// be said of it.
+    /// Layer around the region through which the field enters, if there is a region, with a remark about it.
     pub(super) fn region_layer(
         &self,
         site: &BoundarySite,
@@ -92,7 +93,7 @@ impl Scene {
         Ok(Some((layer, remark)))
     }
 
-    /// The one part that all elements of a layer belong to, if it is the ground of the field.
+    /// Part of all elements of a layer, if it is elastic, undamped ground of the field's medium.
     fn part_of_layer(
         &self,
         elements: &[u32],

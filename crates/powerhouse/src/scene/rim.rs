@@ -1,4 +1,4 @@
-//! Which elements stand along the absorbing faces.
+//! Rims: elements of parts along the absorbing faces.
 
 use std::collections::HashSet;
 
@@ -8,10 +8,10 @@ use super::Scene;
 use crate::Error;
 
 impl Scene {
-    /// The elements of each part that are its rim.
+    /// Elements of the rim of each part.
     ///
     /// # Errors
-    /// A width that is negative or not finite; a rim without an element.
+    /// Width that is negative or not finite; rim without elements.
     pub(crate) fn rims(&self) -> Result<Vec<HashSet<u32>>, Error> {
         let facets: Vec<Facet> = self
             .absorbing_facets()?
@@ -32,7 +32,7 @@ impl Scene {
             let rim: HashSet<u32> = elements.filter(is_near).collect();
             if rim.is_empty() {
                 let set = part.set.clone();
-                return Err(Error::IdleRim { set, width });
+                return Err(Error::EmptyRim { set, width });
             }
             Ok(rim)
         };

@@ -1,4 +1,4 @@
-//! What can hardly be meant of a scene, whether it was read from a file or composed.
+//! Checks of magnitudes, names, threads and supports of a scene, from a file or composed.
 
 use std::collections::BTreeSet;
 
@@ -8,25 +8,25 @@ use powerhouse_model::{BoundaryParts, Mesh, Vec3};
 use super::Scene;
 use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
-use crate::scene_doubt::SceneDoubt;
+use crate::scene_remark::SceneRemark;
 use crate::{Error, Remark};
 
-/// What a direction shares with another at least to hold a body along it: the cosine of 80 degrees.
+/// Least cosine between two directions for a support along one to restrain the other: that of 80 degrees.
 const ALONG: f64 = 0.17;
 
 impl Scene {
-    /// Lets the scene have magnitudes beyond what is usual of ground and structures; each is a remark then.
+    /// Permits magnitudes beyond what is usual of ground and structures; each is a warning then.
     #[must_use]
     pub fn allow_magnitudes(mut self) -> Self {
         self.magnitudes_allowed = true;
         self
     }
-    /// Whether it may have magnitudes beyond what is usual.
+    /// Whether magnitudes beyond what is usual are permitted.
     pub fn allows_magnitudes(&self) -> bool {
         self.magnitudes_allowed
     }
 
-    /// Magnitudes of media, mesh, gravity, records and duration that are beyond what is usual.
+    /// Quantities of media, mesh, gravity, records and duration outside their usual ranges.
     pub(crate) fn unusual_magnitudes(&self) -> Vec<(Magnitude, MagnitudeOf)> {
         let mut found = Vec::new();
         let mut see = |checked: Result<(), Magnitude>, of: MagnitudeOf| {
@@ -101,49 +101,48 @@ impl Scene {
         found
     }
 
-    /// Refuses magnitudes beyond what is usual, or adds remarks on them if the scene allows them.
+    /// Rejects quantities outside their usual ranges, or adds warnings about them if the scene allows them.
     pub(super) fn check_magnitudes(&mut self) -> Result<(), Error> {
         for (magnitude, of) in self.unusual_magnitudes() {
             if !self.magnitudes_allowed {
                 let magnitude = Box::new(magnitude);
                 return Err(Error::Magnitude { magnitude, of });
             }
-            self.remark_once(SceneDoubt::Magnitude(magnitude));
+            self.remark_once(SceneRemark::Magnitude(magnitude));
         }
         Ok(())
     }
 
-    /// Adds a remark unless it is there.
-    pub(crate) fn remark_once(&mut self, doubt: SceneDoubt) {
-        let remark = Remark::Doubt(doubt);
+    /// Adds a remark unless the scene has it already.
+    pub(crate) fn remark_once(&mut self, remark: SceneRemark) {
+        let remark = Remark::Scene(remark);
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }
     }
 
-    /// The threads that compute: as many as the scene wants, at most those of the machine; all if it wants
-    /// no number.
+    /// Number of computing threads: as requested, at most those of the machine; `None` for all.
     pub(crate) fn threads_taken(&self) -> Option<usize> {
         let available = available_threads();
         self.threads.map(|wanted| wanted.min(available))
     }
 
-    /// Remarks on threads that the machine does not have.
+    /// Adds a warning about a number of threads above that of the machine.
     pub(super) fn check_threads(&mut self) {
         let available = available_threads();
         if let Some(wanted) = self.threads.filter(|wanted| *wanted > available) {
-            self.remark_once(SceneDoubt::Threads { wanted, available });
+            self.remark_once(SceneRemark::Threads { wanted, available });
         }
     }
 
-    /// Refuses names of which files cannot be named, or of which two would share a file.
+    /// Checks that names can be names of files, and that no two have the same file.
     pub(super) fn check_names(&self) -> Result<(), Error> {
         check_names(self.named()).map_err(|(_, error)| error.into())
     }
 
     fn named(&self) -> Vec<(NamedThing, &str)> {
         let output = &self.output;
-        // Motion, stress and state of a place have one name and one plot.
+        // Motion, stress and state variables at one location have one name and one plot.
         let mut results: BTreeSet<&str> = output.histories.iter().map(|h| &*h.name).collect();
         results.extend(output.stresses.iter().map(|wish| &*wish.name));
         results.extend(output.state.places.iter().map(|wish| &*wish.name));
@@ -164,8 +163,8 @@ impl Scene {
         named
     }
 
-    /// Doubts about gravity in a scene without stages: bodies that fall, and weight that comes at once.
-    pub(super) fn doubts_of_weight(&self, boundary: Option<&BoundaryParts>) -> Vec<SceneDoubt> {
+    /// Warnings about gravity in a scene without stages: unsupported bodies, and gravity applied suddenly.
+    pub(super) fn gravity_warnings(&self, boundary: Option<&BoundaryParts>) -> Vec<SceneRemark> {
         let acts = |(acceleration, history): &&(Vec3, crate::acting::SharedFunction)| {
             acceleration.norm() * history.value(self.start).abs() > 0.0
                 || (acceleration.norm() > 0.0 && history.value(self.start + self.duration) != 0.0)
@@ -176,7 +175,7 @@ impl Scene {
         if !self.stages.is_empty() {
             return Vec::new();
         }
-        let mut doubts = Vec::new();
+        let mut warnings = Vec::new();
         let held = self.held_along(acceleration.normalize(), boundary);
         let mut bodies = Bodies::of(&self.mesh);
         for joint in &self.joints {
@@ -203,21 +202,21 @@ impl Scene {
             self.constraints.is_empty() && boundary.is_none_or(|parts| parts.blocks.is_empty());
         if !falling.is_empty() && alone {
             let sets = falling.into_iter().map(str::to_owned).collect();
-            doubts.push(SceneDoubt::Unheld { sets });
+            warnings.push(SceneRemark::UnsupportedBody { sets });
         } else if self.is_sudden() {
-            doubts.push(SceneDoubt::SuddenWeight);
+            warnings.push(SceneRemark::SuddenGravity);
         }
-        doubts
+        warnings
     }
 
-    /// Whether weight acts in full from the first step on.
+    /// Returns whether gravity acts fully from the first step on.
     fn is_sudden(&self) -> bool {
         let weights = self.weights.iter();
         let mut acting = weights.filter(|(acceleration, _)| acceleration.norm() > 0.0);
         acting.any(|(_, history)| history.value(self.start) != 0.0)
     }
 
-    /// Nodes that something holds along a direction.
+    /// Nodes that are restrained along a direction.
     fn held_along(&self, direction: Vec3, boundary: Option<&BoundaryParts>) -> Vec<u32> {
         let mut held = Vec::new();
         for support in &self.supports {
@@ -241,7 +240,7 @@ impl Scene {
     }
 }
 
-/// Whether a support holds its nodes along a direction, or nearly so.
+/// Returns whether a support restrains its nodes nearly along a direction.
 pub(super) fn holds_along(support: &Support, direction: &Vec3) -> bool {
     match support.held_direction() {
         None => true,
@@ -249,7 +248,7 @@ pub(super) fn holds_along(support: &Support, direction: &Vec3) -> bool {
     }
 }
 
-/// The longest edge of each solid, as the extent of its nodes along an axis.
+/// Largest extent of the nodes of each solid along an axis.
 fn longest_edges(mesh: &Mesh) -> impl Iterator<Item = f64> {
     let solids = (0..mesh.element_count() as u32).filter(|&e| mesh.kind(e).is_solid());
     solids.map(|element| {
@@ -263,12 +262,12 @@ fn longest_edges(mesh: &Mesh) -> impl Iterator<Item = f64> {
     })
 }
 
-/// Threads of the machine.
+/// Number of threads of the machine.
 fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Which nodes elements connect.
+/// Bodies of connected nodes (union-find).
 struct Bodies(Vec<u32>);
 
 impl Bodies {
@@ -282,7 +281,7 @@ impl Bodies {
         }
         bodies
     }
-    /// The node that stands for the body of a node.
+    /// Representative node of the body of a node.
     fn root(&mut self, mut node: u32) -> u32 {
         while self.0[node as usize] != node {
             let next = self.0[node as usize];

@@ -1,4 +1,4 @@
-//! Where in a scene's file stands what is only built, and perhaps refused, after it was read.
+//! Byte ranges in the scene file of items that are checked only when the model is built.
 
 use core::ops::Range;
 use std::collections::BTreeMap;
@@ -10,21 +10,21 @@ use powerhouse_model::{ModelError, RunError};
 
 use crate::{Error, Fault, MagnitudeOf, SceneFault, SceneText};
 
-/// What puts a body at rest in a moving field right.
+/// Hint on a field that is not negligible at the start of a body at rest.
 pub(crate) const NOT_AT_REST: &str =
     "an earlier `start`, a later `arrival`, or `initial = \"field\"`";
 
-/// Where stages stand, and what they name.
+/// Byte ranges of stages and of the values in them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StageSpans {
-    /// The names of the stages, in their order.
+    /// Names of the stages with their byte ranges, in order.
     pub(crate) names: Vec<(String, Range<usize>)>,
-    /// Values by stage (none for what stands outside of stages), key and value.
+    /// Byte ranges by stage (`None` outside of stages), key and value.
     pub(crate) items: BTreeMap<(Option<String>, &'static str, String), Range<usize>>,
 }
 
 impl StageSpans {
-    /// The place of a value of a key; the stage's name without one, the first stage's without that.
+    /// Byte range of a value of a key; by default that of the stage's name, or of the first stage.
     fn find(
         &self,
         stage: Option<&str>,
@@ -32,7 +32,7 @@ impl StageSpans {
     ) -> Option<Range<usize>> {
         let own = (stage.map(str::to_owned), key, value.to_owned());
         let item = self.items.get(&own).cloned();
-        // The later one of two of a name.
+        // Of two stages of the same name, the later one.
         let mut names = self.names.iter().rev();
         let named = names.find(|(name, _)| Some(name.as_str()) == stage);
         item.or_else(|| named.or(self.names.first()).map(|(_, place)| place.clone()))
@@ -42,55 +42,55 @@ impl StageSpans {
     }
 }
 
-/// The stage that an error of the engine concerns.
+/// Name of the stage that an engine error concerns.
 fn stage_of(error: &StageError) -> Option<&str> {
     match error {
         StageError::Elements { stage, .. }
         | StageError::Model { stage, .. }
-        | StageError::Rest { stage, .. } => Some(stage),
+        | StageError::NotEquilibrated { stage, .. } => Some(stage),
         _ => None,
     }
 }
 
-/// Bytes of the scene's file.
+/// Byte ranges of items in the scene file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SceneSpans {
-    /// The mesh's file.
+    /// Path of the mesh file.
     pub(crate) mesh: Range<usize>,
-    /// Records and their components, by name.
+    /// Names of records and their components.
     pub(crate) records: BTreeMap<String, Range<usize>>,
-    /// The kind of the boundary.
+    /// Kind of the absorbing boundary.
     pub(crate) boundary: Range<usize>,
-    /// Its first face.
+    /// First absorbing face.
     pub(crate) faces: Range<usize>,
-    /// The region around which the field enters.
+    /// Domain reduction region.
     pub(crate) region: Range<usize>,
-    /// Planes of symmetry, one by one.
+    /// Symmetry planes.
     pub(crate) mirrors: Vec<Range<usize>>,
-    /// The first wave.
+    /// First wave.
     pub(crate) field: Range<usize>,
-    /// The start of the run.
+    /// Start of the run.
     pub(crate) start: Range<usize>,
-    /// The time step.
+    /// Time step.
     pub(crate) step: Range<usize>,
-    /// The scheme.
+    /// Integration scheme.
     pub(crate) scheme: Range<usize>,
-    /// Histories and relative displacements by name.
+    /// Histories and relative displacements, by name.
     pub(crate) histories: BTreeMap<String, Range<usize>>,
-    /// Cuts by name.
+    /// Sections, by name.
     pub(crate) cuts: BTreeMap<String, Range<usize>>,
-    /// Materials of parts, by their set.
+    /// Materials of parts, by element set.
     pub(crate) materials: BTreeMap<String, Range<usize>>,
-    /// Rims of parts, by their set.
+    /// Rims of parts, by element set.
     pub(crate) rims: BTreeMap<String, Range<usize>>,
-    /// Stages: names and what stands in them.
+    /// Stages and the values in them.
     pub(crate) stages: StageSpans,
-    /// Prescribed motions, with the user's numbers of their nodes.
+    /// Prescribed motions, with their node numbers in the mesh file.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
 
 impl SceneSpans {
-    /// An error at its place in the scene's file, if the scene has one and the place is known.
+    /// Error with its position in the scene file, if the scene has a file and the position is known.
     pub(crate) fn put(&self, source: &Option<Arc<SceneText>>, error: Error) -> Error {
         match self.of(&error) {
             Some(place) => Self::put_at(source, place, error),
@@ -98,7 +98,7 @@ impl SceneSpans {
         }
     }
 
-    /// An error at a place in the scene's file, if the scene has one.
+    /// Error with a position in the scene file, if the scene has a file.
     pub(crate) fn put_at(
         source: &Option<Arc<SceneText>>,
         place: Range<usize>,
@@ -119,7 +119,7 @@ impl SceneSpans {
         SceneFault::new(text.clone(), fault).into()
     }
 
-    /// The place of an error, if it is known.
+    /// Byte range of an error, if it is known.
     pub(crate) fn of(&self, error: &Error) -> Option<Range<usize>> {
         let place = match error {
             Error::NotAtRest { .. } => self.start.clone(),
@@ -133,7 +133,7 @@ impl SceneSpans {
                 MagnitudeOf::Scene => return None,
             },
             Error::UnusedField { .. } => self.field.clone(),
-            Error::IdleRim { set, .. } => return self.rims.get(set).cloned(),
+            Error::EmptyRim { set, .. } => return self.rims.get(set).cloned(),
             Error::Staging { stage, source } => {
                 return self.stages.find(stage.as_deref(), source.item());
             }
@@ -165,10 +165,11 @@ impl SceneSpans {
             return self.materials.get(set).cloned();
         }
         match source.downcast_ref() {
-            Some(ObserveError::EmptyCut { cut, .. } | ObserveError::NoDirection { cut, .. }) => {
-                self.cuts.get(cut).cloned()
-            }
-            Some(ObserveError::NothingThere { name, .. }) => self.histories.get(name).cloned(),
+            Some(
+                ObserveError::EmptySection { section, .. }
+                | ObserveError::NoDirection { section, .. },
+            ) => self.cuts.get(section).cloned(),
+            Some(ObserveError::InactiveLocation { name, .. }) => self.histories.get(name).cloned(),
             _ => None,
         }
     }

@@ -1,33 +1,33 @@
-//! What the ground around a scene demands of it, whether it was read from a file or composed.
+//! Checks of a scene against the surrounding ground: free field, absorbing faces, open sides, free surfaces.
 
 use std::collections::{HashMap, HashSet};
 
-use powerhouse_boundary::foreign_nodes;
+use powerhouse_boundary::nodes_in_other_media;
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 
 use powerhouse_wavefield::Site;
 
 use super::{InitialMotion, Scene};
-use crate::{Damping, Error, Remark, SceneDoubt};
+use crate::{Damping, Error, Remark, SceneRemark};
 
-/// Displacement and velocity of a field over their peaks when a body starts at rest. A wave alone is
-/// brought below half of it; several may add up.
+/// Largest permitted displacement and velocity of a field over their peaks at the start of a body at rest. A single
+/// wave is reduced to half of it, since several may add up.
 const LEVEL_AT_REST: f64 = 2e-4;
-/// The peak of a field is sought over so long (s), or over the run if that is longer.
+/// Least duration (s) over which the peak of a field is determined; otherwise the duration of the run.
 const PEAK_WINDOW: f64 = 60.0;
-/// Instants at which the peak is sought.
+/// Number of instants at which the peak is determined.
 const PEAK_INSTANTS: usize = 12_000;
-/// Traction of a field on a free surface, over shear impedance times peak velocity, that is no
-/// rounding of a mesh file and no error of a table.
+/// Largest traction of a field on a free surface, over shear impedance times peak velocity, that rounding of a mesh
+/// file or interpolation of a table can explain.
 const TRACTION_OF_NOTE: f64 = 0.01;
-/// Instants and points at which the traction is looked at.
+/// Numbers of instants and points at which the traction is evaluated.
 const TRACTION_INSTANTS: usize = 500;
 const TRACTION_POINTS: usize = 256;
-/// What lies within this share of the mesh's diagonal of a side of its box lies on it.
+/// Tolerance of the distance from a side of the bounding box, over the diagonal of the mesh.
 const SIDE_TOLERANCE: f64 = 1e-6;
-/// What holds a facet has this of its direction along the facet's normal: the cosine of 45 degrees.
+/// Least cosine between a support direction and the normal of a facet that it restrains: that of 45 degrees.
 const HELD: f64 = 0.707;
-/// The sides of a box but its top: name, axis, whether it is the upper one.
+/// Sides of a box except its top: name, axis, whether it is the upper one.
 const SIDES: [(&str, usize, bool); 5] = [
     ("left", 0, false),
     ("right", 0, true),
@@ -37,14 +37,14 @@ const SIDES: [(&str, usize, bool); 5] = [
 ];
 
 impl Scene {
-    /// Refuses a field of another medium than the one that stands at the absorbing faces, and a
-    /// field that moves already where the body starts at rest.
+    /// Rejects a field of another medium than that along the absorbing faces, and a field that is not negligible at the
+    /// start of a body at rest.
     pub(super) fn check_field(
         &self,
         field: &dyn IncidentField,
         site: &BoundarySite,
     ) -> Result<(), Error> {
-        let foreign = foreign_nodes(site);
+        let foreign = nodes_in_other_media(site);
         if let Some(&node) = foreign.first() {
             return Err(Error::ForeignMedium {
                 field: field.name().into(),
@@ -67,8 +67,8 @@ impl Scene {
         })
     }
 
-    /// The nodes through which the field enters, those of the boundary or of a region, that are nearest
-    /// to the corners of their box.
+    /// Nodes of the boundary or region through which the field enters that are nearest to the corners of their bounding
+    /// box.
     fn outermost(&self, site: &BoundarySite) -> Vec<Vec3> {
         let region = self.boundary.as_ref().and_then(|b| b.region.as_deref());
         let entered: Vec<Vec3> = match region {
@@ -97,8 +97,8 @@ impl Scene {
             .collect()
     }
 
-    /// Refuses facets between two elements among the absorbing ones, and such that two faces have: they
-    /// would absorb twice and take their input twice.
+    /// Rejects absorbing facets inside the body, and facets of two absorbing faces, which would have twice the
+    /// impedance and input.
     pub(super) fn check_faces(&self, faces: &[(&str, &[Facet])]) -> Result<(), Error> {
         let outer: HashSet<Facet> = self.mesh.boundary_facets().into_iter().collect();
         let mut face_of: HashMap<Facet, &str> = HashMap::new();
@@ -122,8 +122,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Doubts about what surrounds the body: damped rims and such that yield, sides that were forgotten, a surface that
-    /// is not the field's.
+    /// Warnings about the surroundings of the body: damped or nonlinear rims, open sides, a free surface that is not that
+    /// of the field.
     pub(super) fn doubts_around(
         &self,
         faces: &[(&str, &[Facet])],
@@ -157,9 +157,8 @@ impl Scene {
         Ok(remarks)
     }
 
-    /// Outer facets that neither absorb nor are held or driven along their normals, or across them in both
-    /// directions, at all their nodes. Rollers that hold a slice in its plane do not hold the edges of its
-    /// other sides.
+    /// Free outer facets: neither absorbing, nor supported or prescribed along their normals or in both directions
+    /// across them at all their nodes. Rollers of a plane slice do not support the edges of its other sides.
     fn free_facets(&self, faces: &[(&str, &[Facet])]) -> Vec<Facet> {
         let absorbing: HashSet<Facet> = faces.iter().flat_map(|(_, f)| f.iter().copied()).collect();
         let held = self.held_directions();
@@ -176,7 +175,7 @@ impl Scene {
             .collect()
     }
 
-    /// The directions in which nodes are held, driven or tied to others, of length one.
+    /// Unit vectors of the directions in which nodes are supported, prescribed or periodic.
     fn held_directions(&self) -> HashMap<u32, Vec<Vec3>> {
         let mut held: HashMap<u32, Vec<Vec3>> = HashMap::new();
         let mut hold = |node: u32, direction: Vec3| {
@@ -208,7 +207,7 @@ impl Scene {
         held
     }
 
-    /// Absorbing faces on the free surface of the half-space of plane waves.
+    /// Warnings about absorbing faces on the free surface of the half-space.
     fn absorbing_surfaces(&self, faces: &[(&str, &[Facet])]) -> Vec<Remark> {
         let (low, high) = self.mesh.bounding_box();
         let tolerance = SIDE_TOLERANCE * (high - low).norm();
@@ -230,14 +229,14 @@ impl Scene {
         let faces = faces
             .iter()
             .filter(|(_, facets)| facets.iter().any(lies_on));
-        let doubts = faces.map(|(face, _)| SceneDoubt::AbsorbingSurface {
+        let warnings = faces.map(|(face, _)| SceneRemark::AbsorbingSurface {
             face: (*face).into(),
         });
-        doubts.map(Remark::Doubt).collect()
+        warnings.map(Remark::Scene).collect()
     }
 
-    /// Supports that hold nodes where, and in a direction in which, the free field moves. Outside of a
-    /// region around which the field enters nothing but scattered waves moves.
+    /// Warning about supports that restrain nodes in a direction in which the free field moves. Outside of a domain
+    /// reduction region the motion is that of scattered waves alone.
     fn held_field(
         &self,
         field: &dyn IncidentField,
@@ -283,11 +282,10 @@ impl Scene {
         let share = worst.0 / fastest;
         let node = self.mesh.node_tags()[worst.1 as usize];
         let is_held = worst.0 > 0.0 && share > TRACTION_OF_NOTE;
-        Ok(is_held.then_some(Remark::Doubt(SceneDoubt::HeldField { share, node })))
+        Ok(is_held.then_some(Remark::Scene(SceneRemark::RestrainedField { share, node })))
     }
 
-    /// The sides of the mesh's box, its top aside, on which free facets lie, and all other free
-    /// facets.
+    /// Sides of the bounding box except its top with free facets, and all other free facets.
     fn open_sides(&self, free: &[Facet]) -> (Vec<Remark>, Vec<Facet>) {
         let (low, high) = self.mesh.bounding_box();
         let tolerance = SIDE_TOLERANCE * (high - low).norm();
@@ -312,8 +310,8 @@ impl Scene {
         (remarks.collect(), others)
     }
 
-    /// Where free facets touch the absorbing faces, the site moves as the field does, so the field
-    /// must leave them without traction.
+    /// Warning about traction of the free field on free facets beside the absorbing faces, where the motion is that of
+    /// the field, which must be free of traction there.
     fn loaded_surface(
         &self,
         field: &dyn IncidentField,
@@ -363,8 +361,8 @@ impl Scene {
     }
 }
 
-/// Whether directions of length one, in which a node is held, hold a facet with a normal: along it, or in
-/// two directions across it, as a plane of antisymmetry does.
+/// Returns whether the supported directions (unit vectors) of a node restrain a facet with a normal: along it, or in two
+/// directions across it, as on a plane of antisymmetry.
 fn is_held(directions: &[Vec3], normal: &Vec3) -> bool {
     let across: Vec<Vec3> = (directions.iter())
         .map(|along| along - normal * along.dot(normal))
@@ -376,7 +374,7 @@ fn is_held(directions: &[Vec3], normal: &Vec3) -> bool {
         || across.iter().any(spans)
 }
 
-/// The corners of a box.
+/// Corners of a box.
 pub(crate) fn box_corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
     core::array::from_fn(|corner| {
         Vec3::from_fn(|axis, _| {
@@ -389,8 +387,8 @@ pub(crate) fn box_corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
     })
 }
 
-/// Displacement and velocity at the start over their peaks from then on, the larger of the two; not
-/// a number if the field is none somewhere.
+/// Larger ratio of displacement and velocity at the start to their later peaks; not a number if the field is not a
+/// number somewhere.
 fn start_level(sampler: &dyn FieldSampler, start: f64, duration: f64) -> f64 {
     let mut motion = vec![FieldMotion::default(); sampler.len()];
     let mut largest = |time: f64| {
@@ -423,8 +421,7 @@ fn start_level(sampler: &dyn FieldSampler, start: f64, duration: f64) -> f64 {
     larger(over(0), over(1))
 }
 
-/// The larger of two numbers, or none if one of them is none: what a field is not known to do must
-/// not pass for rest.
+/// Larger of two numbers; not a number if one of them is not, so that an undefined field does not count as zero.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

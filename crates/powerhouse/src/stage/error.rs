@@ -1,170 +1,174 @@
-//! Why stages cannot be as they are to.
+//! Errors of construction stages, bolts and in-situ stress.
 
 use powerhouse_explicit_core::EngineError;
 use powerhouse_model::ParameterError;
 use thiserror::Error;
 
-/// What is wrong with the stages of a scene, its bolts or its in-situ stress.
+/// Error of the construction stages of a scene, its bolts or its in-situ stress.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StagingError {
-    /// Two stages of one name.
-    #[error("there is another stage of this name")]
+    /// Name of two stages.
+    #[error("another stage has the same name")]
     SameName,
-    /// A set that does not exist.
+    /// Element set that does not exist.
     #[error("there is no element set '{set}' to {what}")]
     NoSuchSet {
-        /// The set.
+        /// Element set.
         set: String,
-        /// `excavate` or `cast`.
+        /// Operation: `excavate` or `cast`.
         what: &'static str,
     },
-    /// An element that is to be taken out, but is gone or not yet there.
-    #[error("element {element} of set '{set}' is to be excavated, but is not there")]
-    NotThere {
-        /// The set.
+    /// Inactive element in an excavated set.
+    #[error("element {element} of set '{set}' cannot be excavated: it is not active")]
+    NotActive {
+        /// Element set.
         set: String,
-        /// The user's number of the element.
+        /// Number of the element in the mesh file.
         element: u64,
     },
-    /// An element that is to be put in, but is there.
-    #[error("element {element} of set '{set}' is to be cast, but is there already")]
-    AlreadyThere {
-        /// The set.
+    /// Active element in a cast set.
+    #[error("element {element} of set '{set}' cannot be cast: it is active already")]
+    AlreadyActive {
+        /// Element set.
         set: String,
-        /// The user's number of the element.
+        /// Number of the element in the mesh file.
         element: u64,
     },
-    /// A material for what is no part.
+    /// Temporary material of a set that is not a part.
     #[error("there is no part '{set}'")]
     NoSuchPart {
-        /// The set.
+        /// Element set.
         set: String,
     },
-    /// A material for a part that is not there in the stage.
+    /// Temporary material of a part without active elements in the stage.
     #[error(
-        "no element of part '{set}' is there in this stage: what is excavated has no material, and what is cast later has that of its part"
+        "no element of part '{set}' is active in this stage, so that it cannot have another material; elements that are cast later have the material of their part"
     )]
-    AbsentPart {
-        /// The set.
+    InactivePart {
+        /// Element set.
         set: String,
     },
-    /// Bolts that the scene does not have.
+    /// Bolt group that the scene does not have.
     #[error("there are no bolts '{name}'")]
     NoSuchBolts {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// Bolts that an earlier stage installed.
+    /// Bolt group that an earlier stage installed already.
     #[error("the bolts '{name}' are installed already")]
-    BoltsTwice {
-        /// The name.
+    AlreadyInstalled {
+        /// Name.
         name: String,
     },
-    /// Bolts that no stage installs.
+    /// Bolt group that no stage installs.
     #[error("no stage installs the bolts '{name}'")]
-    IdleBolts {
-        /// The name.
+    UnusedBolts {
+        /// Name.
         name: String,
     },
-    /// Two sets of bolts of one name.
-    #[error("there are other bolts of the name '{name}'")]
+    /// Name of two bolt groups.
+    #[error("two bolt groups have the name '{name}'")]
     SameBolts {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// A pattern on facets of which none is on the surface of the body when it is installed.
-    #[error("the pattern of the bolts '{name}' finds no place: none of its facets is free")]
-    NoPlace {
-        /// The name.
+    /// Bolt pattern without facets on the surface of the body when it is installed.
+    #[error(
+        "the pattern of the bolts '{name}' has no facet on the surface of the body when it is installed"
+    )]
+    NoFreeFacet {
+        /// Name.
         name: String,
     },
-    /// Bolts that cannot be embedded.
+    /// Bolt group that cannot be embedded.
     #[error("bolts '{name}': {source}")]
     Bolts {
-        /// The name.
+        /// Name.
         name: String,
-        /// Why.
+        /// Cause.
         source: EngineError,
     },
-    /// An element with bolts in it that is to be taken out.
-    #[error("element {element} of set '{set}' is to be excavated, but the bolts '{name}' cross it")]
+    /// Excavated element that bolts cross.
+    #[error("element {element} of set '{set}' cannot be excavated: the bolts '{name}' cross it")]
     Bolted {
-        /// The set.
+        /// Element set.
         set: String,
-        /// The user's number of the element.
+        /// Number of the element in the mesh file.
         element: u64,
-        /// The bolts.
+        /// Name of the bolt group.
         name: String,
     },
-    /// A joint that the scene does not have.
+    /// Joint that the scene does not have.
     #[error("there is no joint '{name}'")]
     NoSuchJoint {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// A load that a stage is to take off which the scene does not have.
-    #[error("there is no stage '{name}' that could take the load off")]
+    /// Stage that is to remove a load and does not exist.
+    #[error("there is no stage '{name}' that could remove the load")]
     NoSuchStage {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// A load that would be taken off before it ever acted.
+    /// Load that would be removed before it acts.
     #[error(
-        "stage '{name}' cannot take the load off: it acts from stage '{first}' on, which is not before"
+        "stage '{name}' cannot remove the load: it acts from stage '{first}' on, which must be an earlier one"
     )]
     RemovedEarly {
-        /// The stage that is to take it off.
+        /// Stage that is to remove the load.
         name: String,
-        /// The stage in which it acts first.
+        /// First stage in which the load acts.
         first: String,
     },
-    /// An option of the static solution out of range.
+    /// Option of the static analysis outside its permitted range.
     #[error(transparent)]
     Options(#[from] ParameterError),
-    /// A preload of a joint, which stages would count a second time.
-    #[error("the joint '{joint}' takes its traction from the stages: a preload would count twice")]
+    /// Preload of a joint in a scene with stages, which compute its traction.
+    #[error(
+        "the traction of joint '{joint}' follows from the stages: a preload would be counted twice"
+    )]
     Preload {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// An in-situ stress of the wrong length.
+    /// In-situ stress with a wrong number of elements.
     #[error("the in-situ stress has {found} entries, the mesh {expected} elements")]
     StressCount {
-        /// Entries.
+        /// Number of entries.
         found: usize,
-        /// Elements.
+        /// Number of elements of the mesh.
         expected: usize,
     },
-    /// A body that is to start in motion.
-    #[error("a body with stages starts at rest, not with the motion of the field")]
+    /// Initial motion of the free field in a scene with stages.
+    #[error("a scene with stages starts at rest: the initial motion cannot be that of the field")]
     InMotion,
-    /// A constraint of one's own, of which there is one for one model.
-    #[error("the constraint '{name}' cannot go through stages")]
+    /// User-defined constraint, which cannot be built anew for every stage.
+    #[error("the constraint '{name}' cannot be used in a scene with stages")]
     Constraint {
-        /// Its name.
+        /// Name of the constraint.
         name: String,
     },
-    /// An in-situ stress or bolts, and no stage in which the body comes to rest with them.
+    /// In-situ stress or bolts in a scene without stages.
     #[error(
-        "{what} can act only in a scene with stages: give a stage in which the body comes to rest"
+        "{what} can be used only in a scene with stages: add a stage, in which the body reaches static equilibrium"
     )]
     NoStage {
-        /// `an in-situ stress` or `bolts`.
+        /// Subject: `an in-situ stress` or `bolts`.
         what: &'static str,
     },
 }
 
 impl StagingError {
-    /// The key of a scene file that it concerns, and which of its values.
+    /// Key of a scene file that the error concerns, and its value.
     pub(crate) fn item(&self) -> (&'static str, &str) {
         match self {
             Self::NoSuchSet { set, what } => (what, set),
-            Self::NotThere { set, .. } | Self::Bolted { set, .. } => ("excavate", set),
-            Self::AlreadyThere { set, .. } => ("cast", set),
-            Self::NoSuchPart { set } | Self::AbsentPart { set } => ("part", set),
-            Self::NoSuchBolts { name } | Self::BoltsTwice { name } => ("bolts", name),
-            Self::IdleBolts { name } | Self::SameBolts { name } | Self::NoPlace { name } => {
+            Self::NotActive { set, .. } | Self::Bolted { set, .. } => ("excavate", set),
+            Self::AlreadyActive { set, .. } => ("cast", set),
+            Self::NoSuchPart { set } | Self::InactivePart { set } => ("part", set),
+            Self::NoSuchBolts { name } | Self::AlreadyInstalled { name } => ("bolts", name),
+            Self::UnusedBolts { name } | Self::SameBolts { name } | Self::NoFreeFacet { name } => {
                 ("bolt", name)
             }
             Self::Bolts { name, .. } => ("bolt", name),

@@ -1,4 +1,4 @@
-//! The stress of the ground before the first stage.
+//! In-situ stress of the ground.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,25 +8,26 @@ use powerhouse_io::{IoError, TableColumn, read_table};
 use powerhouse_model::{Mesh, Stress};
 use thiserror::Error;
 
-/// Components of a stress, in the order of [`Stress`].
+/// Names of the stress components, in the order of [`Stress`].
 const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
-/// The stress of the ground before the first stage.
+/// In-situ stress of the ground before the first construction stage.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InSituStress {
-    /// Linear in depth; each element has that at its centroid.
+    /// Stress linear in depth, evaluated at the centroid of each element.
     Field(StressField),
-    /// One for each element of the mesh (Pa).
+    /// Stress of each element of the mesh (Pa), in mesh order.
     Elements(Vec<Stress>),
 }
 
 impl InSituStress {
-    /// Reads the stress of every element of a mesh from a table with the columns `element [1]`,
-    /// `xx [Pa]`, `yy [Pa]`, `zz [Pa]`, `xy [Pa]`, `yz [Pa]`, `zx [Pa]` in any order, tension
-    /// positive; kPa and MPa are read, too. Elements have the numbers of the mesh file.
+    /// Reads the in-situ stress of every element of a mesh from a CSV table.
+    ///
+    /// Columns, in any order: `element [1]` (number in the mesh file), `xx [Pa]`, `yy [Pa]`, `zz [Pa]`, `xy [Pa]`,
+    /// `yz [Pa]`, `zx [Pa]`, tension positive; kPa and MPa are also permitted.
     ///
     /// # Errors
-    /// [`InSituError`] names the file and the column or the element.
+    /// [`InSituError`] with the file and the column or element concerned.
     pub fn read(file: &Path, mesh: &Mesh) -> Result<Self, InSituError> {
         let columns = read_table(file)?;
         let elements = column(file, &columns, "element", |unit| {
@@ -42,11 +43,11 @@ impl InSituStress {
             })?);
         }
         let tags = mesh.element_tags().iter().zip(0_usize..);
-        let place_of: HashMap<u64, usize> = tags.map(|(&tag, place)| (tag, place)).collect();
+        let index_of: HashMap<u64, usize> = tags.map(|(&tag, index)| (tag, index)).collect();
         let mut stresses = vec![None; mesh.element_count()];
         for (row, element) in elements.iter().enumerate() {
-            let place = place_of.get(&(*element as u64));
-            let known = place.filter(|_| element.fract() == 0.0 && *element >= 0.0);
+            let index = index_of.get(&(*element as u64));
+            let known = index.filter(|_| element.fract() == 0.0 && *element >= 0.0);
             let fault = |what| InSituError::Element {
                 file: file.into(),
                 element: *element,
@@ -74,7 +75,7 @@ impl InSituStress {
         Ok(Self::Elements(stresses.into_iter().flatten().collect()))
     }
 
-    /// The stress (Pa) of every element.
+    /// Stress of every element (Pa).
     pub(crate) fn of_elements(&self, mesh: &Mesh) -> Vec<Stress> {
         match self {
             Self::Field(field) => field.of_elements(mesh),
@@ -83,7 +84,7 @@ impl InSituStress {
     }
 }
 
-/// The values of a column, in SI units.
+/// Values of a column in SI units.
 fn column(
     file: &Path,
     columns: &[TableColumn],
@@ -101,14 +102,14 @@ fn column(
     Ok(column.values.iter().map(|value| value * factor).collect())
 }
 
-/// A table that does not give the stress of the ground.
+/// Error of a table of in-situ stress.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum InSituError {
-    /// A file that is no table.
+    /// File that is not a table.
     #[error(transparent)]
     Table(#[from] IoError),
-    /// A column that is missing, or has another unit.
+    /// Column that is missing, or has a wrong unit.
     #[error(
         "{}: {}; expected are element [1] and xx, yy, zz, xy, yz, zx in [Pa], [kPa] or [MPa]",
         file.display(),
@@ -118,34 +119,34 @@ pub enum InSituError {
         }
     )]
     Column {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The column.
+        /// Name of the column.
         name: &'static str,
-        /// Its unit, if it is there.
+        /// Unit of the column; `None` if it is missing.
         unit: Option<String>,
     },
-    /// A row that cannot be.
+    /// Invalid row.
     #[error("{}: element {element} {what}", file.display())]
     Element {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The number that stands in the file.
+        /// Element number in the file.
         element: f64,
-        /// What is wrong with it.
+        /// Description of the fault.
         what: &'static str,
     },
-    /// Elements without a row.
+    /// Elements without row.
     #[error(
         "{}: {count} elements of the mesh have no stress, element {element} the first",
         file.display()
     )]
     Missing {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// How many.
+        /// Number of such elements.
         count: usize,
-        /// The number of the first.
+        /// Number of the first such element in the mesh file.
         element: u64,
     },
 }

@@ -1,7 +1,7 @@
-//! A body at rest as a file, to the last bit.
+//! File of a body in static equilibrium, to the last bit.
 //!
-//! Numbers stand as their bytes, the lowest first, in the order of the fields; a list begins with its
-//! length. A file that is cut short or damaged is told by its checksum.
+//! Numbers are written as their bytes, the lowest first, in the order of the fields; a list begins with its
+//! length. A file that is cut short or damaged is detected by its checksum.
 
 use std::path::Path;
 
@@ -15,8 +15,8 @@ use powerhouse_model::{
 use super::EquilibratedBody;
 use crate::Error;
 
-/// What a file begins with; the number goes up with every change of what follows.
-const HEAD: &[u8] = b"powerhouse body at rest 3\n";
+/// Head of a file; the number is the version of the format, which changes with the fields.
+const HEAD: &[u8] = b"powerhouse body at rest 4\n";
 
 impl EquilibratedBody {
     /// Writes the body as a file, whole or not at all.
@@ -34,7 +34,7 @@ impl EquilibratedBody {
     /// Reads a body that was [written](Self::write): the same to the last bit.
     ///
     /// # Errors
-    /// A file that cannot be read, [`Error::NotABody`] for one that holds no whole body.
+    /// A file that cannot be read, [`Error::UnreadableBody`] for one that holds no whole body.
     pub fn read(file: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(file).map_err(|source| Error::Read {
             path: file.into(),
@@ -50,7 +50,7 @@ impl EquilibratedBody {
             let body = Self::get(&mut rest)?;
             rest.is_empty().then_some(body)
         };
-        whole().ok_or_else(|| Error::NotABody { path: file.into() })
+        whole().ok_or_else(|| Error::UnreadableBody { path: file.into() })
     }
 }
 
@@ -66,10 +66,10 @@ fn checksum(bytes: &[u8]) -> u64 {
     })
 }
 
-/// What can stand in the file.
+/// Value that can be written to the file and read from it.
 trait Kept: Sized {
     fn put(&self, out: &mut Vec<u8>);
-    /// Takes it off the front; none if it does not stand there.
+    /// Takes the value off the front; none if the front holds no such value.
     fn get(from: &mut &[u8]) -> Option<Self>;
 }
 
@@ -175,7 +175,7 @@ impl Kept for Stress {
     }
 }
 
-/// Unit variants by their place in a list.
+/// Unit variants by their index in a list.
 macro_rules! kept_choice {
     ($name:ident { $($variant:ident),+ }) => {
         impl Kept for $name {
@@ -196,7 +196,7 @@ kept_choice!(Bond {
     Broken
 });
 
-/// Structures field by field; one that is forgotten does not compile.
+/// Structures field by field; one that is missing in the list does not compile.
 macro_rules! kept_fields {
     ($name:ident { $($field:ident),+ $(,)? }) => {
         impl Kept for $name {
@@ -211,12 +211,41 @@ macro_rules! kept_fields {
         }
     };
 }
-kept_fields!(JointState {
+
+/// Structures that other crates may extend, field by field. That no field is missing in a list is
+/// tested.
+macro_rules! kept_open_fields {
+    ($name:ident { $($field:ident),+ $(,)? }) => {
+        impl Kept for $name {
+            fn put(&self, out: &mut Vec<u8>) {
+                $(self.$field.put(out);)+
+            }
+            fn get(from: &mut &[u8]) -> Option<Self> {
+                let mut kept = Self::default();
+                $(kept.$field = Kept::get(from)?;)+
+                Some(kept)
+            }
+        }
+
+        #[cfg(test)]
+        impl OpenFields for $name {
+            const FIELDS: &'static [&'static str] = &[$(stringify!($field)),+];
+        }
+    };
+}
+
+/// Names of the fields that are written of a structure.
+#[cfg(test)]
+trait OpenFields {
+    const FIELDS: &'static [&'static str];
+}
+
+kept_open_fields!(JointState {
     contact,
     bond,
     slip
 });
-kept_fields!(JointRecord {
+kept_open_fields!(JointRecord {
     state,
     traction,
     opening,
@@ -228,13 +257,16 @@ kept_fields!(JointRecord {
     bond_energy,
     impact,
     closed_at,
+    dilation,
 });
-kept_fields!(JointHistory {
+kept_open_fields!(JointHistory {
     name,
     nodes,
-    records
+    records,
+    variables,
+    history,
 });
-kept_fields!(HistoryField {
+kept_open_fields!(HistoryField {
     name,
     elements,
     points,
@@ -244,7 +276,7 @@ kept_fields!(Cast {
     elements,
     displacement
 });
-kept_fields!(State {
+kept_open_fields!(State {
     time,
     step,
     displacement,
@@ -253,7 +285,7 @@ kept_fields!(State {
     initial_stress,
     absent,
     casts,
-    standing,
+    carried_forces,
     history,
     joints,
 });
@@ -282,3 +314,41 @@ kept_fields!(HourglassShare {
     internal,
 });
 kept_fields!(EquilibratedBody { state, stages });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every field of the structures that other crates may extend is written.
+    #[test]
+    fn no_field_is_missing() {
+        fn check<T: OpenFields + Default + core::fmt::Debug>() {
+            let shown = format!("{:#?}", T::default());
+            let fields = shown.lines().filter_map(|line| {
+                let field = line.strip_prefix("    ")?;
+                let (name, _) = field.split_once(':')?;
+                (!name.starts_with(' ')).then_some(name)
+            });
+            assert_eq!(fields.collect::<Vec<_>>(), T::FIELDS);
+        }
+        check::<JointState>();
+        check::<JointRecord>();
+        check::<JointHistory>();
+        check::<HistoryField>();
+        check::<State>();
+    }
+
+    /// A joint comes back from its bytes with the history variables of its law.
+    #[test]
+    fn a_joint_comes_back_with_its_history() {
+        let mut record = JointRecord::new(JointState::new(ContactState::Slide, Bond::Broken));
+        (record.dilation, record.closed_at) = (0.25, Some([1.0, 2.0, 3.0]));
+        let joint = JointHistory::new("seam", vec![[3, 7]], vec![record])
+            .with_history(vec!["theta".into(), "wear".into()], vec![0.5, -1.5]);
+        let mut bytes = Vec::new();
+        joint.put(&mut bytes);
+        let mut rest = &bytes[..];
+        assert_eq!(JointHistory::get(&mut rest), Some(joint));
+        assert!(rest.is_empty());
+    }
+}

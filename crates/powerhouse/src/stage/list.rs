@@ -1,4 +1,4 @@
-//! A stage of a scene.
+//! Construction stages of a scene.
 
 use std::sync::Arc;
 
@@ -9,13 +9,12 @@ use crate::Material;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::joint::Closing;
 
-/// What is done to a body before it moves, until it is at rest again.
+/// Construction stage: changes of the model, followed by the computation of static equilibrium.
 ///
-/// A stage tells what changes. Sets that are taken out or put in, loads, bolts and materials stay
-/// so in the stages after it and when the body moves, but for temporary loads; its supports hold
-/// until the body moves, when their reactions stay on as forces and what absorbs takes their place.
-/// Supports, loads and weights of the scene itself act in all stages, with their values at the start
-/// of the run.
+/// Excavated and cast sets, loads (except temporary ones), bolts and materials persist in later stages and in the
+/// dynamic run. Supports of a stage act until the run starts: then their reactions are kept as nodal forces, and the
+/// absorbing boundary takes their place. Supports, loads and weights of the scene itself act in all stages, with their
+/// values at the start of the run.
 ///
 /// ```
 /// use powerhouse::SceneStage;
@@ -26,7 +25,7 @@ use crate::joint::Closing;
 ///     SceneStage::new("ground").support(Support::roller(bottom, Vec3::z())),
 ///     SceneStage::new("excavation")
 ///         .excavate("core")
-///         .options(StaticOptions::default().with_increments(4).with_release(0.6)),
+///         .with_options(StaticOptions::default().with_increments(4).with_release(0.6)),
 ///     SceneStage::new("support").cast("lining").install("roof"),
 /// ];
 /// assert_eq!(stages[2].name(), "support");
@@ -46,7 +45,7 @@ pub struct SceneStage {
 }
 
 impl SceneStage {
-    /// A stage that changes nothing yet: the body comes to rest under what acts on it.
+    /// Stage without changes: static equilibrium under the applied loads.
     pub fn new(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -62,46 +61,44 @@ impl SceneStage {
             options: StaticOptions::default(),
         }
     }
-    /// The stage's name.
+    /// Name of the stage.
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// Takes an element set out.
+    /// Excavates (deactivates) an element set.
     #[must_use]
     pub fn excavate(mut self, set: impl Into<String>) -> Self {
         self.excavated.push(set.into());
         self
     }
-    /// Puts an element set in, free of stress in the deformed body. What is cast without having been
-    /// taken out before is not there until then. A part that is cast as a whole has its own material
-    /// from then on.
+    /// Casts (activates) an element set without stress in the deformed body. A set that is cast without having been
+    /// excavated before is inactive until this stage. A part that is cast as a whole has its own material from then on.
     #[must_use]
     pub fn cast(mut self, set: impl Into<String>) -> Self {
         self.cast.push(set.into());
         self
     }
-    /// Gives a part another material than its own, undamped, until a later stage casts it or says
-    /// otherwise, or the body moves.
+    /// Sets a temporary, undamped material of a part, until a later stage casts the part or sets another material, or
+    /// the dynamic run starts.
     #[must_use]
     pub fn part(mut self, set: impl Into<String>, material: Material) -> Self {
         self.parts.push((set.into(), material));
         self
     }
-    /// Adds nodes that are held until the body moves.
+    /// Adds a support that acts until the dynamic run starts.
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }
-    /// Adds a load that stays for good.
+    /// Adds a permanent load.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
         self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
-    /// Adds a load that a later stage takes off again, by name: what it leaves out of balance comes on the
-    /// body in the increments of that stage, and as far as its release says. It is not there when the body
-    /// moves.
+    /// Adds a temporary load that a later stage, given by name, removes. Its removal is applied in the increments of
+    /// that stage, multiplied by the release factor. It does not act in the dynamic run.
     #[must_use]
     pub fn temporary_load(
         mut self,
@@ -112,70 +109,67 @@ impl SceneStage {
         (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
-    /// Adds weight: an acceleration (m/s2) of all masses, times a function of time.
+    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
         self.weights.push((acceleration, Arc::new(history)));
         self
     }
-    /// Installs bolts of the scene, by name.
+    /// Installs a bolt group of the scene, by name.
     #[must_use]
     pub fn install(mut self, bolts: impl Into<String>) -> Self {
         self.bolts.push(bolts.into());
         self
     }
-    /// Closes a joint, by name, in this stage alone: its sides are one body whatever its law admits.
-    /// In the next stage that does not, or when the body moves, it starts anew from where it stands then:
-    /// as it was given, its gap included, or as after grouting if an earlier stage grouted it.
+    /// Ties a joint, by name, in this stage alone: no relative displacement, whatever its law. In the next stage that
+    /// does not tie it, or in the dynamic run, it is re-initialised in its current position: as defined, including its
+    /// gap, or as grouted if an earlier stage grouted it.
     #[must_use]
     pub fn tie(mut self, joint: impl Into<String>) -> Self {
         self.tied.push(joint.into());
         self
     }
-    /// Grouts a joint, by name, before the stage comes to rest: whatever gap it has is filled and where it
-    /// slid it stays; it starts anew from there, closed and with the bond that its law gives it
-    /// everywhere. Its opening, slip and energies count from there.
+    /// Grouts a joint, by name, at the start of the stage: gaps are filled in the current position, and the joint is
+    /// re-initialised closed, with the bond of its law everywhere. Opening, slip and energies are counted from there.
     #[must_use]
     pub fn bond(mut self, joint: impl Into<String>) -> Self {
         self.bonded.push(joint.into());
         self
     }
-    /// How it closes a joint.
+    /// Closing condition of a joint in this stage.
     pub(crate) fn closing(&self, joint: &str) -> Closing {
         match self.ties(joint) {
             true => Closing::Tied,
             false => Closing::Own,
         }
     }
-    /// Whether it ties a joint.
+    /// Returns whether the stage ties a joint.
     fn ties(&self, joint: &str) -> bool {
         self.tied.iter().any(|name| name == joint)
     }
-    /// Sets how the body is brought to rest: gate, increments, and the share of what is out of
-    /// balance that comes.
+    /// Sets the options of the static analysis: method, tolerance, increments and release factor.
     #[must_use]
-    pub fn options(mut self, options: StaticOptions) -> Self {
+    pub fn with_options(mut self, options: StaticOptions) -> Self {
         self.options = options;
         self
     }
 }
 
-/// The last time that a joint of a scene starts anew: the name of the stage, none when the body starts to
-/// move, and how.
+/// Last re-initialisation of a joint: name of the stage (`None` for the start of the dynamic run), and its type.
 pub(crate) fn last_renewal<'s>(
     stages: &'s [SceneStage],
     joint: &str,
 ) -> Option<(Option<&'s str>, Renewal)> {
-    let places = (0..=stages.len()).rev();
-    let mut found = places.filter_map(|place| Some((place, renewal(stages, place, joint)?)));
-    let (place, how) = found.next()?;
-    Some((stages.get(place).map(SceneStage::name), how))
+    let indices = (0..=stages.len()).rev();
+    let mut found = indices.filter_map(|index| Some((index, renewal(stages, index, joint)?)));
+    let (index, how) = found.next()?;
+    Some((stages.get(index).map(SceneStage::name), how))
 }
 
-/// How a joint starts anew, if it does, in the stage of a place, or when the body moves after all of
-/// them.
-pub(crate) fn renewal(stages: &[SceneStage], place: usize, joint: &str) -> Option<Renewal> {
-    let (before, stage) = (&stages[..place], stages.get(place));
+/// Re-initialisation of a joint in the stage of an index, or, for an index past the last stage, at the start of the
+/// dynamic run; `None` if it continues.
+pub(crate) fn renewal(stages: &[SceneStage], index: usize, joint: &str) -> Option<Renewal> {
+    let (before, stage) = (&stages[..index], stages.get(index));
     let grouts = |stage: &SceneStage| stage.bonded.iter().any(|name| name == joint);
     let was_tied = before.last().is_some_and(|stage| stage.ties(joint));
     let is_tied = stage.is_some_and(|stage| stage.ties(joint));

@@ -1,4 +1,4 @@
-//! What happens to a body before it moves: stages, bolts, the stress of the ground.
+//! Static analysis before the dynamic run: construction stages, bolts, in-situ stress.
 
 mod bolts;
 mod error;
@@ -10,7 +10,7 @@ mod rest;
 mod timeline;
 
 pub(crate) use bolts::surface_of;
-pub use bolts::{BoltPlace, SceneBolts};
+pub use bolts::{BoltLayout, SceneBolts};
 pub use error::StagingError;
 pub use in_situ::{InSituError, InSituStress};
 pub use list::SceneStage;

@@ -1,59 +1,59 @@
-//! What stages do, in numbers.
+//! Overview of construction stages.
 
 use powerhouse_explicit_core::StaticOptions;
 
 use super::Timeline;
 use crate::{Error, Scene};
 
-/// What a stage does.
+/// Overview of a construction stage: numbers of changed elements, bolts, supports and loads.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StageOverview {
-    /// Its name.
+    /// Name of the stage.
     pub name: String,
-    /// Elements that it takes out.
+    /// Number of excavated elements.
     pub excavated: usize,
-    /// Elements that it puts in.
+    /// Number of cast elements.
     pub cast: usize,
-    /// Elements that are there afterwards.
+    /// Number of active elements after the stage's changes.
     pub present: usize,
-    /// Bolts that it installs: name and number.
+    /// Installed bolt groups: name and number of bolts.
     pub bolts: Vec<(String, usize)>,
-    /// Parts that have another material then: set and law.
+    /// Parts with temporary materials: element set and name of the law.
     pub materials: Vec<(String, String)>,
-    /// Joints that it ties.
+    /// Names of tied joints.
     pub tied: Vec<String>,
-    /// Joints to which it gives their bond anew.
+    /// Names of grouted joints.
     pub bonded: Vec<String>,
-    /// Supports that it adds.
+    /// Number of added supports.
     pub supports: usize,
-    /// Loads and weights that it adds.
+    /// Number of added loads and weights.
     pub loads: usize,
-    /// Loads that it takes off.
+    /// Number of removed loads.
     pub removed_loads: usize,
-    /// How it comes to rest.
+    /// Options of the static analysis.
     pub options: StaticOptions,
 }
 
 impl Scene {
-    /// What the stages do, one after the other.
+    /// Overviews of the construction stages, in order.
     ///
     /// # Errors
-    /// The first stage that cannot be as it is to.
+    /// Error of the first invalid stage.
     pub fn stage_overviews(&self) -> Result<Vec<StageOverview>, Error> {
         let Some(timeline) = Timeline::of(self)? else {
             return Ok(Vec::new());
         };
-        let stages = self.stages.iter().zip(&timeline.moments);
-        let overviews = stages.map(|(stage, moment)| StageOverview {
+        let stages = self.stages.iter().zip(&timeline.configurations);
+        let overviews = stages.map(|(stage, configuration)| StageOverview {
             name: stage.name.clone(),
-            excavated: moment.excavated.len(),
-            cast: moment.cast.len(),
-            present: moment.present.iter().filter(|there| **there).count(),
-            bolts: (moment.bolts.iter())
+            excavated: configuration.excavated.len(),
+            cast: configuration.cast.len(),
+            present: configuration.present.iter().filter(|there| **there).count(),
+            bolts: (configuration.bolts.iter())
                 .map(|bolts| (bolts.name().into(), bolts.len()))
                 .collect(),
-            materials: (moment.materials.iter())
+            materials: (configuration.materials.iter())
                 .map(|(&part, material)| (self.parts[part].set.clone(), material.name().into()))
                 .collect(),
             tied: stage.tied.clone(),

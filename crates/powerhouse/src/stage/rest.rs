@@ -1,4 +1,4 @@
-//! From stage to stage, and into motion.
+//! Static analysis of the stages, and transfer of the body to the dynamic run.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,44 +14,45 @@ use super::list::renewal;
 use crate::scene::Piece;
 use crate::{BoltForces, Error, Scene};
 
-/// How much what holds a body may change when it is handed over, over its internal forces: the digits
-/// of single precision, not a load that was lost.
-const SAME: f64 = 1.0e-3;
+/// Largest permitted change of the nodal forces at the transfer to the dynamic run, over the internal forces: rounding
+/// of single precision is below, a lost load above.
+const FORCE_TOLERANCE: f64 = 1.0e-3;
 
-/// A stage that has come to rest.
+/// Completed construction stage, in static equilibrium.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct CompletedStage<'a> {
-    /// Its place among the stages, from zero.
+    /// Index of the stage, from zero.
     pub index: usize,
-    /// How many stages there are.
+    /// Number of stages.
     pub count: usize,
-    /// What it took and did.
+    /// Report of the stage's changes and static solution.
     pub report: &'a StageReport,
-    /// The mesh, elements that are not there among the others.
+    /// Mesh, including inactive elements.
     pub mesh: &'a Mesh,
-    /// The body: displacement, absent elements, history variables of laws and joints.
+    /// State of the body: displacement, inactive elements, history variables of laws and joints.
     pub state: &'a State,
-    /// Mean stress (Pa), initial stress included, one per element of the mesh.
+    /// Total stress of each element of the mesh (Pa), mean over the element, including the in-situ stress.
     pub stress: &'a [Stress],
-    /// The history variables of the laws.
+    /// History variables of the laws.
     pub variables: &'a [HistoryVariable],
-    /// The bolts that are installed by now.
+    /// Bolt groups installed so far.
     pub bolts: Vec<&'a BoltSet>,
 }
 
-/// Is shown stages: a writer of their results, or a display.
+/// Receiver of stage progress and results, such as a file writer or a display.
 pub trait StageSink: Send {
-    /// Sees how far the static solution of a stage is.
+    /// Called with the progress of the static solution of a stage.
     fn progress(&mut self, _stage: &str, _progress: StaticProgress) {}
-    /// Takes a stage that has come to rest.
+    /// Called with every completed stage.
     ///
     /// # Errors
-    /// Ends the run.
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error>;
+    /// An error ends the run.
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error>;
 }
 
-/// A body at the end of the stages of a scene, from which it and its other cases can be set in motion.
+/// Equilibrated body: state after the construction stages of a scene, from which dynamic runs of the scene and of its
+/// other cases can start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibratedBody {
     pub(crate) state: State,
@@ -59,24 +60,24 @@ pub struct EquilibratedBody {
 }
 
 impl EquilibratedBody {
-    /// Its state.
+    /// State of the body.
     pub fn state(&self) -> &State {
         &self.state
     }
-    /// What the stages took and did.
+    /// Reports of the stages.
     pub fn stages(&self) -> &[StageReport] {
         &self.stages
     }
 }
 
-/// What the stages of a scene came to.
+/// Reports of the stages of a scene, and of the transfer to the dynamic run.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StagingOutcome {
     pub(crate) stages: Vec<StageReport>,
     pub(crate) hand_over: HandOverReport,
 }
 
-/// A scene whose body goes through stages before it moves.
+/// Static analysis of a scene with construction stages.
 pub(crate) struct Staging {
     pub(crate) scene: Scene,
     pub(crate) pieces: Vec<Piece>,
@@ -85,9 +86,12 @@ pub(crate) struct Staging {
 }
 
 impl Staging {
-    /// The axial forces of all bolts as they are in the model that moves.
+    /// Axial forces of all bolts in the dynamic model.
     pub(crate) fn forces(&self, model: &mut Model) -> Vec<BoltForces> {
-        let mut bolts = self.timeline.bolts(self.timeline.moments.len()).peekable();
+        let mut bolts = self
+            .timeline
+            .bolts(self.timeline.configurations.len())
+            .peekable();
         if bolts.peek().is_none() {
             return Vec::new();
         }
@@ -96,8 +100,7 @@ impl Staging {
         forces.collect()
     }
 
-    /// Sets a body that its stages have brought to rest in motion: its model, and what the stages came
-    /// to.
+    /// Dynamic model of an equilibrated body, and the outcome of the stages.
     pub(crate) fn set_in_motion(
         &self,
         body: EquilibratedBody,
@@ -118,7 +121,7 @@ impl Staging {
         Ok((model, StagingOutcome { stages, hand_over }))
     }
 
-    /// Goes through the stages.
+    /// Computes all stages.
     pub(crate) fn run(
         &self,
         stop: Option<&Arc<AtomicBool>>,
@@ -140,9 +143,9 @@ impl Staging {
             }
             let stress;
             let report;
-            (state, stress, report) = self.bring_to_rest(index, state, stop, &mut sink)?;
+            (state, stress, report) = self.equilibrate(index, state, stop, &mut sink)?;
             if let Some(sink) = &mut sink {
-                sink.at_rest(&CompletedStage {
+                sink.completed(&CompletedStage {
                     index,
                     count: self.scene.stages.len(),
                     report: &report,
@@ -158,8 +161,8 @@ impl Staging {
         Ok(EquilibratedBody { state, stages })
     }
 
-    /// One stage: the state afterwards, its stress, and what it took.
-    fn bring_to_rest(
+    /// Computes one stage: state and stress after it, and its report.
+    fn equilibrate(
         &self,
         index: usize,
         state: State,
@@ -167,19 +170,19 @@ impl Staging {
         sink: &mut Option<Box<dyn StageSink + '_>>,
     ) -> Result<(State, Vec<Stress>, StageReport), Error> {
         let (mesh, stage) = (&*self.scene.mesh, &self.scene.stages[index]);
-        let moment = &self.timeline.moments[index];
+        let configuration = &self.timeline.configurations[index];
         let body: Box<StageModel> = Box::new(|builder| {
             let builder = match stop {
                 Some(stop) => builder.stop_on(stop.clone()),
                 None => builder,
             };
-            let built = self.resting(builder, index);
+            let built = self.static_model(builder, index);
             built.map_err(|error| ModelError::refused("stage", error))
         });
         let engine = Stage::new(&stage.name, body)
-            .excavate(&moment.excavated)
-            .cast(&moment.cast)
-            .renew_joints(moment.renewed.iter().cloned())
+            .excavate(&configuration.excavated)
+            .cast(&configuration.cast)
+            .renew_joints(configuration.renewed.iter().cloned())
             .options(stage.options);
         let mut stress = Vec::new();
         let mut watch = |event: StageEvent| match event {
@@ -188,12 +191,12 @@ impl Staging {
                     sink.progress(stage, progress);
                 }
             }
-            StageEvent::AtRest { model, .. } => stress = model.stress_changes(),
+            StageEvent::Equilibrated { model, .. } => stress = model.stress_changes(),
             _ => {}
         };
         let (state, mut reports) =
             run_stages(mesh, state, &[engine], &mut watch).map_err(|error| match error {
-                StageError::Rest {
+                StageError::NotEquilibrated {
                     stage,
                     source: StaticError::Interrupted,
                 } => Error::Interrupted { stage },
@@ -206,15 +209,15 @@ impl Staging {
         Ok((state, stress, report))
     }
 
-    /// The model of a stage.
-    fn resting<'a>(
+    /// Adds elements, supports, joints and bolts of a stage to its static model.
+    fn static_model<'a>(
         &self,
         mut builder: ModelBuilder<'a>,
         index: usize,
     ) -> Result<ModelBuilder<'a>, Error> {
-        let (scene, moment) = (&self.scene, &self.timeline.moments[index]);
+        let (scene, configuration) = (&self.scene, &self.timeline.configurations[index]);
         for piece in &self.pieces {
-            let own = moment.materials.get(&piece.part);
+            let own = configuration.materials.get(&piece.part);
             let factory = piece.resting(&scene.parts[piece.part], own);
             builder = builder.elements(piece.elements.clone(), factory);
         }
@@ -238,23 +241,23 @@ impl Staging {
         })
     }
 
-    /// The model that moves, from the state of the last stage.
+    /// Builds the dynamic model from the state of the last stage.
     fn hand_over(&self, mut state: State) -> Result<(Model, HandOverReport), Error> {
         let scene = &self.scene;
         state.time = scene.start;
         let stages = &scene.stages;
-        let anew = |name: &str| renewal(stages, stages.len(), name);
-        (state.joints).retain(|joint| anew(&joint.name).is_none());
+        let renewal_of = |name: &str| renewal(stages, stages.len(), name);
+        (state.joints).retain(|joint| renewal_of(&joint.name).is_none());
         let builder = Model::builder(&scene.mesh).start(state);
         let found = scene.moving(builder, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
         let mut model = found.builder.build()?;
         for joint in &scene.joints {
-            if let Some(renewal) = anew(&joint.name) {
+            if let Some(renewal) = renewal_of(&joint.name) {
                 model.renew_joint(&joint.name, renewal);
             }
         }
         let report = model
-            .hand_over(SAME)
+            .hand_over(FORCE_TOLERANCE)
             .map_err(|source| Error::HandOver { source })?;
         Ok((model, report))
     }

@@ -1,4 +1,4 @@
-//! What is there, and of what, from stage to stage.
+//! Active elements, materials, bolts and joints from stage to stage.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -10,35 +10,35 @@ use super::{SceneStage, StagingError};
 use crate::scene::InitialMotion;
 use crate::{Error, Material, Scene};
 
-/// What a stage changes, found in the mesh, and what is there then.
-pub(crate) struct Moment {
-    /// Mesh indices of what is taken out, each once.
+/// Changes of one stage in terms of mesh indices, and the resulting configuration.
+pub(crate) struct Configuration {
+    /// Mesh indices of excavated elements, without repetitions.
     pub(crate) excavated: Vec<u32>,
-    /// Mesh indices of what is put in, each once.
+    /// Mesh indices of cast elements, without repetitions.
     pub(crate) cast: Vec<u32>,
-    /// Which elements of the mesh are there afterwards.
+    /// Activity of every element of the mesh after the changes.
     pub(crate) present: Vec<bool>,
-    /// Parts, by their place, that have another material than their own.
+    /// Temporary materials, by index of the part.
     pub(crate) materials: BTreeMap<usize, Material>,
-    /// Bolts that are installed.
+    /// Installed bolt groups.
     pub(crate) bolts: Vec<BoltSet>,
-    /// Joints that start anew, and how.
+    /// Re-initialised joints, with the type of re-initialisation.
     pub(crate) renewed: Vec<(String, Renewal)>,
 }
 
-/// The stages of a scene, one after the other.
+/// Sequence of the configurations of all stages of a scene.
 pub(crate) struct Timeline {
-    /// Mesh indices of elements that are not there before the first stage.
+    /// Mesh indices of elements that are inactive before the first stage.
     pub(crate) absent: Vec<u32>,
-    /// One for each stage.
-    pub(crate) moments: Vec<Moment>,
+    /// Configurations, one per stage.
+    pub(crate) configurations: Vec<Configuration>,
 }
 
 impl Timeline {
-    /// The stages of a scene; none if it has none.
+    /// Sequence of the stages of a scene; `None` if it has none.
     ///
     /// # Errors
-    /// The first stage that cannot be as it is to.
+    /// Error of the first invalid stage.
     pub(crate) fn of(scene: &Scene) -> Result<Option<Self>, Error> {
         check(scene).map_err(|source| Error::staging(None, source))?;
         if scene.stages.is_empty() {
@@ -46,7 +46,7 @@ impl Timeline {
         }
         let mesh = &*scene.mesh;
         let absent = absent_at_first(mesh, &scene.stages)?;
-        let mut found = Found {
+        let mut found = Progress {
             scene,
             present: vec![true; mesh.element_count()],
             materials: BTreeMap::new(),
@@ -56,52 +56,60 @@ impl Timeline {
         for &element in &absent {
             found.present[element as usize] = false;
         }
-        let mut moments = Vec::with_capacity(scene.stages.len());
-        for place in 0..scene.stages.len() {
-            let refused = |source| Error::staging(Some(&scene.stages[place].name), source);
-            moments.push(found.moment(place).map_err(|refusal| match refusal {
-                Refusal::Stage(source) => refused(source),
-                Refusal::Whole(error) => error,
-            })?);
+        let mut configurations = Vec::with_capacity(scene.stages.len());
+        for index in 0..scene.stages.len() {
+            let refused = |source| Error::staging(Some(&scene.stages[index].name), source);
+            configurations.push(
+                found
+                    .configuration(index)
+                    .map_err(|refusal| match refusal {
+                        StageFault::Stage(source) => refused(source),
+                        StageFault::Whole(error) => error,
+                    })?,
+            );
         }
         let idle = |bolts: &&crate::SceneBolts| !found.installed.contains(&bolts.name);
         if let Some(bolts) = scene.bolts.iter().find(idle) {
             let name = bolts.name.clone();
-            return Err(Error::of_bolts(StagingError::IdleBolts { name }));
+            return Err(Error::of_bolts(StagingError::UnusedBolts { name }));
         }
-        Ok(Some(Self { absent, moments }))
+        Ok(Some(Self {
+            absent,
+            configurations,
+        }))
     }
 
-    /// Which elements are there when the body moves.
+    /// Activity of every element in the dynamic run.
     pub(crate) fn present(&self) -> Option<&[bool]> {
-        self.moments.last().map(|moment| &moment.present[..])
+        self.configurations
+            .last()
+            .map(|configuration| &configuration.present[..])
     }
 
-    /// All bolts, in the order in which they are installed, up to a stage.
+    /// Bolt groups of the given number of stages, in order of installation.
     pub(crate) fn bolts(&self, stages: usize) -> impl Iterator<Item = &BoltSet> {
-        self.moments[..stages]
+        self.configurations[..stages]
             .iter()
-            .flat_map(|moment| &moment.bolts)
+            .flat_map(|configuration| &configuration.bolts)
     }
 
-    /// A body of the elements that are there when it moves, of which nothing has moved yet.
+    /// State without displacement, with the elements that are active in the dynamic run.
     pub(crate) fn bare_state(&self, nodes: usize) -> State {
         let mut state = State::at_rest(nodes);
         state.absent.clone_from(&self.absent);
-        for moment in &self.moments {
-            if !moment.excavated.is_empty() {
-                state.remove(&moment.excavated);
+        for configuration in &self.configurations {
+            if !configuration.excavated.is_empty() {
+                state.remove(&configuration.excavated);
             }
-            if !moment.cast.is_empty() {
-                state.cast(&moment.cast);
+            if !configuration.cast.is_empty() {
+                state.cast(&configuration.cast);
             }
         }
         state
     }
 }
 
-/// Refuses a stage that is to take off what acts from the stage of a place on, if it does not come
-/// after it.
+/// Checks that the stage that removes a load comes after the first stage in which the load acts (by index).
 pub(crate) fn check_removal(
     stages: &[SceneStage],
     first: usize,
@@ -117,7 +125,7 @@ pub(crate) fn check_removal(
     }
 }
 
-/// What concerns the scene as a whole.
+/// Checks that concern the scene as a whole.
 fn check(scene: &Scene) -> Result<(), StagingError> {
     for name in scene
         .loads
@@ -151,8 +159,8 @@ fn check(scene: &Scene) -> Result<(), StagingError> {
             return Err(StagingError::StressCount { found, expected });
         }
     }
-    for (place, bolts) in scene.bolts.iter().enumerate() {
-        if scene.bolts[..place]
+    for (index, bolts) in scene.bolts.iter().enumerate() {
+        if scene.bolts[..index]
             .iter()
             .any(|other| other.name == bolts.name)
         {
@@ -163,7 +171,7 @@ fn check(scene: &Scene) -> Result<(), StagingError> {
     Ok(())
 }
 
-/// Elements of sets that are cast without having been there before.
+/// Elements of sets that are cast without having been active before.
 fn absent_at_first(mesh: &Mesh, stages: &[SceneStage]) -> Result<Vec<u32>, Error> {
     let mut known = HashSet::new();
     let mut absent = Vec::new();
@@ -192,35 +200,35 @@ fn elements<'m>(mesh: &'m Mesh, set: &str, what: &'static str) -> Result<&'m [u3
     })
 }
 
-/// Why a stage is refused: for what it says, or for what stands elsewhere in the scene.
-enum Refusal {
+/// Cause of an invalid stage: an error of the stage itself, or of another item of the scene.
+enum StageFault {
     Stage(StagingError),
     Whole(Error),
 }
 
-impl From<StagingError> for Refusal {
+impl From<StagingError> for StageFault {
     fn from(source: StagingError) -> Self {
         Self::Stage(source)
     }
 }
 
-/// What has been found so far.
-struct Found<'s> {
+/// Configuration up to the current stage.
+struct Progress<'s> {
     scene: &'s Scene,
     present: Vec<bool>,
     materials: BTreeMap<usize, Material>,
-    /// The names of bolts that are installed.
+    /// Names of installed bolt groups.
     installed: Vec<String>,
-    /// The bolts that cross an element.
+    /// Name of the bolt group that crosses an element.
     bolted: HashMap<u32, String>,
 }
 
-impl Found<'_> {
-    fn moment(&mut self, place: usize) -> Result<Moment, Refusal> {
+impl Progress<'_> {
+    fn configuration(&mut self, index: usize) -> Result<Configuration, StageFault> {
         let scene = self.scene;
         let stages = &scene.stages[..];
-        let stage = &stages[place];
-        if stages[..place].iter().any(|other| other.name == stage.name) {
+        let stage = &stages[index];
+        if stages[..index].iter().any(|other| other.name == stage.name) {
             return Err(StagingError::SameName.into());
         }
         stage.options.check().map_err(StagingError::from)?;
@@ -229,7 +237,7 @@ impl Found<'_> {
             .iter()
             .filter_map(|load| load.removed_in.as_ref())
         {
-            check_removal(stages, place, name)?;
+            check_removal(stages, index, name)?;
         }
         let excavated = self.excavate(stage)?;
         let cast = self.cast(stage)?;
@@ -242,8 +250,8 @@ impl Found<'_> {
             }
         }
         let names = scene.joints.iter().map(|joint| &joint.name);
-        let renewed = names.filter_map(|name| Some((name.clone(), renewal(stages, place, name)?)));
-        Ok(Moment {
+        let renewed = names.filter_map(|name| Some((name.clone(), renewal(stages, index, name)?)));
+        Ok(Configuration {
             excavated,
             cast,
             present: self.present.clone(),
@@ -261,7 +269,7 @@ impl Found<'_> {
                 let (set, tag) = (set.clone(), mesh.element_tags()[element as usize]);
                 if !self.present[element as usize] {
                     let element = tag;
-                    return Err(StagingError::NotThere { set, element });
+                    return Err(StagingError::NotActive { set, element });
                 }
                 if let Some(name) = self.bolted.get(&element) {
                     let (element, name) = (tag, name.clone());
@@ -283,7 +291,7 @@ impl Found<'_> {
             for &element in elements(mesh, set, "cast")? {
                 if self.present[element as usize] {
                     let (set, element) = (set.clone(), mesh.element_tags()[element as usize]);
-                    return Err(StagingError::AlreadyThere { set, element });
+                    return Err(StagingError::AlreadyActive { set, element });
                 }
                 cast.push(element);
             }
@@ -294,7 +302,7 @@ impl Found<'_> {
         Ok(each_once(cast))
     }
 
-    /// What is cast as a whole has its own material again; then what the stage says.
+    /// Restores the material of parts that are cast as a whole, then sets the temporary materials of the stage.
     fn change_materials(&mut self, stage: &SceneStage, cast: &[u32]) -> Result<(), StagingError> {
         let (mesh, parts) = (&self.scene.mesh, &self.scene.parts);
         self.materials.retain(|&part, _| {
@@ -308,14 +316,14 @@ impl Found<'_> {
             let part = part.ok_or_else(|| StagingError::NoSuchPart { set: set.clone() })?;
             let elements = mesh.element_set(set).unwrap_or_default();
             if !elements.iter().any(|&e| self.present[e as usize]) {
-                return Err(StagingError::AbsentPart { set: set.clone() });
+                return Err(StagingError::InactivePart { set: set.clone() });
             }
             self.materials.insert(part, material.clone());
         }
         Ok(())
     }
 
-    fn install(&mut self, stage: &SceneStage) -> Result<Vec<BoltSet>, Refusal> {
+    fn install(&mut self, stage: &SceneStage) -> Result<Vec<BoltSet>, StageFault> {
         let mesh = &*self.scene.mesh;
         let mut sets = Vec::with_capacity(stage.bolts.len());
         for name in &stage.bolts {
@@ -326,9 +334,11 @@ impl Found<'_> {
             };
             if self.installed.contains(name) {
                 let name = name.clone();
-                return Err(StagingError::BoltsTwice { name }.into());
+                return Err(StagingError::AlreadyInstalled { name }.into());
             }
-            let set = bolts.embed(mesh, &self.present).map_err(Refusal::Whole)?;
+            let set = bolts
+                .embed(mesh, &self.present)
+                .map_err(StageFault::Whole)?;
             for bolt in 0..set.len() {
                 let crossed = set.segments(bolt).map(|segment| segment.element);
                 self.bolted

@@ -1,4 +1,4 @@
-//! Whatever is wrong with a scene file is told once, in place, before any work.
+//! Every fault of a scene file is reported once, with its position, before the computation.
 
 mod stages;
 
@@ -59,8 +59,7 @@ fn read(text: &str) -> Result<Scene, Error> {
     Scene::from_toml(text, path, &Registry::default())
 }
 
-/// The fault of the sound scene with one passage replaced. `new` has a `§` where the fault stands;
-/// it must be found there.
+/// Fault of the sound scene with one passage replaced. `new` has a `§` at the expected position of the fault.
 fn fault(old: &str, new: &str) -> Box<SceneFault> {
     fault_of(SOUND, old, new)
 }
@@ -86,11 +85,11 @@ fn fault_of(sound: &str, old: &str, new: &str) -> Box<SceneFault> {
 fn the_sound_scene_is_accepted() {
     let scene = read(SOUND).unwrap();
     assert_eq!(scene.parts().len(), 2);
-    assert!(scene.incident_field().is_some());
+    assert!(scene.field().is_some());
     assert_eq!(scene.remarks().len(), 1);
 }
 
-/// A fault is told with line, column and what is wrong.
+/// A fault is reported with line, column and message.
 #[test]
 fn every_fault_has_its_place() {
     for (old, new, message) in [
@@ -171,7 +170,7 @@ fn every_fault_has_its_place() {
             "kind = §\"sx\"",
             "'sx' is not permitted here",
         ),
-        // Names that refer to nothing.
+        // Names that are not defined.
         (
             "set = \"lining\"",
             "set = §\"linig\"",
@@ -217,7 +216,7 @@ fn every_fault_has_its_place() {
             "§\"nothing.csv\"",
             "nothing.csv",
         ),
-        // What another crate refuses.
+        // Errors of other crates.
         (
             "kind = \"sv\"\nincidence = 30",
             "kind = \"p\"\nincidence = §90",
@@ -234,7 +233,7 @@ fn every_fault_has_its_place() {
             "the surface moves by 0.0000",
         ),
         ("[0, 0, -60]", "§[0, 0, -70]", "lies in no element"),
-        // What does not go together.
+        // Inconsistent keys.
         (
             "30\nrecord = \"el-centro\"",
             "§30",
@@ -253,7 +252,7 @@ fn every_fault_has_its_place() {
     }
 }
 
-/// What would be ignored, or could not be computed, is told where it stands, before any work.
+/// Input that would be ignored, or cannot be computed, is an error with its position.
 #[test]
 fn nothing_is_taken_and_ignored() {
     let history = "[[output.history]]\nname = \"crown\"\nat = [0, 0, -60]\n";
@@ -307,7 +306,7 @@ fn nothing_is_taken_and_ignored() {
         (
             "kernel = \"hex8-full\"",
             "kernel = §\"wedge6\"",
-            "no element that the kernel 'wedge6' takes",
+            "the kernel 'wedge6' is not for any element",
         ),
         (
             "file = \"../records",
@@ -337,7 +336,7 @@ fn nothing_is_taken_and_ignored() {
         (
             "[time]",
             "[[support]]\nkind = \"roller\"\nset = §\"intrados\"\n[time]",
-            "found facets that face different ways",
+            "found facets with different normals",
         ),
         (
             "[time]",
@@ -363,7 +362,7 @@ fn nothing_is_taken_and_ignored() {
     assert!(told.to_string().contains("no field"), "{told}");
 }
 
-/// How a joint starts is checked against its law and its pairs, each fault at its key.
+/// The initial state of a joint is checked against its law and pairs, each fault at its key.
 #[test]
 fn starts_of_joints_have_their_place() {
     let joint = "[[joint]]\nname = \"bond\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"bonded-coulomb\"\ncohesion = 1e6\ntensile_strength = 5e5\nstatic_friction = 0.8\n[time]";
@@ -473,7 +472,7 @@ fn starts_of_joints_have_their_place() {
         (
             &bonded,
             "unbonded = [{ set = \"lining\" }, §{ set = \"top\" }]",
-            "joint 'bond' has no pair in set 'top'",
+            "joint 'bond' has no node pair in set 'top'",
         ),
         (
             &bonded,
@@ -483,7 +482,7 @@ fn starts_of_joints_have_their_place() {
         (
             &bonded,
             "unbonded = [§{ low = [1, 1, 1], high = [2, 2, 2] }]",
-            "no pair in the box from (1, 1, 1) m to (2, 2, 2) m",
+            "no node pair in the box from (1, 1, 1) m to (2, 2, 2) m",
         ),
         (
             &rubbing,
@@ -512,7 +511,7 @@ fn histories_of_joints_have_their_place() {
         "[[joint]]\nname = \"bond\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\n[time]";
     let sound = SOUND.replace("[time]", joint);
     let sound = format!("{sound}[[output.joint]]\nname = \"j\"\njoint = \"bond\"\n");
-    assert_eq!(read(&sound).unwrap().output_plan().joints.len(), 1);
+    assert_eq!(read(&sound).unwrap().output().joints.len(), 1);
     for (old, new, message) in [
         (
             "joint = \"bond\"",
@@ -544,7 +543,7 @@ fn histories_of_joints_have_their_place() {
         (
             "\"j\"",
             "§\"j\"\nset = \"top\"",
-            "joint 'bond' has no pair in set 'top'",
+            "joint 'bond' has no node pair in set 'top'",
         ),
         (
             "\"j\"",
@@ -556,7 +555,7 @@ fn histories_of_joints_have_their_place() {
         ("\"j\"", "§\"j\"\nat = [0, 0, -60]", "the nearest is 1.5"),
         ("\"j\"", "\"j\"\n§depth = 1", "unknown key 'depth'"),
     ] {
-        // The last table: what stands there stands once more above.
+        // The last table: its text occurs also above.
         let start = sound.find("[[output.joint]]").unwrap();
         let (head, tail) = sound.split_at(start);
         assert!(tail.contains(old), "{old}");
@@ -566,7 +565,7 @@ fn histories_of_joints_have_their_place() {
     }
 }
 
-/// The free field has one medium: faces before rock and concrete are refused.
+/// The free field has one medium: absorbing faces on rock and concrete are an error.
 #[test]
 fn a_field_has_one_medium() {
     let two = SOUND.replace(
@@ -578,7 +577,7 @@ fn a_field_has_one_medium() {
         matches!(fault.problem(), Problem::SeveralMedia { count: 2, .. }),
         "{fault}"
     );
-    // Media, faces and ways out are named.
+    // The message contains media, faces and remedies.
     let shown = fault.render(false);
     assert!(
         shown.contains("'rock' (left, right, front, back, bottom), 'lining' (intrados)"),
@@ -590,8 +589,7 @@ fn a_field_has_one_medium() {
     );
 }
 
-/// The message shows the line, points at the place, lists what is permitted and guesses the word
-/// that was meant.
+/// The message contains the line, marks the position, lists permitted values and suggests the nearest one.
 #[test]
 fn a_fault_is_shown_with_its_line_and_the_nearest_name() {
     let shown = fault("set = \"lining\"", "set = §\"linig\"").render(false);
@@ -604,7 +602,7 @@ fn a_fault_is_shown_with_its_line_and_the_nearest_name() {
     assert!(shown.contains("available: lining, rock"), "{shown}");
     assert!(!shown.contains('\u{1b}'));
     assert!(fault("title", "§titel").render(true).contains('\u{1b}'));
-    // Far from every name nothing is guessed.
+    // Far from every name nothing is suggested.
     assert!(
         !fault("set = \"lining\"", "set = §\"x\"")
             .render(false)
@@ -618,8 +616,8 @@ fn a_fault_is_shown_with_its_line_and_the_nearest_name() {
     assert!(shown.contains("space = \"full-space\""), "{shown}");
 }
 
-/// A step above the stable one, and springs without a distance, are only found when the model is
-/// built; they are told in place all the same.
+/// A step above the stable one, and springs without a distance, are found only when the model is built, but also reported
+/// with their position.
 #[test]
 fn what_the_model_refuses_has_a_place_too() {
     let step = SOUND.replace("duration = 20", "duration = 20\nstep = 0.01");
@@ -643,7 +641,7 @@ fn what_the_model_refuses_has_a_place_too() {
         (
             "[[output.history]]",
             "[[output.section]]\nname = \"a\"\nset = \"lining\"\nat = §[0, 0, -5]\nnormal = [0, 0, 1]\nalong = [1, 0, 0]\n[[output.history]]",
-            "meets none of its elements",
+            "intersects none of its elements",
         ),
         (
             "[[output.history]]",
@@ -683,7 +681,7 @@ fn what_the_model_refuses_has_a_place_too() {
     );
 }
 
-/// Several faults give one message, and text that is no scene at all gives one too.
+/// Several faults give one message, and so does text that is not a scene.
 #[test]
 fn any_text_gives_one_fault() {
     for text in [

@@ -43,8 +43,7 @@ pressure = 1e5
 
 [time]"#;
 
-/// What is wrong with stages, bolts or the in-situ stress is told where it stands, when the scene is
-/// read.
+/// A fault of stages, bolts or the in-situ stress is reported with its position when the scene is read.
 #[test]
 fn faults_of_stages_have_their_place() {
     let sound = staged();
@@ -96,7 +95,7 @@ fn faults_of_stages_have_their_place() {
         (
             "[[stage.load]]",
             "[[stage]]\nname = \"again\"\ncast = [§\"lining\"]\n[[stage.load]]",
-            "is to be cast, but is there already",
+            "cannot be cast: it is active already",
         ),
         (
             "[[stage.load]]",
@@ -111,7 +110,7 @@ fn faults_of_stages_have_their_place() {
         (
             "bolts = [\"roof\"]",
             "bolts = [\"roof\", §\"roof\"]",
-            "'roof' stands twice in the list 'bolts'",
+            "'roof' is repeated in the list 'bolts'",
         ),
         (
             "bolts = [\"roof\"]",
@@ -126,7 +125,7 @@ fn faults_of_stages_have_their_place() {
         (
             "name = \"lining\"",
             "name = §\"ground\"",
-            "another stage of this name",
+            "another stage has the same name",
         ),
         ("cast =", "release = §1.5\ncast =", "above 0 and at most 1"),
         ("cast =", "increments = §0\ncast =", "a whole number"),
@@ -155,17 +154,17 @@ fn faults_of_stages_have_their_place() {
         (
             "pressure = 1e5",
             "pressure = 1e5\nremoved_in = §\"linning\"",
-            "no stage 'linning' that could take the load off",
+            "no stage 'linning' that could remove the load",
         ),
         (
             "pressure = 1e5",
             "pressure = 1e5\nremoved_in = §\"lining\"",
-            "stage 'lining' cannot take the load off: it acts from stage 'lining' on",
+            "stage 'lining' cannot remove the load: it acts from stage 'lining' on",
         ),
         (
             "pressure = 1e5",
             "pressure = 1e5\nremoved_in = §\"ground\"",
-            "stage 'ground' cannot take the load off",
+            "stage 'ground' cannot remove the load",
         ),
         (
             "[in_situ_stress]",
@@ -189,7 +188,7 @@ fn faults_of_stages_have_their_place() {
     let idle = sound.replace("bolts = [\"roof\"]\n", "");
     let fault = fault_of(&idle, "name = \"roof\"", "name = §\"roof\"");
     assert!(fault.to_string().contains("no stage installs"), "{fault}");
-    // Without a stage there is nothing to bring the ground to rest.
+    // Without a stage the ground cannot reach static equilibrium.
     let from = sound.find("[[stage]]").unwrap();
     let until = sound.find("[time]").unwrap();
     let none = [&sound[..from], &sound[until..]].concat();
@@ -205,8 +204,8 @@ fn faults_of_stages_have_their_place() {
         .count()
         + 1;
     assert_eq!(fault.position().0, line, "{fault}");
-    // A preload would count what the stages find a second time.
+    // A preload would be counted in addition to the traction of the stages.
     let joint = "[[joint]]\nname = \"contact\"\nbetween = [\"rock\", \"lining\"]\nlaw = \"tied\"\npreload = §{ kind = \"pressure\", pressure = 1e5 }\n[[bolt]]";
     let fault = fault_of(&sound, "[[bolt]]", joint);
-    assert!(fault.to_string().contains("count twice"), "{fault}");
+    assert!(fault.to_string().contains("counted twice"), "{fault}");
 }

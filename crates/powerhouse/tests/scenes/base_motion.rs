@@ -1,4 +1,4 @@
-//! Prescribed motions by records: when they come, and what is said of it.
+//! Prescribed motions by records: their delay, and its report.
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
@@ -31,7 +31,7 @@ name = "base"
 at = [0, 0, 0]
 "#;
 
-/// A burst of 20 s that swells up to a time (s), with a drift that a filter is to take out.
+/// Burst of 20 s that grows up to a time (s), with a drift that a filter removes.
 fn record(swell: f64) -> TimeHistory {
     let at = |i: usize| {
         let t = i as f64 * STEP;
@@ -81,14 +81,13 @@ fn run(scene: Scene) -> (Vec<Remark>, Results) {
 
 fn padding(remarks: &[Remark]) -> Option<f64> {
     remarks.iter().find_map(|remark| match remark {
-        Remark::QuietMotion { padding, .. } => Some(*padding),
+        Remark::DelayedMotion { padding, .. } => Some(*padding),
         _ => None,
     })
 }
 
-/// The base moves as the filtered record does from its own start on, let in without a blow; where the
-/// filter's ringing before that is not quiet, all records come later alike, by the least time for which it
-/// is, and this is said.
+/// The base has the motion of the filtered record from its original start on, after a smooth ramp; where the lead of the
+/// filter is not negligible before, all records are delayed by the least sufficient time, which is reported.
 #[test]
 fn the_base_moves_from_the_start_of_its_record() {
     const QUIET: f64 = 1e-4;
@@ -107,12 +106,12 @@ fn the_base_moves_from_the_start_of_its_record() {
             let peak = signal.report().peak_displacement;
             for (time, found) in results.histories.times.iter().zip(&column.values) {
                 let expected = signal.motion(time + lead - padding).displacement;
-                // Let in over half a period of the corner, while it is quiet.
+                // Ramp over half a period of the corner frequency, while the motion is small.
                 let share = if *time < 0.5 / corner { QUIET } else { 1e-9 };
                 let error = (found - expected).abs();
                 assert!(error < share * peak, "{name} {time} {found} {expected}");
             }
-            // A displacement that is there at once would be a blow.
+            // A sudden displacement would be an impact.
             let velocity = results.histories.column(&name.replace(".u", ".v")).unwrap();
             let early = results.histories.times.iter().zip(&velocity.values);
             let early = early.filter(|(time, _)| **time < 0.5 / corner);
@@ -145,8 +144,8 @@ fn the_base_moves_from_the_start_of_its_record() {
     }
 }
 
-/// The line of a record tells how long before its own start it begins, and a run that ends before most of
-/// a record has come is warned of, with the time that would do.
+/// The remark of a record contains its lead, and a run that ends before most of a record has arrived has a warning with
+/// the sufficient time.
 #[test]
 fn leads_and_ends_are_said() {
     let said = |duration: f64| {
@@ -162,7 +161,9 @@ fn leads_and_ends_are_said() {
     let lines = said(20.0);
     let line = &lines.iter().find(record).unwrap().1;
     assert!(
-        line.contains(&format!("begins {lead:.3} s before its own start")),
+        line.contains(&format!(
+            "extends it by {lead:.3} s before its original start"
+        )),
         "{line}"
     );
     let short = |line: &&(bool, String)| line.0 && line.1.contains("before record 'r0' at");
@@ -172,8 +173,8 @@ fn leads_and_ends_are_said() {
     assert!(line.contains("the run ends at 8.000 s"), "{line}");
 }
 
-/// A wave that a filter's ringing does not let begin quietly is refused with what would help; one whose record
-/// no filter touches is not told of filters.
+/// A wave with a filter lead that is not negligible is an error with a hint on the filter; one without filter has no such
+/// hint.
 #[test]
 fn a_filter_that_rings_too_long_is_named() {
     let variants = Variants::new("rings");

@@ -6,7 +6,7 @@ use powerhouse::{Error, Registry, Remark, Results, Scene};
 
 use crate::support::{Folder, run};
 
-/// One brick of concrete of the paper on a support of a kind, pulled apart along z by 2 mm in a time (s).
+/// One brick of the paper's concrete on a support of a kind, stretched along z by 2 mm in a time (s).
 fn pulled(height: f64, (base, duration): (&str, f64), keys: &str) -> Result<Scene, Error> {
     let folder = Folder::new("crack-band");
     let high = Vec3::new(1.0, 1.0, height);
@@ -60,10 +60,10 @@ fn last(results: &Results, name: &str) -> f64 {
     *column(results, name).last().unwrap()
 }
 
-/// Takes the ringing of a crack, and next to nothing of the pull.
+/// Damping that removes the oscillations of a crack with a negligible force in the loading.
 const CALM: &str = "damping = { kind = \"rayleigh\", ratio = 0.2, frequencies = [100, 1000] }";
 
-/// What plastic flow and damage took, less what came back (J).
+/// Energy dissipated by plasticity and damage, minus the recovered energy (J).
 fn fracture(results: &Results) -> f64 {
     ["plastic", "damage", "recovery"]
         .map(|name| last(results, name))
@@ -71,9 +71,8 @@ fn fracture(results: &Results) -> f64 {
         .sum()
 }
 
-/// A brick of concrete that is opened by 2 mm takes its fracture energy to 2 %, be it a cube, four times as
-/// long as wide or a quarter, with eight points or one, free across the pull; results show the width of the
-/// crack.
+/// A brick of concrete that is cracked by 2 mm dissipates its fracture energy within 2 %, for aspect ratios of 1, 4 and
+/// 1/4, with eight points or one, free across the loading; results contain the crack band width.
 #[test]
 fn bricks_of_any_length_take_their_fracture_energy() {
     for height in [1.0, 4.0, 0.25] {
@@ -92,7 +91,7 @@ fn bricks_of_any_length_take_their_fracture_energy() {
     }
 }
 
-/// A brick that snaps back along its longest extent is refused, and the error says so.
+/// A brick with snap-back along its longest extent is an error.
 #[test]
 fn snap_back_is_looked_for_along_the_longest_extent() {
     let told = pulled(8.0, ("roller", 0.4), FULL)
@@ -106,9 +105,9 @@ fn snap_back_is_looked_for_along_the_longest_extent() {
     }
 }
 
-/// Stiffness damping of a brick that cracks fades with its stiffness: in the end it and the stress carry less
-/// than a hundredth of the strength together, it takes no more than fracture does by far, the account of
-/// energies closes, and a warning says where its stress is not found.
+/// Stiffness-proportional damping of a cracking brick decreases with its stiffness: finally its stress and that of the
+/// law are below a hundredth of the strength, it dissipates much less than fracture, the energy balance closes, and a
+/// warning states which outputs do not contain its stress.
 #[test]
 fn stiffness_damping_fades_with_the_stiffness() {
     for (duration, most) in [(0.04, 2.7), (0.4, 0.3)] {
@@ -123,7 +122,7 @@ fn stiffness_damping_fades_with_the_stiffness() {
             let results = simulation.run(Default::default()).unwrap();
             let share = last(&results, "stiffness damping") / fracture(&results);
             assert!(share > 0.0 && share <= most, "{duration} s: {share}");
-            // All that pulls at the sides works on them.
+            // Energy of the loading at the sides.
             let work = column(&results, "prescribed motion");
             let times = &results.energies.times;
             let last = times.iter().rposition(|time| *time < duration).unwrap();

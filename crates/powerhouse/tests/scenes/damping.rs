@@ -1,5 +1,5 @@
-//! Damping that is flat over a band, and rims: each key of a file does what its twin in Rust does, and
-//! what both cost and do is told.
+//! Flat damping and rims: every key of a file is equivalent to its counterpart in Rust, and cost and effect are
+//! reported.
 
 use powerhouse::engine::{Rayleigh, SolidKernel};
 use powerhouse::material::{
@@ -12,7 +12,7 @@ use powerhouse::{Damping, Error, Material, Part, Registry, Remark, Scene};
 use crate::support::*;
 
 const KERNEL: &str = "kernel = \"hex8-full\"\n";
-/// A band that the cube's wave of 0.4 s lies in.
+/// Band that contains the cube's wave of 0.4 s.
 const BAND: &str = "kind = \"flat\", ratio = 0.05, band = [0.5, 20]";
 
 fn flat(mechanisms: usize, reference: ReferenceFrequency) -> Damping {
@@ -50,16 +50,16 @@ const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity
 fn cube_with(mesh: Mesh, parts: Vec<Part>) -> Scene {
     let base = cube_scene();
     let scene = Scene::new("cube", mesh)
-        .shared_field(base.incident_field().unwrap().clone())
-        .boundary(base.absorbing_boundary().unwrap().clone())
-        .duration(0.6)
-        .output(base.output_plan().clone());
+        .with_shared_field(base.field().unwrap().clone())
+        .with_boundary(base.boundary().unwrap().clone())
+        .with_duration(0.6)
+        .with_output(base.output().clone());
     parts.into_iter().fold(scene, Scene::part)
 }
 
 fn damped(material: Material, damping: Damping) -> Scene {
-    let part = Part::new("rock", material).kernel(SolidKernel::Hex8Full);
-    cube_with(cube(), vec![part.damping(damping)])
+    let part = Part::new("rock", material).with_kernel(SolidKernel::Hex8Full);
+    cube_with(cube(), vec![part.with_damping(damping)])
 }
 
 /// The largest displacement along x at the surface (m).
@@ -99,7 +99,7 @@ fn flat_damping_of_a_file_is_that_of_rust() {
     );
 }
 
-/// What flat damping costs is told before a run, and the stable step is what was told.
+/// The cost of flat damping is reported before a run and agrees with the stable step.
 #[test]
 fn the_cost_of_flat_damping_is_told() {
     let step = |damping| {
@@ -127,20 +127,20 @@ fn the_cost_of_flat_damping_is_told() {
     for passage in [
         "part 'rock'",
         "5.000 % of critical from 0.5 to 20 Hz",
-        "18 numbers more",
-        "at rest it is 0.8",
+        "18 more history variables",
+        "the static stiffness is 0.8",
     ] {
         assert!(told.contains(passage), "{passage}: {told}");
     }
     let (_, at_rest) = step(flat(3, ReferenceFrequency::Static));
     let at_rest = at_rest.unwrap().0;
     assert!(
-        at_rest.step < cost.step && at_rest.speeds[0] > 1.0 && at_rest.at_rest == 1.0,
+        at_rest.step < cost.step && at_rest.speeds[0] > 1.0 && at_rest.static_stiffness == 1.0,
         "{at_rest:?}"
     );
 }
 
-/// A law without tension, for one point: nobody knows its elastic part.
+/// User-defined law without tension, whose elastic part is not defined.
 struct NoTension;
 
 impl PointLaw for NoTension {
@@ -167,7 +167,7 @@ impl PointLaw for NoTension {
 #[serde(deny_unknown_fields)]
 struct NoKeys {}
 
-/// What is wrong with damping or a rim is shown at the value at fault.
+/// A fault of damping or a rim is reported at the value concerned.
 #[test]
 fn faults_have_their_place() {
     let folder = Variants::new("damping-faults").0;
@@ -227,13 +227,13 @@ fn faults_have_their_place() {
     }
     let own = format!("damping = {{ {BAND} }}");
     let Err(Error::Scene(fault)) = read("law = \"no-tension\"\n", &own) else {
-        panic!("a law of which nobody knows the elastic part is damped in series");
+        panic!("flat damping of a law without elastic part was accepted");
     };
     assert_eq!(fault.position(), (12, 11), "{fault}");
     assert!(
         fault
             .to_string()
-            .contains("damping cannot stand in series with the law 'no-tension'")
+            .contains("flat damping is not available for the law 'no-tension'")
     );
 }
 
@@ -256,8 +256,8 @@ fn cut(width: f64) -> Mesh {
     mesh
 }
 
-/// A part with a rim is a damped, yielding one within and an elastic, undamped one along the absorbing
-/// faces; the rim is told, and nothing warns of waves that are reflected there.
+/// A part with a rim is damped and plastic inside, elastic and undamped along the absorbing faces; the rim is reported,
+/// and there is no warning about reflected waves.
 #[test]
 fn a_rim_is_elastic_and_undamped() {
     let variants = Variants::new("damping-rim");
@@ -265,16 +265,16 @@ fn a_rim_is_elastic_and_undamped() {
         mass: 0.5,
         stiffness: 0.0,
     };
-    let of = |set: &str, material| Part::new(set, material).kernel(SolidKernel::Hex8Full);
+    let of = |set: &str, material| Part::new(set, material).with_kernel(SolidKernel::Hex8Full);
     for (width, elements) in [(0.0, 136), (50.0, 136), (60.0, 200)] {
         let keys = format!(
             "{KERNEL}damping = {{ kind = \"coefficients\", mass = 0.5, stiffness = 0 }}\nrim = {width}\n"
         );
         let text = CUBE.replace(ELASTIC, WEAK).replace(KERNEL, &keys);
-        let rimmed = of("rock", weak()).damping(rayleigh).rim(width);
+        let rimmed = of("rock", weak()).with_damping(rayleigh).with_rim(width);
         variants.equal((CUBE, &text), cube_with(cube(), vec![rimmed.clone()]));
         let two = vec![
-            of("inner", weak()).damping(rayleigh),
+            of("inner", weak()).with_damping(rayleigh),
             of("outer", elastic()),
         ];
         let twin = run(cube_with(cut(width.max(50.0)), two));
@@ -297,8 +297,8 @@ fn a_rim_is_elastic_and_undamped() {
         let state = found.state.unwrap();
         assert_eq!(state.elements.len(), 216 - elements);
     }
-    // Without a rim both are warned of.
-    let bare = cube_with(cube(), vec![of("rock", weak()).damping(rayleigh)]);
+    // Without a rim both have warnings.
+    let bare = cube_with(cube(), vec![of("rock", weak()).with_damping(rayleigh)]);
     let simulation = bare.prepare().unwrap();
     let warned = simulation.remarks().iter().filter(|remark| {
         matches!(
@@ -309,7 +309,7 @@ fn a_rim_is_elastic_and_undamped() {
     assert_eq!(warned.count(), 2);
 }
 
-/// A rim of a part that comes nowhere near an absorbing face is refused, in a file at its value.
+/// A rim of a part far from the absorbing faces is an error, in a file at its value.
 #[test]
 fn a_rim_without_elements_is_refused() {
     let mesh = cut(100.0);
@@ -328,15 +328,15 @@ fn a_rim_without_elements_is_refused() {
     let parts = [("inner", Some(20.0)), ("outer", None)].map(|(set, rim)| {
         let part = Part::new(set, elastic());
         match rim {
-            Some(width) => part.rim(width),
+            Some(width) => part.with_rim(width),
             None => part,
         }
     });
     let Err(error) = cube_with(mesh, parts.to_vec()).prepare() else {
         panic!("an idle rim is accepted");
     };
-    assert!(matches!(error, Error::IdleRim { set, width: 20.0 } if set == "inner"));
+    assert!(matches!(error, Error::EmptyRim { set, width: 20.0 } if set == "inner"));
     // A scene without absorbing faces has no rim either.
-    let free = Scene::new("free", cube()).part(Part::new("rock", elastic()).rim(10.0));
-    assert!(matches!(free.prepare(), Err(Error::IdleRim { .. })));
+    let free = Scene::new("free", cube()).part(Part::new("rock", elastic()).with_rim(10.0));
+    assert!(matches!(free.prepare(), Err(Error::EmptyRim { .. })));
 }

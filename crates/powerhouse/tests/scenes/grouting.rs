@@ -1,4 +1,4 @@
-//! Joints that a stage grouts: where they stand, whatever gap they had, opened or slid before.
+//! Joints that a stage grouts in their current position, after gaps, opening or slip.
 
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::engine::{NodalForce, SolidKernel, StaticMethod, StaticOptions, Support};
@@ -47,7 +47,7 @@ const SEVERAL: [Blocks; 3] = [
     },
 ];
 
-/// What is done to the blocks.
+/// Initial state and stages of the blocks.
 struct Plan {
     gap: f64,
     /// Whether the joint starts without the bond of its law.
@@ -97,7 +97,7 @@ impl Blocks {
         });
         nodes.collect()
     }
-    /// A force (N) at f in a direction, from a stage on, until another takes it off if one is named.
+    /// A force (N) at f in a direction, from a stage on, until another stage removes it if one is named.
     fn pull(
         &self,
         stage: SceneStage,
@@ -127,10 +127,10 @@ impl Blocks {
         });
         let mut joint = SceneJoint::new("seam", surface, law.unwrap());
         if plan.gap > 0.0 {
-            joint = joint.gap(InitialGap::Distance(plan.gap));
+            joint = joint.with_gap(InitialGap::Distance(plan.gap));
         }
         if plan.loose {
-            joint = joint.unbonded(JointZone::All);
+            joint = joint.with_unbonded(JointZone::All);
         }
         let ends = [0.0, 4.0].map(|layer| self.layer(&mesh, layer));
         let ends = ends.iter().flatten().map(|(node, _)| *node).collect();
@@ -141,26 +141,26 @@ impl Blocks {
         }
         let rock = ElasticMedium::new(YOUNG, 0.0, 2600.0).unwrap();
         let material = Material::from(LinearElastic::new(rock));
-        let part = |set: &str| Part::new(set, material.clone()).kernel(SolidKernel::Hex8Full);
+        let part = |set: &str| Part::new(set, material.clone()).with_kernel(SolidKernel::Hex8Full);
         let scene = Scene::new("blocks", mesh)
             .part(part("lower"))
             .part(part("upper"))
             .joint(joint)
-            .duration(0.01);
+            .with_duration(0.01);
         let scene = supports.into_iter().fold(scene, Scene::support);
         plan.stages.into_iter().fold(scene, Scene::stage)
     }
 }
 
 fn stage(name: &str, method: StaticMethod) -> SceneStage {
-    SceneStage::new(name).options(StaticOptions::default().with_method(method))
+    SceneStage::new(name).with_options(StaticOptions::default().with_method(method))
 }
 
 fn run(scene: Scene) -> Results {
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 
-/// The records of the joint, and what was the greatest of a column of it.
+/// Records of the joint, and the peak of one of its columns.
 fn seen(results: &Results) -> (&[JointRecord], impl Fn(&str) -> f64 + '_) {
     let most = |name: &str| {
         let column = results.joint_histories.column(&format!("seam.{name}"));
@@ -185,8 +185,8 @@ fn intact(results: &Results) {
     }
 }
 
-/// A joint that has a gap, or has opened, is closed and bonded everywhere after grouting, and at the start
-/// of the motion: by either method, along any axis.
+/// A joint with a gap or opening is closed and bonded everywhere after grouting, and at the start of the run: with either
+/// method, along any axis.
 #[test]
 fn a_grouted_joint_keeps_its_bond() {
     for blocks in SEVERAL {
@@ -226,8 +226,8 @@ fn a_grouted_joint_keeps_its_bond() {
     }
 }
 
-/// A grouted joint that had opened carries its strength and not more, whatever stages stand between; where
-/// it breaks it opens from where it was grouted. The force that had opened it, taken off, presses it.
+/// A grouted joint that had opened carries its strength and not more, with any stages between; where it fails it opens
+/// from its grouted position. Removal of the force that had opened it compresses it.
 #[test]
 fn a_grouted_joint_breaks_at_its_strength() {
     for blocks in SEVERAL {
@@ -284,13 +284,13 @@ fn a_grouted_joint_breaks_at_its_strength() {
     }
 }
 
-/// How far three tenths of a load move the upper side of a joint without friction (m).
+/// Displacement of the upper side of a joint without friction under three tenths of a load (m).
 fn slid_by(blocks: &Blocks, along: usize, full: f64) -> f64 {
     0.3 * full / blocks.stiffness(along)
 }
 
-/// A joint that slid before it is grouted stays where it slid to, carries its cohesion in either direction
-/// and not more, and counts its slip from there.
+/// A joint that slid before it is grouted keeps its position, carries its cohesion in either direction and not more, and
+/// its slip is counted from there.
 #[test]
 fn a_joint_that_slid_is_grouted_where_it_is() {
     for blocks in SEVERAL {
@@ -326,7 +326,7 @@ fn a_joint_that_slid_is_grouted_where_it_is() {
             let broken = |record: &JointRecord| record.state.bond == Bond::Broken;
             assert!(seen(&breaks).0.iter().all(broken));
         }
-        // Under pressure, and with what made it slide taken off again.
+        // Under pressure, and after removal of the force that made it slide.
         let pressed = |grouts: bool| {
             let ground = stage("ground", RELAXED);
             let ground = blocks.pull(ground, (along, 0.3 * full), Some("unload"));
@@ -364,8 +364,8 @@ fn a_joint_that_slid_is_grouted_where_it_is() {
     }
 }
 
-/// What was grouted goes on from a kept file, over two further stages, with the bits of a run without one;
-/// where nothing was grouted no pair has an origin.
+/// A run continued from a body file, over two further stages, has the bits of an uninterrupted one; without grouting no
+/// pair has an origin.
 #[test]
 fn grouting_is_carried_over() {
     let blocks = SEVERAL[1];
@@ -390,7 +390,7 @@ fn grouting_is_carried_over() {
     let folder = Folder::new("grouting");
     let file = folder.0.join("rest.body");
     let body = blocks.scene(plan(true), None).prepare().unwrap();
-    let body = body.bring_to_rest(None, None).unwrap().unwrap();
+    let body = body.equilibrate(None, None).unwrap().unwrap();
     body.write(&file).unwrap();
     let back = EquilibratedBody::read(&file).unwrap();
     assert_eq!(back, body);
@@ -400,10 +400,7 @@ fn grouting_is_carried_over() {
             .iter()
             .all(|record| record.closed_at.is_some())
     );
-    let hooks = RunHooks {
-        at_rest: Some(back),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_equilibrated_body(back);
     let resumed = blocks
         .scene(plan(true), None)
         .prepare()
@@ -423,8 +420,8 @@ fn grouting_is_carried_over() {
     );
 }
 
-/// A tie holds a joint where it stands. Taken off it leaves it as it was given, its gap counted from there,
-/// or as after grouting if it was grouted; before or after, grouting is the same.
+/// A tie keeps a joint in its position. After its removal the joint is as defined, its gap counted from there, or as
+/// grouted if it was grouted; grouting before or after the tie is equivalent.
 #[test]
 fn ties_and_grouting_in_any_order() {
     for blocks in SEVERAL {
@@ -469,7 +466,7 @@ fn ties_and_grouting_in_any_order() {
     }
 }
 
-/// From where opening and slip count is said when the scene is prepared.
+/// The reference position of opening and slip is reported when the scene is prepared.
 #[test]
 fn from_where_joints_count_is_said() {
     let blocks = SEVERAL[0];
@@ -481,7 +478,7 @@ fn from_where_joints_count_is_said() {
         };
         let simulation = blocks.scene(plan, None).prepare().unwrap();
         let remarks = simulation.remarks().iter();
-        let anew = remarks.filter(|remark| matches!(remark, Remark::JointAnew { .. }));
+        let anew = remarks.filter(|remark| matches!(remark, Remark::JointRenewed { .. }));
         anew.map(Remark::to_string).collect::<Vec<_>>().join("\n")
     };
     assert_eq!(said(vec![stage("ground", GRADIENTS)]), "");
@@ -491,11 +488,14 @@ fn from_where_joints_count_is_said() {
         grouted(),
         stage("wait", GRADIENTS),
     ]);
-    let expected = "joint 'seam' count from where it stood before the stage 'injection'";
+    let expected = "joint 'seam' are counted from its position before stage 'injection'";
     assert!(
         found.contains(expected) && found.contains("grouted"),
         "{found}"
     );
     let found = said(vec![stage("ground", GRADIENTS).tie("seam")]);
-    assert!(found.contains("when the body started to move"), "{found}");
+    assert!(
+        found.contains("its position at the start of the run"),
+        "{found}"
+    );
 }

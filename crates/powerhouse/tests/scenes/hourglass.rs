@@ -1,4 +1,4 @@
-//! What the hourglass resistance of one-point bricks does to results, and that it is reported.
+//! Effect of the hourglass resistance of one-point bricks on results, and its report.
 
 use powerhouse::engine::HourglassShare;
 use powerhouse::io::write_gmsh;
@@ -14,18 +14,18 @@ fn scene(mesh: &Mesh, text: String) -> Scene {
     Scene::from_toml(text, path, &Registry::default()).unwrap()
 }
 
-/// The shares of hourglass work that a run warns of, by set.
+/// Shares of hourglass work in the warnings of a run, by set.
 fn warned(results: &Results, mesh: &Mesh) -> Vec<(Option<String>, String, f64)> {
-    let doubts = results.doubts(mesh).into_iter();
-    let found = doubts.filter_map(|doubt| match doubt {
+    let warnings = results.warnings(mesh).into_iter();
+    let found = warnings.filter_map(|warning| match warning {
         Remark::Hourglass { stage, set, share } => Some((stage, set, share)),
         _ => None,
     });
     found.collect()
 }
 
-/// A strip one element thick that is bent lives by its hourglass stiffness, which is reported for the stage
-/// and for the run; eight points have none.
+/// The bending stiffness of a strip one element thick is that of its hourglass resistance, which is reported for the
+/// stage and for the run; full integration has none.
 #[test]
 fn hourglass_work_above_its_limit_is_reported() {
     let high = Vec3::new(8.0, 1.0, 1.0);
@@ -126,7 +126,7 @@ at = [450, 0, 0]
         young = 2.0 * 1.49 * shear
     );
     let scene = scene(&mesh, text);
-    let field = scene.incident_field().unwrap().clone();
+    let field = scene.field().unwrap().clone();
     let results = run(scene);
     let points = [150.0, 300.0, 450.0].map(|x| Vec3::new(x, 0.0, 0.0));
     let sampler = field.prepare(&points).unwrap();
@@ -214,7 +214,7 @@ duration = 1e-3
 "#
     );
     let simulation = scene(&mesh, text).prepare().unwrap();
-    let body = simulation.bring_to_rest(None, None).unwrap().unwrap();
+    let body = simulation.equilibrate(None, None).unwrap().unwrap();
     let nodes = mesh.positions().iter().zip(&body.state().displacement);
     let at_wall = nodes.filter(|(x, _)| (x.x.hypot(x.y) - 1.0).abs() < 1e-9);
     let inward: Vec<f64> = at_wall

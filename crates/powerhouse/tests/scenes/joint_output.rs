@@ -1,4 +1,4 @@
-//! What is recorded of joints: keys and builder alike, and what the columns and files hold.
+//! Output of joints: keys and builder are equivalent, content of columns and files.
 
 use powerhouse::engine::observe::JointQuantities;
 use powerhouse::io::read_table;
@@ -18,7 +18,7 @@ fn half(low: f64, high: f64) -> JointZone {
     }
 }
 
-/// Every key of a joint's history gives the wish that Rust gives.
+/// Every key of a joint history gives the request of the Rust interface.
 #[test]
 fn wishes() {
     let folder = folder("joint-wishes");
@@ -85,51 +85,46 @@ fn wishes() {
         ),
     ] {
         let history = "[[output.joint]]\nname = \"p\"\njoint = \"bedding\"\n";
-        // A joint's history stands among the other output.
+        // The joint history is part of the plan.
         let text = format!("{JOINT}\n{history}{keys}\n");
         let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
-        let wish = JointRequest {
-            name: "p".into(),
-            joint: "bedding".into(),
-            zone,
-            quantities,
-        };
-        assert_eq!(scene.output_plan().joints, [wish], "{keys}");
+        let wish = JointRequest::new("p", "bedding", zone, quantities);
+        assert_eq!(scene.output().joints, [wish], "{keys}");
         scene
             .prepare()
             .unwrap_or_else(|error| panic!("{keys}: {error}"));
     }
 }
 
-/// A plan that names a joint or pairs which are not there is refused before a run.
+/// A plan with a joint or zone that does not exist is an error before the run.
 #[test]
 fn wishes_for_nothing_are_refused() {
     let prepared = |joint: &str, zone: JointZone| {
         let (mesh, bedding) = twin(&halves());
         let plan = OutputPlan::default().joint("p", joint, zone, JointQuantities::ALL);
         let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(bedding);
-        scene.output(plan).prepare().map(|_| ()).unwrap_err()
+        scene.with_output(plan).prepare().map(|_| ()).unwrap_err()
     };
     let error = prepared("seam", JointZone::All);
     assert!(matches!(error, Error::NoSuchJoint { name } if name == "seam"));
     let error = prepared("bedding", half(400.0, 500.0));
     assert!(matches!(error, Error::EmptyZone { .. }), "{error}");
-    // Two results of one name.
+    // Two results with one name.
     let (mesh, bedding) = twin(&halves());
     let plan =
         OutputPlan::default().joint("bedding", "bedding", JointZone::All, JointQuantities::ALL);
     let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(bedding);
-    let error = scene.output(plan).prepare().map(|_| ()).unwrap_err();
+    let error = scene.with_output(plan).prepare().map(|_| ()).unwrap_err();
     assert!(
         error
             .to_string()
-            .contains("two results are called 'bedding'"),
+            .contains("two results have the name 'bedding'"),
         "{error}"
     );
 }
 
-/// The columns of a single pair are what its record says, those of two halves make up the whole, and
-/// the outcomes tell when slip and cracks began; all of it is in the files.
+/// The columns of a single pair agree with its record, those of two halves add up to the whole, and the outcomes contain
+/// the times of first slip and crack; all is in the files.
 #[test]
 fn columns_say_what_becomes_of_the_pairs() {
     let (mesh, joint) = twin(&halves());
@@ -149,7 +144,7 @@ fn columns_say_what_becomes_of_the_pairs() {
     }
     let scene = cube_scene_of(mesh, &["lower", "upper"])
         .joint(joint)
-        .output(plan);
+        .with_output(plan);
     let mesh = scene.mesh().clone();
     let results = run(scene);
     let last = |name: &str| {
@@ -243,7 +238,7 @@ fn columns_say_what_becomes_of_the_pairs() {
     let of = |name: &str| outcome(name).first_slip.unwrap().0;
     let earliest = of("west").min(of("east"));
     assert_eq!(slid.0, earliest);
-    // Which pair it was is a place among all pairs of the joint, also for a part of them.
+    // The index of a pair is that among all pairs of the joint, also for a zone.
     let east = outcome("east");
     let (slip, pair) = east.slip;
     assert_eq!(
@@ -258,7 +253,7 @@ fn columns_say_what_becomes_of_the_pairs() {
         (0.0, last("bedding.broken"))
     );
     assert!(whole.slipped > 0.0 && whole.slipped <= 1.0 + 1e-12 && whole.opened > 0.0);
-    // What a history of states shows is not before the first time.
+    // A history of states begins at the first time.
     let times = results.joint_histories.times.iter();
     let sliding = &results
         .joint_histories
@@ -322,25 +317,19 @@ fn columns_say_what_becomes_of_the_pairs() {
     assert!(!folder.0.join("pictures/joint-bedding-slip.png").exists());
 }
 
-/// Snapshots hold the facets of the joints beside the body, part by part, and are cleared with them.
+/// Snapshots contain the facets of each joint beside the body, and are removed with them.
 #[test]
 fn snapshots_hold_joints() {
     let (mesh, joint) = twin(&halves());
     let mut scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
-    let mut plan = scene.output_plan().clone();
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.2,
-    });
-    scene = scene.output(plan);
+    let mut plan = scene.output().clone();
+    plan.snapshots = Some(SnapshotRequest::new(0.2));
+    scene = scene.with_output(plan);
     let simulation = scene.prepare().unwrap();
     let folder = Folder::new("joint-snapshots");
     let output = ResultFolder::new(&folder.0);
     let sink = output.snapshots(&simulation).unwrap();
-    let hooks = RunHooks {
-        snapshots: Some(sink),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_snapshots(sink);
     let results = simulation.run(hooks).unwrap();
     assert_eq!(results.snapshots, 4);
     let collection = std::fs::read_to_string(folder.0.join("snapshots.pvd")).unwrap();

@@ -1,5 +1,4 @@
-//! How joints start: each key of a scene file gives what Rust gives, and what is refused is refused
-//! in both.
+//! Initial states of joints: every key of a scene file is equivalent to Rust, and errors are the same in both.
 
 use powerhouse::contact::ContactError;
 use powerhouse::model::{Bond, ContactState, Mesh, Stress, Vec3};
@@ -20,16 +19,16 @@ fn marked() -> Mesh {
     mesh
 }
 
-/// Keys of a joint without a bond, which can be apart.
+/// Keys of a joint without bond, which may have a gap.
 const FREE: &str = "law = \"bonded-coulomb\"\nstatic_friction = 0.7\n";
 
-/// The joint's keys with some put before its law.
+/// Keys of the joint with further ones before its law.
 fn with(keys: &str) -> String {
     JOINT.replace("law =", &format!("{keys}\nlaw ="))
 }
 
-/// Runs the joint with further keys and its twin, and finds the same bits; returns the records of
-/// the pairs at the end.
+/// Runs the joint with further keys and its counterpart in Rust, compares the bits, and returns the records of the pairs
+/// at the end.
 fn equal(keys: &str, change: impl Fn(SceneJoint) -> SceneJoint) -> powerhouse::Results {
     let folder = folder("joint-start");
     powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &marked()).unwrap();
@@ -48,8 +47,7 @@ fn equal(keys: &str, change: impl Fn(SceneJoint) -> SceneJoint) -> powerhouse::R
     file
 }
 
-/// Every kind of preload is the one of Rust: same bits; and what it means is what the joint carries
-/// while it holds.
+/// Every kind of preload equals that of Rust: same bits; the joint carries its traction while it sticks.
 #[test]
 fn preloads() {
     let ground = GroundStress::new(0.0, 2750.0, 0.4).unwrap();
@@ -78,9 +76,9 @@ fn preloads() {
             Vec3::new(0.0, 0.0, -weight),
         ),
     ] {
-        equal(keys, |joint| joint.preload(preload));
+        equal(keys, |joint| joint.with_preload(preload));
         let (mesh, joint) = twin(&halves());
-        let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint.preload(preload));
+        let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint.with_preload(preload));
         let simulation = scene.prepare().unwrap();
         let view = simulation.model().joints().next().unwrap();
         for (pair, record) in view.pairs.iter().zip(view.records) {
@@ -100,8 +98,7 @@ fn preloads() {
     }
 }
 
-/// A gap of a file is that of Rust: same bits; pairs apart feel nothing, and a mesh that is closed
-/// has none.
+/// A gap from a file equals that of Rust: same bits; open pairs have no traction, and a closed mesh has no gap.
 #[test]
 fn gaps() {
     let free = |joint: SceneJoint| {
@@ -109,7 +106,7 @@ fn gaps() {
         SceneJoint::new(joint.name, joint.surface, law)
     };
     let wide = equal(&format!("gap = 0.5\n{FREE}"), |joint| {
-        free(joint).gap(InitialGap::Distance(0.5))
+        free(joint).with_gap(InitialGap::Distance(0.5))
     });
     let records = &wide.joints[0].records;
     assert!(
@@ -123,14 +120,14 @@ fn gaps() {
             .all(|r| r.traction == Vec3::zeros() && r.opening > 0.4)
     );
     let meshed = equal(&format!("gap = \"meshed\"\n{FREE}"), |joint| {
-        free(joint).gap(InitialGap::Meshed)
+        free(joint).with_gap(InitialGap::Meshed)
     });
     let closed = equal(FREE, free);
     assert_eq!(meshed.joints, closed.joints);
     assert!(closed.joints[0].records.iter().any(|r| r.opening < 0.4));
 }
 
-/// Sides that are meshed apart start as far apart as their nodes, if the scene says so.
+/// Sides that are apart in the mesh have the gap of their nodes with `gap = "meshed"`.
 #[test]
 fn a_meshed_gap_is_the_distance_of_the_nodes() {
     let (mesh, joint) = twin(&halves());
@@ -152,9 +149,9 @@ fn a_meshed_gap_is_the_distance_of_the_nodes() {
     });
     let apart = apart.unwrap();
     let law = powerhouse::contact::BondedCoulomb::unbonded(0.7, 0.7).unwrap();
-    let joint = SceneJoint::new("bedding", joint.surface, law).gap(InitialGap::Meshed);
+    let joint = SceneJoint::new("bedding", joint.surface, law).with_gap(InitialGap::Meshed);
     let scene = cube_scene_of(apart, &["lower", "upper"]).joint(joint);
-    let simulation = scene.duration(1e-9).prepare().unwrap();
+    let simulation = scene.with_duration(1e-9).prepare().unwrap();
     let model = simulation.model();
     let view = model.joints().next().unwrap();
     for (pair, record) in view.pairs.iter().zip(view.records) {
@@ -164,7 +161,7 @@ fn a_meshed_gap_is_the_distance_of_the_nodes() {
     }
 }
 
-/// Every kind of zone takes the bond of the same pairs as its twin, and of no others.
+/// Every kind of zone selects the same unbonded pairs as its counterpart in Rust.
 #[test]
 fn unbonded_zones() {
     let corner = (Vec3::new(0.0, 0.0, -151.0), Vec3::new(50.0, 50.0, -149.0));
@@ -199,7 +196,9 @@ fn unbonded_zones() {
         let pressed = "preload = { kind = \"pressure\", pressure = 1e5 }\n";
         let keys = format!("{pressed}unbonded = [{keys}]");
         let preload = Preload::Pressure(1e5);
-        let results = equal(&keys, |joint| joint.preload(preload).unbonded(zone.clone()));
+        let results = equal(&keys, |joint| {
+            joint.with_preload(preload).with_unbonded(zone.clone())
+        });
         let records = &results.joints[0].records;
         let never = records.iter().filter(|r| r.state.bond == Bond::Never);
         assert_eq!(never.count(), count, "{keys}");
@@ -208,14 +207,14 @@ fn unbonded_zones() {
     let keys = "unbonded = [{ node = 172 }, { set = \"left\" }]";
     let results = equal(keys, |joint| {
         let zones = [JointZone::Node(172), JointZone::Set("left".into())];
-        zones.into_iter().fold(joint, SceneJoint::unbonded)
+        zones.into_iter().fold(joint, SceneJoint::with_unbonded)
     });
     let records = results.joints[0].records.iter();
     let never = records.filter(|r| r.state.bond == Bond::Never).count();
     assert_eq!(never, 8);
 }
 
-/// What a joint cannot start with is refused by the builder with the user's numbers.
+/// An invalid initial state of a joint is an error of the builder with the node numbers of the mesh file.
 #[test]
 fn the_builder_refuses_with_the_numbers_of_the_mesh() {
     let refused = |change: &dyn Fn(SceneJoint) -> SceneJoint| -> Error {
@@ -223,19 +222,19 @@ fn the_builder_refuses_with_the_numbers_of_the_mesh() {
         let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(change(joint));
         scene.prepare().map(|_| ()).unwrap_err()
     };
-    let error = refused(&|joint| joint.preload(Preload::Traction(Vec3::new(0.0, 0.0, 5e4))));
+    let error = refused(&|joint| joint.with_preload(Preload::Traction(Vec3::new(0.0, 0.0, 5e4))));
     let Error::Joint { joint, source, .. } = &error else {
         panic!("{error}")
     };
     assert_eq!(joint, "bedding");
     assert!(matches!(source, ContactError::Preload { normal, .. } if *normal == 5e4));
-    let error = refused(&|joint| joint.gap(InitialGap::Distance(-1e-3)));
+    let error = refused(&|joint| joint.with_gap(InitialGap::Distance(-1e-3)));
     assert!(
         matches!(error, Error::Joint { source: ContactError::Gap { gap, .. }, .. } if gap == -1e-3)
     );
     let bare = |joint: SceneJoint| {
         let law = powerhouse::contact::Tied;
-        SceneJoint::new(joint.name, joint.surface, law).unbonded(JointZone::All)
+        SceneJoint::new(joint.name, joint.surface, law).with_unbonded(JointZone::All)
     };
     let Error::Joint {
         first,
@@ -258,13 +257,13 @@ fn the_builder_refuses_with_the_numbers_of_the_mesh() {
         position: Vec3::new(0.0, 0.0, -149.0),
         within: 0.5,
     };
-    let error = refused(&|joint| joint.unbonded(near.clone()));
+    let error = refused(&|joint| joint.with_unbonded(near.clone()));
     assert!(
         matches!(error, Error::EmptyZone { distance: Some(d), .. } if d == 1.0),
         "{error}"
     );
-    let error = refused(&|joint| joint.unbonded(JointZone::Set("lid".into())));
+    let error = refused(&|joint| joint.with_unbonded(JointZone::Set("lid".into())));
     assert!(matches!(error, Error::Mesh(_)), "{error}");
-    let error = refused(&|joint| joint.preload(Preload::Pressure(f64::NAN)));
+    let error = refused(&|joint| joint.with_preload(Preload::Pressure(f64::NAN)));
     assert!(matches!(error, Error::Parameter(_)), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Joints: in a file as in Rust, what is refused, and what a run writes of them.
+//! Joints: equivalence of file and Rust, errors, and result files.
 
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::io::write_gmsh;
@@ -69,8 +69,8 @@ pub(crate) fn twin(mesh: &Mesh) -> (Mesh, SceneJoint) {
     (split.mesh, joint)
 }
 
-/// A joint of a file is the one composed in Rust: same bits, and it cracks and slips; its tables and
-/// facets are written.
+/// A joint from a file equals the one composed in Rust: same bits, and it cracks and slips; its tables and facets are
+/// written.
 #[test]
 fn a_joint_of_a_file_is_the_one_of_rust() {
     let folder = folder("joint");
@@ -92,8 +92,8 @@ fn a_joint_of_a_file_is_the_one_of_rust() {
             .unwrap()
     };
     assert!(last("bedding.slip") > 1e-4 && last("bedding.peak_opening") > 1e-4);
-    // The ledger has what the pairs lost, each kind in a column of its own, but for the step that
-    // begins at the end; and it closes.
+    // The energy balance contains the dissipation of the pairs, each kind in its own column, except the step that begins
+    // at the end; and it closes.
     let terms = file.energy_terms();
     for name in ["friction", "bond", "impact"] {
         let (_, energy) = terms.iter().find(|(term, _)| *term == name).unwrap();
@@ -134,8 +134,8 @@ fn a_joint_of_a_file_is_the_one_of_rust() {
     assert!(!folder.0.join("results/joints/bedding.vtu").exists());
 }
 
-/// What is wrong with a joint is shown at its key: sets that do not exist or do not touch, both kinds
-/// of sides, an unknown law or key, a parameter out of range, a name used twice.
+/// A fault of a joint is reported at its key: sets that do not exist or do not touch, both kinds of sides, an unknown law
+/// or key, a parameter out of range, a repeated name.
 #[test]
 fn faults_of_joints_have_their_place() {
     let folder = folder("joint-faults");
@@ -176,7 +176,7 @@ fn faults_of_joints_have_their_place() {
     }
 }
 
-/// Every law of the software can be named in a scene, and the schema knows its keys.
+/// Every built-in contact law can be named in a scene, and the schema contains its keys.
 #[test]
 fn all_laws_of_joints_can_be_named() {
     let registry = Registry::default();
@@ -215,8 +215,8 @@ fn all_laws_of_joints_can_be_named() {
     }
 }
 
-/// Slip that is no longer small against the edges of the joint is told after the run, and in its
-/// summary; small slip is not.
+/// Slip that is large compared with the edges of the joint has a warning after the run and in its summary; small slip has
+/// none.
 #[test]
 fn large_slip_is_told() {
     let folder = folder("joint-slip");
@@ -234,18 +234,18 @@ fn large_slip_is_told() {
         (run(scene), mesh)
     };
     let (small, mesh) = runs(0.01);
-    assert_eq!(small.doubts(&mesh), []);
+    assert_eq!(small.warnings(&mesh), []);
     let (large, mesh) = runs(20.0);
-    let doubts = large.doubts(&mesh);
-    let [Remark::LargeSlip { joint, share }] = &doubts[..] else {
-        panic!("{doubts:?}")
+    let warnings = large.warnings(&mesh);
+    let [Remark::LargeSlip { joint, share }] = &warnings[..] else {
+        panic!("{warnings:?}")
     };
     assert_eq!((joint.as_str(), *share), large.slip_shares(&mesh)[0]);
-    assert!(*share > 0.1 && doubts[0].is_warning());
+    assert!(*share > 0.1 && warnings[0].is_warning());
 }
 
-/// A joint runs through sides that are tied to the opposite ones as if it had no end: bonded, the body
-/// moves like one without it; where it breaks, all of it slips alike.
+/// A joint through periodic sides is infinite: bonded, the body moves as without it; where it fails, it slips
+/// uniformly.
 #[test]
 fn a_joint_runs_through_periodic_sides() {
     let folder = folder("joint-endless");
@@ -292,7 +292,7 @@ fn a_joint_runs_through_periodic_sides() {
         }
     }
 
-    // Pressed together, or rounding would open some pairs, which do not slip then.
+    // Under pressure, or rounding would open some pairs, which do not slip then.
     let pressed = "preload = { kind = \"pressure\", pressure = 1e4 }\n";
     let slipping = run(scene(&format!("{JOINT}{pressed}")));
     // Of 7 x 7 pairs, the last row and column go with the first.

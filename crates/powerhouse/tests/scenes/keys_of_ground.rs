@@ -1,4 +1,4 @@
-//! Records, waves and the ground: each key of a scene file does what its twin in Rust does.
+//! Records, waves and ground: every key of a scene file is equivalent to its counterpart in Rust.
 
 use core::f64::consts::PI;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ fn smooth(displacement: f64) -> Arc<dyn Signal> {
     Arc::new(SmoothPulse::new(displacement, 0.4).unwrap())
 }
 
-/// The cube's scene under a wave that waits until the body may start at rest.
+/// The cube's scene under a wave that is delayed so that the body starts at rest.
 fn under(parameters: PlaneWaveParameters, signal: Arc<dyn Signal>) -> Scene {
     let wave = PlaneWave::new(parameters, signal).unwrap();
     let (low, high) = cube().bounding_box();
@@ -47,10 +47,10 @@ fn under(parameters: PlaneWaveParameters, signal: Arc<dyn Signal>) -> Scene {
         let limits = QuietStartLimits::default();
         wave.with_quiet_start(&corners, 0.0, &limits).unwrap().0
     };
-    cube_scene().field(wave)
+    cube_scene().with_field(wave)
 }
 
-/// Kind, angles, arrival, reference, factor, pulse and space of a wave are those of Rust.
+/// Kind, angles, arrival, reference, factor, pulse and space of a wave agree with those of Rust.
 #[test]
 fn waves() {
     use WaveKind::{P, SH, SV};
@@ -124,7 +124,7 @@ fn waves() {
     ] {
         variants.equal((WAVE, &format!("[[wave]]\n{keys}\n")), twin);
     }
-    // Waves add up.
+    // Waves are superposed.
     let waves = [(P, 15.0, 0.1), (SH, 25.0, 0.0)].map(|(kind, angle, arrival)| {
         PlaneWave::new(
             with(parameters(kind, angle, 0.0), arrival, None),
@@ -133,14 +133,14 @@ fn waves() {
         .unwrap()
     });
     let fields = waves.map(|wave| Box::new(wave) as _).into();
-    let twin = cube_scene().field(Superposition::new(fields).unwrap());
+    let twin = cube_scene().with_field(Superposition::new(fields).unwrap());
     let keys = format!(
         "[[wave]]\nkind = \"p\"\nincidence = 15\narrival = 0.1\n{pulse}\n[[wave]]\nkind = \"sh\"\nincidence = 25\n{pulse}\n"
     );
     variants.equal((WAVE, &keys), twin);
 }
 
-/// A record that is quiet at both ends (m/s2).
+/// Record with zero acceleration at both ends (m/s2).
 fn samples(count: usize) -> Vec<f64> {
     let window = |i: usize| (PI * i as f64 / 60.0).sin().powi(2);
     let sample = |i: usize| 0.37 * (0.7 * i as f64).sin() * window(i);
@@ -191,7 +191,7 @@ fn records() {
     let by = |correction| corrected(&history(), correction);
     let cut = |taper: f64| {
         let from = TimeHistory::new(0.01, samples(90)[5..].to_vec()).unwrap();
-        corrected(&from.first(0.6, taper).unwrap(), REST)
+        corrected(&from.truncated(0.6, taper).unwrap(), REST)
     };
     for (keys, (history, lead)) in [
         (format!("{one}{baseline}"), plain()),
@@ -248,7 +248,7 @@ fn records() {
             BaselineCorrection::LeastVelocity { order: 2 },
         ),
     ] {
-        // These leave an end displacement, which is to be declared.
+        // These have an end displacement, which must be declared.
         let (history, _) = by(correction);
         let end = history.report().end_displacement;
         let record = format!(
@@ -261,7 +261,7 @@ fn records() {
     }
 }
 
-/// What a record is says how large the incident wave is, and the scene tells.
+/// The convention of a record fixes the size of the incident wave, which is reported.
 #[test]
 fn conventions() {
     use SurfaceComponent::{X, Y, Z};
@@ -325,12 +325,14 @@ fn conventions() {
         let duration = 0.6 + padding.unwrap_or(0.0).ceil();
         let text = CUBE.replace(WAVE, &keys);
         let text = text.replace("duration = 0.6\n", &format!("duration = {duration}\n"));
-        variants.equal((CUBE, &text), under(parameters, signal).duration(duration));
+        variants.equal(
+            (CUBE, &text),
+            under(parameters, signal).with_duration(duration),
+        );
     }
 }
 
-/// A record of the x or y of a wave is warned of where the wave's azimuth turns them away from those of the
-/// mesh, unless its name says what it means.
+/// A record along x or y of a wave has a warning if the azimuth is not 0, unless its convention is unambiguous.
 #[test]
 fn turned_axes_are_warned_of() {
     let variants = Variants::new("axes");
@@ -357,15 +359,15 @@ fn turned_axes_are_warned_of() {
             let warned = scene
                 .remarks()
                 .iter()
-                .any(|remark| matches!(remark, Remark::TurnedAxis { .. }) && remark.is_warning());
+                .any(|remark| matches!(remark, Remark::RotatedAxis { .. }) && remark.is_warning());
             let expected = azimuth % 360.0 != 0.0 && ["x", "y"].contains(&name);
             assert_eq!(warned, expected, "{convention} {azimuth}");
         }
     }
 }
 
-/// The components of a station have one length and one factor to the peak; each wave takes its own,
-/// and a prescribed motion may take one too.
+/// The components of a station have one length and one scale factor; each wave uses its own, and a prescribed motion may
+/// use one, too.
 #[test]
 fn components() {
     let variants = Variants::new("components");
@@ -419,7 +421,7 @@ fn components() {
         );
         variants.equal(("[time]", &keys), twin);
     }
-    // A component that is not there, and none where some are.
+    // A component that does not exist, and a missing choice of component.
     for wave in [
         of_record("y"),
         of_record("x").replace("component = \"x\"\n", ""),

@@ -1,4 +1,4 @@
-//! Supports, loads, time and boundary: each key of a scene file does what its twin in Rust does.
+//! Supports, loads, time and boundary: every key of a scene file is equivalent to its counterpart in Rust.
 
 use core::f64::consts::{PI, TAU};
 
@@ -39,7 +39,7 @@ fn ricker() -> Function {
     })
 }
 
-/// Every load and every function of time of a file is the engine's.
+/// Every load and function of time of a file equals that of the engine.
 #[test]
 fn loads() {
     let variants = Variants::new("loads");
@@ -108,7 +108,7 @@ fn loads() {
     }
 }
 
-/// Every support of a file is the engine's.
+/// Every support of a file equals that of the engine.
 #[test]
 fn supports() {
     let variants = Variants::new("kept");
@@ -135,7 +135,7 @@ fn supports() {
         ),
         (
             "kind = \"periodic\"\nfrom = \"front\"\nto = \"back\"",
-            cube_scene().periodic(
+            cube_scene().with_periodic_pairs(
                 PeriodicPairs::by_translation(&mesh, &nodes("front"), &nodes("back"), 1e-3)
                     .unwrap(),
             ),
@@ -148,21 +148,21 @@ fn supports() {
 
 fn damped(damping: Rayleigh) -> Scene {
     let scene = cube_scene();
-    let boundary = scene.absorbing_boundary().unwrap().clone();
+    let boundary = scene.boundary().unwrap().clone();
     let rock = Material::from(LinearElastic::new(ROCK));
     Scene::new("cube", cube())
         .part(
             Part::new("rock", rock)
-                .kernel(SolidKernel::Hex8Full)
-                .damping(damping),
+                .with_kernel(SolidKernel::Hex8Full)
+                .with_damping(damping),
         )
-        .shared_field(scene.incident_field().unwrap().clone())
-        .boundary(boundary)
-        .duration(0.6)
-        .output(scene.output_plan().clone())
+        .with_shared_field(scene.field().unwrap().clone())
+        .with_boundary(boundary)
+        .with_duration(0.6)
+        .with_output(scene.output().clone())
 }
 
-/// Damping, scheme, step, start, precision and threads of a file are those of Rust.
+/// Damping, scheme, step, start, precision and threads of a file equal those of Rust.
 #[test]
 fn time_and_numbers() {
     let variants = Variants::new("time");
@@ -189,11 +189,11 @@ fn time_and_numbers() {
         ),
         (
             (of_time, format!("{of_time}safety = 0.7\n")),
-            cube_scene().step(TimeStep::OfStable(0.7)),
+            cube_scene().with_step(TimeStep::OfStable(0.7)),
         ),
         (
             (of_time, format!("{of_time}step = 0.01\n")),
-            cube_scene().step(TimeStep::Seconds(0.01)),
+            cube_scene().with_step(TimeStep::Seconds(0.01)),
         ),
         (
             (of_time, format!("{of_time}step = \"auto\"\n")),
@@ -201,39 +201,46 @@ fn time_and_numbers() {
         ),
         (
             (of_time, format!("{of_time}start = -0.1\n")),
-            cube_scene().start(-0.1, InitialMotion::Rest),
+            cube_scene()
+                .with_start_time(-0.1)
+                .with_initial_motion(InitialMotion::Rest),
         ),
         (
             (
                 of_time,
                 format!("{of_time}start = 0.2\ninitial = \"field\"\n"),
             ),
-            cube_scene().start(0.2, InitialMotion::Field),
+            cube_scene()
+                .with_start_time(0.2)
+                .with_initial_motion(InitialMotion::Field),
         ),
         (
             ("title", "threads = 1\ntitle".into()),
-            cube_scene().threads(1),
+            cube_scene().with_threads(1),
         ),
         (
             ("title", "precision = \"mixed\"\ntitle".into()),
-            cube_scene().precision(Precision::Mixed),
+            cube_scene().with_precision(Precision::Mixed),
         ),
         (
             ("title", "precision = \"f32\"\ntitle".into()),
-            cube_scene().precision(Precision::F32),
+            cube_scene().with_precision(Precision::F32),
         ),
         (("title", "precision = \"f64\"\ntitle".into()), cube_scene()),
     ] {
         variants.equal((old, &new), twin);
     }
     // Threads change no bit of a result.
-    let threads = |new| variants.read("title", new).unwrap().thread_count();
+    let threads = |new| variants.read("title", new).unwrap().threads();
     assert_eq!(threads("threads = 3\ntitle"), Some(3));
     assert_eq!(threads("title"), None);
     let old = "kernel = \"hex8-full\"\n";
     let text = CUBE.replace(old, &format!("{old}{coefficients}"));
     let text = text.replace(of_time, &format!("{of_time}scheme = \"one-sided\"\n"));
-    variants.equal((CUBE, &text), damped(by_stiffness).integrator(OneSided));
+    variants.equal(
+        (CUBE, &text),
+        damped(by_stiffness).with_integrator(OneSided),
+    );
 }
 
 /// Every key of a boundary is the parameter of the boundary.
@@ -242,17 +249,17 @@ fn boundaries() {
     let variants = Variants::new("boundaries");
     let scene = |boundary: Boundary| {
         let base = cube_scene();
-        let field = base.incident_field().unwrap().clone();
-        let plan = base.output_plan().clone();
+        let field = base.field().unwrap().clone();
+        let plan = base.output().clone();
         Scene::new("cube", cube())
             .part(
                 Part::new("rock", Material::from(LinearElastic::new(ROCK)))
-                    .kernel(SolidKernel::Hex8Full),
+                    .with_kernel(SolidKernel::Hex8Full),
             )
-            .shared_field(field)
-            .boundary(boundary.scatterer(Vec3::new(150.0, 150.0, 0.0)))
-            .duration(0.6)
-            .output(plan)
+            .with_shared_field(field)
+            .with_boundary(boundary.with_scatterer(Vec3::new(150.0, 150.0, 0.0)))
+            .with_duration(0.6)
+            .with_output(plan)
     };
     let axis = |a, b, distance| AxisParameters::new(a, b, distance).unwrap();
     let incident_only = InputMode::IncidentOnly {

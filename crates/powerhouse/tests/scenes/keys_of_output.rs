@@ -1,6 +1,8 @@
-//! What is recorded: each key of a scene file gives the plan that Rust gives.
+//! Output requests: every key of a scene file gives the plan of the Rust interface.
 
-use powerhouse::engine::observe::{Cut, Motion, Place, SnapshotFields, Spot, StressPlace};
+use powerhouse::engine::observe::{
+    CrossSection, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
+};
 use powerhouse::model::Vec3;
 use powerhouse::{EnvelopeRequest, OutputPlan, SnapshotRequest};
 
@@ -8,21 +10,17 @@ use crate::support::*;
 
 const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0]\n";
 
-/// What the file has without its history.
+/// Plan of the file without its history.
 fn plan() -> OutputPlan {
-    OutputPlan {
-        every: 0.01,
-        energies: Some(0.006),
-        ..OutputPlan::default()
-    }
+    OutputPlan::default().with_every(0.01).with_energies(0.006)
 }
 
-/// Every place, quantity and cadence of a file is that of the plan.
+/// Every location, quantity and sampling interval of a file is in the plan.
 #[test]
 fn plans() {
     let variants = Variants::new("plans");
     let spot = Vec3::new(20.0, 30.0, -40.0);
-    let near = Spot::at(Vec3::new(20.0, 30.0, 0.4)).within(0.5);
+    let near = ObservationPoint::at(Vec3::new(20.0, 30.0, 0.4)).within(0.5);
     let stress = Motion::default();
     let velocity = Motion::VELOCITY;
     for (keys, expected) in [
@@ -72,7 +70,7 @@ fn plans() {
             "[[output.section]]\nname = \"p\"\nset = \"rock\"\nat = [20, 30, -40]\nnormal = [0, 0, 2]\nalong = [1, 0, 0]\nreach = 60",
             plan().cut(
                 "rock",
-                Cut {
+                CrossSection {
                     name: "p".into(),
                     point: spot,
                     normal: Vec3::new(0.0, 0.0, 2.0),
@@ -83,55 +81,38 @@ fn plans() {
         ),
         (
             "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",
-            OutputPlan {
-                envelope: Some(EnvelopeRequest {
-                    motion: velocity,
-                    stress: true,
-                    sets: vec!["rock".into()],
-                    every: 0.02,
-                }),
-                ..plan()
-            },
+            plan().with_envelope(
+                EnvelopeRequest::new(0.02)
+                    .with_motion(velocity)
+                    .with_stress(true)
+                    .with_sets(vec!["rock".into()]),
+            ),
         ),
         (
             "[output.envelope]",
-            OutputPlan {
-                envelope: Some(EnvelopeRequest {
-                    motion: Motion::ALL,
-                    stress: false,
-                    sets: Vec::new(),
-                    every: 0.01,
-                }),
-                ..plan()
-            },
+            plan().with_envelope(EnvelopeRequest::new(0.01)),
         ),
         (
             "[output.snapshots]\nevery = 0.1\nquantities = [\"stress\"]",
-            OutputPlan {
-                snapshots: Some(SnapshotRequest {
-                    fields: SnapshotFields {
-                        motion: stress,
-                        stress: true,
-                    },
-                    every: 0.1,
-                }),
-                ..plan()
-            },
+            plan().with_snapshots(SnapshotRequest::new(0.1).with_fields(SnapshotFields {
+                motion: stress,
+                stress: true,
+            })),
         ),
     ] {
         let scene = variants.read(HISTORY, keys);
         let scene = scene.unwrap_or_else(|error| panic!("{keys}: {error}"));
-        assert_eq!(scene.output_plan(), &expected, "{keys}");
+        assert_eq!(scene.output(), &expected, "{keys}");
         scene
             .prepare()
             .unwrap_or_else(|error| panic!("{keys}: {error}"));
     }
     let scene = variants.read("every = 0.01", "energies = 0.05").unwrap();
-    let plan = scene.output_plan();
+    let plan = scene.output();
     assert_eq!((plan.every, plan.energies), (0.005, Some(0.05)));
 }
 
-/// The folder of results is what the file says, or has the file's name.
+/// The results folder is given in the file, or has the name of the file.
 #[test]
 fn directories() {
     let variants = Variants::new("directories");

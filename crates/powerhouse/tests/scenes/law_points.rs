@@ -1,4 +1,4 @@
-//! Materials of files without a run: what is doubted of them, and one point of each.
+//! Materials from files without a run: warnings about them, and single-point tests.
 
 use powerhouse::{Material, Registry};
 
@@ -6,16 +6,16 @@ use crate::support::*;
 
 const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
 
-/// Laws whose strengths follow from other numbers are compared with those that are listed; hardening
-/// before the peak is told.
+/// Strengths that follow from other parameters are compared with the given ones; hardening before the peak has a
+/// warning.
 #[test]
 fn implied_strengths_are_told() {
     let variants = Variants::new("laws-implied");
     let mass = "law = \"hoek-brown\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750\nintact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\n";
     let told = |keys: &str| -> Vec<String> {
         let scene = variants.read(ELASTIC, keys).unwrap();
-        let doubts = scene.parts()[0].material.doubts();
-        doubts.to_vec()
+        let warnings = scene.parts()[0].material.warnings();
+        warnings.to_vec()
     };
     assert_eq!(told(mass), Vec::<String>::new());
     // s^a = exp(-5 a) with a = 0.504 of 60 MPa.
@@ -43,8 +43,8 @@ fn implied_strengths_are_told() {
     assert!(hardening[1].contains("nearly 0.5"), "{hardening:?}");
 }
 
-/// Every law of the registry can be led along a path, from a material file alone: it bears stress, and
-/// all but the elastic one have changed a history variable then.
+/// Every law of the registry can be tested along a path from a material file alone: it has stress, and all except the
+/// elastic one have changed a history variable.
 #[test]
 fn every_law_is_driven() {
     let folder = Folder::new("laws-driven");

@@ -1,4 +1,4 @@
-//! History variables of laws and what their flow and damage cost, in results.
+//! History variables of laws and energies of plasticity and damage in results.
 
 use powerhouse::material::{
     MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, presets,
@@ -35,19 +35,18 @@ fn cracking() -> Material {
     Material::from(law.unwrap())
 }
 
-/// With yielding and damage the energy balance closes to rounding, plastic and damage energy never
-/// fall, recovered energy comes back in a column of its own, and what the integration of a step
-/// leaves falls with the step.
+/// With plasticity and damage the energy balance closes to rounding, plastic and damage energies never decrease, recovered
+/// energy has its own column, and the integration error of a step decreases with the step.
 #[test]
 fn energies_of_plastic_flow_and_damage_are_told() {
     let energies = |share: f64| {
         let scene = cube_scene_made_of(cube(), &["rock"], &cracking());
-        let mut plan = scene.output_plan().clone();
+        let mut plan = scene.output().clone();
         plan.energies = Some(0.01);
         let scene = scene
-            .output(plan)
-            .step(powerhouse::TimeStep::OfStable(share));
-        let results = run(scene.energy_residual(powerhouse::ResidualLimit::Share(1e-9)));
+            .with_output(plan)
+            .with_step(powerhouse::TimeStep::OfStable(share));
+        let results = run(scene.with_energy_residual(powerhouse::ResidualLimit::Share(1e-9)));
         let residual = results.energy_residual().unwrap();
         assert!(residual.largest < 1e-9, "{residual:?}");
         assert!(residual.share_of_input.unwrap() < 1e-9, "{residual:?}");
@@ -72,8 +71,8 @@ fn energies_of_plastic_flow_and_damage_are_told() {
     assert!(fine < 0.5 * coarse, "{fine} after {coarse}");
 }
 
-/// History variables of laws is recorded at places, in envelopes and snapshots by name, and the summary
-/// names the largest damage and where it is; in a file as in Rust.
+/// History variables of laws are recorded in histories, envelopes and snapshots by name, and the summary contains the
+/// largest damage and its location; from a file and from Rust.
 #[test]
 fn what_laws_remember_is_recorded() {
     let variants = Variants::new("laws-state");
@@ -85,15 +84,12 @@ fn what_laws_remember_is_recorded() {
     let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
-    let hooks = powerhouse::RunHooks {
-        snapshots: Some(out.snapshots(&simulation).unwrap()),
-        ..Default::default()
-    };
+    let hooks = powerhouse::RunHooks::default().with_snapshots(out.snapshots(&simulation).unwrap());
     let results = simulation.run(hooks).unwrap();
     let twin = cube_scene_made_of(cube(), &["rock"], &cracking());
-    let mut plan = twin.output_plan().clone();
+    let mut plan = twin.output().clone();
     plan = plan.state("surface", powerhouse::model::Vec3::new(150.0, 150.0, 0.0));
-    let twin = run(twin.output(plan));
+    let twin = run(twin.with_output(plan));
     assert_eq!(results.histories, twin.histories);
     for name in ["damage", "plastic_strain_zx", "yield_state"] {
         let column = results
@@ -107,7 +103,7 @@ fn what_laws_remember_is_recorded() {
         let (_, field) = state.peaks.iter().find(|(v, _)| v.name == name).unwrap();
         field.values.clone()
     };
-    // What never falls is the same whether it is looked at often or at the end.
+    // A variable that never decreases has the same envelope with any sampling interval.
     let torn = last(&results, "damage_tension");
     assert_eq!(torn, last(&twin, "damage_tension"));
     assert!(torn.iter().all(|d| (0.0..1.0).contains(d)) && torn.iter().any(|d| *d > 0.1));
@@ -139,7 +135,7 @@ fn what_laws_remember_is_recorded() {
     assert!(out.path().join("pictures/damage_tension.png").exists());
 }
 
-/// State belongs to elements: asked for at a node it is refused at its place.
+/// State variables belong to elements: a request at a node is an error with its position.
 #[test]
 fn nodes_have_no_state() {
     let variants = Variants::new("laws-nodes");
@@ -153,8 +149,8 @@ fn nodes_have_no_state() {
     );
 }
 
-/// A history of the state of an element without history variables is told by its name; one of an element that
-/// does is not.
+/// A state history of an element without history variables has a warning with its name; one of an element with history
+/// variables has none.
 #[test]
 fn state_that_nothing_remembers_is_told() {
     let variants = Variants::new("laws-no-state");
@@ -179,7 +175,7 @@ fn state_that_nothing_remembers_is_told() {
     assert!(
         remarks(ELASTIC)
             .iter()
-            .any(|told| told.starts_with("history 'surface' asks for the state of element"))
+            .any(|told| told.starts_with("history 'surface' requests the state of element"))
     );
     assert_eq!(told(remarks(ELASTIC)), 1);
     let yields = "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n";

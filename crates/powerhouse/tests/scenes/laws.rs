@@ -1,4 +1,4 @@
-//! Laws of rock and concrete: in a file as in Rust, and what is refused or doubted of them.
+//! Laws of rock and concrete: equivalence of file and Rust, errors and warnings.
 
 use powerhouse::material::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, HoekBrownParameters,
@@ -21,8 +21,7 @@ fn weak() -> MohrCoulombParameters {
     }
 }
 
-/// Every law of a file is the one of Rust to the last bit, a preset with replaced parameters
-/// included.
+/// Every law of a file equals that of Rust to the last bit, including a preset with replaced parameters.
 #[test]
 fn laws_of_a_file_are_those_of_rust() {
     let variants = Variants::new("laws");
@@ -229,7 +228,7 @@ fn presets_are_found_by_name() {
     }
 }
 
-/// What is wrong with a law is shown at the key that is at fault, or at its table.
+/// A fault of a law is reported at the key concerned, or at its table.
 #[test]
 fn faults_have_their_place() {
     let variants = Variants::new("laws-faults");
@@ -274,7 +273,7 @@ fn faults_have_their_place() {
         (
             "law = \"plastic-damage\"\nPRESET\nfit = \"inscribed\"\n",
             9,
-            "only a Drucker-Prager surface has a fit",
+            "the key 'fit' is permitted with surface",
         ),
         (
             "law = \"plastic-damage\"\nPRESET\ntension = { rate = 1e3, fracture_energy = 100 }\n",
@@ -294,7 +293,7 @@ fn faults_have_their_place() {
         (
             "law = \"mazars\"\nPRESET\n",
             8,
-            "the preset has no parameters of this law",
+            "the preset contains no parameters of this law",
         ),
         (
             "law = \"mazars\"\npreset = \"paper-c25\"\ntension = { rate = 1e4 }\n",
@@ -334,7 +333,7 @@ fn faults_have_their_place() {
         (
             "law = \"lee-fenves\"\nPRESET\n",
             8,
-            "the preset has no parameters of this law",
+            "the preset contains no parameters of this law",
         ),
         (
             "law = \"lee-fenves\"\nyoung = 1e9\npoisson = 0.2\ndensity = 2e3\ntensile_strength = 1e6\ncompressive_strength = 1e7\n",
@@ -373,8 +372,8 @@ fn faults_have_their_place() {
     }
 }
 
-/// Elements in which a softening law snaps back are refused before the first step, with the largest
-/// permitted width, the element and its set; at its place in a file, and in Rust alike.
+/// Elements with snap-back of a softening law are errors before the first step, with the largest permitted width, the
+/// element and its set; in a file with its position, and in Rust.
 #[test]
 fn elements_that_snap_back_are_refused() {
     let variants = Variants::new("laws-sizes");
@@ -398,7 +397,7 @@ fn elements_that_snap_back_are_refused() {
     let told = fault.to_string();
     // The material of the part.
     assert_eq!(fault.position(), (12, 12), "{told}");
-    // A cut through such elements, which looks at them first, changes nothing.
+    // A section through such elements, which is evaluated first, changes nothing.
     let cut = "\n[[output.section]]\nname = \"wall\"\nset = \"rock\"\nat = [160, 150, -10]\nnormal = [1, 0, 0]\nalong = [0, 1, 0]\n";
     let text = CUBE.replacen(ELASTIC, keys, 1) + cut;
     let path = variants.0.0.join("cube.toml");
@@ -434,16 +433,16 @@ fn elements_that_snap_back_are_refused() {
     assert!(small(0.99).is_ok() && small(1.01).is_err());
 }
 
-/// What does not fit together in a material, and rock that yields at an absorbing face, are told.
+/// Inconsistent material parameters, and plastic rock along an absorbing face, have warnings.
 #[test]
 fn doubts_are_told() {
-    let variants = Variants::new("laws-doubts");
+    let variants = Variants::new("laws-warnings");
     let scene = variants.read(ELASTIC, "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n");
     let simulation = scene.unwrap().prepare().unwrap();
     let warnings = simulation.remarks().iter().filter(|r| r.is_warning());
     let told: Vec<String> = warnings.map(Remark::to_string).collect();
     for passage in [
-        "part 'rock': the tensile strength of 1.3000e6 Pa lies beyond the apex",
+        "part 'rock': the tensile strength of 1.3000e6 Pa is beyond the apex",
         "a uniaxial compressive strength of 4.7167e6 Pa, not the listed 3.5000e7 Pa",
         "part 'rock' of the law 'mohr-coulomb' touches an absorbing face",
     ] {

@@ -1,4 +1,4 @@
-//! Joints one side of which is excavated: nothing is left there that could bear.
+//! Joints with one side excavated, which carry no traction any more.
 
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::engine::observe::Motion;
@@ -15,10 +15,10 @@ use crate::support::*;
 const SEAM: f64 = 6.0;
 const TOP: f64 = 10.0;
 
-/// A corner of the body, seen in the motion.
+/// Corner of the body that is recorded in the run.
 const CORNER: Vec3 = Vec3::new(12.0, 4.0, TOP);
 
-/// Blocks of 12 m by 4 m up to a height, held on the left.
+/// Blocks of 12 m by 4 m up to a height, supported on the left.
 fn scene(mesh: Mesh, sets: &[&str]) -> Scene {
     let held = mesh.nodes_in_box(&Vec3::new(0.0, 0.0, 0.0), &Vec3::new(0.0, 4.0, TOP));
     let top = mesh.nodes_in_box(&CORNER, &CORNER);
@@ -33,8 +33,8 @@ fn scene(mesh: Mesh, sets: &[&str]) -> Scene {
         .gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0)
         .support(Support::fixed(held))
         .load(push)
-        .duration(0.06)
-        .output(output);
+        .with_duration(0.06)
+        .with_output(output);
     sets.iter().fold(scene, |scene, set| {
         scene.part(Part::new(*set, Material::from(LinearElastic::new(ROCK))))
     })
@@ -44,7 +44,7 @@ fn scene(mesh: Mesh, sets: &[&str]) -> Scene {
 fn upper() -> Scene {
     let (low, high) = (Vec3::new(0.0, 0.0, SEAM), CORNER);
     let mesh = Mesh::box_of_hexes(low, high, [6, 2, 2], "upper").unwrap();
-    let stage = SceneStage::new("ground").options(exact());
+    let stage = SceneStage::new("ground").with_options(exact());
     scene(mesh, &["upper"]).stage(stage)
 }
 
@@ -72,27 +72,27 @@ fn opened(options: StaticOptions, closed: bool) -> Scene {
     });
     let stage = SceneStage::new("opening")
         .excavate("lower")
-        .options(options);
+        .with_options(options);
     let stage = if closed { stage.tie("seam") } else { stage };
     scene(split.mesh, &["lower", "upper"])
         .joint(SceneJoint::new("seam", surface, law.unwrap()))
-        .stage(SceneStage::new("ground").options(exact()))
+        .stage(SceneStage::new("ground").with_options(exact()))
         .stage(stage)
 }
 
 fn at_rest(scene: Scene) -> EquilibratedBody {
-    let rested = scene.prepare().unwrap().bring_to_rest(None, None);
+    let rested = scene.prepare().unwrap().equilibrate(None, None);
     rested.unwrap().unwrap()
 }
 
-/// The displacement of the corner at rest.
+/// Displacement of the corner in static equilibrium.
 fn sag(scene: Scene) -> Vec3 {
     let corner = scene.mesh().nodes_in_box(&CORNER, &CORNER)[0];
     at_rest(scene).state().displacement[corner as usize]
 }
 
-/// By either method, whether the joint is closed or bonded, the upper body hangs as if it had always been
-/// alone; with half of what is excavated held, it hangs half the way.
+/// With either method, for a closed or bonded joint, the upper body deforms as if it had always been alone; with a release
+/// factor of one half, half as much.
 #[test]
 fn an_excavated_side_bears_nothing_at_rest() {
     let expected = sag(upper());
@@ -112,7 +112,7 @@ fn an_excavated_side_bears_nothing_at_rest() {
     assert!((by_gradients - expected).norm() > 0.1 * expected.norm());
 }
 
-/// Where the body moves on, the side that is gone holds nothing either.
+/// In the run the excavated side carries nothing either.
 #[test]
 fn an_excavated_side_holds_nothing_in_motion() {
     let motion = |scene: Scene| {

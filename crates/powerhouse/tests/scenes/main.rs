@@ -1,10 +1,11 @@
-//! Scenes from files and from Rust: what they accept, and what runs of them give.
+//! Scenes from files and from Rust: accepted input, errors, and results of runs.
 
 mod base_motion;
 mod crack_bands;
 mod damping;
 mod grouting;
 mod hourglass;
+mod joint_history;
 mod joint_output;
 mod joint_starts;
 mod joints;
@@ -20,8 +21,8 @@ mod region;
 mod runs;
 mod smaller;
 mod stage_loads;
+mod stage_warnings;
 mod stages;
 mod stages_at_rest;
-mod stages_told;
 mod support;
 mod surroundings;

@@ -1,4 +1,4 @@
-//! What is well formed and cannot be meant is refused where it stands, or warned of by name.
+//! Implausible values in well-formed scenes are errors with their position, or warnings with the name of the item.
 
 use std::fs;
 
@@ -9,12 +9,12 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{
     Boundary, Error, Material, NameError, Part, Problem, Registry, Remark, RunNotes, Scene,
-    SceneDoubt, SceneFault, SceneStage,
+    SceneFault, SceneRemark, SceneStage,
 };
 
 use crate::support::*;
 
-/// The fault of the cube's scene with a passage replaced.
+/// Fault of the cube's scene with a passage replaced.
 fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
     match variants.read(old, new) {
         Err(Error::Scene(fault)) => fault,
@@ -23,20 +23,20 @@ fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
     }
 }
 
-fn doubts(remarks: &[Remark]) -> Vec<SceneDoubt> {
-    let doubts = remarks.iter().filter_map(|remark| match remark {
-        Remark::Doubt(doubt) => Some(doubt.clone()),
+fn warnings(remarks: &[Remark]) -> Vec<SceneRemark> {
+    let warnings = remarks.iter().filter_map(|remark| match remark {
+        Remark::Scene(warning) => Some(warning.clone()),
         _ => None,
     });
-    doubts.collect()
+    warnings.collect()
 }
 
-fn doubts_of(scene: Scene) -> Vec<SceneDoubt> {
-    doubts(scene.prepare().unwrap().remarks())
+fn warnings_of(scene: Scene) -> Vec<SceneRemark> {
+    warnings(scene.prepare().unwrap().remarks())
 }
 
-/// A name that stands twice in any list of names of a scene is refused at its second place; a table that
-/// says the same as an earlier one of its list is refused too.
+/// A name that is repeated in any list of names of a scene is an error at its second position, and so is a table that
+/// equals an earlier one of its list.
 #[test]
 fn nothing_is_listed_twice() {
     let variants = Variants::new("listed-twice");
@@ -106,8 +106,7 @@ fn nothing_is_listed_twice() {
     }
 }
 
-/// A facet that two absorbing faces have, or one face named twice in Rust, would absorb twice: refused by
-/// names and element.
+/// A facet of two absorbing faces, or one face listed twice in Rust, is an error with names and element.
 #[test]
 fn no_facet_absorbs_twice() {
     let mut mesh = cube();
@@ -118,7 +117,7 @@ fn no_facet_absorbs_twice() {
     mesh.set_facet_set("around", all).unwrap();
     for faces in [["left", "left"], ["front", "around"], ["around", "left"]] {
         let scene = cube_scene_on(mesh.clone());
-        let scene = scene.boundary(Boundary::new(Viscous::default(), faces));
+        let scene = scene.with_boundary(Boundary::new(Viscous::default(), faces));
         let error = scene.prepare().map(|_| ()).unwrap_err();
         let named = matches!(&error, Error::SharedFacet { first, second, .. }
             if *first == faces[0] && *second == faces[1]);
@@ -126,7 +125,7 @@ fn no_facet_absorbs_twice() {
     }
 }
 
-/// A list that is longer than needed is refused at its place, and so is a list where a table belongs.
+/// A list that is too long is an error with its position, and so is a list in place of a table.
 #[test]
 fn lists_have_the_length_that_is_needed() {
     let variants = Variants::new("long-lists");
@@ -167,8 +166,8 @@ fn lists_have_the_length_that_is_needed() {
     }
 }
 
-/// A magnitude that nothing in the ground has is refused with key, value, usual range and the unit that was
-/// probably meant; where the scene allows it, it is a warning, and nothing else changes.
+/// A quantity outside its usual range is an error with key, value, range and the probable unit; where the scene allows
+/// it, it is a warning, and nothing else changes.
 #[test]
 fn magnitudes_beyond_the_usual_are_refused() {
     let variants = Variants::new("magnitudes");
@@ -176,7 +175,7 @@ fn magnitudes_beyond_the_usual_are_refused() {
         (
             "young = 9.0e9",
             "young = 9",
-            "young = 9 Pa is beyond what is usual, 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
+            "young = 9 Pa is outside the usual range of 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
         ),
         (
             "density = 2750",
@@ -235,17 +234,17 @@ fn magnitudes_beyond_the_usual_are_refused() {
         let text = text.replacen(old, new, 1);
         Scene::from_toml(text, &folder, &Registry::default()).unwrap()
     };
-    assert_eq!(doubts_of(read("0.27", "0.27")), []);
-    let found = doubts_of(read("density = 2750", "density = 27"));
+    assert_eq!(warnings_of(read("0.27", "0.27")), []);
+    let found = warnings_of(read("density = 2750", "density = 27"));
     assert!(
         found
             .iter()
-            .any(|doubt| matches!(doubt, SceneDoubt::Magnitude(m) if m.name == "density"))
+            .any(|warning| matches!(warning, SceneRemark::Magnitude(m) if m.name == "density"))
     );
-    assert!(found.iter().all(SceneDoubt::is_warning));
+    assert!(found.iter().all(SceneRemark::is_warning));
 }
 
-/// Scenes composed in Rust are held to the same magnitudes: media, size of the body, gravity, duration.
+/// Scenes composed in Rust have the same usual ranges: media, size of the body, gravity, duration.
 #[test]
 fn composed_scenes_have_usual_magnitudes() {
     let box_of =
@@ -266,7 +265,7 @@ fn composed_scenes_have_usual_magnitudes() {
         (scene(10.0, medium(30e9, 2.5)), "density"),
         (scene(1e6, ROCK), "diagonal"),
         (scene(1e-3, ROCK), "diagonal"),
-        (scene(10.0, ROCK).duration(1e9), "duration"),
+        (scene(10.0, ROCK).with_duration(1e9), "duration"),
         (
             scene(10.0, ROCK).gravity(down(1e6), |_: f64| 1.0),
             "gravity",
@@ -279,15 +278,15 @@ fn composed_scenes_have_usual_magnitudes() {
             other => panic!("{name}: {other:?}"),
         }
     }
-    let found = doubts_of(scene(1e6, ROCK).allow_magnitudes());
+    let found = warnings_of(scene(1e6, ROCK).allow_magnitudes());
     assert!(
-        matches!(&found[0], SceneDoubt::Magnitude(m) if m.name.contains("diagonal")),
+        matches!(&found[0], SceneRemark::Magnitude(m) if m.name.contains("diagonal")),
         "{found:?}"
     );
 }
 
-/// Names and titles that are empty or do not show, distances and intervals beyond the body and the run, and
-/// frequencies the wrong way round are refused.
+/// Empty or invisible names and titles, distances and intervals beyond the body and the run, and frequencies in the
+/// wrong order are errors.
 #[test]
 fn what_is_of_no_use_is_refused() {
     let variants = Variants::new("of-no-use");
@@ -331,8 +330,8 @@ fn what_is_of_no_use_is_refused() {
     }
 }
 
-/// Two results never share a file, and the second name is refused where it stands, before the run; a comma
-/// and quotes in a name are no fault.
+/// Two results never have the same file: the second name is an error with its position before the run; a comma and
+/// quotes in a name are permitted.
 #[test]
 fn names_of_results_are_checked_before_the_run() {
     let variants = Variants::new("names");
@@ -347,7 +346,7 @@ fn names_of_results_are_checked_before_the_run() {
             panic!("{first} and {second} were accepted")
         };
         assert!(
-            fault.to_string().contains("would share the file"),
+            fault.to_string().contains("would both have the file"),
             "{fault}"
         );
         let (line, _) = fault.position();
@@ -361,9 +360,9 @@ fn names_of_results_are_checked_before_the_run() {
     assert!(two("crown, left", "\\\"crown\\\"").is_ok());
     let composed = |name: &str| {
         let mut scene = cube_scene();
-        let mut plan = scene.output_plan().clone();
+        let mut plan = scene.output().clone();
         plan = plan.history(name, Vec3::new(150.0, 150.0, -50.0), Default::default());
-        scene = scene.output(plan);
+        scene = scene.with_output(plan);
         scene.prepare().map(|_| ()).unwrap_err()
     };
     assert!(matches!(
@@ -376,7 +375,7 @@ fn names_of_results_are_checked_before_the_run() {
     ));
     let case = "[[case]]\nname = \"../up\"\n[time]";
     let told = fault(&variants, "[time]", case).to_string();
-    assert!(told.contains("no folder"), "{told}");
+    assert!(told.contains("cannot be the name of a folder"), "{told}");
 }
 
 /// Histories whose names have commas and quotes are written and read back by their names.
@@ -397,8 +396,8 @@ fn names_with_commas_reach_their_files() {
     assert_eq!(table[1].values, results.histories.columns[0].values);
 }
 
-/// A body that nothing holds under gravity is warned of by its parts, with dashpots around it too; weight
-/// that comes without a stage is warned of where it is held; with a stage there is no such doubt.
+/// An unsupported body under gravity has a warning with its parts, also with dashpots around it; gravity without a stage
+/// has a warning where the body is supported; with a stage there is no such warning.
 #[test]
 fn what_falls_is_warned_of() {
     let weight = |scene: Scene| scene.gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0);
@@ -409,33 +408,33 @@ fn what_falls_is_warned_of() {
         Support::roller(mesh.nodes_of_set("bottom").unwrap(), normal)
     };
     let falls = |scene: Scene| {
-        let found = doubts_of(scene);
-        found.contains(&SceneDoubt::Unheld {
+        let found = warnings_of(scene);
+        found.contains(&SceneRemark::UnsupportedBody {
             sets: vec!["rock".into()],
         })
     };
-    let swings = |scene: Scene| doubts_of(scene).contains(&SceneDoubt::SuddenWeight);
+    let swings = |scene: Scene| warnings_of(scene).contains(&SceneRemark::SuddenGravity);
     assert!(falls(bare()));
     assert!(falls(
-        bare().boundary(Boundary::new(Viscous::default(), SIDES))
+        bare().with_boundary(Boundary::new(Viscous::default(), SIDES))
     ));
     assert!(falls(bare().support(bottom(Vec3::x()))));
     let centre = Vec3::new(150.0, 150.0, 0.0);
-    let springs = || Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre);
+    let springs = || Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(centre);
     for held in [
-        bare().boundary(springs()),
+        bare().with_boundary(springs()),
         bare().support(bottom(Vec3::z())),
         bare().support(bottom(Vec3::new(0.3, 0.0, 1.0))),
     ] {
         assert!(swings(held));
     }
     let staged = bare().stage(SceneStage::new("ground").support(bottom(Vec3::z())));
-    assert_eq!(doubts_of(staged), []);
-    // A ramp brings the weight on slowly.
+    assert_eq!(warnings_of(staged), []);
+    // A ramp applies gravity slowly.
     let slow = Scene::new("cube", cube()).part(Part::new("rock", rock()));
     let slow = slow.gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 10.0).min(1.0));
-    assert_eq!(doubts_of(slow.support(bottom(Vec3::z()))), []);
-    // One of two bodies hangs in the air.
+    assert_eq!(warnings_of(slow.support(bottom(Vec3::z()))), []);
+    // One of two bodies is unsupported.
     let two = halves_apart();
     let held = two.nodes_of_set("bottom").unwrap();
     let part = |set: &str| Part::new(set, rock());
@@ -444,8 +443,8 @@ fn what_falls_is_warned_of() {
         .part(part("upper"));
     let scene = weight(scene).support(Support::roller(held, Vec3::z()));
     assert_eq!(
-        doubts_of(scene),
-        [SceneDoubt::Unheld {
+        warnings_of(scene),
+        [SceneRemark::UnsupportedBody {
             sets: vec!["upper".into()]
         }]
     );
@@ -485,8 +484,8 @@ fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
     scene.prepare().unwrap().remarks().to_vec()
 }
 
-/// In a slice between rollers the other sides are as free as in a block: a forgotten absorbing side and a
-/// surface that the field loads are warned of, though all nodes of the slice are on the rollers.
+/// In a slice between rollers the other sides are as free as in a block: a missing absorbing face and a free surface
+/// with traction of the field have warnings, although all nodes of the slice are on rollers.
 #[test]
 fn slices_have_free_sides() {
     let variants = Variants::new("slices");
@@ -517,8 +516,8 @@ fn slices_have_free_sides() {
     );
 }
 
-/// Supports that hold nodes where the free field moves reflect it: an oblique wave between side rollers is
-/// warned of, a vertical one between such as leave it free is not.
+/// Supports that restrain the free field reflect it: an oblique wave between side rollers has a warning, a vertical one
+/// that they leave free has none.
 #[test]
 fn rollers_against_the_field_are_warned_of() {
     let variants = Variants::new("against-the-field");
@@ -528,10 +527,12 @@ fn rollers_against_the_field_are_warned_of() {
         )
     };
     let held = |remarks: &[Remark]| {
-        doubts(remarks).into_iter().find_map(|doubt| match doubt {
-            SceneDoubt::HeldField { share, .. } => Some(share),
-            _ => None,
-        })
+        warnings(remarks)
+            .into_iter()
+            .find_map(|warning| match warning {
+                SceneRemark::RestrainedField { share, .. } => Some(share),
+                _ => None,
+            })
     };
     let across = slice(&variants, "\"bottom\"", &sides("[1, 0, 0]"));
     assert!(held(&across).is_some_and(|share| share > 0.5), "{across:?}");
@@ -540,8 +541,8 @@ fn rollers_against_the_field_are_warned_of() {
     assert_eq!(held(&free), None, "{free:?}");
 }
 
-/// An absorbing face on the free surface of a half-space is warned of by name; below the surface, or in a
-/// full space, it is not.
+/// An absorbing face on the free surface of a half-space has a warning with its name; below the surface, or in a full
+/// space, it has none.
 #[test]
 fn an_absorbing_surface_is_warned_of() {
     let variants = Variants::new("absorbing-surface");
@@ -556,18 +557,18 @@ fn an_absorbing_surface_is_warned_of() {
             .replace("[150, 150, 0]\n[time]", "[150, 150, -150]\n[time]");
         let path = variants.0.0.join("top.toml");
         let scene = Scene::from_toml(source, path, &Registry::default()).unwrap();
-        doubts_of(scene)
+        warnings_of(scene)
     };
     assert_eq!(
         found("[boundary]"),
-        [SceneDoubt::AbsorbingSurface { face: "top".into() }]
+        [SceneRemark::AbsorbingSurface { face: "top".into() }]
     );
     assert_eq!(found("[ground]\nsurface = 50\n[boundary]"), []);
     assert_eq!(found("[ground]\nspace = \"full-space\"\n[boundary]"), []);
 }
 
-/// An interval of output that is shorter than the step becomes the step, and one that is longer than the run
-/// records nothing on the way: either is warned of once.
+/// An output interval shorter than the time step becomes the step, and one longer than the run records its start and
+/// end only: either has one warning.
 #[test]
 fn intervals_that_do_not_fit_the_run_are_warned_of() {
     let variants = Variants::new("intervals");
@@ -576,22 +577,22 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
         .unwrap()
         .prepare()
         .unwrap();
-    assert_eq!(doubts(simulation.remarks()), []);
+    assert_eq!(warnings(simulation.remarks()), []);
     let step = simulation.step().unwrap();
     simulation.step().unwrap();
-    let expected = SceneDoubt::ShortInterval {
+    let expected = SceneRemark::ShortInterval {
         what: "histories",
         interval: 1e-5,
         step,
     };
-    assert_eq!(doubts(simulation.remarks()), [expected]);
+    assert_eq!(warnings(simulation.remarks()), [expected]);
     let mut simulation = variants
         .read("every = 0.01", "every = 0.1")
         .unwrap()
         .prepare()
         .unwrap();
     simulation.step().unwrap();
-    assert_eq!(doubts(simulation.remarks()), []);
+    assert_eq!(warnings(simulation.remarks()), []);
     let mut simulation = variants
         .read("every = 0.01", "energies = 0.7")
         .unwrap()
@@ -599,15 +600,15 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
         .unwrap();
     simulation.step().unwrap();
     simulation.step().unwrap();
-    let expected = SceneDoubt::LongInterval {
+    let expected = SceneRemark::LongInterval {
         what: "energies",
         interval: 0.7,
         duration: 0.6,
     };
-    assert_eq!(doubts(simulation.remarks()), [expected]);
+    assert_eq!(warnings(simulation.remarks()), [expected]);
 }
 
-/// More threads than the machine has are cut to what it has, and that is said; the run does not hang.
+/// A number of threads above that of the machine is reduced to it, with a warning.
 #[test]
 fn threads_are_those_of_the_machine() {
     let variants = Variants::new("threads");
@@ -615,32 +616,32 @@ fn threads_are_those_of_the_machine() {
         let scene = variants
             .read("title", &format!("threads = {wanted}\ntitle"))
             .unwrap();
-        let found = doubts_of(scene);
-        let [SceneDoubt::Threads { available, .. }] = found[..] else {
+        let found = warnings_of(scene);
+        let [SceneRemark::Threads { available, .. }] = found[..] else {
             panic!("{found:?}")
         };
         assert!(available >= 1 && found[0].is_warning());
     }
     assert_eq!(
-        doubts_of(variants.read("title", "threads = 1\ntitle").unwrap()),
+        warnings_of(variants.read("title", "threads = 1\ntitle").unwrap()),
         []
     );
 }
 
-/// A rim that is the whole of its part is warned of.
+/// A rim that covers its whole part has a warning.
 #[test]
 fn a_rim_that_is_all_is_warned_of() {
     let variants = Variants::new("whole-rim");
-    let found = |rim: &str| doubts_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
+    let found = |rim: &str| warnings_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
     assert_eq!(
         found("rim = 200"),
-        [SceneDoubt::WholeRim { set: "rock".into() }]
+        [SceneRemark::WholeRim { set: "rock".into() }]
     );
     assert_eq!(found("rim = 0"), []);
 }
 
-/// Text that is not in UTF-8 is refused with line and column, a scene in UTF-16 by name; a device without
-/// an end is never read.
+/// Text that is not in UTF-8 is an error with line and column, a scene in UTF-16 by its encoding; an endless device is
+/// never read.
 #[test]
 fn files_are_text_and_have_an_end() {
     let variants = Variants::new("encodings");
@@ -679,7 +680,7 @@ fn fault_of_file(variants: &Variants, old: &str, new: &str) -> String {
     fault(variants, old, new).to_string()
 }
 
-/// Nodes and elements of a mesh's file that are in no set, or in nothing, are told.
+/// Nodes without elements and elements without physical group in the mesh file are reported.
 #[test]
 fn what_a_mesh_leaves_out_is_told() {
     let variants = Variants::new("left-out");
@@ -688,15 +689,15 @@ fn what_a_mesh_leaves_out_is_told() {
     fs::write(&path, file).unwrap();
     let text = "title = \"loose\"\n[mesh]\nfile = \"loose.msh\"\n[[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 9e9\npoisson = 0.25\ndensity = 2700\n[[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"ungrouped\"\nmaterial = \"m\"\n[time]\nduration = 0.1\n";
     let scene = Scene::from_toml(text, variants.0.0.join("s.toml"), &Registry::default()).unwrap();
-    let expected = SceneDoubt::MeshFile {
+    let expected = SceneRemark::MeshFile {
         nodes: 1,
         dropped: 1,
         ungrouped: 1,
     };
-    assert_eq!(doubts(scene.remarks()), [expected]);
+    assert_eq!(warnings(scene.remarks()), [expected]);
 }
 
-/// A file that is no accelerogram is refused as what it is: an empty one, a mesh, a scene, words.
+/// A file that is not an accelerogram is an error that identifies it: an empty file, a mesh, a scene, text.
 #[test]
 fn what_is_no_record_is_named() {
     let variants = Variants::new("no-record");
@@ -708,7 +709,7 @@ fn what_is_no_record_is_named() {
         (CUBE, "a scene"),
         ("<html></html>", "a page of markup"),
         ("PEER record\nno header\n", "PEER AT2"),
-        ("\0\0\u{1}", "bytes that are no text"),
+        ("\0\0\u{1}", "bytes that are not text"),
     ] {
         fs::write(variants.0.0.join("r.at2"), content).unwrap();
         let fault = fault(&variants, "[time]", record).to_string();

@@ -1,4 +1,4 @@
-//! Waves that enter through the layer of elements around a region.
+//! Domain reduction: waves that enter through the layer of elements around a region.
 
 use powerhouse::boundary::{InputMode, Viscous, ViscousSpring};
 use powerhouse::engine::observe::Motion;
@@ -18,11 +18,11 @@ fn with_region(keys: &str) -> String {
 
 fn entering_around(region: Vec<u32>) -> Scene {
     let centre = Vec3::new(150.0, 150.0, 0.0);
-    let boundary = Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre);
-    cube_scene().boundary(boundary.entering_around(region))
+    let boundary = Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(centre);
+    cube_scene().with_boundary(boundary.with_region(region))
 }
 
-/// A region in a file is that of Rust, by a box as by a set, and a run says through how many elements
+/// A region in a file equals that of Rust, by box and by set, and a run reports the number of elements through which
 /// the waves enter.
 #[test]
 fn a_region_is_that_of_rust() {
@@ -39,8 +39,8 @@ fn a_region_is_that_of_rust() {
     assert!(simulation.remarks().contains(&told));
 }
 
-/// Inside the layer the body moves as it does under waves through its faces, outside of it hardly: the
-/// error of these bricks is all that leaves the region.
+/// Inside the layer the motion is that of waves through the faces; outside there is only the discretisation error of
+/// these bricks.
 #[test]
 fn outside_the_layer_hardly_anything_moves() {
     let inside = cube().elements_in_box(&LOW, &HIGH);
@@ -48,7 +48,7 @@ fn outside_the_layer_hardly_anything_moves() {
         .history("inside", Vec3::new(150.0, 150.0, 0.0), Motion::DISPLACEMENT)
         .history("outside", Vec3::new(0.0, 0.0, 0.0), Motion::DISPLACEMENT);
     let peaks = |scene: Scene| {
-        let results = run(scene.output(output.clone()));
+        let results = run(scene.with_output(output.clone()));
         ["inside", "outside"].map(|name| {
             let column = results.histories.column(&format!("{name}.ux")).unwrap();
             column
@@ -65,7 +65,7 @@ fn outside_the_layer_hardly_anything_moves() {
     assert!(by_faces[1] > 0.5 * by_faces[0] && by_layer[1] < 0.3 * by_layer[0]);
 }
 
-/// Where waves cannot enter around a region it is said why, at the region.
+/// An invalid region is an error with its cause, at the region.
 #[test]
 fn regions_without_a_layer_are_refused() {
     let variants = Variants::new("regions");
@@ -90,7 +90,7 @@ fn regions_without_a_layer_are_refused() {
         ),
         (
             vec![(SCATTERER, with_region(BOX)), (WAVE, String::new())],
-            "and no wave comes",
+            "but the scene has no wave",
         ),
         (
             vec![
@@ -130,11 +130,11 @@ fn regions_without_a_layer_are_refused() {
     };
     let shown = fault.render(false);
     assert!(shown.contains("exactly one of input, region"), "{shown}");
-    // The boundary beyond a layer takes no input of its own from Rust either.
+    // The boundary around a layer has no input, from Rust either.
     let quiet = Viscous {
         input: InputMode::Nothing,
     };
     let inside = cube().elements_in_box(&LOW, &HIGH);
-    let scene = cube_scene().boundary(Boundary::new(quiet, SIDES).entering_around(inside));
+    let scene = cube_scene().with_boundary(Boundary::new(quiet, SIDES).with_region(inside));
     assert!(scene.prepare().is_ok());
 }

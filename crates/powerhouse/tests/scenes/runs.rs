@@ -1,4 +1,4 @@
-//! Scenes run: from files and from Rust alike, with a user's own types, to complete output.
+//! Runs of scenes from files and from Rust, with user-defined types, to complete output.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,8 +18,8 @@ use powerhouse::{
 
 use crate::support::*;
 
-/// A physical curve of a mesh file names an edge: it is no part of the body, changes nothing, and
-/// its nodes can be held.
+/// A physical curve of a mesh file names an edge: it is not part of the body, changes nothing, and its nodes can be
+/// supported.
 #[test]
 fn a_curve_names_an_edge() {
     let folder = Folder::new("curve");
@@ -75,7 +75,7 @@ fn a_curve_names_an_edge() {
         panic!("a part of bars was accepted")
     };
     assert!(
-        fault.to_string().contains("which no kernel computes"),
+        fault.to_string().contains("for which there is no kernel"),
         "{fault}"
     );
     assert!(fault.render(false).contains("set = \"edge\""), "{fault}");
@@ -92,7 +92,7 @@ fn file_and_builder_are_equal() {
     let from_rust = run(cube_scene());
     assert_eq!(from_file.run.steps, from_rust.run.steps);
     assert_eq!(from_file.histories, from_rust.histories);
-    // And something moved.
+    // The motion is not zero.
     let peak = from_file
         .histories
         .column("surface.ux")
@@ -102,8 +102,8 @@ fn file_and_builder_are_equal() {
     assert!(peak.fold(0.0_f64, |most, u| most.max(u.abs())) > 0.01);
 }
 
-/// A user's law, kernel and boundary are named in a scene file after they are registered, and take
-/// part in the run: a law equal to the elastic one gives the same motion.
+/// A user-defined law, kernel and boundary can be named in a scene file after registration and are used in the run: a law
+/// equal to the elastic one gives the same motion.
 #[test]
 fn registered_types_run_from_files() {
     #[derive(Clone)]
@@ -166,7 +166,7 @@ fn registered_types_run_from_files() {
             assert!((a - b).abs() <= 1e-9 * scale, "{}", own.name);
         }
     }
-    // A parameter that the law's own check refuses is told where it stands.
+    // A parameter that the law's check rejects is reported with its position.
     let wrong = text.replace("gigapascal = 9", "gigapascal = -9");
     let Err(Error::Scene(fault)) = Scene::from_toml(wrong, "cube.toml", &registry) else {
         panic!("a negative modulus was accepted")
@@ -174,39 +174,29 @@ fn registered_types_run_from_files() {
     assert!(fault.to_string().contains("young = -9000000000"), "{fault}");
 }
 
-/// A run that is stopped from outside leaves complete output.
+/// A cancelled run has complete output up to its end.
 #[test]
 fn a_stopped_run_leaves_complete_output() {
     let folder = Folder::new("stopped");
     let results = ResultFolder::new(folder.0.join("out"));
     let mut scene = cube_scene();
-    let mut plan = scene.output_plan().clone();
+    let mut plan = scene.output().clone();
     plan.energies = Some(0.05);
-    plan.snapshots = Some(SnapshotRequest {
-        fields: Default::default(),
-        every: 0.05,
-    });
-    plan.envelope = Some(powerhouse::EnvelopeRequest {
-        motion: Motion::ALL,
-        stress: true,
-        sets: Vec::new(),
-        every: 0.01,
-    });
-    scene = scene.output(plan);
+    plan.snapshots = Some(SnapshotRequest::new(0.05));
+    plan.envelope = Some(powerhouse::EnvelopeRequest::new(0.01).with_stress(true));
+    scene = scene.with_output(plan);
     let simulation = scene.prepare().unwrap();
     let mesh = simulation.mesh().clone();
     let stop = Arc::new(AtomicBool::new(false));
     let raised = stop.clone();
-    let hooks = RunHooks {
-        stop: Some(stop),
-        snapshots: Some(results.snapshots(&simulation).unwrap()),
-        progress: Some(Box::new(move |progress| {
+    let hooks = RunHooks::default()
+        .with_stop(stop)
+        .with_snapshots(results.snapshots(&simulation).unwrap())
+        .with_progress(move |progress| {
             if progress.done == 20 {
                 raised.store(true, Ordering::Relaxed);
             }
-        })),
-        ..RunHooks::default()
-    };
+        });
     let found = simulation.run(hooks).unwrap();
     assert_eq!((found.run.steps, &found.run.ended), (21, &Ended::Stopped));
     let files = results
@@ -253,7 +243,7 @@ fn a_stopped_run_leaves_complete_output() {
     assert_eq!(summary["steps"], 21);
 }
 
-/// What does not fit together is refused before the run, by name.
+/// Inconsistent items of a scene are errors before the run, with their names.
 #[test]
 fn misfits_are_refused_by_name() {
     let rock = || Material::from(LinearElastic::new(ROCK));
@@ -279,28 +269,33 @@ fn misfits_are_refused_by_name() {
         .part(Part::new("rok", rock()))
         .prepare();
     assert!(set.is_err_and(|error| error.to_string().contains("'rok'")));
-    let share = cube_scene().step(TimeStep::OfStable(1.5)).prepare();
+    let share = cube_scene().with_step(TimeStep::OfStable(1.5)).prepare();
     assert!(share.is_err_and(|error| error.to_string().contains("share = 1.5")));
-    let idle = Part::new("rock", rock()).kernel(SolidKernel::Wedge6);
+    let idle = Part::new("rock", rock()).with_kernel(SolidKernel::Wedge6);
     let idle = Scene::new("idle", cube()).part(idle).prepare();
-    assert!(matches!(idle, Err(Error::IdleKernel { kernel, .. }) if kernel == "wedge6"));
+    assert!(matches!(idle, Err(Error::UnusedKernel { kernel, .. }) if kernel == "wedge6"));
     let field = Scene::new("field", cube())
         .part(Part::new("rock", rock()))
-        .start(0.0, InitialMotion::Field);
+        .with_start_time(0.0)
+        .with_initial_motion(InitialMotion::Field);
     assert!(matches!(field.prepare(), Err(Error::NoField)));
-    let mut step = cube_scene().step(TimeStep::Seconds(1.0)).prepare().unwrap();
+    let mut step = cube_scene()
+        .with_step(TimeStep::Seconds(1.0))
+        .prepare()
+        .unwrap();
     assert!(matches!(step.step(), Err(Error::Run(_))));
 }
 
-/// A body that starts with the motion of a wave that is already inside goes on with it: the error
-/// at the surface falls with the square of the element size.
+/// A body that starts with the motion of a wave inside continues it: the error at the surface decreases with the square
+/// of the element size.
 #[test]
 fn a_body_may_start_with_the_field() {
     let error = |elements| {
         let scene = cube_scene_on(cube_of(elements))
-            .start(0.25, InitialMotion::Field)
-            .duration(0.35);
-        let field = scene.incident_field().unwrap().clone();
+            .with_start_time(0.25)
+            .with_initial_motion(InitialMotion::Field)
+            .with_duration(0.35);
+        let field = scene.field().unwrap().clone();
         let sampler = field.prepare(&[Vec3::new(150.0, 150.0, 0.0)]).unwrap();
         let histories = run(scene).histories;
         let found = &histories.column("surface.ux").unwrap().values;
@@ -319,7 +314,7 @@ fn a_body_may_start_with_the_field() {
     assert!((order - 2.0).abs() < 0.3, "{coarse} {fine}: order {order}");
 }
 
-/// Rollers take the mean normal of their face by default; supports of a scene hold what they name.
+/// Rollers have the mean normal of their face by default; supports restrain the nodes of their set.
 #[test]
 fn supports_of_a_scene_hold() {
     let folder = Folder::new("supports");
@@ -397,9 +392,9 @@ fn engine_supports_go_into_the_builder() {
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
         .support(Support::fixed(nodes))
         .gravity(Vec3::new(0.0, 0.0, -9.81), |t: f64| (t / 0.05).min(1.0))
-        .duration(0.05)
-        .step(TimeStep::Seconds(0.001))
-        .output(OutputPlan::default().history(
+        .with_duration(0.05)
+        .with_step(TimeStep::Seconds(0.001))
+        .with_output(OutputPlan::default().history(
             "top",
             Vec3::new(150.0, 150.0, 0.0),
             Motion::DISPLACEMENT,

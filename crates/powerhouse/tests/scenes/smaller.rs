@@ -1,4 +1,4 @@
-//! Smaller models of the same question: halves of symmetric bodies, and slices.
+//! Reduced models: halves of symmetric bodies, slices, parts and refinements of meshes.
 
 use std::sync::Arc;
 
@@ -49,13 +49,13 @@ fn body(half: bool, kind: WaveKind, [incidence, azimuth]: [f64; 2]) -> Scene {
             output.history(name, Vec3::from(*place), Motion::DISPLACEMENT)
         });
     Scene::new("body", mesh)
-        .part(Part::new("rock", rock).kernel(SolidKernel::Hex8Full))
-        .plane_waves(vec![PlaneWave::new(parameters, pulse).unwrap()])
+        .part(Part::new("rock", rock).with_kernel(SolidKernel::Hex8Full))
+        .with_plane_waves(vec![PlaneWave::new(parameters, pulse).unwrap()])
         .unwrap()
-        .boundary(boundary)
-        .step(TimeStep::Seconds(0.01))
-        .duration(0.8)
-        .output(output)
+        .with_boundary(boundary)
+        .with_step(TimeStep::Seconds(0.01))
+        .with_duration(0.8)
+        .with_output(output)
 }
 
 fn mirrored(scene: Scene, parity: Parity) -> Scene {
@@ -109,8 +109,8 @@ fn refused(scene: Scene) -> MirrorError {
     }
 }
 
-/// Where half a body does not stand for the whole it is said why: waves of another parity, weight that
-/// has none, rock that yields, a plane that is none or that absorbs.
+/// An invalid symmetry plane is an error with its cause: waves or gravity of another parity, plastic rock, nodes that are
+/// not on a plane, an absorbing face in it.
 #[test]
 fn halves_that_are_not_the_whole_are_refused() {
     use Parity::{Antisymmetric, Symmetric};
@@ -191,7 +191,7 @@ fn read(variants: &Variants, changes: &[(&str, &str)]) -> Result<Scene, Error> {
     Scene::from_toml(text, variants.0.0.join("cube.toml"), &Registry::default())
 }
 
-/// Planes of symmetry in a file are those of Rust, and a wave that is not symmetric is told at them.
+/// Symmetry planes in a file equal those of Rust, and a wave that is not symmetric is an error at them.
 #[test]
 fn planes_of_symmetry_in_files() {
     let variants = Variants::new("mirror");
@@ -231,7 +231,7 @@ fn planes_of_symmetry_in_files() {
     assert!(shown.contains("[[support]]"), "{shown}");
 }
 
-/// Part of a mesh by coordinates is the mesh's own part; one beside it is refused in place.
+/// A part of a mesh by coordinates equals that of the mesh; one outside is an error with its position.
 #[test]
 fn a_scene_may_have_less_ground() {
     let variants = Variants::new("within");
@@ -248,7 +248,7 @@ fn a_scene_may_have_less_ground() {
     assert!(part.element_count() < whole.mesh().element_count());
     assert_eq!(scene.mesh().element_tags(), part.element_tags());
     assert_eq!(scene.mesh().facet_sets(), part.facet_sets());
-    // What stood on nodes that are cut off does nothing, and that is said.
+    // Items on nodes that are cut off have no effect, with a warning.
     let mut mesh = Mesh::clone(whole.mesh());
     mesh.set_node_set("corner", vec![0]).unwrap();
     write_gmsh(variants.0.0.join("corner.msh"), &mesh).unwrap();
@@ -281,8 +281,8 @@ fn a_scene_may_have_less_ground() {
     }
 }
 
-/// A refined mesh is the mesh's own, cut after the ground is cut off and a layer taken; more than thrice is
-/// refused in place, and so is an element by a number that it no longer has.
+/// A refined mesh equals that of the mesh, after the part and the slice; more than three refinements are an error with its
+/// position, and so is an element number that no longer exists.
 #[test]
 fn a_scene_may_have_smaller_elements() {
     let variants = Variants::new("refine");
@@ -327,8 +327,8 @@ fn a_scene_may_have_smaller_elements() {
     }
 }
 
-/// A slice of a plane question moves as the whole body: the same histories to 1e-10 from one sixth of
-/// the elements; a slice beside the mesh is refused in place.
+/// A slice of a plane strain problem moves as the whole body: equal histories within 1e-10 with one sixth of the elements;
+/// a slice outside the mesh is an error with its position.
 #[test]
 fn a_slice_moves_as_the_whole() {
     let variants = Variants::new("slice");
@@ -355,10 +355,10 @@ fn a_slice_moves_as_the_whole() {
         let at = Vec3::new(150.0, y, -50.0);
         OutputPlan::default().history("place", at, Motion::ALL)
     };
-    // Both places are of the plane question: any y is as good.
+    // Both locations are of a plane strain problem: any y is equivalent.
     let apart = apart(
-        &run(slice.output(output(150.0))),
-        &run(whole.output(output(50.0))),
+        &run(slice.with_output(output(150.0))),
+        &run(whole.with_output(output(50.0))),
     );
     assert!(apart < 1e-10, "{apart:e}");
     let beside = sliced("400");

@@ -1,4 +1,4 @@
-//! Loads that a later stage takes off again.
+//! Temporary loads, which a later stage removes.
 
 use std::sync::{Arc, Mutex};
 
@@ -20,7 +20,7 @@ load = [
 ]
 "#;
 
-/// The stage that takes them off.
+/// Stage that removes them.
 const OFF: &str = r#"
 [[stage]]
 name = "off"
@@ -28,7 +28,7 @@ tolerance = 1e-12
 increments = 3
 "#;
 
-/// A push of the whole run, from Rust or a file, that the last stage takes off.
+/// Load of the scene, from Rust or a file, that the last stage removes.
 const PUSH: &str = r#"
 [[load]]
 kind = "nodal"
@@ -37,12 +37,12 @@ force = [1e5, 0, 0]
 function = { kind = "sine", frequency = 5 }
 "#;
 
-/// Keeps the displacement (m) of all nodes after each stage.
+/// Sink that records the displacement of all nodes after each stage (m).
 #[derive(Clone, Default)]
 struct Displacements(Arc<Mutex<Vec<Vec<Vec3>>>>);
 
 impl StageSink for Displacements {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let displacement = stage.state.displacement.clone();
         self.0.lock().unwrap().push(displacement);
         Ok(())
@@ -53,7 +53,7 @@ fn displacements(scene: Scene) -> Vec<Vec<Vec3>> {
     let seen = Displacements::default();
     let sink = Box::new(seen.clone());
     let simulation = scene.prepare().unwrap();
-    simulation.bring_to_rest(None, Some(sink)).unwrap();
+    simulation.equilibrate(None, Some(sink)).unwrap();
     let seen = seen.0.lock().unwrap();
     seen.clone()
 }
@@ -64,7 +64,7 @@ fn apart(one: &[Vec3], other: &[Vec3]) -> f64 {
     pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
-/// Rollers, and the materials that the body moves with.
+/// Rollers, and the materials of the run.
 fn rollers() -> String {
     let own = ROLLERS.replace(
         "part = [{ set = \"lining\", material = \"rock\" }]",
@@ -74,8 +74,8 @@ fn rollers() -> String {
     own
 }
 
-/// What temporary loads did to an elastic body is undone by the stage that takes them off, to 1e-8; as far
-/// as its release says; in a file as in Rust.
+/// Removal of temporary loads restores an elastic body within 1e-8, in proportion to the release factor, from a file and
+/// from Rust.
 #[test]
 fn an_elastic_body_returns_when_loads_are_taken_off() {
     let mesh = mesh();
@@ -92,7 +92,7 @@ fn an_elastic_body_returns_when_loads_are_taken_off() {
         "{:e}",
         apart(ground, off)
     );
-    // Half of the release lets half of them stand.
+    // A release factor of one half leaves half of the loads.
     let half = text.replace("increments = 3", "release = 0.5");
     let found = displacements(read(&folder, &half).unwrap());
     let middle: Vec<Vec3> = ground
@@ -105,17 +105,17 @@ fn an_elastic_body_returns_when_loads_are_taken_off() {
     let top = mesh.nodes_of_facets(mesh.facet_set("top").unwrap());
     let jack = NodalForce::new(top, Vec3::new(2e5, 0.0, 1e5), Box::new(|_: f64| 1.0));
     let tight = StaticOptions::default().with_tolerance(1e-12);
-    let jacked = SceneStage::new("jacked").options(tight);
+    let jacked = SceneStage::new("jacked").with_options(tight);
     let scene = read(&folder, &[MATERIALS, &rollers()].concat()).unwrap();
     let scene = scene.stage(jacked.temporary_load(jack, "after"));
-    let found = displacements(scene.stage(SceneStage::new("after").options(tight)));
+    let found = displacements(scene.stage(SceneStage::new("after").with_options(tight)));
     let moved = apart(ground, &found[1]);
     assert!(moved > 1e-4, "{moved:e}");
     assert!(apart(ground, &found[2]) < 1e-8 * moved);
 }
 
-/// A load that the last stage takes off is not there when the body moves, neither one of a stage nor one of
-/// the scene: without input the body stands still.
+/// A load that the last stage removes does not act in the run, neither one of a stage nor one of the scene: without input
+/// the body does not move.
 #[test]
 fn what_the_last_stage_takes_off_does_not_act_in_the_run() {
     let folder = folder(&mesh());
@@ -139,7 +139,7 @@ fn what_the_last_stage_takes_off_does_not_act_in_the_run() {
     assert!(most(PUSH) > 1e-5, "{:e}", most(PUSH));
 }
 
-/// Stages tell how many loads they take off; a scene whose loads are all taken off is driven by nothing.
+/// Overviews of stages contain the number of removed loads; a scene whose loads are all removed has no load in the run.
 #[test]
 fn stages_tell_what_they_take_off() {
     let folder = folder(&mesh());
@@ -157,8 +157,7 @@ fn stages_tell_what_they_take_off() {
     assert!(read(&folder, &text).unwrap().is_driven());
 }
 
-/// A load composed in Rust that an unknown stage, its own or an earlier one is to take off is refused by
-/// name.
+/// A load composed in Rust that an unknown stage, its own or an earlier one should remove is an error with the name.
 #[test]
 fn loads_need_a_later_stage_that_takes_them_off() {
     let folder = folder(&mesh());
@@ -173,11 +172,14 @@ fn loads_need_a_later_stage_that_takes_them_off() {
     for name in ["jack", "off", "ground"] {
         let stage = SceneStage::new("jack").temporary_load(jack(), name);
         let found = refused(scene().stage(stage));
-        assert!(found.contains(&format!("'{name}' cannot take")), "{found}");
+        assert!(
+            found.contains(&format!("'{name}' cannot remove")),
+            "{found}"
+        );
         assert!(found.contains("'jack' on"), "{found}");
     }
     let found = refused(scene().temporary_load(jack(), "ground"));
-    assert!(found.contains("'ground' cannot take"), "{found}");
+    assert!(found.contains("'ground' cannot remove"), "{found}");
     // A scene without stages has none that could.
     let (_, from) = MATERIALS.split_once("[in_situ_stress]").unwrap();
     let (stress, _) = from.split_once("[boundary]").unwrap();

@@ -1,4 +1,4 @@
-//! Stages before a run: in a file as in Rust, what they do, what is written of them.
+//! Construction stages before a run: equivalence of file and Rust, effects, and result files.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,7 +13,7 @@ use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
-    BoltPlace, Boundary, CompletedStage, Error, InSituStress, Material, OutputPlan, Part, Preload,
+    BoltLayout, Boundary, CompletedStage, Error, InSituStress, Material, OutputPlan, Part, Preload,
     Registry, ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage,
     StageSink, StagingError,
 };
@@ -178,12 +178,13 @@ fn ground(mesh: Mesh) -> Scene {
         .part(Part::new("inner", rock))
         .part(Part::new("lining", concrete))
         .gravity(Vec3::new(0.0, 0.0, -9.81), |_: f64| 1.0)
-        .in_situ_stress(InSituStress::Field(field))
-        .boundary(
-            Boundary::new(ViscousSpring::default(), SIDES).scatterer(Vec3::new(6.0, 5.0, 10.0)),
+        .with_in_situ_stress(InSituStress::Field(field))
+        .with_boundary(
+            Boundary::new(ViscousSpring::default(), SIDES)
+                .with_scatterer(Vec3::new(6.0, 5.0, 10.0)),
         )
-        .duration(0.4)
-        .output(output)
+        .with_duration(0.4)
+        .with_output(output)
 }
 
 /// The first stage on rollers.
@@ -196,7 +197,7 @@ fn on_rollers(mesh: &Mesh) -> SceneStage {
     })
 }
 
-/// Stages of a file are those composed in Rust: same bits before the body moves and while it does.
+/// Stages from a file equal those composed in Rust: same bits in the stages and in the run.
 #[test]
 fn stages_of_a_file_are_those_of_rust() {
     let mesh = mesh();
@@ -210,7 +211,7 @@ fn stages_of_a_file_are_those_of_rust() {
         ..BoltParameters::steel(1.0).unwrap()
     };
     let top = mesh.facet_set("top").unwrap();
-    // What is left of the top where the trench is taken out and half of it is filled.
+    // The remaining top surface where the trench is excavated and half of it is filled.
     let inner = mesh.element_set("inner").unwrap();
     let there = |facet: &&powerhouse::model::Facet| !inner.contains(&facet.element);
     let pressed: Vec<_> = top.iter().filter(there).copied().collect();
@@ -223,9 +224,9 @@ fn stages_of_a_file_are_those_of_rust() {
     let push = NodalForce::new(nodes, Vec3::new(1e4, 0.0, 0.0), Box::new(ricker));
     let twin = ground(mesh.clone())
         .load(push)
-        .bolts(SceneBolts {
+        .with_bolts(SceneBolts {
             name: "anchors".into(),
-            place: BoltPlace::Pattern {
+            layout: BoltLayout::Pattern {
                 facets: "top".into(),
                 pattern: BoltPattern {
                     along: Vec3::y(),
@@ -235,9 +236,9 @@ fn stages_of_a_file_are_those_of_rust() {
             },
             parameters: steel(0.25 * core::f64::consts::PI * 0.025_f64.powi(2), 200e9, 5e4),
         })
-        .bolts(SceneBolts {
+        .with_bolts(SceneBolts {
             name: "nail".into(),
-            place: BoltPlace::Lines(vec![BoltLine {
+            layout: BoltLayout::Lines(vec![BoltLine {
                 head: Vec3::new(9.0, 5.0, 12.0),
                 toe: Vec3::new(10.0, 4.0, 6.5),
             }]),
@@ -248,7 +249,7 @@ fn stages_of_a_file_are_those_of_rust() {
             SceneStage::new("trench")
                 .excavate("trench")
                 .install("nail")
-                .options(
+                .with_options(
                     StaticOptions::default()
                         .with_release(0.6)
                         .with_increments(2),
@@ -259,7 +260,7 @@ fn stages_of_a_file_are_those_of_rust() {
                 .cast("lining")
                 .install("anchors")
                 .load(pressure.unwrap())
-                .options(StaticOptions::default().with_tolerance(1e-10)),
+                .with_options(StaticOptions::default().with_tolerance(1e-10)),
         );
     let twin = run(twin);
     assert_eq!(file.stages, twin.stages);
@@ -269,7 +270,7 @@ fn stages_of_a_file_are_those_of_rust() {
     let [ground, trench, support] = &file.stages[..] else {
         panic!("{:?}", file.stages)
     };
-    // The in-situ stress stands in balance with the weight; only the push, held at its start, moves it.
+    // The in-situ stress is in equilibrium with gravity; only the push, constant with its initial value, moves the body.
     assert!(ground.largest_displacement.0 < 1e-7, "{ground:?}");
     assert_eq!(
         (trench.excavated, trench.cast, trench.solution.increments),
@@ -290,9 +291,8 @@ fn stages_of_a_file_are_those_of_rust() {
     assert!(anchors.greatest().unwrap().1 > 4e4);
 }
 
-/// A body that went through stages with excavation, lining, bolts, a load and a seam stands still when
-/// its supports become absorbing faces and nothing comes in; its stress is that of the ground. So it
-/// does where the seam runs through sides that are tied to each other.
+/// After stages with excavation, lining, bolts, a load and a seam the body does not move when its supports become
+/// absorbing faces without input; its stress is that of the ground. The same holds for a seam through periodic sides.
 #[test]
 fn a_staged_body_without_input_stands_still() {
     let mesh = mesh();
@@ -348,21 +348,21 @@ static_friction = 0.7
     }
 }
 
-/// What a stage has shown.
+/// Recorded result of a stage.
 struct Seen {
     name: String,
     stress: Vec<Stress>,
     absent: usize,
-    /// Pairs of joints that have a bond.
+    /// Number of node pairs of joints with bond.
     bonded: usize,
 }
 
-/// Keeps what it is shown.
+/// Sink that records all stages.
 #[derive(Default)]
 struct Shown(Arc<Mutex<Vec<Seen>>>);
 
 impl StageSink for Shown {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let joints = stage.state.joints.iter();
         let records = joints.flat_map(|joint| &joint.records);
         let seen = Seen {
@@ -378,21 +378,18 @@ impl StageSink for Shown {
     }
 }
 
-/// Runs a scene; yields what its stages have shown, and the results.
+/// Runs a scene; returns the recorded stages and the results.
 fn seen(scene: Scene) -> (Vec<Seen>, Results) {
     let shown = Shown::default();
     let kept = shown.0.clone();
-    let hooks = RunHooks {
-        stages: Some(Box::new(shown)),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default().with_stages(Box::new(shown));
     let found = scene.prepare().unwrap().run(hooks).unwrap();
     let kept = core::mem::take(&mut *kept.lock().unwrap());
     (kept, found)
 }
 
-/// What a stage shows has the stress of the ground, the elements that are there, and its bolts; what
-/// is cast first in a stage was not there before.
+/// The result of a stage contains the in-situ stress, the active elements and the bolts; elements that are first cast in
+/// a stage are inactive before.
 #[test]
 fn stages_are_shown_as_they_come_to_rest() {
     let mesh = mesh();
@@ -403,7 +400,7 @@ fn stages_are_shown_as_they_come_to_rest() {
         ends: false,
     };
     let scene = ground(mesh.clone())
-        .in_situ_stress(InSituStress::Elements(field.of_elements(&mesh)))
+        .with_in_situ_stress(InSituStress::Elements(field.of_elements(&mesh)))
         .stage(on_rollers(&mesh))
         .stage(
             SceneStage::new("filled")
@@ -425,7 +422,7 @@ fn stages_are_shown_as_they_come_to_rest() {
     };
     assert_eq!((ground.name.as_str(), ground.absent), ("ground", 10));
     assert_eq!((filled.name.as_str(), filled.absent), ("filled", 0));
-    // At the foot of a far corner, where the open trench is hardly felt.
+    // At the foot of a far corner, where the effect of the trench is small.
     let foot = mesh.elements_in_box(&Vec3::zeros(), &Vec3::repeat(2.0))[0];
     let expected = field.at(&mesh.centroid(foot));
     for (found, expected) in ground.stress[foot as usize]
@@ -439,8 +436,7 @@ fn stages_are_shown_as_they_come_to_rest() {
             "{found:e} {expected:e}"
         );
     }
-    // What was cast has none of the stress of the ground: at its top, where its own weight is little,
-    // less than half of it.
+    // Cast elements have no in-situ stress: at their top, where their own weight is small, less than half of it.
     let inner = mesh.element_set("inner").unwrap();
     for &element in inner {
         assert_eq!(ground.stress[element as usize], Stress::default());
@@ -452,7 +448,7 @@ fn stages_are_shown_as_they_come_to_rest() {
     }
 }
 
-/// A stage in which the body does not come to rest ends the run at its place in the file.
+/// A stage without static equilibrium ends the run with an error at its position in the file.
 #[test]
 fn a_stage_without_rest_is_named() {
     let folder = folder(&mesh());
@@ -479,8 +475,8 @@ fn a_stage_without_rest_is_named() {
     );
 }
 
-/// Joints may be tied in a stage whatever their law admits, and then start as their law says; they may
-/// get their bond anew where it was missing.
+/// Joints may be tied in a stage whatever their law, and then have the initial state of their law; they may be grouted
+/// where the bond was missing.
 #[test]
 fn stages_close_joints() {
     let mesh = mesh();
@@ -492,7 +488,7 @@ between = ["lower", "upper"]
 law = "frictionless"
 "#;
     let pairs = 7 * 6;
-    // Of its own material from the start, so that nothing changes when the body moves.
+    // With its own material from the start, so that nothing changes at the start of the run.
     let rollers = ROLLERS.replace("part = [{ set = \"lining\", material = \"rock\" }]\n", "");
     let text = [MATERIALS, slippery, &rollers].concat();
     let tied = text.replace("name = \"ground\"", "name = \"ground\"\ntied = [\"seam\"]");
@@ -537,7 +533,7 @@ unbonded = [{ low = [0, 0, 0], high = [6, 10, 12] }]
     );
 }
 
-/// What a stage leaves is written beside the results, and gone before another run writes there.
+/// Stage results are written beside the results, and removed before another run writes there.
 #[test]
 fn stages_are_written() {
     let mesh = mesh();
@@ -552,17 +548,11 @@ law = "tied"
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let out = ResultFolder::new(folder.0.join("out"));
     let (mesh, planned) = (simulation.mesh().clone(), simulation.result_files());
-    let notes = RunNotes {
-        remarks: simulation.remarks().to_vec(),
-        ..RunNotes::default()
-    };
-    let hooks = RunHooks {
-        stages: Some(out.stages(&simulation).unwrap()),
-        ..RunHooks::default()
-    };
+    let notes = RunNotes::new(simulation.remarks().to_vec());
+    let hooks = RunHooks::default().with_stages(out.stages(&simulation).unwrap());
     let found: Results = simulation.run(hooks).unwrap();
     let written = out.write(("trench", &mesh), &found, &notes, None).unwrap();
-    // Each file has been foreseen, so that it can be tried before the run.
+    // Every file is in the list of expected files, so that it can be tested before the run.
     for file in &written {
         let name = file.strip_prefix(out.path()).unwrap().to_string_lossy();
         assert!(planned.contains(&name.clone().into_owned()), "{name}");
@@ -591,7 +581,7 @@ law = "tied"
     let whole: f64 = lengths.map(|(to, from)| to - from).sum();
     let bolts = table[0].values.last().unwrap();
     assert!((whole - 5.0 * bolts).abs() < 1e-6, "{whole} {bolts}");
-    // The run begins with what the last stage left, and its greatest is that of its bolts.
+    // The run starts from the last stage, and its greatest force is that of its bolts.
     let history = read_table(&file("bolts.csv")).unwrap();
     let anchors = history
         .iter()
@@ -615,7 +605,7 @@ law = "tied"
     assert!(!file("stages/2-trench-nail.csv").exists());
 }
 
-/// Stages that do not fit a scene composed in Rust are refused by name before the run.
+/// Invalid stages of a scene composed in Rust are errors with their name before the run.
 #[test]
 fn misfits_of_stages_are_refused() {
     let mesh = mesh();
@@ -630,13 +620,14 @@ fn misfits_of_stages_are_refused() {
     let (_, source) = refused(
         ground(mesh.clone())
             .stage(on_rollers(&mesh))
-            .start(0.0, start),
+            .with_start_time(0.0)
+            .with_initial_motion(start),
     );
     assert_eq!(source, StagingError::InMotion);
     let few = InSituStress::Elements(vec![Stress::default(); 3]);
     let (_, source) = refused(
         ground(mesh.clone())
-            .in_situ_stress(few)
+            .with_in_situ_stress(few)
             .stage(on_rollers(&mesh)),
     );
     let (found, expected) = (3, 180);
@@ -655,7 +646,7 @@ fn misfits_of_stages_are_refused() {
             .stage(SceneStage::new("once more").excavate("inner")),
     );
     assert_eq!(stage.as_deref(), Some("once more"));
-    assert!(matches!(source, StagingError::NotThere { set, .. } if set == "inner"));
+    assert!(matches!(source, StagingError::NotActive { set, .. } if set == "inner"));
     let split = mesh.split_between(
         mesh.element_set("lower").unwrap(),
         mesh.element_set("upper").unwrap(),
@@ -664,7 +655,7 @@ fn misfits_of_stages_are_refused() {
     let options = SurfaceOptions::within(1e-6).unwrap();
     let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options);
     let law = BondedCoulomb::unbonded(0.7, 0.7).unwrap();
-    let joint = SceneJoint::new("seam", surface.unwrap(), law).preload(Preload::Pressure(1e5));
+    let joint = SceneJoint::new("seam", surface.unwrap(), law).with_preload(Preload::Pressure(1e5));
     let (_, source) = refused(
         ground(split.mesh.clone())
             .joint(joint)

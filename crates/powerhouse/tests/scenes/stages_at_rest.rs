@@ -1,5 +1,4 @@
-//! How stages come to rest: by which method, from which stress of the ground, with which damping, and
-//! not at all.
+//! Static equilibrium of stages: methods, in-situ stress, damping, and failure to converge.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,16 +13,15 @@ use powerhouse::{
 use crate::stages::{BOLTS, MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
 use crate::support::{Folder, run};
 
-/// Parts that are damped over a band meet the stages with the stiffness that they have at rest, and what
-/// the stages leave does not relax: without input the body stands still, cracked rock too, and its
-/// mechanisms dissipate nothing.
+/// Parts with flat damping have their static stiffness in the stages, and the stress of the stages does not relax: without
+/// input the body does not move, with cracked rock either, and its mechanisms dissipate nothing.
 #[test]
 fn what_stages_leave_does_not_relax() {
     let mesh = mesh();
     let folder = folder(&mesh);
     let text = [MATERIALS, BOLTS, ROLLERS, TRENCH].concat();
     let text = text.replace("at = [2, 4, 12]", "at = [5, 4, 8]");
-    // Nothing but the law: hourglass resistance knows no frequency.
+    // The law alone: hourglass resistance does not depend on frequency.
     let full = "material = \"rock\"\nkernel = \"hex8-full\"\n[[part]]";
     let text = text.replace("material = \"rock\"\n[[part]]", full);
     let weak = "law = \"mohr-coulomb\"\ncohesion = 3e4\nfriction = 30\ntensile_strength = 1e3\n";
@@ -64,12 +62,12 @@ impl StageSink for Raise {
         assert_eq!(stage, "trench");
         self.0.store(true, Ordering::Relaxed);
     }
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         panic!("{} has come to rest", stage.report.name)
     }
 }
 
-/// A flag that is raised while a stage comes to rest ends the run there and then.
+/// A cancellation flag that is raised during a stage ends the run at once.
 #[test]
 fn a_stage_may_be_interrupted() {
     let mesh = mesh();
@@ -81,11 +79,9 @@ fn a_stage_may_be_interrupted() {
     let first = first.replace("part = [{ set = \"lining\", material = \"rock\" }]\n", "");
     let text = [MATERIALS, &first].concat();
     let stop = Arc::new(AtomicBool::new(false));
-    let hooks = RunHooks {
-        stop: Some(stop.clone()),
-        stages: Some(Box::new(Raise(stop))),
-        ..RunHooks::default()
-    };
+    let hooks = RunHooks::default()
+        .with_stop(stop.clone())
+        .with_stages(Box::new(Raise(stop)));
     let ended = read(&folder, &text).unwrap().prepare().unwrap().run(hooks);
     assert!(
         matches!(&ended, Err(Error::Interrupted { stage }) if stage == "trench"),
@@ -93,8 +89,8 @@ fn a_stage_may_be_interrupted() {
     );
 }
 
-/// Every method that a stage may name brings the body to the same rest; one that this build does not have
-/// is refused where it stands.
+/// Every static method reaches the same equilibrium; one that this build does not include is an error with its
+/// position.
 #[test]
 fn stages_come_to_the_same_rest_by_every_method() {
     let mesh = mesh();
@@ -121,13 +117,13 @@ fn stages_come_to_the_same_rest_by_every_method() {
             assert!(direct.solution.factorisations > 0 && direct.solution.products == 0);
         } else {
             let refused = by(method).err().unwrap().to_string();
-            assert!(refused.contains("this build does not have"), "{refused}");
+            assert!(refused.contains("this build does not include"), "{refused}");
         }
     }
 }
 
-/// The stress of the ground may come from a table of all elements, in any order of rows and columns and
-/// in kPa; what is wrong with one is told by element or column.
+/// The in-situ stress may be given by a table of all elements, with rows and columns in any order and in kPa; a fault is
+/// reported with element or column.
 #[test]
 fn the_stress_of_the_ground_comes_from_a_table() {
     let mesh = mesh();
@@ -214,7 +210,7 @@ fn the_stress_of_the_ground_comes_from_a_table() {
     told(header, &odd, &["not finite"]);
 }
 
-/// Keeps the stress of every element (Pa), with the height of its middle (m).
+/// Sink that records the stress of every element (Pa) with the height of its centroid (m).
 #[derive(Clone, Default)]
 struct Stresses(Arc<std::sync::Mutex<Vec<StressAtHeight>>>);
 
@@ -222,7 +218,7 @@ struct Stresses(Arc<std::sync::Mutex<Vec<StressAtHeight>>>);
 type StressAtHeight = (f64, [f64; 6]);
 
 impl StageSink for Stresses {
-    fn at_rest(&mut self, stage: &CompletedStage) -> Result<(), Error> {
+    fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         let elements = stage.stress.iter().enumerate();
         let of = elements.map(|(e, stress)| (stage.mesh.centroid(e as u32).z, stress.0));
         *self.0.lock().unwrap() = of.collect();
@@ -230,9 +226,9 @@ impl StageSink for Stresses {
     }
 }
 
-/// The stress of ground is none above its level, as that of a joint is: what stands above, held at its
-/// sides, gets the horizontal stress nu / (1 - nu) of its weight alone, what lies below keeps its own ratio
-/// beside that. A body that reaches above the level is warned of, one below is not.
+/// The geostatic stress is zero above its level, as for joints: elements above, supported at their sides, have the
+/// horizontal stress nu / (1 - nu) of their weight alone, elements below keep their ratio in addition. A body that
+/// reaches above the level has a warning, one below has none.
 #[test]
 fn ground_has_no_stress_above_its_level() {
     const NU: f64 = 0.25;
@@ -261,7 +257,7 @@ fn ground_has_no_stress_above_its_level() {
         assert_eq!(warned, level < height);
         let stresses = Stresses::default();
         simulation
-            .bring_to_rest(None, Some(Box::new(stresses.clone())))
+            .equilibrate(None, Some(Box::new(stresses.clone())))
             .unwrap();
         // The weight above an element: what its own ground left out, elastic under fixed sides.
         for (z, stress) in stresses.0.lock().unwrap().iter() {

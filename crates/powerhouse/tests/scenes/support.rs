@@ -22,12 +22,12 @@ pub(crate) const ROCK: ElasticMedium = ElasticMedium {
 };
 pub(crate) const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
-/// A folder of its own for each test, removed at its end.
+/// Separate folder for each test, removed at its end.
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
     pub(crate) fn new(name: &str) -> Self {
-        // Tests run side by side, some under one name.
+        // Tests run in parallel, some with one name.
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("powerhouse-{name}-{}-{count}", std::process::id());
@@ -114,14 +114,14 @@ pub(crate) fn cube_scene_made_of(mesh: Mesh, sets: &[&str], material: &Material)
     let centre = Vec3::new(150.0, 150.0, 0.0);
     let mut output = OutputPlan::default().history("surface", centre, Motion::ALL);
     output.every = 0.01;
-    let part = |set: &&str| Part::new(*set, material.clone()).kernel(SolidKernel::Hex8Full);
+    let part = |set: &&str| Part::new(*set, material.clone()).with_kernel(SolidKernel::Hex8Full);
     sets.iter()
         .map(part)
         .fold(Scene::new("cube", mesh), Scene::part)
-        .field(PlaneWave::new(parameters, pulse).unwrap())
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES).scatterer(centre))
-        .duration(0.6)
-        .output(output)
+        .with_field(PlaneWave::new(parameters, pulse).unwrap())
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES).with_scatterer(centre))
+        .with_duration(0.6)
+        .with_output(output)
 }
 
 pub(crate) fn run(scene: Scene) -> Results {
@@ -143,7 +143,7 @@ impl Variants {
         let text = CUBE.replacen(old, new, 1);
         Scene::from_toml(text, self.0.0.join("cube.toml"), &Registry::default())
     }
-    /// Runs the variant and its twin, and finds the same bits in both.
+    /// Runs the variant and its counterpart in Rust, and compares the bits.
     pub(crate) fn equal(&self, (old, new): (&str, &str), twin: Scene) {
         let scene = self.read(old, new).unwrap_or_else(|e| panic!("{new}: {e}"));
         let (file, twin) = (run(scene), run(twin));

@@ -1,4 +1,4 @@
-//! What surrounds the body: the start of the field, its medium, open sides, the surface.
+//! Checks of the surroundings: start of the field, its medium, open sides, free surface.
 
 use std::sync::Arc;
 
@@ -38,8 +38,8 @@ fn padding(scene: &Scene) -> Option<f64> {
 const PAST: &str = "[[wave]]\nkind = \"sv\"\nincidence = 42\npulse = { kind = \"zero-mean\", displacement = 0.01, duration = 0.4 }\n";
 const BELOW: &str = "[[wave]]\nkind = \"p\"\nincidence = 10\narrival = 0.3\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n";
 
-/// Where one wave must come later so that the body may start at rest, all come later by the same
-/// time: together they are the sum of the delayed one and the other, shifted as much.
+/// If one wave must be delayed so that the body starts at rest, all are delayed by the same time: their sum is that of
+/// the delayed wave and the other one with the same shift.
 #[test]
 fn a_quiet_start_keeps_waves_in_step() {
     let past = read("step-past", &[(WAVE, PAST)]).unwrap();
@@ -51,7 +51,7 @@ fn a_quiet_start_keeps_waves_in_step() {
     assert_eq!(padding(&past), Some(later));
     let points = [Vec3::new(150.0, 150.0, 0.0), Vec3::new(20.0, 70.0, -200.0)];
     let motion = |scene: &Scene, time: f64| {
-        let sampler = scene.incident_field().unwrap().prepare(&points).unwrap();
+        let sampler = scene.field().unwrap().prepare(&points).unwrap();
         let mut motion = [FieldMotion::default(); 2];
         sampler.add_motion(time, &mut motion);
         motion.map(|m| m.displacement)
@@ -67,8 +67,8 @@ fn a_quiet_start_keeps_waves_in_step() {
     assert!(largest > 1e-3, "both move: {largest}");
 }
 
-/// A body at rest in a field that already moves is refused, at the key that makes the field early;
-/// with the field's own motion it may start.
+/// A body that starts at rest in a field that is not negligible is an error, at the key concerned; with the initial
+/// motion of the field it is accepted.
 #[test]
 fn a_moving_field_is_no_start_from_rest() {
     for (name, old, new, key) in [
@@ -97,13 +97,12 @@ fn a_moving_field_is_no_start_from_rest() {
         let with_field = "duration = 0.6\ninitial = \"field\"";
         assert!(read(name, &[(old, new), ("duration = 0.6", with_field)]).is_ok());
     }
-    // A wave that is early, but still within its quiet beginning, is none that moves.
+    // A wave that is early but still negligible is accepted.
     let quiet = "arrival = -0.0005\n";
     assert!(read("early-quiet", &[("azimuth = 30\n", quiet)]).is_ok());
 }
 
-/// What a filter, or the ground above a buried record, puts before the record's start lets all
-/// waves come later.
+/// Motion before the start of a record, from a filter or for a within motion, delays all waves.
 #[test]
 fn what_precedes_a_record_is_waited_for() {
     for (name, treatment) in [
@@ -158,12 +157,12 @@ fn wave(parameters: PlaneWaveParameters) -> PlaneWave {
 fn scene_of(field: impl IncidentField + 'static, faces: &[&str]) -> Scene {
     Scene::new("cube", cube())
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
-        .field(field)
-        .boundary(Boundary::new(
+        .with_field(field)
+        .with_boundary(Boundary::new(
             ViscousSpring::default(),
             faces.iter().copied(),
         ))
-        .duration(0.6)
+        .with_duration(0.6)
 }
 
 fn warnings(simulation: &Simulation) -> Vec<&Remark> {
@@ -171,18 +170,27 @@ fn warnings(simulation: &Simulation) -> Vec<&Remark> {
     remarks.filter(|remark| remark.is_warning()).collect()
 }
 
-/// Scenes composed in Rust have the guards of scenes from files: rest, medium, damped rims.
+/// Scenes composed in Rust have the checks of scenes from files: start, medium, damped rims.
 #[test]
 fn composed_scenes_are_guarded_too() {
     let scene = || scene_of(wave(vertical(WaveKind::SV)), &SIDES);
     assert!(warnings(&scene().prepare().unwrap()).is_empty());
-    let early = scene().start(0.2, InitialMotion::Rest).prepare();
+    let early = scene()
+        .with_start_time(0.2)
+        .with_initial_motion(InitialMotion::Rest)
+        .prepare();
     assert!(matches!(
         early,
         Err(Error::NotAtRest { level, time: 0.2, .. }) if level > 0.1
     ));
-    assert!(scene().start(0.2, InitialMotion::Field).prepare().is_ok());
-    // Past the critical angle the field is there before its pulse.
+    assert!(
+        scene()
+            .with_start_time(0.2)
+            .with_initial_motion(InitialMotion::Field)
+            .prepare()
+            .is_ok()
+    );
+    // Past the critical angle the field begins before its pulse.
     let mut parameters = vertical(WaveKind::SV);
     parameters.incidence = Angle::from_degrees(42.0);
     let pulse = Arc::new(ZeroMeanPulse::new(0.01, 0.4).unwrap());
@@ -200,19 +208,19 @@ fn composed_scenes_are_guarded_too() {
         stiffness: 0.0,
     };
     let damped = Scene::new("damped", cube())
-        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))).damping(damping))
-        .field(wave(vertical(WaveKind::P)))
-        .boundary(Boundary::new(ViscousSpring::default(), SIDES))
+        .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))).with_damping(damping))
+        .with_field(wave(vertical(WaveKind::P)))
+        .with_boundary(Boundary::new(ViscousSpring::default(), SIDES))
         .prepare()
         .unwrap();
     let rim = Remark::DampedRim { set: "rock".into() };
     assert_eq!(warnings(&damped), [&rim]);
-    // Nothing said where the structure is.
+    // No scatterer is given.
     let position = Vec3::new(150.0, 150.0, -150.0);
     assert!(damped.remarks().contains(&Remark::Scatterer { position }));
 }
 
-/// A side that neither absorbs nor is held is told with its area; a held one is not.
+/// A side that is neither absorbing nor supported has a warning with its area; a supported one has none.
 #[test]
 fn a_forgotten_side_is_told() {
     let open = scene_of(
@@ -235,8 +243,8 @@ fn a_forgotten_side_is_told() {
     assert!(warnings(&held.prepare().unwrap()).is_empty());
 }
 
-/// A field whose surface is not that of the mesh, or that has none, is told; so is a mesh that is
-/// not flat at its rim, but not a hill inside.
+/// A field whose free surface is not that of the mesh, or that has none, has a warning; so has a mesh whose surface is
+/// not plane along the absorbing faces, but not a hill inside.
 #[test]
 fn the_surface_of_the_field_is_that_of_the_mesh() {
     let share = |scene: Scene| {
@@ -269,10 +277,10 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
         let mesh = cube().map_positions(lowered).unwrap();
         let rock = Material::from(LinearElastic::new(ROCK));
         Scene::new("valley", mesh)
-            .part(Part::new("rock", rock).kernel(SolidKernel::Hex8Full))
-            .field(field(30.0, 0.0))
-            .boundary(Boundary::new(Viscous::default(), SIDES))
-            .duration(0.6)
+            .part(Part::new("rock", rock).with_kernel(SolidKernel::Hex8Full))
+            .with_field(field(30.0, 0.0))
+            .with_boundary(Boundary::new(Viscous::default(), SIDES))
+            .with_duration(0.6)
     };
     assert!(share(valley(0.0)).unwrap() > 0.03);
     let hidden = cube().map_positions(|x| {
@@ -283,14 +291,14 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
     });
     let inside = Scene::new("hollow", hidden.unwrap())
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
-        .field(field(30.0, 0.0))
-        .boundary(Boundary::new(Viscous::default(), SIDES))
-        .duration(0.6);
+        .with_field(field(30.0, 0.0))
+        .with_boundary(Boundary::new(Viscous::default(), SIDES))
+        .with_duration(0.6);
     assert_eq!(share(inside), None);
 }
 
-/// A set inside the body holds its facets from both sides: a pressure on it would cancel, so it is
-/// refused, from a file where the set stands.
+/// A set inside the body contains its facets from both sides: a pressure on it would cancel, so that it is an error, in a
+/// file at the set.
 #[test]
 fn loads_on_both_sides_are_refused() {
     let mesh = cube();
@@ -328,7 +336,7 @@ fn loads_on_both_sides_are_refused() {
     ));
 }
 
-/// Absorbing faces lie outside, and a field needs a way in.
+/// Absorbing faces must be on the surface, and a field needs faces or a region through which it enters.
 #[test]
 fn faces_inside_and_idle_fields_are_refused() {
     let mut mesh: Mesh = cube();
@@ -339,22 +347,22 @@ fn faces_inside_and_idle_fields_are_refused() {
     let rock = || Part::new("rock", Material::from(LinearElastic::new(ROCK)));
     let inner = Scene::new("inner", mesh)
         .part(rock())
-        .boundary(Boundary::new(Viscous::default(), ["middle"]));
+        .with_boundary(Boundary::new(Viscous::default(), ["middle"]));
     let refused = inner.prepare().err();
     assert!(matches!(refused, Some(Error::InnerFacet { face, .. }) if face == "middle"));
     let idle = Scene::new("idle", cube())
         .part(rock())
-        .field(wave(vertical(WaveKind::SV)));
+        .with_field(wave(vertical(WaveKind::SV)));
     assert!(matches!(idle.prepare(), Err(Error::UnusedField { .. })));
     let silent = Viscous {
         input: InputMode::Nothing,
     };
     let silent = Scene::new("silent", cube())
         .part(rock())
-        .field(wave(vertical(WaveKind::SV)))
-        .boundary(Boundary::new(silent, SIDES));
+        .with_field(wave(vertical(WaveKind::SV)))
+        .with_boundary(Boundary::new(silent, SIDES));
     assert!(matches!(silent.prepare(), Err(Error::UnusedField { .. })));
-    // The same from a file stands at the wave.
+    // In a file the same error is at the wave.
     let nothing = "kind = \"viscous-spring\"\ninput = \"nothing\"";
     let scene = read("nothing", &[("kind = \"viscous-spring\"", nothing)]).unwrap();
     let Err(Error::Scene(fault)) = scene.prepare() else {

@@ -1,4 +1,4 @@
-//! The frequencies of what comes in.
+//! The frequency content of the incident motion.
 
 use core::f64::consts::TAU;
 
@@ -7,29 +7,30 @@ use powerhouse::Scene;
 use crate::StudyError;
 use crate::resolution::incoming;
 
-/// The band ends where this share of the energy of velocity is below.
+/// Share of the energy of velocity that lies below the upper end of the band.
 const SHARE: f64 = 0.99;
-/// Frequencies that stand for all.
+/// Number of frequency intervals into which a spectrum is condensed.
 const LINES: usize = 40;
 
-/// The frequencies of the motion that comes in, as it moves the surface.
+/// Frequency band of the incident motion at the ground surface, as a condensed energy spectrum of its velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// Frequencies (Hz), rising, and the energy of velocity at each; the energies add up to one.
+    /// Spectral lines: frequency (Hz), rising, and the share of the energy of velocity at it; the shares add up
+    /// to one.
     pub lines: Vec<(f64, f64)>,
-    /// Below this frequency (Hz) lie 99 % of the energy of velocity.
+    /// Upper end of the band (Hz): 99 % of the energy of velocity lie below it.
     pub highest: f64,
 }
 
 impl Band {
-    /// The band of a scene's field.
+    /// Computes the frequency band of a scene's incident field at the middle of its surface.
     ///
     /// # Errors
-    /// A field that does not move the surface in the time of the run.
+    /// [`StudyError::StillField`] for a field that does not move the surface within the duration of the run.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
-        let duration = scene.run_duration();
+        let duration = scene.duration();
         let spectrum = incoming(scene)?.unwrap_or_default();
-        // Energies of velocity; what is longer than the run is not motion of it.
+        // Energies of velocity, without periods longer than the run.
         let velocity: Vec<(f64, f64)> = (spectrum.into_iter())
             .filter(|(frequency, _)| frequency * duration >= 1.0)
             .map(|(frequency, energy)| (frequency, energy / (TAU * frequency).powi(2)))
@@ -47,12 +48,12 @@ impl Band {
         Ok(Self::gathered(&velocity, highest))
     }
 
-    /// Some lines that stand for all up to a frequency (Hz).
+    /// Condenses spectral lines up to a frequency (Hz) into [`LINES`] intervals of equal width.
     fn gathered(lines: &[(f64, f64)], highest: f64) -> Self {
         let mut sums = [(0.0, 0.0); LINES];
         for &(frequency, energy) in lines.iter().filter(|line| line.0 <= highest) {
-            let place = (frequency / highest * LINES as f64) as usize;
-            let (moment, sum) = &mut sums[place.min(LINES - 1)];
+            let interval = (frequency / highest * LINES as f64) as usize;
+            let (moment, sum) = &mut sums[interval.min(LINES - 1)];
             *moment += frequency * energy;
             *sum += energy;
         }
@@ -70,7 +71,7 @@ impl Band {
         }
     }
 
-    /// The same up to a frequency (Hz).
+    /// The part of the band below a frequency (Hz), its shares normalised to one.
     #[must_use]
     pub fn up_to(&self, highest: f64) -> Self {
         if highest >= self.highest {
@@ -79,7 +80,7 @@ impl Band {
         Self::gathered(&self.lines, highest)
     }
 
-    /// The mean frequency (Hz), by energy.
+    /// Mean frequency (Hz), weighted by the energy of velocity.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.lines

@@ -1,36 +1,36 @@
-//! Which absorbing boundary a scene needs for a stated error, and how much ground.
+//! Selection of the absorbing boundary of a scene for a permitted error, and of the extent of its mesh.
 //!
 //! # What is predicted
-//! The error of a boundary is by how much displacement and velocity differ from those with so much more
-//! ground around that nothing comes back from its faces in time: `sqrt(sum |x - y|^2 / sum |y|^2)` over
-//! the run, the larger of both at the worst place that is recorded; under loads displacement alone, since
-//! the velocity under a sudden load is that of the shortest waves of the mesh. A run of the scene and one of the
-//! same mesh [`grown`](fn@crate::grown) measure it ([`probe_errors`](crate::probe_errors)).
+//! The error of a boundary is the relative L2 difference `sqrt(sum |x - y|^2 / sum |y|^2)` over the run between
+//! the motion `x` with the boundary and the motion `y` in a mesh so large that no reflection arrives within the
+//! run. It is the larger of the errors of displacement and velocity at the worst recorded point; under loads that
+//! of displacement alone, since the velocity under a sudden load is that of the shortest waves of the mesh. A run
+//! of the scene and one of the same mesh [extended](fn@crate::grown) measure it
+//! ([`probe_errors`](crate::probe_errors)).
 //!
-//! It is predicted by running a small model of the same question: in place of the structure a circular
-//! opening of its radius, at its depth, in a slice of ground one element thick with the scene's ground
-//! and the distances of its nearest faces, under the scene's waves. One pulse carries all frequencies;
-//! spectra weigh them as the scene's own motion has them. Loads become a sudden, lasting pressure in the
-//! opening, or in a sphere where waves spread to all sides.
+//! It is predicted by running a small substitute model: a circular opening with the radius and the depth of the
+//! structure, in a plane-strain slice of the scene's ground with the distances of its nearest faces, under the
+//! scene's waves. A pulse excites all frequencies, which are weighted by the spectrum of the scene's motion. Loads
+//! are replaced by a pressure step in the opening, or in a spherical cavity where waves spread spherically.
 //!
 //! # Why so
-//! *By a run, not by a formula.* Closed forms tell what a face returns of a plane wave at an angle. How
-//! much of the motion scatters, at which angles it arrives, what surface waves do at a face (they carry
-//! most of what comes back to a shallow opening, and have no closed form there), and how much of what
-//! is returned is felt at the structure: a slice of some thousand elements knows all of it in seconds.
+//! *By a run, not by a formula.* Closed forms give the reflection of a plane wave at an angle. They do not give
+//! how much of the motion is scattered, at which angles it arrives, how surface waves are reflected (most of the
+//! motion that returns to a shallow opening) and how strongly the reflections act at the structure. A slice of
+//! some thousand elements computes all of it in seconds.
 //!
-//! *On the safe side by its kind, not by factors.* An opening scatters at least as much as a structure
-//! of its size; waves in a slice decay with the root of the distance, those of a compact structure with
-//! the distance; the nearest face stands for all. Shorter waves than the slice carries are left out,
-//! of which springs return less than of the longer ones.
+//! *Conservative by its choice of model, not by factors.* An opening scatters at least as much as a structure of
+//! its size; waves in a slice decay with the root of the distance, those of a compact structure with the distance;
+//! all faces are as near as the nearest. Waves shorter than the slice resolves are left out; springs reflect them
+//! less than the longer ones.
 //!
-//! *A body under weight, or one that went through stages, must be held*: dashpots alone, which let it drift,
-//! are no candidate for it.
+//! *A body under weight, or after construction stages, needs static stiffness at its boundary*: dashpots alone,
+//! with which it drifts, are not compared for it.
 //!
-//! *Costs are alike.* All of these boundaries are springs and dashpots in the velocity solve of their
-//! nodes: they differ in what they return, not in what they cost, and the one that errs least among
-//! those of one cost is named. A field that enters through a layer (`region` in a scene) is not among
-//! them: its boundary returns what it returns with any input.
+//! *Costs are equal.* All of these boundaries are springs and dashpots in the velocity solve of their nodes: they
+//! differ in their reflections, not in their cost, and among those of equal cost the one with the least error is
+//! recommended. A field that enters through a layer (`region` in a scene) is not compared: the reflections of its
+//! boundary do not depend on the input.
 
 mod band;
 mod candidate;
@@ -41,148 +41,186 @@ mod setting;
 mod shell;
 
 pub use band::Band;
-pub use candidate::{BoundaryKind, Standing};
-pub(crate) use room::{Bounds, Room, kind_of};
+pub use candidate::{BoundaryKind, RegisteredBoundary, Surroundings};
+pub(crate) use room::{Bounds, BoxReduction, kind_of};
 pub use room::{BoxAdvice, NearerFaces, Obstacle, advise_box};
 pub(crate) use setting::inner_free_surface;
-pub use setting::{ArrivingWave, Drive, Setting};
+pub use setting::{ArrivingWave, BoundaryProblem, Excitation};
 
 use std::sync::Arc;
 
 use powerhouse::boundary::Spreading;
-use powerhouse::model::{AbsorbingBoundary, ParameterError};
+use powerhouse::model::{AbsorbingBoundary, ModelError, ParameterError};
 use powerhouse::{Error, Scene};
 
 use crate::StudyError;
-use opening::{Mover, Opening};
+use opening::{Opening, Source};
 use shell::Shell;
 
-/// Nanoseconds of springs and dashpots per node and step (example `boundary_price`), and of the input of
-/// a wave with what the surface reflects of it, below and past the critical angle (`cargo bench --bench
-/// boundary`); one thread, double precision.
+/// Time (ns) of springs and dashpots per node and step (example `boundary_price`), and of the input of a wave with
+/// its reflections from the surface, below and past the critical angle (`cargo bench --bench boundary`); one
+/// thread, double precision.
 const NODE_NANOSECONDS: f64 = 40.0;
 const WAVE_NANOSECONDS: [f64; 2] = [24.0, 38.0];
-/// Nanoseconds of an elastic brick and step (`cargo bench --bench step`).
+/// Time (ns) of an elastic hexahedron and step (`cargo bench --bench step`).
 const ELEMENT_NANOSECONDS: f64 = 31.0;
-/// So many times farther are the faces moved where no boundary is good enough.
+/// Factors on the distances of the faces that are tried where no boundary meets the permitted error.
 const FARTHER: [f64; 2] = [1.5, 2.0];
 
-/// What a boundary is predicted to return and to cost.
+/// Predicted error, reflection and cost of one absorbing boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// The boundary.
+    /// Kind of boundary.
     pub kind: BoundaryKind,
-    /// The error that it is predicted to make: see the module.
+    /// Predicted relative error of the motion, as the [module](self) defines it.
     pub predicted: f64,
-    /// Nanoseconds per absorbing node and step, with the waves that come in.
+    /// Estimated time (ns) per absorbing node and step, with the input of the incident waves.
     pub nanoseconds: f64,
-    /// The same of all nodes over an elastic step of the scene's elements.
+    /// Estimated time of all absorbing nodes over that of an elastic step of all elements.
     pub share_of_step: f64,
-    /// Elements that it adds.
+    /// Number of elements that the boundary adds to the mesh.
     pub extra_elements: usize,
-    /// The stable step with it over that without: dashpots and springs stand in the velocity solve.
+    /// Stable time step with the boundary over that without it; 1, since dashpots and springs are implicit in the
+    /// velocity solve.
     pub stable_step: f64,
-    /// Shares of P and SV waves that come straight on at the mean frequency which it returns at the
-    /// nearest face, by the closed form.
-    pub returned: [f64; 2],
+    /// Amplitude reflection coefficients of P and SV waves at normal incidence on the nearest face, at the mean
+    /// frequency of the motion, by the closed form.
+    pub reflected: [f64; 2],
 }
 
-/// Faces that are farther away.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Predicted error with the absorbing faces moved outwards.
+#[derive(Clone, Debug, PartialEq)]
 pub struct FartherFaces {
-    /// The boundary on them.
+    /// Kind of boundary on these faces.
     pub kind: BoundaryKind,
-    /// So many times as far as the scene's.
+    /// Factor on the distances of the scene's faces from the scatterer, above 1.
     pub times: f64,
-    /// The error that is predicted there.
+    /// Predicted relative error at these distances.
     pub predicted: f64,
 }
 
-/// Which boundary a scene needs.
+/// A registered boundary that is no candidate.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LeftOut {
+    /// Its name in the registry.
+    pub name: String,
+    /// Why it is none.
+    pub reason: String,
+}
+
+impl LeftOut {
+    fn new(name: &str, reason: &str) -> Self {
+        Self {
+            name: name.into(),
+            reason: reason.into(),
+        }
+    }
+}
+
+/// Comparison of absorbing boundaries for a scene, with the recommended one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryAdvice {
-    /// The scene's title.
+    /// Title of the scene.
     pub title: String,
-    /// What decides.
-    pub setting: Setting,
-    /// The stated error.
+    /// Input of the prediction: ground, scatterer, distances and excitation.
+    pub problem: BoundaryProblem,
+    /// Permitted relative error, above 0 and at most 1.
     pub error: f64,
-    /// All candidates, the best first: those that meet the error by cost and then by error, the others
-    /// by error.
+    /// All compared boundaries, the best first: those that meet the permitted error by cost and then by error, then
+    /// the others by error.
     pub candidates: Vec<Candidate>,
-    /// Without one that meets it: how far the faces would have to be, as far as was tried.
+    /// Distances at which the best boundary meets the permitted error, if none does at the scene's and one of those
+    /// tried (1.5 and 2 times) does.
     pub farther: Option<FartherFaces>,
-    /// Elements of the model that was run, and of its enlarged twin; none if nothing scatters.
+    /// Numbers of elements of the substitute model and of its extended reference; `None` if nothing scatters.
     pub model: Option<[usize; 2]>,
-    /// The highest frequency that it carried (Hz).
+    /// Highest frequency (Hz) that the substitute model resolves.
     pub highest: f64,
-    /// Names of the faces of the bottom.
+    /// Boundaries of the scene's registry that are no candidates, and why.
+    pub left_out: Vec<LeftOut>,
+    /// Names of the bottom faces.
     bottom: Vec<String>,
     faces: Vec<String>,
-    standing: Standing,
+    surroundings: Surroundings,
 }
 
 impl BoundaryAdvice {
-    /// The boundary that is named: the cheapest whose predicted error is the stated one or less.
+    /// The recommended boundary: the cheapest whose predicted error is at most the permitted one.
     #[must_use]
-    pub fn named(&self) -> Option<&Candidate> {
+    pub fn recommended(&self) -> Option<&Candidate> {
         let first = self.candidates.first();
         first.filter(|first| first.predicted <= self.error)
     }
 
-    /// A candidate as the scene would have it.
+    /// Builds one of the compared boundaries for the scene.
     ///
     /// # Errors
-    /// None but for faces at the structure itself.
-    pub fn condition(&self, kind: BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
-        let condition = kind.condition(&self.standing, &self.bottom);
+    /// A face at the scatterer itself, where the distance is zero.
+    pub fn condition(&self, kind: &BoundaryKind) -> Result<Arc<dyn AbsorbingBoundary>, StudyError> {
+        let condition = kind.condition(&self.surroundings, &self.bottom);
         Ok(condition.map_err(Error::from)?)
     }
 }
 
-/// The cheapest absorbing boundary of a scene that is predicted to err by no more than a share.
+/// Compares the absorbing boundaries of a scene by their predicted errors and recommends the cheapest one within a
+/// permitted relative error (above 0, at most 1).
 ///
 /// # Errors
-/// A scene without a boundary, or in which nothing moves; a field that is not known to be made of plane
-/// waves ([`Scene::plane_waves`] says so); faces that leave no room for a prediction.
+/// A scene without an absorbing boundary or without excitation; a field that is not declared as a sum of plane
+/// waves ([`Scene::with_plane_waves`]); faces too near to the scatterer for the substitute model.
 pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
-    let setting = Setting::of(scene)?;
-    let faces = scene
-        .absorbing_boundary()
-        .map_or(Vec::new(), |b| b.faces.clone());
+    let problem = BoundaryProblem::of(scene)?;
+    let faces = scene.boundary().map_or(Vec::new(), |b| b.faces.clone());
     let bottom = bottom_faces(scene)?;
-    let kinds: Vec<BoundaryKind> = (BoundaryKind::ALL.into_iter())
-        .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&setting, &bottom))
-        // What lasts would push the body away.
-        .filter(|kind| kind.holds() || !scene.is_loaded_for_good())
+    // A static load would make a body on dashpots drift.
+    let holds = |kind: &BoundaryKind| kind.resists_static_loads() || !scene.is_loaded_for_good();
+    let mut kinds: Vec<BoundaryKind> = (BoundaryKind::BUILT_IN.into_iter())
+        .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&problem, &bottom))
+        .filter(holds)
         .collect();
-    let found = predictions(&setting, 1.0, &kinds)?;
-    let distances = setting.least_distances();
-    let standing = Standing {
-        medium: setting.medium,
-        spreading: setting.spreading,
+    let mut found = predictions(&problem, 1.0, &kinds)?;
+    let distances = problem.least_distances();
+    let surroundings = Surroundings {
+        medium: problem.medium,
+        spreading: problem.spreading,
         distances,
     };
+    let mut left_out = Vec::new();
+    for name in scene
+        .registry()
+        .iter()
+        .flat_map(|all| all.added_boundary_names())
+    {
+        match registered(scene, name, &problem, &surroundings) {
+            Ok((kind, error)) if holds(&kind) => {
+                kinds.push(kind);
+                found.errors.push(error);
+            }
+            Ok(_) => left_out.push(LeftOut::new(name, "it does not hold the body")),
+            Err(error) => left_out.push(LeftOut::new(name, &error.to_string())),
+        }
+    }
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
-    let mean = match &setting.drive {
-        Drive::Waves { band, .. } => band.mean(),
-        Drive::Loads { .. } => found.highest,
+    let mean = match &problem.excitation {
+        Excitation::Waves { band, .. } => band.mean(),
+        Excitation::Loads { .. } => found.highest,
     };
-    let nanoseconds = NODE_NANOSECONDS + input_nanoseconds(&setting);
-    let nodes = setting.absorbing_nodes as f64;
-    let share_of_step = nodes * nanoseconds / (setting.elements as f64 * ELEMENT_NANOSECONDS);
+    let nanoseconds = NODE_NANOSECONDS + input_nanoseconds(&problem);
+    let nodes = problem.absorbing_nodes as f64;
+    let share_of_step = nodes * nanoseconds / (problem.elements as f64 * ELEMENT_NANOSECONDS);
     let mut candidates = Vec::with_capacity(kinds.len());
     for (kind, predicted) in kinds.iter().zip(&found.errors) {
         candidates.push(Candidate {
-            kind: *kind,
+            kind: kind.clone(),
             predicted: *predicted,
             nanoseconds,
             share_of_step,
             extra_elements: 0,
             stable_step: 1.0,
-            returned: kind
-                .returned(&standing, nearest, mean)
+            reflected: kind
+                .reflected(&surroundings, nearest, mean)
                 .map_err(Error::from)?,
         });
     }
@@ -194,18 +232,36 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
         farther: None,
         model: found.model,
         highest: found.highest,
+        left_out,
         bottom,
         faces,
-        standing,
-        setting,
+        surroundings,
+        problem,
     };
-    if advice.named().is_none() {
+    if advice.recommended().is_none() {
         advice.farther = farther(&advice)?;
     }
     Ok(advice)
 }
 
-/// Best first; sorting keeps the simpler of equals first.
+/// A registered boundary, and the error that it is predicted to make.
+fn registered(
+    scene: &Scene,
+    name: &str,
+    problem: &BoundaryProblem,
+    surroundings: &Surroundings,
+) -> Result<(BoundaryKind, f64), StudyError> {
+    let condition = (scene.registry())
+        .and_then(|registry| registry.boundary_without_keys(name))
+        .ok_or_else(|| ModelError::refused(name, "it needs keys of its own"))
+        .map_err(Error::from)?;
+    let boundary = RegisteredBoundary::new(name, condition, surroundings).map_err(Error::from)?;
+    let kind = BoundaryKind::Registered(boundary);
+    let predicted = predicted_error(problem, 1.0, &kind)?;
+    Ok((kind, predicted))
+}
+
+/// Sorts the candidates, best first; the stable sort keeps the simpler of equal ones first.
 fn rank(candidates: &mut [Candidate], error: f64) {
     candidates.sort_by(|a, b| {
         let misses = |c: &Candidate| c.predicted.is_nan() || c.predicted > error;
@@ -219,40 +275,40 @@ fn rank(candidates: &mut [Candidate], error: f64) {
     });
 }
 
-/// What was found of some boundaries.
+/// Predicted errors of several boundaries.
 struct Predictions {
     errors: Vec<f64>,
     model: Option<[usize; 2]>,
-    /// The highest frequency (Hz).
+    /// Highest resolved frequency (Hz).
     highest: f64,
 }
 
-/// The errors of boundaries on faces so many times as far as the setting's.
+/// Predicts the errors of boundaries with the distances of all faces multiplied by `farther`.
 fn predictions(
-    setting: &Setting,
+    problem: &BoundaryProblem,
     farther: f64,
     kinds: &[BoundaryKind],
 ) -> Result<Predictions, StudyError> {
-    let Some(radius) = setting.radius else {
-        // Nothing scatters: the body moves as the field does, and faces carry nothing.
+    let Some(radius) = problem.radius else {
+        // Without a scatterer the body moves as the free field does, and no wave reaches the faces from within.
         return Ok(Predictions {
             errors: vec![0.0; kinds.len()],
             model: None,
-            highest: setting.medium.s_speed() / setting.least_distances()[0],
+            highest: problem.medium.s_speed() / problem.least_distances()[0],
         });
     };
-    // Waves as long as what they come from.
-    let of_radius = setting.medium.s_speed() / radius;
-    match &setting.drive {
-        Drive::Loads { duration } => {
-            let (errors, model) = match setting.spreading {
-                Spreading::Spherical => Shell::of(setting, farther, *duration)?.errors(kinds)?,
+    // Shear waves as long as the radius of the scatterer.
+    let of_radius = problem.medium.s_speed() / radius;
+    match &problem.excitation {
+        Excitation::Loads { duration } => {
+            let (errors, model) = match problem.spreading {
+                Spreading::Spherical => Shell::of(problem, farther, *duration)?.errors(kinds)?,
                 Spreading::Cylindrical => {
                     let band = Band {
                         lines: Vec::new(),
                         highest: of_radius,
                     };
-                    Opening::of(setting, farther, &band)?.errors(Mover::Pressure, kinds)?
+                    Opening::of(problem, farther, &band)?.errors(Source::Pressure, kinds)?
                 }
             };
             Ok(Predictions {
@@ -261,14 +317,14 @@ fn predictions(
                 highest: of_radius,
             })
         }
-        Drive::Waves { waves, band } => {
-            let opening = Opening::of(setting, farther, band)?;
+        Excitation::Waves { waves, band } => {
+            let opening = Opening::of(problem, farther, band)?;
             let mut worst = vec![0.0_f64; kinds.len()];
             let mut model = None;
             for wave in waves {
-                let (errors, counts) = opening.errors(Mover::Wave(*wave), kinds)?;
+                let (errors, counts) = opening.errors(Source::Wave(*wave), kinds)?;
                 for (worst, error) in worst.iter_mut().zip(errors) {
-                    // What is no number is worse than anything.
+                    // A NaN counts as the worst error.
                     *worst = if error <= *worst { *worst } else { error };
                 }
                 model = Some(counts);
@@ -282,59 +338,62 @@ fn predictions(
     }
 }
 
-/// The error that a boundary is predicted to make on faces so many times as far as the setting's.
+/// Predicts the error of one boundary with the distances of all faces multiplied by `farther`.
 ///
 /// # Errors
-/// Faces that leave no room for a prediction.
+/// Faces too near to the scatterer for the substitute model.
 pub(crate) fn predicted_error(
-    setting: &Setting,
+    problem: &BoundaryProblem,
     farther: f64,
-    kind: BoundaryKind,
+    kind: &BoundaryKind,
 ) -> Result<f64, StudyError> {
-    Ok(predictions(setting, farther, &[kind])?.errors[0])
+    let kind = core::slice::from_ref(kind);
+    Ok(predictions(problem, farther, kind)?.errors[0])
 }
 
-/// The least distance tried at which the best boundary meets the stated error.
+/// The least of the tried distances at which the best boundary meets the permitted error.
 fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> {
     let Some(best) = advice.candidates.first() else {
         return Ok(None);
     };
     for times in FARTHER {
-        let found = predictions(&advice.setting, times, &[best.kind])?;
-        if found.errors[0] <= advice.error {
+        let predicted = predicted_error(&advice.problem, times, &best.kind)?;
+        if predicted <= advice.error {
             return Ok(Some(FartherFaces {
-                kind: best.kind,
+                kind: best.kind.clone(),
                 times,
-                predicted: found.errors[0],
+                predicted,
             }));
         }
     }
     Ok(None)
 }
 
-/// Nanoseconds of the waves that come in, per node and step.
-fn input_nanoseconds(setting: &Setting) -> f64 {
-    let Drive::Waves { waves, .. } = &setting.drive else {
+/// Time (ns) of the input of the incident waves per node and step.
+fn input_nanoseconds(problem: &BoundaryProblem) -> f64 {
+    let Excitation::Waves { waves, .. } = &problem.excitation else {
         return 0.0;
     };
     let of_wave = |wave: &ArrivingWave| {
-        let ratio = setting.medium.p_speed() * wave.incidence.radians().sin();
+        let ratio = problem.medium.p_speed() * wave.incidence.radians().sin();
         let is_past =
-            wave.kind == powerhouse::wavefield::WaveKind::SV && ratio > setting.medium.s_speed();
+            wave.kind == powerhouse::wavefield::WaveKind::SV && ratio > problem.medium.s_speed();
         WAVE_NANOSECONDS[usize::from(is_past)]
     };
     waves.iter().map(of_wave).sum()
 }
 
-/// Whether the surface reflects waves onto a bottom, so that the choice of its input matters.
-fn has_reflections(setting: &Setting, bottom: &[String]) -> bool {
-    match &setting.drive {
-        Drive::Waves { waves, .. } => !bottom.is_empty() && waves.iter().all(|w| !w.full_space),
-        Drive::Loads { .. } => false,
+/// Whether waves reflected by the surface arrive at a bottom face, so that its input mode matters.
+fn has_reflections(problem: &BoundaryProblem, bottom: &[String]) -> bool {
+    match &problem.excitation {
+        Excitation::Waves { waves, .. } => {
+            !bottom.is_empty() && waves.iter().all(|w| !w.full_space)
+        }
+        Excitation::Loads { .. } => false,
     }
 }
 
-/// The names of absorbing faces that look down everywhere.
+/// The names of the absorbing faces whose outward normals all point down.
 fn bottom_faces(scene: &Scene) -> Result<Vec<String>, StudyError> {
     let mesh = scene.mesh();
     let mut names = Vec::new();

@@ -1,11 +1,11 @@
-//! An opening in a slice of ground, in place of what scatters in a scene.
+//! Substitute model of a scatterer: a circular opening in a plane-strain slice of ground.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse::boundary::{Spreading, ViscousSpring};
-use powerhouse::engine::observe::{HistoryTable, Motion, Spot};
+use powerhouse::engine::observe::{HistoryTable, Motion, ObservationPoint};
 use powerhouse::engine::{FacePressure, Profile, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{AbsorbingBoundary, Mesh, ModelError, Vec3};
@@ -18,69 +18,75 @@ use powerhouse::{
 };
 
 use super::band::Band;
-use super::candidate::{BoundaryKind, Standing};
-use super::setting::{ArrivingWave, Setting};
+use super::candidate::{BoundaryKind, Surroundings};
+use super::setting::{ArrivingWave, BoundaryProblem};
 use crate::{OpeningSlice, StudyError, grown, largest_error, probe_errors};
 
-/// Bricks per shear wavelength at the highest frequency.
+/// Elements per shear wavelength at the highest frequency.
 const PER_WAVELENGTH: f64 = 10.0;
-/// Bricks per radius of the opening, at least and at most.
+/// Least and greatest number of elements per radius of the opening.
 const PER_RADIUS: [f64; 2] = [4.0, 16.0];
-/// Bricks of the ground between opening and faces, at most: shorter waves are left out.
+/// Greatest number of elements between opening and faces; waves that would need more are left out.
 const MOST_BRICKS: f64 = 3.0e4;
-/// Length of a row of bricks over that of the row before it.
+/// Ratio of element lengths of consecutive rows.
 const GROWTH: f64 = 1.1;
-/// Both ways from opening to faces and back, by shear waves, that a run waits for.
+/// Return trips of shear waves between opening and faces that are computed.
 const RETURNS: f64 = 2.0;
-/// Share of the stable step.
+/// Time step over the stable step.
 const STEP_SHARE: f64 = 0.95;
-/// Places on the wall (degrees from +x), and on the surface (radii from above the centre).
+/// Recorded points on the wall (degrees from +x), and on the surface (x over the radius).
 const WALL: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
 const SURFACE: [f64; 3] = [-1.5, 0.0, 1.5];
 
-/// What moves the ground.
+/// Excitation of the substitute model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mover {
-    /// A pulse that carries all frequencies of the band.
+pub(super) enum Source {
+    /// A plane wave whose pulse excites all frequencies of the band.
     Wave(ArrivingWave),
-    /// A sudden, lasting pressure in the opening.
+    /// A pressure step in the opening.
     Pressure,
 }
 
-/// What moves the ground, from when to when (s).
-struct Motive {
+/// The plane wave of a run, if there is one, with start and end of the run (s).
+struct WaveWindow {
     wave: Option<PlaneWave>,
     window: [f64; 2],
 }
 
-/// A circular opening as large as what scatters, in a slice with the faces of the scene.
+/// A circular opening with the radius of the scatterer, in a plane-strain slice with the scene's distances to the
+/// faces.
 ///
-/// Waves in a slice spread as cylinders, which decay more slowly than spheres, and no structure of its
-/// size scatters more than an opening: what comes back from the faces is more than in the scene.
+/// Waves in a slice spread cylindrically, with less decay than spherical ones, and no structure of this size
+/// scatters more than an opening: the reflections from the faces exceed those in the scene.
 pub(super) struct Opening {
     slice: OpeningSlice,
-    standing: Standing,
-    /// The top of a full space absorbs.
+    surroundings: Surroundings,
+    /// Whether the top absorbs: in a full space.
     absorbing_top: bool,
     band: Band,
 }
 
 impl Opening {
-    /// The opening of a setting, with its faces so many times as far, for waves of a band.
-    pub(super) fn of(setting: &Setting, farther: f64, band: &Band) -> Result<Self, StudyError> {
-        let radius = setting.radius.ok_or(StudyError::NoBoundary)?;
-        let half_width = setting.half_width().ok_or(StudyError::NoBoundary)? * farther;
-        let below = setting.distances[2][0].map_or(half_width, |distance| farther * distance);
-        let above = setting.distances[2][1].map_or(0.0, |distance| farther * distance);
-        let depth = setting.depth.unwrap_or(above).max(1.05 * radius);
+    /// The substitute model of a scene with the distances of the faces multiplied by `farther`, for waves of a
+    /// frequency band.
+    pub(super) fn of(
+        problem: &BoundaryProblem,
+        farther: f64,
+        band: &Band,
+    ) -> Result<Self, StudyError> {
+        let radius = problem.radius.ok_or(StudyError::NoBoundary)?;
+        let half_width = problem.half_width().ok_or(StudyError::NoBoundary)? * farther;
+        let below = problem.distances[2][0].map_or(half_width, |distance| farther * distance);
+        let above = problem.distances[2][1].map_or(0.0, |distance| farther * distance);
+        let depth = problem.depth.unwrap_or(above).max(1.05 * radius);
         let height = depth + below;
-        // As few bricks as waves and opening need, and no more than can be computed in no time.
-        let s_speed = setting.medium.s_speed();
+        // As few elements as waves and opening need, and at most MOST_BRICKS.
+        let s_speed = problem.medium.s_speed();
         let wanted = s_speed / (PER_WAVELENGTH * band.highest);
         let brick = wanted.max((2.0 * half_width * height / MOST_BRICKS).sqrt());
         let fine = brick.clamp(radius / PER_RADIUS[1], radius / PER_RADIUS[0]);
         let brick = brick.max(fine);
-        // What the slice needs between opening and faces.
+        // The slice needs at least one element between the square around the opening and the faces.
         let square = if depth <= 2.5 * radius {
             depth
         } else {
@@ -93,8 +99,8 @@ impl Opening {
                 least: square + fine,
             });
         }
-        let standing = Standing {
-            medium: setting.medium,
+        let surroundings = Surroundings {
+            medium: problem.medium,
             spreading: Spreading::Cylindrical,
             distances: [
                 half_width,
@@ -113,41 +119,41 @@ impl Opening {
         };
         Ok(Self {
             slice,
-            standing,
+            surroundings,
             absorbing_top: above > 0.0,
             band: band.up_to(s_speed / (PER_WAVELENGTH * brick)),
         })
     }
 
-    /// The highest frequency that it carries (Hz).
+    /// Highest frequency that the mesh resolves (Hz).
     pub(super) fn highest(&self) -> f64 {
         self.band.highest
     }
 
-    /// Duration of the pulse (s): its spectrum, that of a cubic spline, falls to a sixth of its peak at
-    /// the highest frequency.
+    /// Duration of the pulse (s); the spectrum of this cubic spline falls to a sixth of its peak at the highest
+    /// frequency.
     fn pulse(&self) -> f64 {
         2.0 / self.band.highest
     }
 
-    /// How long a pulse lasts and comes back from the faces, once it has reached the opening (s).
-    fn lasting(&self) -> f64 {
+    /// Time (s) from the arrival of the pulse at the opening until its reflections from the faces have passed.
+    fn duration(&self) -> f64 {
         let slice = &self.slice;
         let farthest = slice.half_width.max(slice.height - slice.depth);
         let way = 2.0 * farthest + slice.depth;
-        self.pulse() + RETURNS * way / self.standing.medium.s_speed()
+        self.pulse() + RETURNS * way / self.surroundings.medium.s_speed()
     }
 
-    /// What moves the ground, with the start and end of the run (s): waves come to a body at rest.
-    fn motion(&self, mover: Mover) -> Result<Motive, StudyError> {
-        let Mover::Wave(wave) = mover else {
-            return Ok(Motive {
+    /// The wave and the time window of a run, which starts from rest before the wave arrives.
+    fn motion(&self, source: Source) -> Result<WaveWindow, StudyError> {
+        let Source::Wave(wave) = source else {
+            return Ok(WaveWindow {
                 wave: None,
-                window: [0.0, self.lasting()],
+                window: [0.0, self.duration()],
             });
         };
         let slice = &self.slice;
-        let medium = self.standing.medium;
+        let medium = self.surroundings.medium;
         let centre = Vec3::new(0.0, 0.0, -slice.depth);
         let mut parameters = PlaneWaveParameters::vertical(wave.kind, medium, 0.0);
         parameters.incidence = wave.incidence;
@@ -165,16 +171,16 @@ impl Opening {
             .iter()
             .map(|corner| (corner - centre).dot(&slowness));
         let start = arrivals.fold(f64::INFINITY, f64::min);
-        let end = self.lasting();
+        let end = self.duration();
         if wave.is_causal() {
-            return Ok(Motive {
+            return Ok(WaveWindow {
                 wave: Some(wave),
                 window: [start, end],
             });
         }
         let limits = QuietStartLimits::default();
         let (wave, quiet) = wave.with_quiet_start(&corners, start, &limits)?;
-        Ok(Motive {
+        Ok(WaveWindow {
             wave: Some(wave),
             window: [start, end + quiet.padding],
         })
@@ -188,11 +194,11 @@ impl Opening {
         names.iter().map(|&name| name.to_owned()).collect()
     }
 
-    /// The slice, and the same with so much more ground around that nothing comes back in time.
+    /// The mesh of the slice, and the same extended so far that no reflection returns within the run.
     fn meshes(&self) -> Result<[Mesh; 2], StudyError> {
         let mesh = self.slice.mesh()?;
-        let beyond = 0.5 * self.standing.medium.p_speed() * self.lasting();
-        let longest = self.standing.medium.s_speed() / (PER_WAVELENGTH * self.band.highest);
+        let beyond = 0.5 * self.surroundings.medium.p_speed() * self.duration();
+        let longest = self.surroundings.medium.s_speed() / (PER_WAVELENGTH * self.band.highest);
         let mut wide = mesh.clone();
         for face in self.faces() {
             let first = match face.as_str() {
@@ -205,17 +211,17 @@ impl Opening {
         Ok([mesh, wide])
     }
 
-    /// Each boundary's error at the worst place: the larger of displacement's and velocity's under waves,
-    /// that of displacement under a pressure.
+    /// The error of each boundary at the worst recorded point: under waves the larger of those of displacement and
+    /// velocity, under a pressure that of displacement; with the numbers of elements of both meshes.
     pub(super) fn errors(
         &self,
-        mover: Mover,
+        source: Source,
         kinds: &[BoundaryKind],
     ) -> Result<(Vec<f64>, [usize; 2]), StudyError> {
         let [mesh, wide] = self.meshes()?;
         let counts = [mesh.element_count(), wide.element_count()];
-        let motive = self.motion(mover)?;
-        let duration = motive.window[1] - motive.window[0];
+        let input = self.motion(source)?;
+        let duration = input.window[1] - input.window[0];
         let default = Arc::new(ViscousSpring {
             spreading: Spreading::Cylindrical,
             ..ViscousSpring::default()
@@ -225,29 +231,29 @@ impl Opening {
             boundary.scatterer = Some(Vec3::new(0.0, 0.0, -self.slice.depth));
             boundary
         };
-        let small = self.scene(mesh.clone(), boundary(default.clone()), &motive)?;
+        let small = self.scene(mesh.clone(), boundary(default.clone()), &input)?;
         let stable = STEP_SHARE * small.prepare()?.stable_step()?.step;
         let step = duration / (duration / stable).ceil();
         let run = |mesh: Mesh, boundary: Boundary| {
-            let scene = self.scene(mesh, boundary, &motive)?;
-            let results = scene.step(TimeStep::Seconds(step)).prepare()?;
+            let scene = self.scene(mesh, boundary, &input)?;
+            let results = scene.with_step(TimeStep::Seconds(step)).prepare()?;
             Ok::<_, StudyError>(results.run(RunHooks::default())?.histories)
         };
-        // The field enters both meshes at the same places: through the faces of the small one, and
-        // through the elements behind them.
+        // The field enters both meshes at the same location: through the faces of the small one, and through the
+        // elements behind them.
         let mut around = boundary(default);
-        if motive.wave.is_some() {
-            around = around.entering_around((0..counts[0] as u32).collect());
+        if input.wave.is_some() {
+            around = around.with_region((0..counts[0] as u32).collect());
         }
         let reference = run(wide, around)?;
         let of_kind = |kind: &BoundaryKind| {
             let condition = kind
-                .condition(&self.standing, &["bottom".into()])
+                .condition(&self.surroundings, &["bottom".into()])
                 .map_err(Error::from)?;
             let found = run(mesh.clone(), boundary(condition))?;
-            match mover {
-                Mover::Pressure => Ok(largest_error(&probe_errors(&found, &reference)?)),
-                Mover::Wave(_) => self.weighted_error(&found, &reference),
+            match source {
+                Source::Pressure => Ok(largest_error(&probe_errors(&found, &reference)?)),
+                Source::Wave(_) => self.weighted_error(&found, &reference),
             }
         };
         let errors = kinds
@@ -257,45 +263,47 @@ impl Opening {
         Ok((errors, counts))
     }
 
-    fn scene(&self, mesh: Mesh, boundary: Boundary, motive: &Motive) -> Result<Scene, StudyError> {
+    fn scene(
+        &self,
+        mesh: Mesh,
+        boundary: Boundary,
+        input: &WaveWindow,
+    ) -> Result<Scene, StudyError> {
         let slice = &self.slice;
         let facets =
             |face: &str| -> Result<Vec<_>, StudyError> { Ok(mesh.facet_set(face)?.to_vec()) };
         let cuts = mesh.nodes_of_facets(&[facets("front")?, facets("back")?].concat());
         let opening = facets("opening")?;
-        let mut output = OutputPlan {
-            // At every step.
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        // At every step.
+        let mut output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let wanted = Motion {
             displacement: true,
-            velocity: motive.wave.is_some(),
+            velocity: input.wave.is_some(),
             acceleration: false,
         };
         for degrees in WALL {
             let (sine, cosine) = degrees.to_radians().sin_cos();
-            let place = Vec3::new(cosine, 0.0, sine) * slice.radius - Vec3::z() * slice.depth;
-            let spot = Spot::at(place).within(0.1 * slice.radius);
+            let point = Vec3::new(cosine, 0.0, sine) * slice.radius - Vec3::z() * slice.depth;
+            let spot = ObservationPoint::at(point).within(0.1 * slice.radius);
             output = output.history(&format!("wall {degrees}"), spot, wanted);
         }
         if !self.absorbing_top {
             for radii in SURFACE {
-                let place = Vec3::new(radii * slice.radius, 0.0, 0.0);
-                output = output.history(&format!("surface {radii}"), place, wanted);
+                let point = Vec3::new(radii * slice.radius, 0.0, 0.0);
+                output = output.history(&format!("surface {radii}"), point, wanted);
             }
         }
-        let rock = Material::from(LinearElastic::new(self.standing.medium));
-        let [start, end] = motive.window;
+        let rock = Material::from(LinearElastic::new(self.surroundings.medium));
+        let [start, end] = input.window;
         let mut scene = Scene::new("opening", mesh)
             .part(Part::new("rock", rock))
-            .boundary(boundary)
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(end - start)
-            .output(output)
+            .with_boundary(boundary)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(end - start)
+            .with_output(output)
             .allow_magnitudes();
         let is_antiplane = |wave: &PlaneWave| wave.parameters().kind == WaveKind::SH;
-        if motive.wave.as_ref().is_some_and(is_antiplane) {
+        if input.wave.as_ref().is_some_and(is_antiplane) {
             let all: Vec<u32> = (0..scene.mesh().node_count() as u32).collect();
             scene = scene
                 .support(Support::roller(all.clone(), Vec3::x()))
@@ -303,8 +311,11 @@ impl Opening {
         } else {
             scene = scene.support(Support::roller(cuts, Vec3::y()));
         }
-        if let Some(wave) = &motive.wave {
-            return Ok(scene.field(wave.clone()).start(start, InitialMotion::Rest));
+        if let Some(wave) = &input.wave {
+            return Ok(scene
+                .with_field(wave.clone())
+                .with_start_time(start)
+                .with_initial_motion(InitialMotion::Rest));
         }
         let rise = 0.5 * self.pulse();
         let history = move |time: f64| match time / rise {
@@ -317,8 +328,8 @@ impl Opening {
         Ok(scene.load(pressure))
     }
 
-    /// The error under the motion of the band: spectra of both runs over that of the pulse, times that
-    /// of the band; the larger of displacement's and velocity's at the worst place.
+    /// The error under the motion of the band, from the spectra of both runs divided by that of the pulse and
+    /// multiplied by that of the band; the larger of those of displacement and velocity at the worst point.
     fn weighted_error(
         &self,
         found: &HistoryTable,
@@ -345,7 +356,7 @@ impl Opening {
                     difference += turn * (value - expected);
                     whole += turn * *expected;
                 }
-                // Per energy of the pulse's velocity, and then of displacement.
+                // Weights of velocity and of displacement, per energy of the pulse.
                 let weight = energy / (rate * spectrum(&pulse, frequency)).powi(2);
                 for (sums, weight) in sums.iter_mut().zip([weight, weight / (rate * rate)]) {
                     sums[0] += weight * difference.norm_sqr();
@@ -359,7 +370,7 @@ impl Opening {
     }
 }
 
-/// The spectrum of a cubic spline of a duration at a frequency (Hz), over its value at zero:
+/// Spectrum of the pulse at a frequency (Hz) over its value at zero frequency:
 /// `(sin x / x)^4`, `x = pi f T / 4`.
 fn spectrum(pulse: &SmoothPulse, frequency: f64) -> f64 {
     match 0.25 * PI * frequency * pulse.support().end {
@@ -368,7 +379,7 @@ fn spectrum(pulse: &SmoothPulse, frequency: f64) -> f64 {
     }
 }
 
-/// Thicknesses that grow from one to a longest one (m) and reach a distance (m).
+/// Layer thicknesses (m) that grow geometrically from `first` up to `longest` and add up to at least `beyond`.
 fn layers(first: f64, longest: f64, beyond: f64) -> Vec<f64> {
     let (mut thicknesses, mut reached, mut thickness) = (Vec::new(), 0.0, first);
     while reached < beyond {

@@ -1,124 +1,125 @@
-//! Advice in words.
+//! Text form of the comparison of boundaries.
 
 use core::fmt;
 
 use powerhouse::boundary::Spreading;
 
-use super::{BoundaryAdvice, Drive};
+use super::{BoundaryAdvice, Excitation};
 
 impl BoundaryAdvice {
-    /// The `[boundary]` table of a scene for the boundary that is named.
+    /// The `[boundary]` table of a scene for the recommended boundary; `None` if none meets the permitted error.
     #[must_use]
     pub fn table(&self) -> Option<String> {
-        let named = self.named()?;
+        let named = self.recommended()?;
         let mut table = String::from("[boundary]\n");
-        table.push_str(&named.kind.keys(&self.standing, &self.bottom));
+        table.push_str(&named.kind.keys(&self.surroundings, &self.bottom));
         table.push_str(&format!("faces = {:?}\n", self.faces));
-        let [x, y, z] = self.setting.centre.into();
+        let [x, y, z] = self.problem.centre.into();
         table.push_str(&format!("scatterer = [{x}, {y}, {z}]\n"));
         Some(table)
     }
 
-    /// Why the named boundary is named, or why none is.
+    /// One sentence with the reason why the recommended boundary is recommended, or why none is.
     #[must_use]
     pub fn reason(&self) -> String {
-        if self.setting.radius.is_none() {
-            return "nothing scatters: the body moves as the field does, and its faces carry nothing"
+        if self.problem.radius.is_none() {
+            return "the scene has no scatterer: the body moves as the free field does, and any boundary is exact"
                 .into();
         }
         let limit = 100.0 * self.error;
-        let Some(named) = self.named() else {
+        let Some(named) = self.recommended() else {
             let best = self.candidates.first();
             let least = best.map_or(f64::NAN, |best| 100.0 * best.predicted);
             let farther = match &self.farther {
                 Some(farther) => format!(
-                    "{} on faces {} times as far is predicted to err by {:.2} %",
+                    "{} with faces {} times as far has a predicted error of {:.2} %",
                     farther.kind.name(),
                     farther.times,
                     100.0 * farther.predicted
                 ),
-                None => "nor does it on faces twice as far".into(),
+                None => "its error is above that with faces twice as far, too".into(),
             };
             return format!(
-                "no boundary meets {limit:.2} %, the best errs by {least:.2} %: {farther}"
+                "no boundary meets the permitted error of {limit:.2} %; the least predicted error is {least:.2} %: {farther}"
             );
         };
         let others = self.candidates.iter().filter(|c| c.predicted > self.error);
         let others = match others.count() {
-            0 => "all others meet it too, with larger errors at the same cost".to_owned(),
-            count => format!("{count} of the others miss it"),
+            0 => "all others meet it too, with larger errors at equal cost".to_owned(),
+            count => format!("{count} of the others exceed it"),
         };
-        let [p, sv] = named.returned.map(|share| 100.0 * share);
-        let holds = match named.kind.holds() {
-            true => "holds the body against lasting forces",
-            false => "does not hold the body against lasting forces",
+        let [p, sv] = named.reflected.map(|share| 100.0 * share);
+        let holds = match named.kind.resists_static_loads() {
+            true => "resists static loads",
+            false => "does not resist static loads",
         };
         format!(
-            "errs least among those that meet {limit:.2} % ({others}); straight on it returns {p:.1} % of P and {sv:.1} % of SV waves at the nearest face, and {holds}"
+            "has the least predicted error among those within {limit:.2} % ({others}); at normal incidence on the nearest face it reflects {p:.1} % of P and {sv:.1} % of SV waves, and it {holds}"
         )
     }
 }
 
 impl fmt::Display for BoundaryAdvice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let setting = &self.setting;
+        let problem = &self.problem;
         writeln!(f, "{}", self.title)?;
-        let medium = &setting.medium;
+        let medium = &problem.medium;
         writeln!(
             f,
             "  ground: P {:.0} m/s, S {:.0} m/s",
             medium.p_speed(),
             medium.s_speed()
         )?;
-        let [x, y, z] = setting.centre.into();
-        match setting.radius {
+        let [x, y, z] = problem.centre.into();
+        match problem.radius {
             Some(radius) => writeln!(
                 f,
-                "  what scatters: within {radius:.1} m of ({x:.1}, {y:.1}, {z:.1}) m"
+                "  scatterer: within {radius:.1} m of ({x:.1}, {y:.1}, {z:.1}) m"
             )?,
-            None => writeln!(f, "  nothing scatters")?,
+            None => writeln!(f, "  no scatterer")?,
         }
-        let faces = [('x', 0), ('y', 1), ('z', 2)].map(|(axis, place)| {
-            let distances = setting.distances[place];
-            let told = distances.map(|d| d.map_or("-".to_owned(), |d| format!("{d:.1}")));
-            format!("{axis} {} {}", told[0], told[1])
+        let faces = [('x', 0), ('y', 1), ('z', 2)].map(|(axis, index)| {
+            let distances = problem.distances[index];
+            let texts = distances.map(|d| d.map_or("-".to_owned(), |d| format!("{d:.1}")));
+            format!("{axis} {} {}", texts[0], texts[1])
         });
-        writeln!(f, "  faces from there, m: {}", faces.join(", "))?;
-        match &setting.drive {
-            Drive::Waves { waves, band } => {
+        writeln!(
+            f,
+            "  distances from its centre to the faces (m): {}",
+            faces.join(", ")
+        )?;
+        match &problem.excitation {
+            Excitation::Waves { waves, band } => {
                 for wave in waves {
                     let degrees = wave.incidence.degrees();
                     writeln!(f, "  {} wave at {degrees:.1} degrees", wave.kind)?;
                 }
                 writeln!(
                     f,
-                    "  99 % of the energy of velocity below {:.2} Hz, in the mean {:.2} Hz",
+                    "  99 % of the energy of velocity below {:.2} Hz, mean frequency {:.2} Hz",
                     band.highest,
                     band.mean()
                 )?;
             }
-            Drive::Loads { duration } => {
-                writeln!(
-                    f,
-                    "  loads over {duration} s, taken to be sudden and lasting"
-                )?;
+            Excitation::Loads { duration } => {
+                writeln!(f, "  loads over {duration} s, replaced by a pressure step")?;
             }
         }
         if let Some([small, large]) = self.model {
-            let spreads = match (&setting.drive, setting.spreading) {
-                (Drive::Loads { .. }, Spreading::Spherical) => "a spherical cavity",
+            let model = match (&problem.excitation, problem.spreading) {
+                (Excitation::Loads { .. }, Spreading::Spherical) => "a spherical cavity",
                 _ => "a circular opening in plane strain",
             };
             writeln!(
                 f,
-                "  predicted by {spreads}: {small} elements against {large}, up to {:.2} Hz",
+                "  predicted by {model}: {small} elements, reference of {large}, up to {:.2} Hz",
                 self.highest
             )?;
         }
         writeln!(
             f,
             "\n  {:<48} {:>9} {:>8} {:>9} {:>9} {:>6}",
-            "boundary", "predicted", "ns/node", "of a step", "elements", "step"
+            "boundary", "error", "ns/node", "of a step", "elements", "step"
         )?;
         for candidate in &self.candidates {
             writeln!(
@@ -133,13 +134,22 @@ impl fmt::Display for BoundaryAdvice {
                 if candidate.predicted <= self.error {
                     ""
                 } else {
-                    "  misses"
+                    "  exceeds the permitted error"
                 }
             )?;
         }
+        for left_out in &self.left_out {
+            writeln!(
+                f,
+                "  {} is no candidate: {}",
+                left_out.name, left_out.reason
+            )?;
+        }
         writeln!(f, "\n{}", self.reason())?;
-        match (self.named(), self.table()) {
-            (Some(named), Some(table)) => write!(f, "named: {}\n\n{table}", named.kind.name()),
+        match (self.recommended(), self.table()) {
+            (Some(named), Some(table)) => {
+                write!(f, "recommended: {}\n\n{table}", named.kind.name())
+            }
             _ => Ok(()),
         }
     }

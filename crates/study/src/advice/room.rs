@@ -1,50 +1,51 @@
-//! How near the faces of a scene may come.
+//! Reduction of the mesh: how near the absorbing faces may come to the scatterer.
 
 use core::fmt;
 
-use powerhouse::Scene;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
+use powerhouse::{Scene, keys};
 
-use super::{BoundaryKind, Setting, predicted_error};
+use super::{BoundaryKind, BoundaryProblem, predicted_error};
 use crate::StudyError;
 use crate::recorded::Recorded;
 
-/// Shares of their distance at which faces are looked at, until one errs too much.
+/// Factors on the distances of the faces that are tried, until the predicted error exceeds the permitted one.
 const SHARES: [f64; 7] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 
-/// Faces that are nearer to what scatters.
+/// Predicted error and number of elements with the absorbing faces moved towards the scatterer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearerFaces {
-    /// Their share of the scene's distances.
+    /// Factor on the distances of the scene's faces from the scatterer, below 1.
     pub share: f64,
-    /// The error that is predicted there, at least that of farther faces.
+    /// Predicted relative error; never below that of faces farther away.
     pub predicted: f64,
-    /// Least and greatest coordinate (m) of the box along x, y and z; none where no face absorbs.
+    /// Least and greatest coordinate (m) of the reduced box along x, y and z; `None` along an axis without absorbing
+    /// faces.
     pub within: [Option<[f64; 2]>; 3],
-    /// Elements with their centroids in it.
+    /// Number of elements with their centroids in the reduced box.
     pub elements: usize,
 }
 
-/// How much of its ground a scene needs for a stated error.
+/// The smallest box of ground of a scene within a permitted error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoxAdvice {
-    /// The scene's title.
+    /// Title of the scene.
     pub title: String,
-    /// The stated error.
+    /// Permitted relative error.
     pub error: f64,
-    /// The error that is predicted with the faces where they are.
-    pub as_it_stands: f64,
-    /// Elements of the scene.
+    /// Predicted relative error with the faces unchanged.
+    pub unchanged: f64,
+    /// Number of elements of the scene.
     pub elements: usize,
-    /// The nearest faces that meet the stated error, if any nearer ones do.
+    /// The nearest faces that meet the permitted error; `None` if no nearer ones do.
     pub nearer: Option<NearerFaces>,
-    /// What keeps faces from coming nearer still, beside the error.
+    /// Reason other than the error why the faces cannot come nearer, if there is one.
     pub obstacle: Option<Obstacle>,
 }
 
 impl BoxAdvice {
-    /// The key of `[mesh]` by which a scene has these faces.
+    /// The `[mesh]` table with the key `within` that cuts the scene's mesh to the recommended box.
     #[must_use]
     pub fn table(&self) -> Option<String> {
         let within = self.nearer.as_ref()?.within.iter();
@@ -64,20 +65,20 @@ impl fmt::Display for BoxAdvice {
         let per_cent = |share: f64| 100.0 * share;
         writeln!(
             f,
-            "  as it stands: {} elements, predicted to err by {:.2} % (stated: {:.2} %)",
+            "  unchanged: {} elements, predicted error {:.2} % (permitted: {:.2} %)",
             self.elements,
-            per_cent(self.as_it_stands),
+            per_cent(self.unchanged),
             per_cent(self.error)
         )?;
         let Some(nearer) = &self.nearer else {
             return match &self.obstacle {
-                None => writeln!(f, "  no nearer faces meet the stated error"),
+                None => writeln!(f, "  no nearer faces meet the permitted error"),
                 Some(obstacle) => writeln!(f, "  no nearer faces are possible: {obstacle}"),
             };
         };
         writeln!(
             f,
-            "  faces at {} of their distance: {} elements ({:.0} %), predicted to err by {:.2} % in displacement and velocity; small differences between places, such as closures, and accelerations may err by more",
+            "  faces at {} of their distance: {} elements ({:.0} %), predicted error {:.2} % of displacement and velocity; the errors of small relative displacements, such as closures, and of accelerations may be larger",
             nearer.share,
             nearer.elements,
             per_cent(nearer.elements as f64 / self.elements as f64),
@@ -88,16 +89,16 @@ impl fmt::Display for BoxAdvice {
     }
 }
 
-/// The kind of a scene's boundary, as predictions have it.
+/// The kind of a scene's boundary, for the prediction of its error.
 pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
-    if condition.name() == "viscous" {
+    if condition.name() == keys::VISCOUS {
         return BoundaryKind::Viscous;
     }
-    let known = condition.as_any();
-    let known = known.and_then(|any| any.downcast_ref::<ViscousSpring>());
+    let any = condition.as_any();
+    let known = any.and_then(|any| any.downcast_ref::<ViscousSpring>());
     let default = ViscousSpring::default();
     let ratios = (known.unwrap_or(&default).axes).map(|axis| axis.speed_ratio);
-    // That of the faces which return most straight on.
+    // The ratio of the faces with the largest reflection at normal incidence.
     let worst = ratios
         .into_iter()
         .max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()));
@@ -106,47 +107,49 @@ pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
     }
 }
 
-/// Coordinates are told to a millimetre, outwards.
+/// Steps per metre to which coordinates are rounded outwards: millimetres.
 const DIGITS: f64 = 1e3;
 
-/// Least and greatest coordinate (m) along x, y and z; none where nothing bounds.
+/// Least and greatest coordinate (m) along x, y and z; `None` along an unbounded axis.
 pub(crate) type Bounds = [Option<[f64; 2]>; 3];
 
-/// The ground of a scene, as far as it may be cut off.
-pub(crate) struct Room<'a> {
+/// A scene's mesh with the nodes, elements and points that a reduced box must contain.
+pub(crate) struct BoxReduction<'a> {
     scene: &'a Scene,
-    pub(crate) setting: Setting,
-    /// Nodes of what scatters.
+    pub(crate) problem: BoundaryProblem,
+    /// Nodes of the scatterer.
     scatterers: Vec<u32>,
     recorded: Recorded,
 }
 
-impl<'a> Room<'a> {
+impl<'a> BoxReduction<'a> {
+    /// Collects what the box of a scene must contain.
+    ///
     /// # Errors
-    /// As [`Setting::of`].
+    /// As [`BoundaryProblem::of`].
     pub(crate) fn of(scene: &'a Scene) -> Result<Self, StudyError> {
-        let (setting, scatterers) = Setting::with_scatterers(scene)?;
+        let (problem, scatterers) = BoundaryProblem::with_scatterers(scene)?;
         Ok(Self {
             scene,
-            setting,
+            problem,
             scatterers,
             recorded: Recorded::of(scene),
         })
     }
 
-    /// The same where more nodes are needed.
+    /// Adds nodes that the box must contain.
     pub(crate) fn with_nodes(mut self, nodes: impl IntoIterator<Item = u32>) -> Self {
         self.recorded.nodes.extend(nodes);
         self
     }
 
-    /// The box of the faces at a share of their distances, along the axes where some absorb, and the elements with
-    /// their centroids in it.
+    /// The box with the distances of the absorbing faces multiplied by `share`, and the elements with their centroids
+    /// in it.
     ///
     /// # Errors
     /// [`Obstacle`].
     pub(crate) fn at(&self, share: f64) -> Result<(Bounds, Vec<u32>), Obstacle> {
-        let within = box_at(self.scene, &self.setting, share);
+        let within = box_at(self.scene, &self.problem, share);
         let (low, high) = corners(&within);
         let inside =
             |position: &Vec3| (0..3).all(|i| low[i] <= position[i] && position[i] <= high[i]);
@@ -170,10 +173,10 @@ impl<'a> Room<'a> {
         Ok((within, kept))
     }
 
-    /// Sees that the mesh in a box has plane absorbing faces where the scene has some, on which its boundary
-    /// can stand.
+    /// Checks that the mesh within a box has plane absorbing faces where the scene has some, and that the scene's
+    /// boundary can be built on them.
     fn accept(&self, (low, high): (&Vec3, &Vec3)) -> Result<(), Obstacle> {
-        let (scene, setting) = (self.scene, &self.setting);
+        let (scene, problem) = (self.scene, &self.problem);
         let faces = scene.absorbing_facets().unwrap_or_default();
         let cut = scene
             .mesh()
@@ -190,8 +193,8 @@ impl<'a> Room<'a> {
             }
             left.push((*face, facets));
         }
-        let site = BoundarySite::from_mesh(&cut, &left, |_| setting.medium, setting.centre, None);
-        let condition = scene.absorbing_boundary().map(|b| b.condition.build(&site));
+        let site = BoundarySite::from_mesh(&cut, &left, |_| problem.medium, problem.centre, None);
+        let condition = scene.boundary().map(|b| b.condition.build(&site));
         match condition {
             Some(Err(reason)) => Err(Obstacle::Refused {
                 reason: reason.to_string(),
@@ -201,19 +204,19 @@ impl<'a> Room<'a> {
     }
 }
 
-/// Why faces cannot stand where a box would put them.
+/// Reason why the absorbing faces cannot be moved to a reduced box.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
-    /// Something that scatters or is recorded would not lie within.
+    /// A part of the scatterer or a recorded point would lie outside.
     Needed,
-    /// The elements do not stand in plane layers before a face: cut by their centroids it would have steps.
+    /// The elements before a face are not in plane layers, so that the cut face would have steps.
     Steps {
-        /// The face.
+        /// Name of the face.
         face: String,
     },
-    /// The boundary cannot stand there.
+    /// The scene's boundary cannot be built on the reduced faces.
     Refused {
-        /// What it says.
+        /// Message of the boundary.
         reason: String,
     },
 }
@@ -221,20 +224,23 @@ pub enum Obstacle {
 impl fmt::Display for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Needed => write!(f, "what scatters or is recorded would not lie within"),
+            Self::Needed => write!(
+                f,
+                "a part of the scatterer or a recorded point would lie outside"
+            ),
             Self::Steps { face } => write!(
                 f,
-                "the elements before the face '{face}' do not stand in plane layers: cut by their centroids it would have steps"
+                "the elements before the face '{face}' are not in plane layers: cut by their centroids it would have steps"
             ),
-            Self::Refused { reason } => write!(f, "the boundary cannot stand there: {reason}"),
+            Self::Refused { reason } => write!(f, "the boundary cannot be built there: {reason}"),
         }
     }
 }
 
-/// By so much less a face with steps is flat.
+/// Decrease of [`flatness`] from which on a face counts as stepped.
 const STEPPED: f64 = 1e-3;
 
-/// The size of the vector area of facets over their area: 1 for plane ones.
+/// Norm of the vector area of facets over the sum of their areas: 1 for plane facets.
 fn flatness(mesh: &Mesh, facets: &[Facet]) -> f64 {
     let areas = facets
         .iter()
@@ -245,12 +251,12 @@ fn flatness(mesh: &Mesh, facets: &[Facet]) -> f64 {
     if all > 0.0 { sum.norm() / all } else { 0.0 }
 }
 
-/// The box of a scene's faces at a share of their distances, along the axes where some absorb.
-fn box_at(scene: &Scene, setting: &Setting, share: f64) -> Bounds {
+/// The box with the distances of the absorbing faces multiplied by `share`, rounded outwards.
+fn box_at(scene: &Scene, problem: &BoundaryProblem, share: f64) -> Bounds {
     let (least, greatest) = scene.mesh().bounding_box();
     [0, 1, 2].map(|axis| {
-        let [below, above] = setting.distances[axis];
-        let centre = setting.centre[axis];
+        let [below, above] = problem.distances[axis];
+        let centre = problem.centre[axis];
         let low = below.map_or(least[axis], |way| centre - share * way);
         let high = above.map_or(greatest[axis], |way| centre + share * way);
         let outwards = [(low * DIGITS).floor(), (high * DIGITS).ceil()];
@@ -258,7 +264,7 @@ fn box_at(scene: &Scene, setting: &Setting, share: f64) -> Bounds {
     })
 }
 
-/// The corners of a box, without end where it has no bounds.
+/// The lower and the upper corner of a box, infinite along unbounded axes.
 fn corners(within: &Bounds) -> (Vec3, Vec3) {
     let end = |end: usize, otherwise: f64| {
         Vec3::from(within.map(|pair| pair.map_or(otherwise, |pair| pair[end])))
@@ -266,10 +272,11 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
     (end(0, f64::NEG_INFINITY), end(1, f64::INFINITY))
 }
 
-/// How near the absorbing faces of a scene may come to what scatters, all by one share of their distances,
-/// for an error that is predicted as [`advise_boundary`](super::advise_boundary) predicts it, of dashpots or of
-/// springs. What scatters, and what is recorded, stay within; the faces of the mesh that is left
-/// stand within half an element of the box.
+/// Finds the smallest box of ground whose predicted error is within a permitted relative error (above 0, at most 1).
+///
+/// The distances of all absorbing faces from the scatterer are multiplied by one factor, and the error is predicted
+/// as [`advise_boundary`](super::advise_boundary) predicts it, for dashpots or springs. The scatterer and all recorded
+/// points stay within; the faces of the reduced mesh lie within half an element of the box.
 ///
 /// # Errors
 /// As [`advise_boundary`](super::advise_boundary).
@@ -283,35 +290,35 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
 /// ```
 pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
-    let room = Room::of(scene)?;
-    let setting = &room.setting;
-    let boundary = scene.absorbing_boundary().ok_or(StudyError::NoBoundary)?;
+    let reduction = BoxReduction::of(scene)?;
+    let problem = &reduction.problem;
+    let boundary = scene.boundary().ok_or(StudyError::NoBoundary)?;
     let kind = kind_of(boundary.condition.as_ref());
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),
         error,
-        as_it_stands: predicted_error(setting, 1.0, kind)?,
+        unchanged: predicted_error(problem, 1.0, &kind)?,
         elements: scene.mesh().element_count(),
         nearer: None,
         obstacle: None,
     };
-    if advice.as_it_stands > error || setting.radius.is_none() {
+    if advice.unchanged > error || problem.radius.is_none() {
         return Ok(advice);
     }
     for share in SHARES {
-        let (within, elements) = match room.at(share) {
+        let (within, elements) = match reduction.at(share) {
             Ok(found) => found,
             Err(obstacle) => {
                 advice.obstacle = Some(obstacle);
                 break;
             }
         };
-        // What leaves no room for a prediction is too near.
-        let Ok(predicted) = predicted_error(setting, share, kind) else {
+        // Faces too near for the substitute model.
+        let Ok(predicted) = predicted_error(problem, share, &kind) else {
             break;
         };
-        // Waves that return may happen to cancel: nearer faces are not taken to err less than farther ones.
-        let farther = (advice.nearer.as_ref()).map_or(advice.as_it_stands, |found| found.predicted);
+        // Reflections may cancel by chance: nearer faces are never taken to have a smaller error than farther ones.
+        let farther = (advice.nearer.as_ref()).map_or(advice.unchanged, |found| found.predicted);
         let predicted = if predicted < farther {
             farther
         } else {

@@ -1,4 +1,4 @@
-//! What of a scene decides how much a boundary costs.
+//! Input of the prediction of a boundary's error, taken from a scene.
 
 use powerhouse::boundary::Spreading;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
@@ -8,75 +8,76 @@ use powerhouse::{Error, Scene};
 use super::band::Band;
 use crate::StudyError;
 
-/// What lies within this share of the mesh's diagonal of a side of its box lies on it.
+/// Tolerance for points on a side of the bounding box, over the diagonal of the mesh.
 const SIDE_TOLERANCE: f64 = 1e-6;
 
-/// A plane wave that comes in.
+/// Incident plane wave: kind, angle and site.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArrivingWave {
-    /// Its kind.
+    /// Wave type: P, SV or SH.
     pub kind: WaveKind,
-    /// Its angle from the vertical.
+    /// Angle of incidence from the vertical.
     pub incidence: Angle,
-    /// Whether it travels without a free surface.
+    /// Whether the wave travels in a full space, without a free surface.
     pub full_space: bool,
 }
 
-/// What moves the body.
+/// Excitation of a scene: incident waves or loads.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Drive {
-    /// Plane waves, and the frequencies of their motion.
+pub enum Excitation {
+    /// Incident plane waves.
     Waves {
-        /// The waves.
+        /// The incident waves.
         waves: Vec<ArrivingWave>,
-        /// The frequencies of their sum at the surface.
+        /// Frequency band of their sum at the surface.
         band: Band,
     },
-    /// Loads, for so long (s).
+    /// Applied loads without incident waves.
     Loads {
-        /// The duration of the run.
+        /// Duration of the run (s).
         duration: f64,
     },
 }
 
-/// What of a scene decides how much a boundary costs: its ground, the size and place of what scatters,
-/// how far the faces are, and what comes in.
+/// Input of the prediction of a boundary's error: ground, size and position of the scatterer, distances of the
+/// faces, and excitation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// The ground behind the absorbing faces.
+pub struct BoundaryProblem {
+    /// Elastic medium behind the absorbing faces.
     pub medium: ElasticMedium,
-    /// The centre of what scatters (m).
+    /// Centre of the scatterer (m).
     pub centre: Vec3,
-    /// Radius (m) around that centre of all that scatters: of parts that touch no absorbing face, and of
-    /// free facets inside the mesh's box. It is that of the section across the horizontal axis along which
-    /// the structure is longest: one that is as long as the ground scatters more. None if nothing does.
+    /// Radius (m) of the scatterer around its centre; `None` without one.
+    ///
+    /// The scatterer are the parts that touch no absorbing face and the free facets inside the bounding box. The
+    /// radius is that of the section normal to the horizontal axis along which they are longest.
     pub radius: Option<f64>,
-    /// Depth of the centre below the free surface (m); none without a free surface.
+    /// Depth of the centre below the free surface (m); `None` without a free surface.
     pub depth: Option<f64>,
-    /// Distance from the centre to the nearest absorbing face across x, y and z, of each axis the lower
-    /// side and the upper one (m); none where nothing absorbs.
+    /// Distances (m) from the centre to the nearest absorbing faces, for x, y and z on the lower and on the upper
+    /// side; `None` where no face absorbs.
     pub distances: [[Option<f64>; 2]; 3],
-    /// How scattered waves spread: as cylinders if no face across one of the horizontal axes absorbs.
+    /// Geometrical spreading of scattered waves: cylindrical if no face normal to one of the horizontal axes absorbs.
     pub spreading: Spreading,
-    /// Nodes of the absorbing faces.
+    /// Number of nodes on the absorbing faces.
     pub absorbing_nodes: usize,
-    /// Elements of the scene.
+    /// Number of elements of the scene.
     pub elements: usize,
-    /// What moves the body.
-    pub drive: Drive,
+    /// Excitation: waves or loads.
+    pub excitation: Excitation,
 }
 
-impl Setting {
-    /// The setting of a scene.
+impl BoundaryProblem {
+    /// Takes the input of the prediction from a scene.
     ///
     /// # Errors
-    /// A scene without an absorbing boundary, one without absorbing sides, or whose ground is of several
-    /// media; a field that is not known to be made of plane waves; one in which nothing moves.
+    /// A scene without an absorbing boundary, without absorbing sides, with several media behind its absorbing faces,
+    /// with a field that is not declared as a sum of plane waves, or without excitation.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
         Ok(Self::with_scatterers(scene)?.0)
     }
 
-    /// The same, and the nodes of what scatters.
+    /// The same, with the nodes of the scatterer.
     ///
     /// # Errors
     /// As [`of`](Self::of).
@@ -108,7 +109,7 @@ impl Setting {
         nodes.sort_unstable();
         nodes.dedup();
         let absorbs = |axis: usize| distances[axis].iter().any(Option::is_some);
-        let drive = drive(scene)?;
+        let excitation = excitation(scene)?;
         if !absorbs(0) && !absorbs(1) {
             let faces = scene.absorbing_facets().map_err(Error::from)?;
             let faces = faces.iter().map(|(face, _)| (*face).to_owned());
@@ -116,11 +117,11 @@ impl Setting {
                 faces: faces.collect(),
             });
         }
-        // The axis along which the body goes on as it is.
+        // The horizontal axis along which the section is constant, if there is one.
         let long = (0..2).find(|&axis| !absorbs(axis));
         let top = mesh.bounding_box().1.z;
         let scatterers = scatterers(scene)?;
-        let setting = Self {
+        let problem = Self {
             medium,
             centre,
             radius: radius(mesh, &scatterers, &centre, long),
@@ -132,19 +133,19 @@ impl Setting {
             },
             absorbing_nodes: nodes.len(),
             elements: mesh.element_count(),
-            drive,
+            excitation,
         };
-        Ok((setting, scatterers))
+        Ok((problem, scatterers))
     }
 
-    /// Distance to the nearest absorbing face across a horizontal axis (m).
+    /// Distance (m) from the centre to the nearest absorbing face normal to a horizontal axis.
     #[must_use]
     pub fn half_width(&self) -> Option<f64> {
         let sides = self.distances[..2].iter().flatten().flatten();
         sides.copied().reduce(f64::min)
     }
 
-    /// The least distance across each axis (m); where nothing absorbs, the least of all.
+    /// Least distance (m) to an absorbing face along each axis; along an axis without one, the least of all.
     #[must_use]
     pub fn least_distances(&self) -> [f64; 3] {
         let all = self.distances.iter().flatten().flatten();
@@ -156,13 +157,13 @@ impl Setting {
     }
 }
 
-/// Nodes of what scatters: of parts that touch no absorbing face, and of free facets inside the mesh's box.
+/// Nodes of the scatterer: of parts that touch no absorbing face, and of free facets inside the bounding box.
 fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
     let mesh = scene.mesh();
     let behind = scene.parts_behind_boundary()?;
     let mut nodes = Vec::new();
-    for (place, part) in scene.parts().iter().enumerate() {
-        if !behind.contains(&place) {
+    for (index, part) in scene.parts().iter().enumerate() {
+        if !behind.contains(&index) {
             let elements = mesh.element_set(&part.set).map_err(Error::from)?;
             nodes.extend(mesh.nodes_of_elements(elements));
         }
@@ -171,7 +172,7 @@ fn scatterers(scene: &Scene) -> Result<Vec<u32>, StudyError> {
     Ok(nodes)
 }
 
-/// Nodes of facets that are free and lie inside the box of a mesh: of openings.
+/// Nodes of free facets inside the bounding box: walls of openings.
 pub(crate) fn inner_free_surface(scene: &Scene) -> Result<Vec<u32>, StudyError> {
     let (mesh, mut nodes) = (scene.mesh(), Vec::new());
     let (low, high) = mesh.bounding_box();
@@ -196,8 +197,7 @@ pub(crate) fn inner_free_surface(scene: &Scene) -> Result<Vec<u32>, StudyError> 
     Ok(nodes)
 }
 
-/// How far from a centre that which scatters reaches, across the axis along which it goes on, or across
-/// that along which it is longest.
+/// Radius of nodes around a centre, normal to the axis of constant section or to the one along which they are longest.
 fn radius(mesh: &Mesh, nodes: &[u32], centre: &Vec3, long: Option<usize>) -> Option<f64> {
     let across = |axis: usize| {
         let distance = |&node: &u32| {
@@ -213,17 +213,17 @@ fn radius(mesh: &Mesh, nodes: &[u32], centre: &Vec3, long: Option<usize>) -> Opt
     }
 }
 
-/// What moves the body of a scene.
-fn drive(scene: &Scene) -> Result<Drive, StudyError> {
-    let waves = scene.incident_waves();
-    if scene.incident_field().is_some() && waves.is_empty() {
+/// The excitation of a scene.
+fn excitation(scene: &Scene) -> Result<Excitation, StudyError> {
+    let waves = scene.plane_waves();
+    if scene.field().is_some() && waves.is_empty() {
         return Err(StudyError::UnknownField);
     }
-    let duration = scene.run_duration();
+    let duration = scene.duration();
     if waves.is_empty() {
         return match scene.is_driven() {
-            true => Ok(Drive::Loads { duration }),
-            false => Err(StudyError::Undriven),
+            true => Ok(Excitation::Loads { duration }),
+            false => Err(StudyError::NoExcitation),
         };
     }
     let arriving = waves.iter().map(|wave| {
@@ -234,7 +234,7 @@ fn drive(scene: &Scene) -> Result<Drive, StudyError> {
             full_space: parameters.site == Site::FullSpace,
         }
     });
-    Ok(Drive::Waves {
+    Ok(Excitation::Waves {
         waves: arriving.collect(),
         band: Band::of(scene)?,
     })

@@ -1,4 +1,4 @@
-//! A spherical cavity under a sudden pressure, in place of loads in a scene.
+//! Substitute model of loads: a spherical cavity under a pressure step.
 
 use core::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -12,34 +12,38 @@ use powerhouse::{
     Boundary, Error, Material, OutputPlan, Part, ResidualLimit, RunHooks, Scene, TimeStep,
 };
 
-use super::candidate::{BoundaryKind, Standing};
-use super::setting::Setting;
+use super::candidate::{BoundaryKind, Surroundings};
+use super::setting::BoundaryProblem;
 use crate::{ShellOctant, StudyError, largest_error, probe_errors};
 
-/// Bricks along a side of a patch.
+/// Elements along a side of a patch.
 const AROUND: usize = 4;
-/// Bricks along the radius, per radius of the cavity at its wall.
+/// Elements along the radius, per radius of the cavity at its wall.
 const ALONG: f64 = 20.0;
-/// Ways out to the boundary, by P waves, after which nothing new happens.
+/// Travel times of P waves to the boundary after which the motion has ended.
 const WAYS: f64 = 50.0;
-/// The pressure rises while a P wave travels this share of the radius.
+/// Rise time of the pressure over the travel time of a P wave along the radius.
 const RISE: f64 = 0.5;
-/// Share of the stable step.
+/// Time step over the stable step.
 const STEP_SHARE: f64 = 0.95;
 
-/// A cavity as large as what is loaded, in a ball of ground up to the nearest face.
+/// A spherical cavity with the radius of the loaded structure, in a shell of ground up to the nearest face.
 pub(super) struct Shell {
     inner: f64,
     outer: f64,
-    standing: Standing,
+    surroundings: Surroundings,
     duration: f64,
 }
 
 impl Shell {
-    /// The cavity of a setting, with its faces so many times as far, for so long (s).
-    pub(super) fn of(setting: &Setting, farther: f64, duration: f64) -> Result<Self, StudyError> {
-        let inner = setting.radius.ok_or(StudyError::NoBoundary)?;
-        let distances = setting.least_distances();
+    /// The substitute model of a scene with the distances of the faces multiplied by `farther`, for a duration (s).
+    pub(super) fn of(
+        problem: &BoundaryProblem,
+        farther: f64,
+        duration: f64,
+    ) -> Result<Self, StudyError> {
+        let inner = problem.radius.ok_or(StudyError::NoBoundary)?;
+        let distances = problem.least_distances();
         let outer = farther * distances.into_iter().fold(f64::INFINITY, f64::min);
         if outer < 1.2 * inner {
             return Err(StudyError::NearFace {
@@ -47,16 +51,16 @@ impl Shell {
                 least: 1.2 * inner,
             });
         }
-        let standing = Standing {
-            medium: setting.medium,
+        let surroundings = Surroundings {
+            medium: problem.medium,
             spreading: Spreading::Spherical,
             distances: [outer; 3],
         };
-        let longest = WAYS * outer / setting.medium.p_speed();
+        let longest = WAYS * outer / problem.medium.p_speed();
         Ok(Self {
             inner,
             outer,
-            standing,
+            surroundings,
             duration: duration.min(longest),
         })
     }
@@ -66,7 +70,7 @@ impl Shell {
     }
 
     fn octant(&self, rings: usize) -> ShellOctant {
-        // Rings beyond the outside go on as those within it.
+        // Rings beyond the outer face continue the geometric growth.
         let ratio = (self.outer / self.inner).ln() / self.rings() as f64;
         ShellOctant {
             inner: self.inner,
@@ -76,13 +80,13 @@ impl Shell {
         }
     }
 
-    /// Each boundary's error of displacement at the wall.
+    /// The error of displacement at the wall for each boundary, with the numbers of elements of both meshes.
     pub(super) fn errors(
         &self,
         kinds: &[BoundaryKind],
     ) -> Result<(Vec<f64>, [usize; 2]), StudyError> {
         let mesh = self.octant(self.rings()).mesh()?;
-        let beyond = self.outer + 0.5 * self.standing.medium.p_speed() * self.duration;
+        let beyond = self.outer + 0.5 * self.surroundings.medium.p_speed() * self.duration;
         let share = (beyond / self.inner).ln() / (self.outer / self.inner).ln();
         let wide = self
             .octant((share * self.rings() as f64).ceil() as usize)
@@ -93,13 +97,17 @@ impl Shell {
         let stable = STEP_SHARE * simulation.stable_step()?.step;
         let step = self.duration / (self.duration / stable).ceil();
         let run = |mesh: Mesh, condition: Arc<dyn AbsorbingBoundary>| {
-            let scene = self.scene(mesh, condition)?.step(TimeStep::Seconds(step));
+            let scene = self
+                .scene(mesh, condition)?
+                .with_step(TimeStep::Seconds(step));
             let results = scene.prepare()?.run(RunHooks::default())?;
             Ok::<_, StudyError>(results.histories)
         };
         let reference = run(wide, default)?;
         let of_kind = |kind: &BoundaryKind| {
-            let condition = kind.condition(&self.standing, &[]).map_err(Error::from)?;
+            let condition = kind
+                .condition(&self.surroundings, &[])
+                .map_err(Error::from)?;
             let found = run(mesh.clone(), condition)?;
             Ok(largest_error(&probe_errors(&found, &reference)?))
         };
@@ -124,7 +132,7 @@ impl Shell {
             let nodes = mesh.nodes_of_facets(mesh.facet_set(cut)?);
             supports.push(Support::roller(nodes, normal));
         }
-        let rise = RISE * self.inner / self.standing.medium.p_speed();
+        let rise = RISE * self.inner / self.surroundings.medium.p_speed();
         let history = move |time: f64| match time / rise {
             x if x < 1.0 => (FRAC_PI_2 * x).sin().powi(2),
             _ => 1.0,
@@ -132,23 +140,20 @@ impl Shell {
         let wall = mesh.facet_set("wall")?.to_vec();
         let pressure = FacePressure::new(&mesh, &wall, Profile::Uniform, Box::new(history));
         let pressure = pressure.map_err(|error| Error::from(ModelError::from(error)))?;
-        let output = OutputPlan {
-            every: f64::MIN_POSITIVE,
-            ..OutputPlan::default()
-        };
+        let output = OutputPlan::default().with_every(f64::MIN_POSITIVE);
         let output = output.history(
             "wall",
             Vec3::new(self.inner, 0.0, 0.0),
             Motion::DISPLACEMENT,
         );
-        let rock = Material::from(LinearElastic::new(self.standing.medium));
+        let rock = Material::from(LinearElastic::new(self.surroundings.medium));
         let scene = Scene::new("cavity", mesh)
             .part(Part::new("rock", rock))
-            .boundary(Boundary::new(condition, ["outside"]).scatterer(Vec3::zeros()))
+            .with_boundary(Boundary::new(condition, ["outside"]).with_scatterer(Vec3::zeros()))
             .load(pressure)
-            .energy_residual(ResidualLimit::Unchecked)
-            .duration(self.duration)
-            .output(output)
+            .with_energy_residual(ResidualLimit::Unchecked)
+            .with_duration(self.duration)
+            .with_output(output)
             .allow_magnitudes();
         Ok(supports.into_iter().fold(scene, Scene::support))
     }

@@ -1,23 +1,25 @@
-//! The pattern of rock bolts of a bay.
+//! Rock bolt pattern of a machine bay.
 
-/// Rock bolts in rows across a cavern, normal to the rock.
+/// Pattern of rock bolts normal to one excavated surface of a cavern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BayBolts {
-    /// The facet set in which their heads stand.
+    /// Name of the facet set on which the bolt heads lie.
     pub facets: &'static str,
-    /// Diameter (m).
+    /// Bolt diameter (m).
     pub diameter: f64,
-    /// Length (m).
+    /// Bolt length (m).
     pub length: f64,
-    /// Distance around the opening (m); along it there are [`BAY_BOLT_ROWS`] rows in a bay.
+    /// Spacing (m) of the bolts of a row around the opening; along the halls there are [`BAY_BOLT_ROWS`] rows in a bay.
     pub spacing: f64,
 }
 
-/// Rows of bolts in a bay; none stands on its ends.
+/// Number of bolt rows along a bay; no row lies on the ends of the bay.
 pub const BAY_BOLT_ROWS: usize = 9;
 
-/// The pattern, assumed: one bolt for 1.5 m by 1.5 m as in many caverns, as long as the rules of thumb
-/// for roofs, 2 m + 0.15 of the width, and walls, 2 m + 0.15 of the height, ask for.
+/// Assumed bolt patterns of roofs and walls of both caverns.
+///
+/// One bolt for 1.5 m by 1.5 m, as in many caverns; lengths by the rules of thumb 2 m + 0.15 of the width for roofs
+/// and 2 m + 0.15 of the height for walls.
 pub const BAY_BOLTS: [BayBolts; 4] = [
     BayBolts {
         facets: "roof_main",

@@ -1,25 +1,25 @@
-//! How finely a bay is cut.
+//! Mesh density of a machine bay.
 
 use serde::Deserialize;
 
-/// Sizes of the mesh of a bay.
+/// Predefined mesh density of a machine bay.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BaySize {
-    /// About 16,000 hexahedra: linings of one element.
+    /// About 16,000 hexahedra: one element through linings and floors.
     #[default]
     Coarse,
-    /// About 50,000: linings of two elements, floors of one.
+    /// About 50,000 hexahedra: two elements through linings, one through floors.
     Medium,
-    /// About 130,000, as many as Wang, Chen & Xiao (2019) have: linings and floors of two.
+    /// About 130,000 hexahedra, as many as in Wang, Chen & Xiao (2019): two elements through linings and floors.
     Paper,
 }
 
 impl BaySize {
-    /// All of them.
+    /// All mesh densities, coarse to fine.
     pub const ALL: [Self; 3] = [Self::Coarse, Self::Medium, Self::Paper];
 
-    /// Its name in files.
+    /// Name of the mesh density in bay files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Coarse => "coarse",
@@ -28,7 +28,7 @@ impl BaySize {
         }
     }
 
-    /// Its numbers of elements.
+    /// Numbers of elements and spacings of this mesh density.
     pub fn cells(self) -> BayCells {
         match self {
             Self::Coarse => BayCells {
@@ -86,38 +86,40 @@ impl BaySize {
     }
 }
 
-/// Numbers of elements of a bay. Far from the caverns there are more where the rock reaches farther
-/// than they can at their longest spacing.
+/// Numbers of elements and grid spacings of a machine bay.
+///
+/// Far from the caverns elements are added where the given number at the longest spacing would not fill the rock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BayCells {
-    /// Through the thickness of the linings.
+    /// Number of elements through the thickness of the linings.
     pub lining: usize,
-    /// Through the thickness of the floors.
+    /// Number of elements through the thickness of the floors.
     pub floor: usize,
-    /// From the axis through the pit, the pier and the windshield.
+    /// Numbers of elements along the radius through the pit, the pier and the windshield.
     pub ring: [usize; 3],
-    /// From the windshield to the wall of the main powerhouse.
+    /// Number of elements from the windshield to the wall of the main powerhouse.
     pub ring_to_wall: usize,
-    /// From the windshield to the end of the bay.
+    /// Number of elements from the windshield to the end of the bay.
     pub ring_to_end: usize,
-    /// Across the transformer cavern between its walls, an even number.
+    /// Number of elements across the transformer cavern between its walls; even.
     pub transformer: usize,
-    /// Across the pillar.
+    /// Number of elements across the rock pillar between the caverns.
     pub pillar: usize,
-    /// From the outermost walls to the sides.
+    /// Number of elements from the outermost walls to the sides of the block.
     pub side: usize,
-    /// From the crowns to the surface.
+    /// Number of elements from the crowns to the ground surface.
     pub above: usize,
-    /// Below the main powerhouse.
+    /// Number of elements below the main powerhouse.
     pub below: usize,
-    /// Between arch, generator, busbar and turbine floor and base slab.
+    /// Numbers of elements in height between arch and generator floor, generator and busbar floor, busbar and turbine
+    /// floor, and turbine floor and base slab.
     pub storeys: [usize; 4],
-    /// Longest spacing of the grid in rock (m); where its lines lean edges are longer.
+    /// Longest spacing of the grid in rock (m); edges along inclined grid lines are longer.
     pub longest: f64,
-    /// First spacing beside the caverns (m).
+    /// Spacing of the first element beside the caverns (m).
     pub first_beside: f64,
-    /// First spacing above them (m).
+    /// Spacing of the first element above the caverns (m).
     pub first_above: f64,
-    /// First spacing below the main powerhouse (m).
+    /// Spacing of the first element below the main powerhouse (m).
     pub first_below: f64,
 }

@@ -1,15 +1,15 @@
-//! Sizes of a machine bay and of the rock around it.
+//! Dimensions of a machine bay and of the rock around it.
 
 use powerhouse::model::ParameterError;
 use serde::Deserialize;
 
 use crate::StudyError;
 
-/// Sizes of a machine bay and of the rock around it (m).
+/// Dimensions (m) of a machine bay and of the rock around it.
 ///
 /// z = 0 is the free surface, x = 0 the axis of the machines, the transformer cavern lies on the side
 /// of positive x, y runs along the halls. Widths and heights are those of the excavation. The crowns
-/// of both caverns stand at one height, and so do the busbar floor and the floor of the transformer
+/// of both caverns are at one height, and so are the busbar floor and the floor of the transformer
 /// cavern.
 ///
 /// The defaults are those of Wang, Chen & Xiao (2019), section 4, where the paper gives them (bay,
@@ -18,47 +18,47 @@ use crate::StudyError;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BayDimensions {
-    /// Length of the bay along the halls, 11.5 to 20.
+    /// Length of the bay along the halls (m), 11.5 to 20.
     pub length: f64,
-    /// Width of the main powerhouse, 18 to 26.
+    /// Width of the excavation of the main powerhouse (m), 18 to 26.
     pub main_width: f64,
-    /// Height of the main powerhouse, 36 to 46.
+    /// Height of the excavation of the main powerhouse (m), 36 to 46.
     pub main_height: f64,
-    /// Width of the transformer cavern, 14 to 20.
+    /// Width of the excavation of the transformer cavern (m), 14 to 20.
     pub transformer_width: f64,
-    /// Height of the transformer cavern, 24 to 29.
+    /// Height of the excavation of the transformer cavern (m), 24 to 29.
     pub transformer_height: f64,
-    /// Rise of the arches over their span, 1/5 to 1/3.
+    /// Ratio of rise to span of the roof arches (1), 1/5 to 1/3.
     pub rise: f64,
-    /// Rock above the crowns, 60 to 300.
+    /// Thickness of the rock above the crowns (m), 60 to 300.
     pub cover: f64,
-    /// Rock between the caverns, 20 to 50.
+    /// Width of the rock pillar between the caverns (m), 20 to 50.
     pub pillar: f64,
-    /// Rock beside the outermost walls, 50 to 150.
+    /// Width of the rock beside the outermost walls (m), 50 to 150.
     pub side: f64,
-    /// Rock below the main powerhouse, 50 to 150.
+    /// Thickness of the rock below the main powerhouse (m), 50 to 150.
     pub below: f64,
-    /// Thickness of the lining of the arches, 0.6 to 1.2.
+    /// Thickness of the lining of the arches (m), 0.6 to 1.2.
     pub arch_lining: f64,
-    /// Thickness of the lining of the walls, 0.6 to 1.2.
+    /// Thickness of the lining of the walls (m), 0.6 to 1.2.
     pub wall_lining: f64,
-    /// Thickness of the generator floor, 0.5 to 1.
+    /// Thickness of the generator floor (m), 0.5 to 1.
     pub generator_floor: f64,
-    /// Thickness of the busbar floor and of the floor of the transformer cavern, 0.5 to 1.
+    /// Thickness of the busbar floor and of the floor of the transformer cavern (m), 0.5 to 1.
     pub busbar_floor: f64,
-    /// Thickness of the turbine floor, 0.5 to 1.
+    /// Thickness of the turbine floor (m), 0.5 to 1.
     pub turbine_floor: f64,
-    /// Thickness of the base slab, 0.5 to 1.5.
+    /// Thickness of the base slab (m), 0.5 to 1.5.
     pub base_slab: f64,
-    /// From the top of the busbar floor up to that of the generator floor, 4 to 7.
+    /// Height from the top of the busbar floor to the top of the generator floor (m), 4 to 7.
     pub generator_storey: f64,
-    /// From the top of the turbine floor up to that of the busbar floor, 3.5 to 6.
+    /// Height from the top of the turbine floor to the top of the busbar floor (m), 3.5 to 6.
     pub turbine_storey: f64,
-    /// Radius of the pit within the pier, to the corners of its octagon, 2 to 3.4.
+    /// Radius of the octagonal pit within the pier, to its corners (m), 2 to 3.4.
     pub pit_radius: f64,
-    /// Outer radius of pier and windshield, to the corners of their octagon, 4.2 to 5.2.
+    /// Outer radius of the octagonal pier and windshield, to their corners (m), 4.2 to 5.2.
     pub ring_radius: f64,
-    /// Thickness of the windshield, 0.4 to 0.6.
+    /// Thickness of the windshield (m), 0.4 to 0.6.
     pub windshield: f64,
 }
 
@@ -90,7 +90,7 @@ impl Default for BayDimensions {
     }
 }
 
-/// Names, least and greatest values, in the order of [`BayDimensions::values`].
+/// Names and permitted ranges, in the order of [`BayDimensions::values`].
 const RANGES: [(&str, f64, f64); 21] = [
     ("length", 11.5, 20.0),
     ("main_width", 18.0, 26.0),
@@ -119,15 +119,15 @@ const RANGES: [(&str, f64, f64); 21] = [
 const LEAST_MASS: f64 = 2.0;
 
 impl BayDimensions {
-    /// How many values there are.
+    /// Number of dimensions.
     pub const COUNT: usize = RANGES.len();
 
-    /// Name, least and greatest value (m) of each, in the order of its fields.
+    /// Name, least and greatest permitted value (m) of each dimension, in the order of the fields.
     pub fn ranges() -> [(&'static str, f64, f64); Self::COUNT] {
         RANGES
     }
 
-    /// The values in the order of the fields.
+    /// The values (m) of all dimensions, in the order of the fields.
     pub fn values(&self) -> [f64; Self::COUNT] {
         [
             self.length,
@@ -154,7 +154,7 @@ impl BayDimensions {
         ]
     }
 
-    /// Dimensions of values in the order of the fields.
+    /// Creates the dimensions from their values (m), in the order of the fields, unchecked.
     pub fn of_values(values: [f64; Self::COUNT]) -> Self {
         let [
             length,
@@ -204,11 +204,11 @@ impl BayDimensions {
         }
     }
 
-    /// Sees that each value is in its range and that the floors stand above each other.
+    /// Checks that each value is within its range and that the floors lie above each other.
     ///
     /// # Errors
-    /// [`StudyError::Parameter`] with the name, the value and what is permitted: of the height of the
-    /// main powerhouse, too, if its mass concrete would have less than 2 m.
+    /// [`StudyError::Parameter`] with the name, the value and the permitted range; also for a height of the main
+    /// powerhouse that leaves less than 2 m of mass concrete.
     pub fn check(&self) -> Result<(), StudyError> {
         for ((name, least, most), value) in RANGES.into_iter().zip(self.values()) {
             ParameterError::check(name, value, least, most)?;
@@ -222,7 +222,7 @@ impl BayDimensions {
         Ok(())
     }
 
-    /// Top and bottom of each floor and what else stands at a height of its own.
+    /// Heights of the horizontal surfaces.
     pub(super) fn levels(&self) -> Levels {
         let crown = -self.cover;
         let floor = |top: f64, thickness: f64| [top, top - thickness];
@@ -239,12 +239,12 @@ impl BayDimensions {
         }
     }
 
-    /// The middle of the transformer cavern (m).
+    /// The x coordinate of the axis of the transformer cavern (m).
     pub(super) fn transformer_axis(&self) -> f64 {
         0.5 * self.main_width + self.pillar + 0.5 * self.transformer_width
     }
 
-    /// Volumes of the two excavations under arches that are circles (m3): main, transformer.
+    /// Volumes of the two excavations with circular arches (m3): main powerhouse, transformer cavern.
     pub(super) fn excavated_volumes(&self) -> [f64; 2] {
         [
             (self.main_width, self.main_height),
@@ -260,12 +260,12 @@ impl BayDimensions {
     }
 }
 
-/// The radius of an arc of a span and a rise (m).
+/// Radius (m) of the circular arc with a given span and rise (m).
 pub(super) fn arch_radius(span: f64, rise: f64) -> f64 {
     (0.25 * span * span + rise * rise) / (2.0 * rise)
 }
 
-/// Heights of what is horizontal (m); top and bottom of floors.
+/// Heights z (m) of the horizontal surfaces; of floors top and bottom.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Levels {
     pub(super) crown: f64,

@@ -1,4 +1,4 @@
-//! Bays from files.
+//! Reading of a bay from a file.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::{Bay, BayDimensions, BaySize, RockEnds};
 use crate::StudyError;
 
-/// What a file of a bay may say.
+/// Keys of the file of a bay.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BayFile {
@@ -19,8 +19,10 @@ struct BayFile {
 }
 
 impl Bay {
-    /// Reads a bay: `size`, and the tables `[dimensions]` and `[ends]` with the fields of
-    /// [`BayDimensions`] and [`RockEnds`]; what is not given is as in the paper, the size `coarse`.
+    /// Reads a bay from a TOML file.
+    ///
+    /// The keys are `size` (default `coarse`) and the tables `[dimensions]` and `[ends]` with the fields of
+    /// [`BayDimensions`] (defaults as in the paper) and [`RockEnds`].
     ///
     /// # Errors
     /// [`StudyError::Read`], [`StudyError::BayFile`] with the line, [`StudyError::Parameter`].

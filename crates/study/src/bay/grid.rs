@@ -1,17 +1,17 @@
-//! Where the nodes of the grid stand.
+//! Node positions of the grid.
 
 use powerhouse::model::Vec3;
 
 use super::Bay;
 use super::dimensions::{BayDimensions, Levels, arch_radius};
 use super::plan::{Layer, Plan, Row};
-use super::spacing::{places, relaxed, smooth_step};
+use super::spacing::{positions, relaxed, smooth_step};
 
-/// Columns keep their places up to this distance above the crowns and below the main powerhouse (m).
+/// Columns keep their positions up to this distance above the crowns and below the main powerhouse (m).
 const STRAIGHT: f64 = 6.0;
-/// Layers are equal from this distance from the main powerhouse on (m).
+/// Distance from the main powerhouse (m) beyond which layers are equal.
 const LAYERS_EVEN: f64 = 8.0;
-/// Of the lower rows this share takes part in the octagon.
+/// Share of the lower rows that is shaped as an octagon.
 const OCTAGON_BELOW: f64 = 0.5;
 
 /// Heights of the lines that bound the rows above the main powerhouse's generator floor (m).
@@ -27,11 +27,11 @@ pub(super) struct Grid<'a> {
     dimensions: &'a BayDimensions,
     levels: Levels,
     roofs: Vec<Roof>,
-    /// Places of the columns that differ less (m).
+    /// Positions of the columns with smoothed spacings (m).
     even_x: Vec<f64>,
-    /// Places of equal layers (m).
+    /// Positions of equal layers (m).
     even_y: Vec<f64>,
-    /// Heights of the rows at the left and the right side that differ less (m).
+    /// Heights of the rows with smoothed spacings at the left and the right side (m).
     even_z: [Vec<f64>; 2],
 }
 
@@ -44,7 +44,7 @@ impl<'a> Grid<'a> {
         let steps =
             |at: &[f64]| -> Vec<f64> { at.windows(2).map(|pair| pair[1] - pair[0]).collect() };
         let last = plan.x.len() - 1;
-        let even_x = places(plan.x[0], &relaxed(&steps(&plan.x), longest), plan.x[last]);
+        let even_x = positions(plan.x[0], &relaxed(&steps(&plan.x), longest), plan.x[last]);
         let mut grid = Self {
             plan,
             dimensions,
@@ -59,7 +59,7 @@ impl<'a> Grid<'a> {
                 .map(|k| grid.height(column, k))
                 .collect();
             let eased = relaxed(&steps(&heights), longest);
-            places(heights[0], &eased, 0.0)
+            positions(heights[0], &eased, 0.0)
         });
         grid
     }
@@ -71,12 +71,12 @@ impl<'a> Grid<'a> {
         let z = self.eased_height(i, k);
         let half = 0.5 * dimensions.main_width;
         let levels = &self.levels;
-        // Columns: as they are about the caverns, even at the surface and at the bottom.
+        // Columns: as planned around the caverns, smoothed at the surface and at the bottom.
         let up = (z - levels.crown - STRAIGHT) / (dimensions.cover - STRAIGHT);
         let down = (levels.base[1] - STRAIGHT - z) / (dimensions.below - STRAIGHT);
         let even = smooth_step(up.max(down));
         let column = x + even * (self.even_x[i] - x);
-        // Layers: as they are at the main powerhouse, even around it.
+        // Layers: as planned at the main powerhouse, equal around it.
         let beside = (x.abs() - half).max(0.0);
         let over = (z - levels.crown).max(levels.base[1] - z).max(0.0);
         let even = smooth_step(beside.hypot(over) / LAYERS_EVEN);
@@ -85,7 +85,7 @@ impl<'a> Grid<'a> {
         Vec3::new(column - dx, layer - dy, z)
     }
 
-    /// The height of a row's line at a column (m), before it is eased.
+    /// The height of a row's line at a column (m), before smoothing.
     fn height(&self, i: usize, k: usize) -> f64 {
         let band = self.plan.rows[k.saturating_sub(1)];
         let [low, high] = self.horizons(i, band);
@@ -95,7 +95,7 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Rows differ less towards the sides.
+    /// The height of a row's line at a column (m), smoothed towards the sides.
     fn eased_height(&self, i: usize, k: usize) -> f64 {
         let (x, z) = (self.plan.x[i], self.height(i, k));
         let dimensions = self.dimensions;
@@ -124,8 +124,8 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// How far a node moves towards the axis of the machine along x and y (m), so that the square
-    /// loops of the pit, the pier and the windshield become octagons.
+    /// Shift of a node towards the axis of the machine along x and y (m) that turns the square loops of pit, pier and
+    /// windshield into octagons.
     fn octagon(&self, i: usize, j: usize, k: usize) -> [f64; 2] {
         let dimensions = self.dimensions;
         let radius = dimensions.ring_radius;
@@ -136,11 +136,11 @@ impl<'a> Grid<'a> {
         let near = fade(x.abs(), wall) * fade(y.abs(), 0.5 * dimensions.length);
         let shift = (1.0 - core::f64::consts::FRAC_1_SQRT_2) * x.abs().min(y.abs()).min(radius);
         let shift = shift * near * self.octagon_share(k);
-        // The sign of zero is none here: on the axes the shift is zero.
+        // On the axes the shift is zero, whatever the sign of zero is.
         [x.signum() * shift, y.signum() * shift]
     }
 
-    /// How much of an octagon a line of rows has.
+    /// Share of the octagonal shift that a line of rows receives, from 0 to 1.
     fn octagon_share(&self, k: usize) -> f64 {
         let share = self.plan.shares[k];
         match self.plan.rows[k.saturating_sub(1)] {
@@ -161,19 +161,19 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Layers of equal thickness within the bay; beyond its ends they stay.
+/// Positions of layers of equal thickness within the bay, unchanged beyond its ends.
 fn even_layers(plan: &Plan, length: f64) -> Vec<f64> {
     let within = |layer: &Layer| matches!(layer, Layer::Bay(_));
     let before = plan.layers.iter().position(within).unwrap_or(0);
     let count = plan.layers.iter().filter(|layer| within(layer)).count();
-    let place = |(j, &y): (usize, &f64)| match j.checked_sub(before) {
+    let position = |(j, &y): (usize, &f64)| match j.checked_sub(before) {
         Some(line) if line <= count => length * line as f64 / count as f64,
         _ => y,
     };
-    plan.y.iter().enumerate().map(place).collect()
+    plan.y.iter().enumerate().map(position).collect()
 }
 
-/// The roof at a place across the halls (m): that of the nearer cavern, a straight line between them.
+/// The roof at a position across the halls (m): the arch within a cavern, a straight line between both.
 fn roof(dimensions: &BayDimensions, x: f64) -> Roof {
     let main = Arch::of(dimensions, dimensions.main_width);
     let transformer = Arch::of(dimensions, dimensions.transformer_width);
@@ -215,7 +215,7 @@ impl Arch {
         }
     }
 
-    /// The roof at a distance from the axis (m); beyond the walls it stays as it is there.
+    /// The roof at a distance from the axis (m), constant beyond the walls.
     fn at(&self, x: f64) -> Roof {
         let x = x.abs().min(self.half);
         let centre = self.crown - self.radius;

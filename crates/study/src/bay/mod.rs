@@ -1,9 +1,9 @@
-//! One machine bay of an underground powerhouse with its transformer cavern, of hexahedra.
+//! Hexahedral mesh of one machine bay of an underground powerhouse with its transformer cavern.
 //!
 //! The powerhouse of Wang, Chen & Xiao (2019), section 4: a main powerhouse and a main transformer
 //! cavern with linings, floors, windshield, turbine pier and mass concrete, in rock under a free
-//! surface. The paper publishes neither its mesh nor all sizes; what is assumed is the default of
-//! [`BayDimensions`] and told there.
+//! surface. The paper publishes neither its mesh nor all sizes; assumptions are the
+//! defaults of [`BayDimensions`] and are documented there.
 //!
 //! ```
 //! use powerhouse_study::bay::{Bay, BaySize};
@@ -17,22 +17,22 @@
 //! | kind | sets |
 //! |---|---|
 //! | parts, each element in one | `rock`; `void_main`, `void_transformer`; `arch_`, `wall_`, `base_main`; `mass`, `pier`, `windshield`; `floor_generator`, `floor_busbar`, `floor_turbine`; `arch_`, `wall_`, `floor_transformer` |
-//! | elements of several parts | `void` (what stays empty); `structure` (all concrete), of it `lining` (what touches rock) and `interior`; stages of excavation `main_1` to `main_5`, `transformer_1` to `transformer_3`; `rim`, the rock at the faces through which waves come |
-//! | faces of the block | `left`, `right` (least and greatest x), `front`, `back` (y), `bottom`, `top`; `front_rock`, `back_rock`, `front_structure`, `back_structure`: what is rock of them, and what is concrete |
+//! | elements of several parts | `void` (excavated without structure); `structure` (all concrete), of it `lining` (what touches rock) and `interior`; stages of excavation `main_1` to `main_5`, `transformer_1` to `transformer_3`; `rim`, the rock at the faces through which waves come |
+//! | faces of the block | `left`, `right` (least and greatest x), `front`, `back` (y), `bottom`, `top`; `front_rock`, `back_rock`, `front_structure`, `back_structure`: their parts in rock and in concrete |
 //! | facets of rock towards the structure | `joint_` and the name of the part; `joint_ends` beyond the ends of a bay in a block of rock; for bolts `roof_` and `walls_main`, `roof_` and `walls_transformer` |
 //! | nodes | `point_A` to `point_F`, `point_O1`, `point_O2`: the monitoring points of the paper on the inner face of the concrete at mid-bay |
 //!
 //! # Why so
-//! *One box of cells, bent.* Lines of cells run through the whole block; arches bend the rows, octagons
-//! the columns and layers. So there is no mesher to fail, cells know their part by their number, and
-//! both faces of the bay have the same grid. Columns stay upright at the arches: the scaled Jacobian
-//! there is the cosine of the slope.
+//! *One structured grid, deformed.* Lines of cells run through the whole block; arches bend the rows, octagons the
+//! columns and layers. No mesh generator is needed that may fail, the part of a cell follows from its number, and
+//! both ends of the bay have the same grid. Columns stay upright at the arches: the scaled Jacobian there is the
+//! cosine of the slope.
 //!
-//! *Lines ease away from the structure*, or its thin cells would run to the ends of the block and
-//! cost steps.
+//! *Spacings are smoothed away from the structure*, or its thin cells would extend to the ends of the block and
+//! reduce the time step.
 //!
-//! *Concrete cells are the same cells as the rock before them.* What is excavated is in the mesh, for
-//! the stages before an earthquake need it; counts are those of all cells of the file.
+//! *Concrete takes the cells of the excavated rock.* Excavated cells are in the mesh, since the construction stages
+//! before the earthquake need them; numbers of elements are those of all cells of the file.
 
 mod bolts;
 mod cells;
@@ -62,38 +62,38 @@ use crate::StudyError;
 use grid::Grid;
 use plan::Plan;
 
-/// Rock beyond both ends of a bay, which then stands alone in a block.
+/// Rock beyond both ends of a bay, for a single bay embedded in a block.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RockEnds {
-    /// How far it reaches (m), 20 to 150.
+    /// Length of the rock beyond each end (m), 20 to 150.
     pub rock: f64,
-    /// Elements along that, at least 1; more where they would be too long.
+    /// Number of elements along that length, 1 to 1000; more are used where the longest spacing would be exceeded.
     pub cells: usize,
 }
 
-/// A machine bay.
+/// Dimensions and mesh density of a machine bay, from which its mesh is generated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bay {
-    /// Sizes.
+    /// Dimensions of caverns, structure and rock (m).
     pub dimensions: BayDimensions,
-    /// How finely it is cut.
+    /// Numbers of elements and grid spacings.
     pub cells: BayCells,
-    /// Rock beyond its ends; without it the bay is a slice of an endless row of them.
+    /// Rock beyond both ends; without it the bay is one period of an endless row of bays.
     pub ends: Option<RockEnds>,
 }
 
-/// The mesh of a bay.
+/// Mesh of a machine bay with a report on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BayMesh {
-    /// The mesh with its sets; rock and structure share their nodes.
+    /// Mesh with its named sets; rock and structure share their nodes.
     pub mesh: Mesh,
-    /// Counts, shapes and places.
+    /// Numbers of elements, mesh quality, volumes and monitoring points.
     pub report: BayReport,
 }
 
 impl Bay {
-    /// The bay of the paper, of a size of the mesh.
+    /// The bay of Wang, Chen & Xiao (2019) with a predefined mesh density.
     pub fn of_size(size: BaySize) -> Self {
         Self {
             dimensions: BayDimensions::default(),
@@ -102,17 +102,17 @@ impl Bay {
         }
     }
 
-    /// The same in a block with rock beyond both ends.
+    /// Adds rock beyond both ends of the bay.
     #[must_use]
     pub fn in_block(mut self, ends: RockEnds) -> Self {
         self.ends = Some(ends);
         self
     }
 
-    /// Sees that everything is in its range.
+    /// Checks that all dimensions, numbers of elements and spacings are within their ranges.
     ///
     /// # Errors
-    /// [`StudyError::Parameter`] with the name, the value and what is permitted.
+    /// [`StudyError::Parameter`] with the name, the value and the permitted range; [`StudyError::OddCells`].
     pub fn check(&self) -> Result<(), StudyError> {
         self.dimensions.check()?;
         let cells = &self.cells;
@@ -154,10 +154,10 @@ impl Bay {
         Ok(())
     }
 
-    /// Makes the mesh.
+    /// Generates the mesh.
     ///
     /// # Errors
-    /// As [`check`](Self::check), and [`StudyError::Mesh`] if an element is turned inside out.
+    /// As [`check`](Self::check), and [`StudyError::Mesh`] if an element is inverted.
     pub fn mesh(&self) -> Result<BayMesh, StudyError> {
         self.check()?;
         let plan = Plan::of(self);

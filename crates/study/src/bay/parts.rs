@@ -1,45 +1,45 @@
-//! What the cells of the grid are: rock, void or a part of the structure.
+//! Assignment of the grid cells to rock, voids and parts of the structure.
 
 use super::plan::{Column, Layer, Plan, Ring, Row};
 
-/// A part of the bay; each element belongs to one.
+/// Part of a machine bay: rock, void or a concrete member; each element belongs to exactly one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum BayPart {
     /// Rock that is never excavated.
     Rock,
-    /// What stays empty of the main powerhouse.
+    /// Excavated space of the main powerhouse without structure.
     VoidMain,
-    /// What stays empty of the transformer cavern.
+    /// Excavated space of the transformer cavern without structure.
     VoidTransformer,
-    /// The lining of the main powerhouse's arch.
+    /// Lining of the roof arch of the main powerhouse.
     ArchMain,
-    /// The lining of its walls, down to its bottom.
+    /// Lining of the walls of the main powerhouse, down to its bottom.
     WallMain,
-    /// Its base slab.
+    /// Base slab of the main powerhouse.
     BaseMain,
-    /// The mass concrete between base slab and turbine floor, around the pit.
+    /// Mass concrete of the main powerhouse between base slab and turbine floor, around the pit.
     Mass,
-    /// The turbine pier, an octagonal ring.
+    /// Turbine pier, an octagonal ring.
     Pier,
-    /// The generator's windshield, an octagonal ring.
+    /// Generator windshield, an octagonal ring above the pier.
     Windshield,
-    /// The generator floor.
+    /// Generator floor of the main powerhouse.
     FloorGenerator,
-    /// The busbar floor.
+    /// Busbar floor of the main powerhouse.
     FloorBusbar,
-    /// The turbine floor.
+    /// Turbine floor of the main powerhouse.
     FloorTurbine,
-    /// The lining of the transformer cavern's arch.
+    /// Lining of the roof arch of the transformer cavern.
     ArchTransformer,
-    /// The lining of its walls, down to its bottom.
+    /// Lining of the walls of the transformer cavern, down to its bottom.
     WallTransformer,
-    /// Its floor.
+    /// Floor of the transformer cavern.
     FloorTransformer,
 }
 
 impl BayPart {
-    /// All of them.
+    /// All parts.
     pub const ALL: [Self; 15] = [
         Self::Rock,
         Self::VoidMain,
@@ -58,7 +58,7 @@ impl BayPart {
         Self::FloorTransformer,
     ];
 
-    /// The name of its element set.
+    /// Name of the element set of the part.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rock => "rock",
@@ -79,12 +79,12 @@ impl BayPart {
         }
     }
 
-    /// Whether it is of concrete.
+    /// Whether the part is of concrete.
     pub fn is_concrete(self) -> bool {
         !matches!(self, Self::Rock | Self::VoidMain | Self::VoidTransformer)
     }
 
-    /// Whether it lines the rock: arches, walls and bottoms.
+    /// Whether the part is a lining in contact with rock: arch, wall or bottom.
     pub fn is_lining(self) -> bool {
         matches!(
             self,
@@ -97,7 +97,7 @@ impl BayPart {
         )
     }
 
-    /// Whether its place is within the transformer cavern.
+    /// Whether the part lies within the transformer cavern.
     pub(super) fn is_in_transformer(self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! Pictures of the mesh of a bay.
+//! Picture of the mesh of a bay.
 
 use std::path::Path;
 
@@ -9,15 +9,15 @@ use super::{BayMesh, BayPart};
 use crate::StudyError;
 use crate::excerpt::excerpt;
 
-/// How far the picture of the caverns reaches around them (m).
+/// Width of the rock that is drawn around the caverns (m).
 const AROUND: f64 = 10.0;
 
-/// What a picture tells apart.
+/// Kinds of parts that a picture distinguishes by colour.
 const KINDS: [&str; 8] = [
     "rock", "arch", "wall", "base", "mass", "pier", "shield", "floor",
 ];
 
-/// The place of a part's kind among [`KINDS`].
+/// The index of a part's kind in [`KINDS`].
 fn kind(part: BayPart) -> usize {
     match part {
         BayPart::ArchMain | BayPart::ArchTransformer => 1,
@@ -32,10 +32,10 @@ fn kind(part: BayPart) -> usize {
 }
 
 impl BayMesh {
-    /// The number of the part of each element, as [`BayPart::ALL`] lists them.
+    /// Index in [`BayPart::ALL`] of the part of each element, in the order of the elements.
     ///
     /// # Errors
-    /// None with the mesh of a bay.
+    /// A mesh without the element sets of a bay.
     pub fn part_numbers(&self) -> Result<Vec<f64>, StudyError> {
         let mut numbers = vec![0.0; self.mesh.element_count()];
         for (number, part) in BayPart::ALL.into_iter().enumerate() {
@@ -46,10 +46,10 @@ impl BayMesh {
         Ok(numbers)
     }
 
-    /// Draws the caverns and the rock about them, cut open across the halls at mid-bay, as PNG.
+    /// Draws a section through the caverns and the rock around them at mid-bay into a PNG file.
     ///
     /// # Errors
-    /// The file, if it cannot be written.
+    /// A file that cannot be written.
     pub fn draw(&self, file: &Path) -> Result<(), StudyError> {
         let numbers = self.part_numbers()?;
         let structure = self
@@ -76,7 +76,7 @@ impl BayMesh {
         };
         let values: Vec<f64> = shown.iter().map(kind).collect();
         let mut picture = Picture::new(&part, PictureField::Elemental(&values), "part");
-        picture.title = "machine bay, cut open at its middle".into();
+        picture.title = "machine bay, section at its middle".into();
         picture.names = &KINDS;
         picture.view = PictureView::along(Vec3::y());
         picture.section = Some(SectionPlane {

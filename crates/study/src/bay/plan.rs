@@ -1,10 +1,10 @@
-//! Columns, layers and rows: what each line of cells of the grid is for.
+//! Columns, layers and rows of the undeformed grid, with their assignment to the structure.
 
 use super::dimensions::BayDimensions;
-use super::spacing::{graded, graded_from_both_ends, places};
+use super::spacing::{graded, graded_from_both_ends, positions};
 use super::{Bay, BayCells};
 
-/// The square loops of cells around the axis of the machine.
+/// Square loop of cells around the axis of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Ring {
     Pit,
@@ -13,7 +13,7 @@ pub(super) enum Ring {
     Beyond,
 }
 
-/// What a column of cells across the halls runs through.
+/// Region that a column of cells (constant x) runs through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     Rock,
@@ -23,14 +23,14 @@ pub(super) enum Column {
     TransformerHall,
 }
 
-/// What a layer of cells along the halls runs through.
+/// Region that a layer of cells (constant y) runs through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layer {
     Bay(Ring),
     BeyondEnds,
 }
 
-/// What a row of cells lies in, from the bottom up.
+/// Horizontal band in which a row of cells lies, from the bottom up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Row {
     Below,
@@ -46,16 +46,16 @@ pub(super) enum Row {
     Above,
 }
 
-/// The lines of the grid before they bend.
+/// Grid lines before the deformation, with the regions between them.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    /// x of the lines (m), and what lies between them.
+    /// x of the grid lines (m), and the columns between them.
     pub(super) x: Vec<f64>,
     pub(super) columns: Vec<Column>,
-    /// y of the lines (m).
+    /// y of the grid lines (m), and the layers between them.
     pub(super) y: Vec<f64>,
     pub(super) layers: Vec<Layer>,
-    /// What each row lies in.
+    /// Band of each row.
     pub(super) rows: Vec<Row>,
     /// Height of each line of rows within its band, as shares from the band's lower horizon; the
     /// last one of a band is the first of the next.
@@ -109,7 +109,7 @@ fn half_profile(
     profile
 }
 
-/// A half profile and before it its mirror image.
+/// The mirror image of a half profile, followed by the half profile.
 fn whole<T: Clone>(half: &[T]) -> Vec<T> {
     half.iter().rev().chain(half).cloned().collect()
 }
@@ -154,12 +154,12 @@ fn columns(dimensions: &BayDimensions, cells: &BayCells) -> (Vec<f64>, Vec<Colum
     put(&side, Column::Rock);
     let (spacings, columns): (Vec<f64>, Vec<Column>) = found.into_iter().unzip();
     let start = -half_main - dimensions.side;
-    let mut x = places(start, &spacings, right + dimensions.side);
+    let mut x = positions(start, &spacings, right + dimensions.side);
     straighten(&mut x, &columns, dimensions);
     (x, columns)
 }
 
-/// Puts the lines whose place is given there to all digits: sums of spacings round.
+/// Moves grid lines with given coordinates to these exactly, since sums of spacings are rounded.
 fn straighten(x: &mut [f64], columns: &[Column], dimensions: &BayDimensions) {
     let half = 0.5 * dimensions.main_width;
     let axis = dimensions.transformer_axis();
@@ -178,12 +178,12 @@ fn straighten(x: &mut [f64], columns: &[Column], dimensions: &BayDimensions) {
         axis + half_transformer,
     ];
     let least = columns.len() as f64 * f64::EPSILON * (axis + dimensions.side);
-    for place in x {
+    for line in x {
         if let Some(wall) = walls
             .iter()
-            .find(|wall| (*place - **wall).abs() < 8.0 * least)
+            .find(|wall| (*line - **wall).abs() < 8.0 * least)
         {
-            *place = *wall;
+            *line = *wall;
         }
     }
 }
@@ -198,14 +198,14 @@ fn layers(bay: &Bay) -> (Vec<f64>, Vec<Layer>) {
     );
     let (spacings, rings): (Vec<f64>, Vec<Ring>) = whole(&half).into_iter().unzip();
     let mut layers: Vec<Layer> = rings.into_iter().map(Layer::Bay).collect();
-    let mut y = places(0.0, &spacings, dimensions.length);
+    let mut y = positions(0.0, &spacings, dimensions.length);
     let middle = spacings.len() / 2;
     y[middle] = 0.5 * dimensions.length;
     if let Some(ends) = &bay.ends {
         let first = 0.5 * dimensions.length - dimensions.ring_radius;
         let first = first / cells.ring_to_end as f64;
         let beyond = graded(ends.rock, ends.cells, first, cells.longest);
-        let far = places(0.0, &beyond, ends.rock);
+        let far = positions(0.0, &beyond, ends.rock);
         let before = far[1..].iter().rev().map(|distance| -distance);
         let after = far[1..].iter().map(|distance| dimensions.length + distance);
         y = before.chain(y.iter().copied()).chain(after).collect();
@@ -246,9 +246,9 @@ fn rows(dimensions: &BayDimensions, cells: &BayCells) -> (Vec<Row>, Vec<f64>) {
     let (mut rows, mut shares) = (Vec::new(), vec![0.0]);
     for (row, spacings) in bands {
         let whole: f64 = spacings.iter().sum();
-        let places = places(0.0, &spacings, whole);
+        let heights = positions(0.0, &spacings, whole);
         rows.extend(std::iter::repeat_n(row, spacings.len()));
-        shares.extend(places[1..].iter().map(|place| place / whole));
+        shares.extend(heights[1..].iter().map(|height| height / whole));
     }
     (rows, shares)
 }

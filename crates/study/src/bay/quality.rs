@@ -1,9 +1,10 @@
-//! Shapes of hexahedra: their distribution, not only the worst.
+//! Quality of hexahedra: the whole distribution, not only the worst element.
 
 use powerhouse::model::{ElementKind, Mesh, Vec3};
 
-/// The least scaled Jacobian at the corners of each hexahedron: 1 for a box, not positive for one that
-/// is turned inside out. Other elements are passed over.
+/// Least scaled Jacobian (1) among the corners of each hexahedron, in the order of the elements.
+///
+/// It is 1 for a box and not positive for an inverted element. Elements of other types are skipped.
 pub fn scaled_jacobians(mesh: &Mesh) -> Vec<f64> {
     let hexes = hexahedra(mesh);
     hexes
@@ -21,8 +22,8 @@ fn hexahedra(mesh: &Mesh) -> impl Iterator<Item = [Vec3; 8]> + '_ {
 }
 
 fn least_scaled_jacobian(corners: &[Vec3; 8]) -> f64 {
-    let scaled = ElementKind::Hex8.corners().iter().map(|places| {
-        let [corner, a, b, c] = places.map(|place| corners[usize::from(place)]);
+    let scaled = ElementKind::Hex8.corners().iter().map(|local| {
+        let [corner, a, b, c] = local.map(|index| corners[usize::from(index)]);
         let [a, b, c] = [a, b, c].map(|end| (end - corner).normalize());
         a.cross(&b).dot(&c)
     });

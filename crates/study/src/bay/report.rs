@@ -1,4 +1,4 @@
-//! What the mesh of a bay is like, in numbers.
+//! Report on the mesh of a bay.
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -10,43 +10,43 @@ use super::sets::{MonitoringPoint, position};
 use super::{Bay, BayPart};
 use crate::StudyError;
 
-/// A monitoring point and where it came to stand.
+/// Position of a monitoring point in the mesh of a bay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointReport {
-    /// Its name.
+    /// Name of the point in the paper: `A` to `F`, `O1`, `O2`.
     pub name: &'static str,
-    /// Its place (m).
+    /// Position of its node (m).
     pub position: Vec3,
-    /// How far that is from where it was to be (m).
+    /// Distance (m) of the node from the intended position.
     pub offset: f64,
 }
 
-/// Counts, shapes and places of the mesh of a bay.
+/// Numbers of elements, mesh quality, volumes and monitoring points of the mesh of a bay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BayReport {
-    /// Cells across the halls, along them and in height.
+    /// Numbers of grid cells across the halls (x), along them (y) and in height (z).
     pub cells: [usize; 3],
-    /// Nodes of the file.
+    /// Number of nodes of the mesh.
     pub nodes: usize,
-    /// Nodes that are doubled where the joint between rock and lining cuts the mesh open.
+    /// Number of nodes that are duplicated where the joint between rock and lining splits the mesh.
     pub doubled_nodes: usize,
-    /// Elements of each part.
+    /// Number of elements of each part.
     pub parts: BTreeMap<BayPart, usize>,
-    /// Least scaled Jacobian, that below which one element in a hundred lies, and the median.
+    /// Scaled Jacobian (1) of the elements: minimum, 1st percentile and median.
     pub scaled_jacobian: [f64; 3],
-    /// Shortest and longest edge (m).
+    /// Lengths of the shortest and the longest edge (m).
     pub edges: [f64; 2],
-    /// Largest ratio of longest to shortest edge in one element.
+    /// Largest aspect ratio of an element: longest over shortest edge.
     pub aspect: f64,
     /// Volume of each part (m3).
     pub volumes: BTreeMap<BayPart, f64>,
-    /// Excavated volumes (m3) under arches that are circles: main powerhouse, transformer cavern.
+    /// Excavated volumes (m3) with exactly circular arches, for comparison: main powerhouse, transformer cavern.
     pub round_excavations: [f64; 2],
     /// Area of the joint between rock and structure (m2).
     pub joint_area: f64,
-    /// Facets of that joint.
+    /// Number of facets of the joint between rock and structure.
     pub joint_facets: usize,
-    /// The monitoring points.
+    /// Positions of the monitoring points.
     pub points: Vec<PointReport>,
 }
 
@@ -94,30 +94,30 @@ impl BayReport {
         })
     }
 
-    /// All elements of the file, those that are excavated and stay empty among them.
+    /// Number of all elements of the mesh, including those of the voids.
     pub fn elements(&self) -> usize {
         self.parts.values().sum()
     }
-    /// Elements of concrete.
+    /// Number of concrete elements.
     pub fn concrete(&self) -> usize {
         let concrete = self.parts.iter().filter(|(part, _)| part.is_concrete());
         concrete.map(|(_, count)| count).sum()
     }
-    /// Elements that stay empty.
+    /// Number of elements of the voids, which are excavated and not replaced.
     pub fn void(&self) -> usize {
         self.elements_of("void_main") + self.elements_of("void_transformer")
     }
-    /// Excavated volumes of the mesh (m3): main powerhouse, transformer cavern.
+    /// Excavated volumes (m3) of the mesh: main powerhouse, transformer cavern.
     pub fn excavations(&self) -> [f64; 2] {
         let of = |transformer: bool| {
-            let dug = self.volumes.iter().filter(|(part, _)| {
+            let excavated = self.volumes.iter().filter(|(part, _)| {
                 **part != BayPart::Rock && part.is_in_transformer() == transformer
             });
-            dug.map(|(_, volume)| volume).sum()
+            excavated.map(|(_, volume)| volume).sum()
         };
         [of(false), of(true)]
     }
-    /// Elements of a part, by its name.
+    /// Number of elements of the part with a name; 0 for an unknown name.
     pub fn elements_of(&self, part: &str) -> usize {
         let of = self.parts.iter().filter(|(known, _)| known.name() == part);
         of.map(|(_, count)| count).sum()
@@ -133,7 +133,7 @@ impl fmt::Display for BayReport {
         )?;
         writeln!(
             f,
-            "hexahedra          {} of the file: {} rock, {} concrete, {} that stay empty",
+            "hexahedra          {} in the mesh: {} rock, {} concrete, {} void",
             self.elements(),
             self.elements_of("rock"),
             self.concrete(),
@@ -141,7 +141,7 @@ impl fmt::Display for BayReport {
         )?;
         writeln!(
             f,
-            "nodes              {} and {} doubled at the joint",
+            "nodes              {}, and {} duplicated at the joint",
             self.nodes, self.doubled_nodes
         )?;
         let [least, hundredth, median] = self.scaled_jacobian;
@@ -173,7 +173,7 @@ impl fmt::Display for BayReport {
             let at = point.position;
             writeln!(
                 f,
-                "  point {:<12} ({:.2}, {:.2}, {:.2}), {:.2} m from its place",
+                "  point {:<12} ({:.2}, {:.2}, {:.2}) m, {:.2} m from its intended position",
                 point.name, at.x, at.y, at.z, point.offset
             )?;
         }

@@ -1,4 +1,4 @@
-//! Named sets of a bay: parts, stages, faces, joints, monitoring points.
+//! Named sets of the mesh of a bay: parts, stages, faces, joints, monitoring points.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use super::plan::{Column, Plan};
 const FIRST_MAIN: f64 = 9.0;
 const UPPER_TRANSFORMER: [f64; 2] = [8.0, 17.0];
 
-/// Sides of a hexahedron of the grid and the step to the neighbour there.
+/// Sides of a hexahedron of the grid and the index step to the neighbour at each.
 const SIDES: [(u8, [isize; 3]); 6] = [
     (0, [0, 0, -1]),
     (1, [0, 0, 1]),
@@ -23,18 +23,18 @@ const SIDES: [(u8, [isize; 3]); 6] = [
     (5, [-1, 0, 0]),
 ];
 
-/// A place whose motion and stress are looked at.
+/// Monitoring point of the paper, as a node of the mesh of a bay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonitoringPoint {
-    /// Its name in the paper: `A` to `F`, `O1`, `O2`; its node set is `point_` and the name.
+    /// Name in the paper: `A` to `F`, `O1`, `O2`; the node set is `point_` followed by it.
     pub name: &'static str,
     /// Mesh index of the node.
     pub node: u32,
-    /// How far it is from where it was to be (m), along the wall to the nearest row.
+    /// Distance (m) of the node from the intended position: along the wall to the nearest grid row.
     pub offset: f64,
 }
 
-/// Cells by number.
+/// Grid cells with their element indices.
 struct Cells<'a> {
     plan: &'a Plan,
     counts: [usize; 3],
@@ -62,7 +62,7 @@ impl Cells<'_> {
     }
 }
 
-/// Gives the mesh of a plan its element and facet sets; returns how many elements each part has.
+/// Adds the element and facet sets to the mesh of a plan; returns the number of elements of each part.
 pub(super) fn name_sets(
     mesh: &mut Mesh,
     plan: &Plan,
@@ -117,7 +117,7 @@ pub(super) fn name_sets(
     Ok(counts)
 }
 
-/// The stage of excavation of a cell whose middle is at a height (m).
+/// The excavation stage of a cell whose centroid is at a height (m).
 fn stage(levels: &Levels, part: BayPart, height: f64) -> &'static str {
     let below = |depth: f64| height < levels.crown - depth;
     if part.is_in_transformer() {
@@ -137,14 +137,14 @@ fn stage(levels: &Levels, part: BayPart, height: f64) -> &'static str {
     }
 }
 
-/// Whether a cell lies at a face through which waves come in.
+/// Whether a cell lies at an absorbing face.
 fn touches_side(cells: &Cells, [i, j, k]: [usize; 3], ends_absorb: bool) -> bool {
     let [nx, ny, _] = cells.counts;
     i == 0 || i + 1 == nx || k == 0 || (ends_absorb && (j == 0 || j + 1 == ny))
 }
 
-/// Facets of a cell of rock towards the structure: those of the joint, by part, and those in which
-/// bolts stand, by surface.
+/// Adds the facets of a rock cell towards the structure: those of the joint, by part, and those of the bolt heads,
+/// by surface.
 fn rock_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Vec<Facet>>) {
     let element = cells.index(cell);
     for (side, step) in SIDES {
@@ -174,8 +174,8 @@ fn rock_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Ve
     }
 }
 
-/// Facets of a cell of the rock or the structure on the faces across the halls: waves may come through
-/// those of the rock while those of the structure are held.
+/// Adds the facets of a rock or concrete cell on the faces normal to the halls; separate sets, since those of the
+/// rock may absorb while those of the structure are supported.
 fn end_facets(
     cells: &Cells,
     cell: [usize; 3],
@@ -192,7 +192,7 @@ fn end_facets(
     }
 }
 
-/// Finds the monitoring points at mid-bay and gives them their node sets.
+/// Finds the monitoring points at mid-bay and adds their node sets to the mesh.
 pub(super) fn name_points(
     mesh: &mut Mesh,
     plan: &Plan,
@@ -251,7 +251,7 @@ fn ends(columns: &[usize]) -> [usize; 2] {
     }
 }
 
-/// Where the monitoring points stand (m).
+/// The position of a monitoring point (m).
 pub(super) fn position(mesh: &Mesh, point: &MonitoringPoint) -> Vec3 {
     mesh.positions()[point.node as usize]
 }

@@ -1,12 +1,12 @@
 //! Spacings of grid lines.
 
-/// How strongly relaxed spacings still follow those of before: with this power of them.
+/// Exponent with which smoothed spacings follow the original ones.
 const RELAXED_POWER: f64 = 0.35;
-/// Halvings that find a factor to all digits.
+/// Bisection steps that determine a factor to machine precision.
 const HALVINGS: usize = 80;
 
-/// Spacings that grow from `first` by a constant factor up to `longest` and fill a length; equal ones
-/// where that needs no growth or cannot be. If `cells` of the longest do not reach, there are more.
+/// Spacings that grow geometrically from `first` up to `longest` and fill a length; equal ones where no growth is
+/// needed or none suffices. If `cells` spacings of the longest do not fill the length, there are more.
 pub(super) fn graded(length: f64, cells: usize, first: f64, longest: f64) -> Vec<f64> {
     let cells = enough(length, cells, longest);
     fill(length, cells, |growth, k| {
@@ -14,7 +14,7 @@ pub(super) fn graded(length: f64, cells: usize, first: f64, longest: f64) -> Vec
     })
 }
 
-/// The same, growing from both ends to the middle.
+/// Spacings as of [`graded`], growing from both ends to the middle.
 pub(super) fn graded_from_both_ends(
     length: f64,
     cells: usize,
@@ -50,7 +50,7 @@ fn fill(length: f64, cells: usize, of: impl Fn(f64, usize) -> f64) -> Vec<f64> {
     (0..cells).map(|k| of(low, k)).collect()
 }
 
-/// Spacings of the same sum that differ less, none above `longest` where that can be.
+/// Smoothed spacings with the same sum; none above `longest` unless the mean is.
 pub(super) fn relaxed(spacings: &[f64], longest: f64) -> Vec<f64> {
     let length: f64 = spacings.iter().sum();
     let longest = longest.max(length / spacings.len() as f64);
@@ -73,21 +73,21 @@ pub(super) fn relaxed(spacings: &[f64], longest: f64) -> Vec<f64> {
     scaled(high)
 }
 
-/// Places from a start through spacings; the last is `end` to all digits.
-pub(super) fn places(start: f64, spacings: &[f64], end: f64) -> Vec<f64> {
-    let mut places = vec![start];
-    let mut place = start;
+/// Positions of grid lines from a start with given spacings; the last is exactly `end`.
+pub(super) fn positions(start: f64, spacings: &[f64], end: f64) -> Vec<f64> {
+    let mut positions = vec![start];
+    let mut position = start;
     for spacing in spacings {
-        place += spacing;
-        places.push(place);
+        position += spacing;
+        positions.push(position);
     }
-    if let Some(last) = places.last_mut() {
+    if let Some(last) = positions.last_mut() {
         *last = end;
     }
-    places
+    positions
 }
 
-/// A smooth step from 0 at 0 to 1 at 1, level at both ends.
+/// Cubic step from 0 at `t = 0` to 1 at `t = 1`, with zero slope at both ends.
 pub(super) fn smooth_step(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,8 +1,8 @@
-//! Conclusions 1 to 3: what the angle does to stress, displacement and damage.
+//! Conclusions 1 to 3: dependence of stress, displacement and damage on the angle of incidence.
 
 use super::Conclusion;
 use super::Verdict;
-use super::series::{Measure, P, SV, Series, WORST, called, case, verdict};
+use super::series::{Measure, P, SV, Series, WORST, case, case_label, verdict};
 use crate::bay::BayPart;
 use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, PartDamage, Peak};
@@ -10,7 +10,7 @@ use crate::sweep::{CaseOutcome, PartDamage, Peak};
 /// The set of all concrete.
 const STRUCTURE: &str = "structure";
 
-/// What is measured at the monitoring points.
+/// Measure at the monitoring points.
 #[derive(Clone, Copy)]
 enum Points {
     Stress,
@@ -24,7 +24,7 @@ impl Points {
             Self::Relative => &outcome.relative,
         }
     }
-    /// Factor and unit in which it is told.
+    /// Scale factor and unit for the text.
     fn scale(self) -> (f64, &'static str) {
         match self {
             Self::Stress => (1e-6, "MPa"),
@@ -34,7 +34,7 @@ impl Points {
     fn mean(self, outcome: &CaseOutcome) -> Option<f64> {
         mean(self.peaks(outcome))
     }
-    /// What the same comes to in the ground alone.
+    /// The mean of the same measure in the free field.
     fn ground(self, outcome: &CaseOutcome) -> Option<f64> {
         match self {
             Self::Stress => None,
@@ -48,7 +48,7 @@ fn mean(peaks: &[Peak]) -> Option<f64> {
     (!peaks.is_empty()).then(|| sum / peaks.len() as f64)
 }
 
-/// How a measure is to go with the angle.
+/// Claimed dependence of a measure on the angle.
 type Trend = fn(&Series) -> bool;
 
 fn greatest_at_worst(series: &Series) -> bool {
@@ -62,8 +62,8 @@ fn around_worst(series: &Series) -> bool {
 /// Stress and displacement of the points, and damage of the structure, against the angle.
 pub(super) fn of_angles(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     let (stress, relative) = (Points::Stress, Points::Relative);
-    let at_points = |head, wave, points, trend| of_points(outcomes, head, wave, points, trend);
-    let damage = |head, wave, trend| of_damage(outcomes, head, wave, trend);
+    let at_points = |claim, wave, points, trend| of_points(outcomes, claim, wave, points, trend);
+    let damage = |claim, wave, trend| of_damage(outcomes, claim, wave, trend);
     vec![
         at_points(
             (
@@ -137,10 +137,10 @@ pub(super) fn of_angles(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     ]
 }
 
-/// What a claim is: number, key, words.
-type Head = (u8, &'static str, &'static str);
+/// A claim: number of the conclusion, key and sentence.
+type Claim = (u8, &'static str, &'static str);
 
-fn told((number, key, claim): Head, figures: String, verdict: Verdict) -> Conclusion {
+fn conclusion((number, key, claim): Claim, figures: String, verdict: Verdict) -> Conclusion {
     Conclusion {
         number,
         key,
@@ -150,10 +150,10 @@ fn told((number, key, claim): Head, figures: String, verdict: Verdict) -> Conclu
     }
 }
 
-/// The mean over the points and at least half of them decide; how many go the same way is told.
+/// A claim on the points: it holds if the mean over the points and at least half of the points follow the trend.
 fn of_points(
     outcomes: &[CaseOutcome],
-    head: Head,
+    claim: Claim,
     (kind, angles): (&str, &[f64]),
     points: Points,
     trend: Trend,
@@ -161,7 +161,7 @@ fn of_points(
     let series = |measure: Measure| Series::of(outcomes, kind, angles, measure);
     let mean = match series(&|outcome| points.mean(outcome)) {
         Ok(mean) => mean,
-        Err(missing) => return told(head, String::new(), Verdict::Missing(missing)),
+        Err(missing) => return conclusion(claim, String::new(), Verdict::Missing(missing)),
     };
     let first = case(outcomes, (kind, angles[0]), false);
     let names: Vec<&str> = first.map_or_else(Vec::new, |outcome| {
@@ -178,26 +178,26 @@ fn of_points(
     let following = names.iter().filter(follows).count();
     let (scale, unit) = points.scale();
     let mut figures = format!(
-        "{} {unit}, mean of {} points; so at {following} of them",
-        mean.told(scale),
+        "{} {unit}, mean of {} points; the same trend at {following} of them",
+        mean.text(scale),
         names.len()
     );
     if let Ok(ground) = series(&|outcome| points.ground(outcome)) {
-        figures = format!("{figures}; the ground alone {}", ground.told(scale));
+        figures = format!("{figures}; free field {}", ground.text(scale));
     }
     let holds = trend(&mean) && 2 * following >= names.len();
-    told(head, figures, verdict(holds))
+    conclusion(claim, figures, verdict(holds))
 }
 
-/// A part of the structure of a case.
+/// The damage of a part of the structure in a case.
 pub(super) fn part<'o>(outcome: &'o CaseOutcome, name: &str) -> Option<&'o PartDamage> {
     outcome.parts.iter().find(|part| part.name == name)
 }
 
-/// The mean damage of the structure decides; the damaged share of its volume is told.
+/// A claim on damage, decided by the mean damage of the structure; the damaged share of its volume is reported.
 fn of_damage(
     outcomes: &[CaseOutcome],
-    head: Head,
+    claim: Claim,
     (kind, angles): (&str, &[f64]),
     trend: Trend,
 ) -> Conclusion {
@@ -209,13 +209,13 @@ fn of_damage(
         (Ok(mean), Ok(damaged)) => {
             let figures = format!(
                 "mean damage {}; damaged by more than a tenth {} %",
-                mean.told(1.0),
-                damaged.told(100.0)
+                mean.text(1.0),
+                damaged.text(100.0)
             );
-            told(head, figures, verdict(trend(&mean)))
+            conclusion(claim, figures, verdict(trend(&mean)))
         }
         (Err(missing), _) | (_, Err(missing)) => {
-            told(head, String::new(), Verdict::Missing(missing))
+            conclusion(claim, String::new(), Verdict::Missing(missing))
         }
     }
 }
@@ -235,7 +235,8 @@ fn weak_and_other(outcome: &CaseOutcome) -> Option<[f64; 2]> {
     means.iter().all(|mean| mean.is_finite()).then_some(means)
 }
 
-/// Arches and floors suffer most, and more under oblique waves than under vertical or horizontal ones.
+/// Claims that arches and floors are damaged most, and more under oblique waves than under vertical or horizontal
+/// ones.
 pub(super) fn of_weak_parts(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     let kinds = [
         (
@@ -276,20 +277,20 @@ pub(super) fn of_weak_parts(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
                     rounded(weak),
                     rounded(other)
                 );
-                told(most, figures, verdict(weak > other))
+                conclusion(most, figures, verdict(weak > other))
             }
             None => {
-                let missing = vec![called((kind, WORST), false)];
-                told(most, String::new(), Verdict::Missing(missing))
+                let missing = vec![case_label((kind, WORST), false)];
+                conclusion(most, String::new(), Verdict::Missing(missing))
             }
         });
         let weak = |outcome: &CaseOutcome| weak_and_other(outcome).map(|[weak, _]| weak);
         found.push(match Series::of(outcomes, kind, angles, &weak) {
             Ok(series) => {
-                let figures = format!("mean damage {}", series.told(1.0));
-                told(oblique, figures, verdict(series.is_greatest_at(WORST)))
+                let figures = format!("mean damage {}", series.text(1.0));
+                conclusion(oblique, figures, verdict(series.is_greatest_at(WORST)))
             }
-            Err(missing) => told(oblique, String::new(), Verdict::Missing(missing)),
+            Err(missing) => conclusion(oblique, String::new(), Verdict::Missing(missing)),
         });
     }
     found

@@ -1,13 +1,13 @@
-//! Conclusions 4 and 5: what the interaction of rock and structure does, and the joint between them.
+//! Conclusions 4 and 5: effect of the interaction of rock and structure, and of the joint between them.
 
 use super::claims::part;
-use super::series::{P, SV, WORST, called, case, verdict};
+use super::series::{P, SV, WORST, case, case_label, verdict};
 use super::{Conclusion, Verdict};
 use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, JointAndLining};
 
-/// The keys and words of what is claimed of a kind of wave.
-struct Words {
+/// Keys and sentences of the claims on a kind of wave.
+struct ClaimTexts {
     kind: &'static str,
     adds: (&'static str, &'static str),
     spares: (&'static str, &'static str),
@@ -16,8 +16,8 @@ struct Words {
     arches: (&'static str, &'static str),
 }
 
-const WORDS: [Words; 2] = [
-    Words {
+const CLAIMS: [ClaimTexts; 2] = [
+    ClaimTexts {
         kind: "sv",
         adds: (
             "sv_interaction_adds_damage",
@@ -41,7 +41,7 @@ const WORDS: [Words; 2] = [
             "SV at 30 degrees: the joint fails mainly at the arches",
         ),
     },
-    Words {
+    ClaimTexts {
         kind: "p",
         adds: (
             "p_interaction_adds_damage",
@@ -67,7 +67,7 @@ const WORDS: [Words; 2] = [
     },
 ];
 
-fn told(
+fn conclusion(
     number: u8,
     (key, claim): (&'static str, &'static str),
     found: Result<(String, bool), Vec<String>>,
@@ -85,17 +85,17 @@ fn told(
     }
 }
 
-/// What is much larger is so by a quarter at least.
+/// Least ratio that counts as much larger.
 const MUCH: f64 = 1.25;
 
-/// Damage with interaction against damage without it, and whether tension does it.
+/// Claims on the damage with and without interaction, and on its cause.
 pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     let mut found = Vec::new();
-    for words in WORDS {
-        let wave = (words.kind, WORST);
+    for texts in CLAIMS {
+        let wave = (texts.kind, WORST);
         let structure = |continuous| {
             let part = case(outcomes, wave, continuous).and_then(|case| part(case, "structure"));
-            part.ok_or_else(|| called(wave, continuous))
+            part.ok_or_else(|| case_label(wave, continuous))
         };
         let pair = match (structure(false), structure(true)) {
             (Ok(with), Ok(without)) => Ok([with, without]),
@@ -117,41 +117,43 @@ pub(super) fn of_interaction(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
             let holds = is_more && is_at_most && first.damaged > second.damaged;
             Ok((figures, holds))
         };
-        found.push(told(4, words.adds, compared(0, (1.0, Some(MUCH)))));
-        found.push(told(0, words.spares, compared(1, (MUCH, None))));
+        found.push(conclusion(4, texts.adds, compared(0, (1.0, Some(MUCH)))));
+        found.push(conclusion(0, texts.spares, compared(1, (MUCH, None))));
         let tension = structure(false).map_err(|missing| vec![missing]);
         let tension = tension.map(|part| {
             let figures = format!(
-                "tension does more on {} % of the {} % of the volume that are damaged by more than half \
-                 the greatest",
+                "tensile damage exceeds compressive damage on {} % of the {} % of the volume with more than half \
+                 of the greatest damage",
                 rounded(100.0 * part.severe_tension),
                 rounded(100.0 * part.severe)
             );
             (figures, part.severe_tension > 0.5)
         });
-        found.push(told(4, words.tension, tension));
+        found.push(conclusion(4, texts.tension, tension));
     }
     found
 }
 
-/// Where the joint fails, and whether damage goes with it.
+/// Claims on the location of joint failure and its correlation with damage.
 pub(super) fn of_joints(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     let mut found = Vec::new();
-    for words in WORDS {
-        let wave = (words.kind, WORST);
-        let with = case(outcomes, wave, false).ok_or_else(|| vec![called(wave, false)]);
+    for texts in CLAIMS {
+        let wave = (texts.kind, WORST);
+        let with = case(outcomes, wave, false).ok_or_else(|| vec![case_label(wave, false)]);
         let together = with.clone().and_then(|case| {
             let found = case.joint_and_lining.as_ref();
-            found.ok_or_else(|| vec![called(wave, false)]).map(beside)
+            found
+                .ok_or_else(|| vec![case_label(wave, false)])
+                .map(beside)
         });
-        found.push(told(5, words.together, together));
-        found.push(told(
+        found.push(conclusion(5, texts.together, together));
+        found.push(conclusion(
             5,
-            words.arches,
+            texts.arches,
             with.and_then(|case| at_arches(case, wave)),
         ));
     }
-    found.push(told(
+    found.push(conclusion(
         5,
         (
             "damage_goes_with_joint_failure",
@@ -163,12 +165,12 @@ pub(super) fn of_joints(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     found
 }
 
-/// Damage of the structure where the joint failed and where it held. They go together if chance gives a
-/// correlation as great in one of forty such samples at most: beyond `2 / sqrt(n)`.
+/// Damage of the structure at failed and at intact parts of the joint. They are correlated if the correlation exceeds
+/// `2 / sqrt(n)`, which chance exceeds in one of forty samples.
 fn beside(found: &JointAndLining) -> (String, bool) {
     let of = |value: Option<f64>| value.map_or("none".into(), rounded);
     let figures = format!(
-        "mean damage {} where the joint failed, {} where it held; correlation {} over {} elements; failed \
+        "mean damage {} where the joint failed, {} where it is intact; correlation {} over {} elements; failed \
          on {} % of the area",
         of(found.damage_at_failed),
         of(found.damage_at_held),
@@ -182,7 +184,7 @@ fn beside(found: &JointAndLining) -> (String, bool) {
     (figures, holds)
 }
 
-/// The broken share of the joint at the arches and elsewhere.
+/// The failed share of the joint at the arches and elsewhere.
 fn at_arches(case: &CaseOutcome, wave: (&str, f64)) -> Result<(String, bool), Vec<String>> {
     let share = |at_arch: bool| {
         let parts = case.joint_parts.iter();
@@ -194,7 +196,7 @@ fn at_arches(case: &CaseOutcome, wave: (&str, f64)) -> Result<(String, bool), Ve
         (area > 0.0).then(|| failed / area)
     };
     let Some((arches, rest)) = share(true).zip(share(false)) else {
-        return Err(vec![called(wave, false)]);
+        return Err(vec![case_label(wave, false)]);
     };
     let figures = format!(
         "failed on {} % of the area at arches, {} % elsewhere",
@@ -204,8 +206,8 @@ fn at_arches(case: &CaseOutcome, wave: (&str, f64)) -> Result<(String, bool), Ve
     Ok((figures, arches > rest))
 }
 
-/// Whether, between two cases of the paper, more damage of the lining goes with more failure of the joint:
-/// Kendall's tau.
+/// Rank correlation (Kendall's tau) of the damage of the lining and the failed share of the joint over the cases of
+/// the paper.
 fn from_case_to_case(outcomes: &[CaseOutcome]) -> Result<(String, bool), Vec<String>> {
     let waves = SV.map(|angle| ("sv", angle)).into_iter();
     let waves = waves.chain(P.map(|angle| ("p", angle)));
@@ -214,7 +216,7 @@ fn from_case_to_case(outcomes: &[CaseOutcome]) -> Result<(String, bool), Vec<Str
             let failed = case.joint_and_lining.as_ref()?.failed;
             Some((failed, part(case, "lining")?.mean))
         });
-        found.ok_or_else(|| called(wave, false))
+        found.ok_or_else(|| case_label(wave, false))
     };
     let points: Vec<Result<(f64, f64), String>> = waves.map(point).collect();
     let missing: Vec<String> = points.iter().filter_map(|p| p.clone().err()).collect();
@@ -223,11 +225,11 @@ fn from_case_to_case(outcomes: &[CaseOutcome]) -> Result<(String, bool), Vec<Str
     }
     let points: Vec<(f64, f64)> = points.into_iter().flatten().collect();
     let (mut sum, mut pairs) = (0.0, 0.0);
-    for (place, first) in points.iter().enumerate() {
-        for second in &points[..place] {
-            let way = (first.0 - second.0) * (first.1 - second.1);
-            if way != 0.0 {
-                sum += way.signum();
+    for (index, first) in points.iter().enumerate() {
+        for second in &points[..index] {
+            let product = (first.0 - second.0) * (first.1 - second.1);
+            if product != 0.0 {
+                sum += product.signum();
             }
             pairs += 1.0;
         }

@@ -1,8 +1,8 @@
-//! What Wang, Chen & Xiao (2019) conclude, put to the test by the cases of a sweep.
+//! Test of the conclusions of Wang, Chen & Xiao (2019) by the cases of a sweep.
 //!
-//! Each of the five conclusions of their section 5 becomes one claim or several that figures can bear out
-//! or not. A claim whose cases are not finished is open, and says which are missing; one whose cases end before
-//! 95 % of the Arias intensity of their records is not judged.
+//! Each of the five conclusions of their section 5 is divided into claims that computed values confirm or do not
+//! confirm. A claim with missing cases remains open and names them; a claim whose cases end before 95 % of the Arias
+//! intensity of their records is not judged.
 //!
 //! ```
 //! use powerhouse_study::{Verdict, conclusions};
@@ -18,31 +18,31 @@ use std::fmt;
 
 use crate::sweep::CaseOutcome;
 
-/// A claim of the paper, and what the cases of a sweep say to it.
+/// Claim of the paper with its verdict and the computed values behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conclusion {
-    /// The number of the paper's conclusion; 0 for a claim of its abstract that contradicts them.
+    /// Number of the conclusion in the paper, 1 to 5; 0 for a claim of its abstract that contradicts them.
     pub number: u8,
-    /// A name for machines, such as `sv_stress_rises`.
+    /// Identifier of the claim for programs, such as `sv_stress_rises`.
     pub key: &'static str,
-    /// What the paper says.
+    /// Claim of the paper as a sentence.
     pub claim: &'static str,
-    /// The figures by which it was tested.
+    /// Computed values that decide the claim, as text; empty if cases are missing.
     pub figures: String,
-    /// What they say.
+    /// Result of the test.
     pub verdict: Verdict,
 }
 
-/// What figures say to a claim.
+/// Result of the test of a claim.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// They bear it out.
+    /// The computed values confirm the claim.
     Confirmed,
-    /// They do not.
+    /// The computed values do not confirm the claim.
     NotConfirmed,
-    /// Some of the cases end before the strong motion of their records: how.
+    /// Not judged, since a case ends before the end of the strong motion of its record; with the explanation.
     NotJudged(String),
-    /// Some of the cases that it takes are not there: which.
+    /// Open, since the named cases are missing.
     Missing(Vec<String>),
 }
 
@@ -51,14 +51,14 @@ impl fmt::Display for Verdict {
         match self {
             Self::Confirmed => f.write_str("confirmed"),
             Self::NotConfirmed => f.write_str("not confirmed"),
-            Self::NotJudged(why) => write!(f, "not judged ({why})"),
-            Self::Missing(cases) => write!(f, "open, without {}", cases.join(", ")),
+            Self::NotJudged(reason) => write!(f, "not judged ({reason})"),
+            Self::Missing(cases) => write!(f, "open, missing {}", cases.join(", ")),
         }
     }
 }
 
 impl fmt::Display for Conclusion {
-    /// `conclusion.1.sv_stress_rises = confirmed (0: 1.2, ...)`.
+    /// Writes the conclusion as `conclusion.1.sv_stress_rises = confirmed (0: 1.2, ...)`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self.number {
             0 => f.write_str("abstract")?,
@@ -72,18 +72,18 @@ impl fmt::Display for Conclusion {
     }
 }
 
-/// Tests the conclusions of Wang, Chen & Xiao (2019) by the outcomes of the cases of a sweep, which may be
-/// some of them only.
+/// Tests the conclusions of Wang, Chen & Xiao (2019) by the outcomes of the cases of a sweep, of which some may be
+/// missing.
 pub fn conclusions(outcomes: &[CaseOutcome]) -> Vec<Conclusion> {
     let mut found = claims::of_angles(outcomes);
     found.extend(claims::of_weak_parts(outcomes));
     found.extend(contact::of_interaction(outcomes));
     found.extend(contact::of_joints(outcomes));
-    // What ends before the strong motion tells nothing of it.
-    let seen = outcomes
+    // A case that ends before the strong motion does not decide a claim.
+    let coverages = outcomes
         .iter()
         .filter_map(|outcome| outcome.coverage.as_ref());
-    let short = seen.filter(|seen| !seen.is_enough());
+    let short = coverages.filter(|coverage| !coverage.is_enough());
     if let Some(short) = short.min_by(|a, b| a.intensity.total_cmp(&b.intensity)) {
         for claim in &mut found {
             if !matches!(claim.verdict, Verdict::Missing(_)) {

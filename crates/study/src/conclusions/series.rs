@@ -1,4 +1,4 @@
-//! Cases by angle, and how a measure goes with it.
+//! A measure as a function of the angle of incidence.
 
 use super::Verdict;
 use crate::rounded::rounded;
@@ -6,13 +6,13 @@ use crate::sweep::CaseOutcome;
 
 /// The angles of SV waves that the paper computes (degrees).
 pub(super) const SV: [f64; 4] = [0.0, 15.0, 25.0, 30.0];
-/// Those of P waves.
+/// The angles of P waves that the paper computes (degrees).
 pub(super) const P: [f64; 4] = [0.0, 30.0, 60.0, 90.0];
-/// The angle at which the paper finds the most of everything (degrees).
+/// The angle at which the paper finds the greatest response (degrees).
 pub(super) const WORST: f64 = 30.0;
 
-/// A case of one wave with nothing varied, with its joints or without; moved as the first case of all that
-/// varies nothing, for a sweep may hold other records.
+/// The unvaried case of a single wave, with or without joints, under the same motion as the first unvaried case of
+/// the sweep, which may contain other records.
 pub(super) fn case<'o>(
     outcomes: &'o [CaseOutcome],
     (kind, angle): (&str, f64),
@@ -34,16 +34,16 @@ pub(super) fn case<'o>(
     })
 }
 
-/// How a missing case is called.
-pub(super) fn called((kind, angle): (&str, f64), continuous: bool) -> String {
+/// The name of a case in a list of missing cases.
+pub(super) fn case_label((kind, angle): (&str, f64), continuous: bool) -> String {
     let joints = if continuous { " without joints" } else { "" };
     format!("{} {angle}{joints}", kind.to_uppercase())
 }
 
-/// A measure of a case; none if the case does not have it.
+/// A measure of a case; `None` if the case lacks it.
 pub(super) type Measure<'m> = &'m dyn Fn(&CaseOutcome) -> Option<f64>;
 
-/// A measure at each of some angles, in rising order.
+/// Values of a measure at several angles, in rising order.
 #[derive(Debug)]
 pub(super) struct Series {
     pub(super) angles: Vec<f64>,
@@ -51,7 +51,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Of the cases of a kind of wave, or which of them are missing.
+    /// Collects a measure from the cases of a kind of wave, or returns the labels of the missing cases.
     pub(super) fn of(
         outcomes: &[CaseOutcome],
         kind: &str,
@@ -60,7 +60,7 @@ impl Series {
     ) -> Result<Self, Vec<String>> {
         let value = |&angle: &f64| {
             let found = case(outcomes, (kind, angle), false).and_then(measure);
-            found.ok_or_else(|| called((kind, angle), false))
+            found.ok_or_else(|| case_label((kind, angle), false))
         };
         let found: Vec<Result<f64, String>> = angles.iter().map(value).collect();
         let missing: Vec<String> = (found.iter())
@@ -75,19 +75,19 @@ impl Series {
         }
     }
 
-    /// Whether each value is above the one before.
+    /// Whether the values rise strictly with the angle.
     pub(super) fn rises(&self) -> bool {
         self.values.windows(2).all(|pair| pair[1] > pair[0])
     }
 
-    /// Whether the greatest value, and no other, is that of an angle.
+    /// Whether the value at an angle is greater than all others.
     pub(super) fn is_greatest_at(&self, angle: f64) -> bool {
-        let Some(place) = self.angles.iter().position(|&other| other == angle) else {
+        let Some(index) = self.angles.iter().position(|&other| other == angle) else {
             return false;
         };
         let all = self.values.iter().enumerate();
-        let mut others = all.filter(|(other, _)| *other != place);
-        others.all(|(_, &value)| value < self.values[place])
+        let mut others = all.filter(|(other, _)| *other != index);
+        others.all(|(_, &value)| value < self.values[index])
     }
 
     /// Whether values rise up to an angle and fall beyond it.
@@ -97,15 +97,15 @@ impl Series {
         signs.all(|(up, down, end)| if end <= angle { up } else { down })
     }
 
-    /// The values with their angles, times a scale.
-    pub(super) fn told(&self, scale: f64) -> String {
+    /// The values with their angles as text, multiplied by a scale.
+    pub(super) fn text(&self, scale: f64) -> String {
         let pairs = self.angles.iter().zip(&self.values);
-        let told = pairs.map(|(angle, value)| format!("{angle}: {}", rounded(scale * value)));
-        told.collect::<Vec<_>>().join(", ")
+        let texts = pairs.map(|(angle, value)| format!("{angle}: {}", rounded(scale * value)));
+        texts.collect::<Vec<_>>().join(", ")
     }
 }
 
-/// Confirmed or not.
+/// The verdict on a claim that holds or not.
 pub(super) fn verdict(holds: bool) -> Verdict {
     match holds {
         true => Verdict::Confirmed,

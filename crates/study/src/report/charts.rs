@@ -1,4 +1,4 @@
-//! The plots of a report.
+//! Plots of a report.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,14 @@ use super::{CaseFiles, column, kinds};
 use crate::StudyError;
 use crate::sweep::Peak;
 
-/// The history that is drawn for all cases.
+/// Name of the point whose history is drawn for all cases.
 const POINT: &str = "A";
-/// A displacement less than this share of the greatest is not drawn.
+/// Displacements below this share of the greatest are not drawn.
 const STILL: f64 = 1e-3;
-/// What is less than this share of the other components is rounding.
+/// Components below this share of the largest are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// Peaks against the angle of incidence, for each kind of wave with several angles: a plot for each.
+/// Plots of peaks against the angle of incidence, one for each kind of wave with several angles.
 pub(super) fn by_angle(
     cases: &[CaseFiles],
     folder: &Path,
@@ -44,8 +44,8 @@ pub(super) fn by_angle(
         let angles: Vec<f64> = known.iter().map(|(angle, _)| *angle).collect();
         let names: Vec<String> = known[0].1.iter().map(|peak| peak.name.clone()).collect();
         let values: Vec<Vec<f64>> = (0..names.len())
-            .map(|place| {
-                let peaks = known.iter().map(|(_, peaks)| peaks.get(place));
+            .map(|index| {
+                let peaks = known.iter().map(|(_, peaks)| peaks.get(index));
                 peaks
                     .map(|peak| peak.map_or(0.0, |peak| scale * peak.value))
                     .collect()
@@ -75,14 +75,14 @@ pub(super) fn by_angle(
     Ok(plots)
 }
 
-/// The greatest displacement of the crown in any case (m); none without.
+/// The greatest displacement of the crown over all cases (m); zero without one.
 fn greatest_displacement(cases: &[CaseFiles]) -> f64 {
     let peaks = cases.iter().flat_map(|case| &case.outcome.displacements);
     let own = peaks.filter(|peak| peak.name == POINT);
     own.fold(0.0, |most, peak| most.max(peak.value))
 }
 
-/// A history of the crown for the cases of each kind of wave: a plot for each.
+/// Plots of a history of the crown, one for each kind of wave.
 pub(super) fn histories(
     cases: &[CaseFiles],
     folder: &Path,
@@ -99,7 +99,7 @@ pub(super) fn histories(
         ".uy" => (format!("{POINT}.uy"), "mm", 1e3, "displacement along"),
         other => (format!("{POINT}{other}"), "mm", 1e3, "displacement across"),
     };
-    let still = match component {
+    let least = match component {
         ".s1" => f64::NEG_INFINITY,
         _ => STILL * scale * greatest_displacement(cases),
     };
@@ -116,8 +116,8 @@ pub(super) fn histories(
             .collect();
         let greatest = series.iter().flat_map(|(.., values)| values);
         let greatest = greatest.fold(0.0_f64, |most, value| most.max(value.abs()));
-        // Along an axis along which these waves do not move it there is nothing to see.
-        if series.is_empty() || greatest <= still {
+        // These waves do not move the crown along this axis.
+        if series.is_empty() || greatest <= least {
             continue;
         }
         let plot = Plot {
@@ -140,36 +140,36 @@ pub(super) fn histories(
     Ok(plots)
 }
 
-/// The histories of scenes of one's own: a plot for each place and quantity, a panel for each component that moves,
-/// a curve for each case.
+/// Plots of the histories of a general scene: one for each point and quantity, with a panel for each moving component
+/// and a curve for each case.
 pub(super) fn all_histories(
     cases: &[CaseFiles],
     folder: &Path,
 ) -> Result<Vec<(PathBuf, String)>, StudyError> {
-    // Place, first letter of its components and unit: displacements, velocities, accelerations, stresses.
+    // Point, first letter of its components, and unit: displacements, velocities, accelerations, stresses.
     let mut groups: Vec<(String, String, String)> = Vec::new();
     for column in cases.iter().flat_map(|case| case.histories.iter().skip(1)) {
-        let (place, component) = column.name.rsplit_once('.').unwrap_or((&column.name, ""));
+        let (point, component) = column.name.rsplit_once('.').unwrap_or((&column.name, ""));
         let kind = component.get(..1).unwrap_or("").to_owned();
-        let group = (place.to_owned(), kind, column.unit.clone());
+        let group = (point.to_owned(), kind, column.unit.clone());
         if !groups.contains(&group) {
             groups.push(group);
         }
     }
     let mut plots = Vec::new();
-    for (place, kind, unit) in groups {
+    for (point, kind, unit) in groups {
         let mut components: Vec<&str> = Vec::new();
         for column in cases.iter().flat_map(|case| case.histories.iter().skip(1)) {
             let (own, component) = column.name.rsplit_once('.').unwrap_or((&column.name, ""));
-            let is_one = own == place && component.starts_with(&kind) && column.unit == unit;
+            let is_one = own == point && component.starts_with(&kind) && column.unit == unit;
             if is_one && !components.contains(&component) {
                 components.push(component);
             }
         }
         let curves = |component: &str| -> Vec<PlotCurve> {
             let name = match component {
-                "" => place.clone(),
-                component => format!("{place}.{component}"),
+                "" => point.clone(),
+                component => format!("{point}.{component}"),
             };
             let of = cases.iter().filter_map(|case| {
                 Some(PlotCurve {
@@ -203,10 +203,10 @@ pub(super) fn all_histories(
             unit: "s".into(),
             panels,
         };
-        let name = file_name(&format!("{place}-{kind}-{unit}"));
+        let name = file_name(&format!("{point}-{kind}-{unit}"));
         let file = folder.join(format!("history-{name}.svg"));
         write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
-        plots.push((file, format!("{place}: {} ({unit})", drawn.join(", "))));
+        plots.push((file, format!("{point}: {} ({unit})", drawn.join(", "))));
     }
     Ok(plots)
 }

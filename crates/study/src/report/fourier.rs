@@ -1,4 +1,4 @@
-//! A record and its Fourier spectrum.
+//! Plots of a record and its Fourier spectrum.
 
 use std::path::{Path, PathBuf};
 
@@ -8,11 +8,11 @@ use powerhouse::wavefield::{SpectralLine, TimeHistory};
 use super::history_of;
 use crate::StudyError;
 
-/// The highest frequency that is drawn (Hz).
+/// Highest drawn frequency (Hz).
 const HIGHEST: f64 = 15.0;
 
-/// Draws a record (time and acceleration) and the amplitude of its Fourier transform; nothing if it has
-/// too few samples. The time at which runs end (s), if they end before the record does, is marked.
+/// Draws a record (time and acceleration) and its Fourier amplitude spectrum; `None` if it has too few samples. The end
+/// of the runs (s) is marked if it is before the end of the record.
 pub(super) fn plots(
     record: &[TableColumn],
     end: Option<f64>,
@@ -86,7 +86,7 @@ pub(super) fn plots(
 mod tests {
     use super::*;
 
-    /// The plot of a record marks the time at which runs end before it does, and only then.
+    /// The plot of a record marks the end of the runs if it is before the end of the record, and only then.
     #[test]
     fn the_end_of_runs_is_marked() {
         let name = format!("powerhouse-record-plot-{}", std::process::id());

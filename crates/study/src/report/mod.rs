@@ -1,11 +1,11 @@
-//! One HTML page of a sweep or a run, which needs nothing beside it.
+//! Report of a sweep or a run as one self-contained HTML page.
 //!
 //! # Why so
-//! *It reads what is on disk*, so that a report can be made again of old results, and of results that
-//! are not complete: what is missing is left out.
+//! *It reads only result files*, so that a report can be written again for old results and for incomplete ones, in
+//! which missing results are left out.
 //!
-//! *Plots and pictures are part of the page* as data, each for itself, so that a page can be sent by
-//! mail and the colours of a plot follow light and dark.
+//! *Plots and pictures are embedded in the page*, so that a page can be sent as one file and the colours of a plot
+//! follow the light or dark scheme of the reader.
 
 mod charts;
 mod doubts;
@@ -25,35 +25,35 @@ use powerhouse::io::{TableColumn, read_table};
 use powerhouse::wavefield::TimeHistory;
 
 use crate::StudyError;
-use crate::sweep::{CASES, CaseOutcome, Listed, MARK, OUTCOME, write_text};
+use crate::sweep::{CASES, CaseEntry, CaseOutcome, MARK, OUTCOME, write_text};
 
-/// The name of the page in its folder.
+/// Name of the page in the result folder.
 const FILE: &str = "report.html";
-/// The folder of the plots that are made for it.
+/// Name of the folder of the plots of the report.
 const PLOTS: &str = "report";
 
-/// A case and what is on disk of it.
+/// Result files of a case.
 pub(super) struct CaseFiles {
     pub(super) folder: PathBuf,
     pub(super) outcome: CaseOutcome,
     pub(super) histories: Vec<TableColumn>,
     pub(super) summary: serde_json::Value,
-    /// What it was computed from.
-    pub(super) mark: serde_json::Value,
+    /// Contents of the fingerprint file.
+    pub(super) fingerprint: serde_json::Value,
 }
 
 impl CaseFiles {
-    /// Whether it varies nothing but its wave.
+    /// Whether the case is unvaried except for its wave.
     fn is_plain(&self) -> bool {
         let input = &self.outcome.input;
         input.varies.is_none() && !input.continuous
     }
 }
 
-/// Writes `report.html` of a folder of results: of a sweep or of a single run. Returns the file.
+/// Writes the report `report.html` of a result folder of a sweep or a single run; returns its path.
 ///
 /// # Errors
-/// [`StudyError::NoResults`] for a folder that holds neither; a file that cannot be read or written.
+/// [`StudyError::NoResults`] for a folder without results; a file that cannot be read or written.
 pub fn write_report(folder: impl AsRef<Path>) -> Result<PathBuf, StudyError> {
     let folder = folder.as_ref();
     let page = match read_cases(folder)? {
@@ -65,21 +65,21 @@ pub fn write_report(folder: impl AsRef<Path>) -> Result<PathBuf, StudyError> {
     Ok(file)
 }
 
-/// What a report of a folder cannot show though the sweep or the run has had it: cases that are not finished,
-/// files that are gone, a run that ended before all its files were there. Nothing if all is there.
+/// Lists the missing results of a folder, one sentence for each: unfinished cases, missing files, an incomplete run;
+/// empty for complete results.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn report_gaps(folder: impl AsRef<Path>) -> Result<Vec<String>, StudyError> {
     let folder = folder.as_ref();
     if let Some(cases) = listed(folder)? {
-        return Ok(cases.iter().filter_map(|case| case.lacks(folder)).collect());
+        return Ok(cases.iter().filter_map(|case| case.gap(folder)).collect());
     }
     let summary = read_json(&folder.join("summary.json"));
     let mut gaps = Vec::new();
     if summary["ended"] == "incomplete" {
-        let why = summary["failure"].as_str().unwrap_or("");
-        gaps.push(format!("the run is incomplete: {why}"));
+        let reason = summary["failure"].as_str().unwrap_or("");
+        gaps.push(format!("the run is incomplete: {reason}"));
     }
     let files = summary["files"].as_array().into_iter().flatten();
     let files = files.filter_map(serde_json::Value::as_str);
@@ -89,8 +89,7 @@ pub fn report_gaps(folder: impl AsRef<Path>) -> Result<Vec<String>, StudyError> 
     Ok(gaps)
 }
 
-/// The outcomes of the cases of a sweep that are finished, in the order of the scene; none if the folder
-/// holds no sweep.
+/// Reads the outcomes of the finished cases of a sweep, in the order of the scene; empty for a folder without a sweep.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -102,7 +101,7 @@ pub fn read_outcomes(folder: impl AsRef<Path>) -> Result<Vec<CaseOutcome>, Study
     outcomes.collect()
 }
 
-/// The folders of the cases of a sweep that are finished, in order; none if it is no sweep.
+/// The folders of the finished cases of a sweep, in order; `None` if the folder contains no sweep.
 fn case_folders(folder: &Path) -> Result<Option<Vec<PathBuf>>, StudyError> {
     let Some(cases) = listed(folder)? else {
         return Ok(None);
@@ -113,18 +112,18 @@ fn case_folders(folder: &Path) -> Result<Option<Vec<PathBuf>>, StudyError> {
     ))
 }
 
-/// The cases of a sweep; none if the folder holds no sweep.
-fn listed(folder: &Path) -> Result<Option<Vec<Listed>>, StudyError> {
+/// The list of cases of a sweep; `None` if the folder contains no sweep.
+fn listed(folder: &Path) -> Result<Option<Vec<CaseEntry>>, StudyError> {
     let file = folder.join(CASES);
     let Ok(text) = std::fs::read(&file) else {
         return Ok(None);
     };
     let cases = serde_json::from_slice(&text);
-    let cases: Vec<Listed> = cases.map_err(|source| StudyError::Outcome { file, source })?;
+    let cases: Vec<CaseEntry> = cases.map_err(|source| StudyError::Outcome { file, source })?;
     Ok(Some(cases))
 }
 
-/// What is on disk of the cases of a sweep that are finished; none if it is no sweep.
+/// Reads the results of the finished cases of a sweep; `None` if the folder contains no sweep.
 fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
     let Some(folders) = case_folders(folder)? else {
         return Ok(None);
@@ -138,20 +137,20 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
                 false => Vec::new(),
             },
             summary: read_json(&folder.join("summary.json")),
-            mark: read_json(&folder.join(MARK)),
+            fingerprint: read_json(&folder.join(MARK)),
             folder,
         })
     });
     cases.collect::<Result<_, _>>().map(Some)
 }
 
-/// What a file says; null if there is none that can be read.
+/// The contents of a JSON file; null if it cannot be read.
 fn read_json(file: &Path) -> serde_json::Value {
     let text = std::fs::read(file).unwrap_or_default();
     serde_json::from_slice(&text).unwrap_or_default()
 }
 
-/// The plain cases of each kind of wave, of which there are some.
+/// The unvaried cases of each kind of wave that occurs.
 fn kinds(cases: &[CaseFiles]) -> Vec<(&'static str, Vec<&CaseFiles>)> {
     let kinds = ["sv", "p", "sh"].map(|kind| {
         let of_kind = cases.iter().filter(|case| {
@@ -164,26 +163,26 @@ fn kinds(cases: &[CaseFiles]) -> Vec<(&'static str, Vec<&CaseFiles>)> {
     some.collect()
 }
 
-/// The column of a name.
+/// The column with a name.
 fn column<'t>(table: &'t [TableColumn], name: &str) -> Option<&'t TableColumn> {
     table.iter().find(|column| column.name == name)
 }
 
-/// Samples of an acceleration (m/s2) as a record at even times, as many as there are: a run samples at its
-/// steps, which need not fall on the times that were asked for. None if they are no record.
+/// Resamples an acceleration (m/s2) at equal intervals, with the same number of samples, since a run samples at its
+/// steps. `None` for fewer than two samples or an invalid record.
 fn history_of(times: &[f64], acceleration: &[f64]) -> Option<TimeHistory> {
     let ([first, _, ..], [.., last]) = (times, times) else {
         return None;
     };
     let step = (last - first) / (times.len() - 1) as f64;
-    let mut place = 0;
+    let mut index = 0;
     let even = (0..times.len()).map(|sample| {
         let time = first + step * sample as f64;
-        while place + 2 < times.len() && times[place + 1] <= time {
-            place += 1;
+        while index + 2 < times.len() && times[index + 1] <= time {
+            index += 1;
         }
-        let share = (time - times[place]) / (times[place + 1] - times[place]);
-        let [from, to] = [acceleration[place], acceleration[place + 1]];
+        let share = (time - times[index]) / (times[index + 1] - times[index]);
+        let [from, to] = [acceleration[index], acceleration[index + 1]];
         from + (to - from) * share.clamp(0.0, 1.0)
     });
     TimeHistory::new(step, even.collect()).ok()
@@ -193,7 +192,7 @@ fn history_of(times: &[f64], acceleration: &[f64]) -> Option<TimeHistory> {
 mod tests {
     use super::*;
 
-    /// Samples at uneven times are those of the same motion at even ones.
+    /// Samples at unequal intervals are resampled to those of the same motion at equal intervals.
     #[test]
     fn uneven_samples_become_even_ones() {
         // Every first step of 6 ms at or past a multiple of 10 ms.

@@ -1,4 +1,4 @@
-//! The HTML of a report.
+//! HTML page of a report.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,13 +7,13 @@ use super::CaseFiles;
 use crate::StudyError;
 use crate::sweep::CaseOutcome;
 
-/// A table: its head, and rows of as many cells; the first cell of a row names it.
+/// Table with a header and rows of as many cells; the first cell of a row is its name.
 pub(super) struct Table {
-    pub(super) head: Vec<String>,
+    pub(super) header: Vec<String>,
     pub(super) rows: Vec<Vec<String>>,
 }
 
-/// A page that needs nothing beside it.
+/// Self-contained page.
 pub(super) struct Page {
     title: String,
     sections: Vec<String>,
@@ -65,7 +65,7 @@ impl Page {
         let _ = writeln!(self.body, "<p>{}</p>", escaped(text));
     }
 
-    /// What must not be overlooked, a box for each.
+    /// Adds a highlighted box for each warning.
     pub(super) fn warnings(&mut self, texts: &[String]) {
         for text in texts {
             let _ = writeln!(
@@ -78,9 +78,9 @@ impl Page {
 
     pub(super) fn table(&mut self, table: &Table) {
         self.body += "<div class=\"wide\"><table><thead><tr>";
-        for (place, cell) in table.head.iter().enumerate() {
-            // A head stands over its column as the first cell that says something.
-            let mut below = table.rows.iter().filter_map(|row| row.get(place));
+        for (index, cell) in table.header.iter().enumerate() {
+            // A header is aligned as the first cell of its column that is not empty.
+            let mut below = table.rows.iter().filter_map(|row| row.get(index));
             let first = below.find(|cell| !cell.is_empty());
             let is_text = first.is_some_and(|cell| !class(cell).is_empty());
             let class = if is_text { " class=\"text\"" } else { "" };
@@ -98,14 +98,14 @@ impl Page {
         self.body += "</tbody></table></div>\n";
     }
 
-    /// A table that is folded away under its name until it is wanted.
+    /// Adds a table that is collapsed under its name.
     pub(super) fn folded(&mut self, name: &str, table: &Table) {
         let _ = writeln!(self.body, "<details><summary>{}</summary>", escaped(name));
         self.table(table);
         self.body += "</details>\n";
     }
 
-    /// A plot or a picture, as data.
+    /// Adds a plot or a picture as embedded data.
     pub(super) fn figure(&mut self, file: &Path, caption: &str) -> Result<(), StudyError> {
         let image = image(file, caption)?;
         let _ = writeln!(
@@ -116,7 +116,7 @@ impl Page {
         Ok(())
     }
 
-    /// Plots with their captions.
+    /// Adds plots with their captions.
     pub(super) fn figures(&mut self, plots: Vec<(PathBuf, String)>) -> Result<(), StudyError> {
         for (file, caption) in plots {
             self.figure(&file, &caption)?;
@@ -124,7 +124,7 @@ impl Page {
         Ok(())
     }
 
-    /// Pictures of the cases by their names, as far as there are any.
+    /// Adds those pictures of the cases with given names that exist.
     pub(super) fn pictures(
         &mut self,
         cases: &[CaseFiles],
@@ -144,7 +144,7 @@ impl Page {
         Ok(())
     }
 
-    /// The text of a file.
+    /// Adds the text of a file, collapsed under its name.
     pub(super) fn file(&mut self, file: &Path) -> Result<(), StudyError> {
         if file.exists() {
             let text = String::from_utf8_lossy(&read(file)?).into_owned();
@@ -159,7 +159,7 @@ impl Page {
         Ok(())
     }
 
-    /// The whole page.
+    /// The page as HTML.
     pub(super) fn html(&self) -> String {
         let mut contents = String::new();
         for (number, name) in self.sections.iter().enumerate() {
@@ -181,7 +181,7 @@ impl Page {
     }
 }
 
-/// Words are set as text, as are checksums, and sentences wide; numbers stand under each other.
+/// The style of a cell: words and checksums left-aligned, sentences in wide columns, numbers right-aligned.
 fn class(cell: &str) -> &'static str {
     let is_checksum = cell.len() == 16 && cell.bytes().all(|digit| digit.is_ascii_hexdigit());
     let is_number = cell.starts_with(|first: char| first.is_ascii_digit() || first == '-');
@@ -193,7 +193,7 @@ fn class(cell: &str) -> &'static str {
     }
 }
 
-/// An image with its bytes in it.
+/// An image element with embedded data.
 fn image(file: &Path, caption: &str) -> Result<String, StudyError> {
     let kind = match file.extension().and_then(|extension| extension.to_str()) {
         Some("svg") => "svg+xml",
@@ -218,13 +218,13 @@ fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
-        let byte = |place: usize| u32::from(chunk.get(place).copied().unwrap_or(0));
+        let byte = |index: usize| u32::from(chunk.get(index).copied().unwrap_or(0));
         let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
         for letter in 0..4 {
-            let index = (bits >> (18 - 6 * letter)) & 63;
+            let digit = (bits >> (18 - 6 * letter)) & 63;
             let known = letter <= chunk.len();
             text.push(if known {
-                LETTERS[index as usize] as char
+                LETTERS[digit as usize] as char
             } else {
                 '='
             });
@@ -233,7 +233,7 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-/// Text in which no character means markup.
+/// Text with all markup characters escaped.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -268,7 +268,7 @@ mod tests {
         }
     }
 
-    /// All cells of a column of checksums are set alike, whichever digit they begin with.
+    /// All cells of a column of checksums are aligned equally, whichever digit they begin with.
     #[test]
     fn checksums_are_no_numbers() {
         assert_eq!(class("4fcb8c2c015f79b9"), class("c6cdd4256ba2a830"));
@@ -276,7 +276,7 @@ mod tests {
         assert_ne!(class("sv-30"), "");
     }
 
-    /// Nothing that a scene says becomes markup.
+    /// Text of a scene never becomes markup.
     #[test]
     fn text_stays_text() {
         assert_eq!(escaped("<a b=\"c\">&"), "&lt;a b=&quot;c&quot;&gt;&amp;");

@@ -1,4 +1,4 @@
-//! What Wang, Chen & Xiao (2019) find, beside what the cases of a sweep show.
+//! Comparison of the results of a sweep with those of Wang, Chen & Xiao (2019).
 
 use super::page::Table;
 use super::{CaseFiles, column};
@@ -6,24 +6,24 @@ use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, Peak};
 use crate::{Conclusion, Verdict};
 
-/// What stands above the conclusions.
+/// Text above the table of conclusions.
 pub(super) const CONCLUSIONS: &str = "The conclusions of Wang, Chen & Xiao (2019), section 5, each tested by \
-     figures of the cases here. The abstract says the contrary of the fourth conclusion; both are \
-     tested. A claim is open as long as a case that it takes is not finished.";
+     results of the cases of this sweep. The abstract contradicts the fourth conclusion; both are \
+     tested. A claim is open as long as a case that it needs is not finished.";
 
-/// What stands above the figures.
-pub(super) const FIGURES: &str = "Figures that the paper gives in numbers. Its mesh, the sections below the \
-     sizes of the caverns, the softening of its concrete and its dynamic friction are not published.";
+/// Text above the table of values.
+pub(super) const FIGURES: &str = "Values that the paper gives in numbers. Its mesh, the dimensions of the members \
+     inside the caverns, the softening of its concrete and its dynamic friction are not published.";
 
 const INPUT: &str = "the record is another processing of the same event, and the paper does not say whether \
      1.7 m/s2 is the incident wave or the outcrop";
 const CONCRETE: &str = "softening and reinforcement of the concrete are not given; here stress is the mean of \
      an element";
-const STRENGTH: &str = "the paper's is above the 1.27 MPa of its concrete and above 1.18 MPa, c cot(phi), beyond \
-     which its law bears no tension; here stress is the mean of an element";
-const REST: &str = "stages of excavation and the share that the lining bears are assumed";
+const STRENGTH: &str = "the value of the paper is above the tensile strength of its concrete, 1.27 MPa, and above the apex of its \
+     yield surface, c cot(phi) = 1.18 MPa; here stress is the mean of an element";
+const STATICS: &str = "excavation stages and the share of the load on the lining are assumed";
 
-/// A figure of the paper and how it is found here.
+/// A value of the paper and the function that evaluates it here.
 struct Figure {
     what: &'static str,
     paper: &'static str,
@@ -45,10 +45,10 @@ const COMPARED: [Figure; 8] = [
         here: |cases| displacement(cases, ("p", 90.0)),
     },
     Figure {
-        what: "principal stress at A at rest (MPa)",
+        what: "static principal stress at A (MPa)",
         paper: "-0.78",
-        why: REST,
-        here: |cases| stress_at_rest(of(cases, ("sv", 30.0))?),
+        why: STATICS,
+        here: |cases| static_stress(of(cases, ("sv", 30.0))?),
     },
     Figure {
         what: "greatest principal stress at A, SV 0 to 30 (MPa)",
@@ -82,14 +82,14 @@ const COMPARED: [Figure; 8] = [
     },
 ];
 
-/// The plain case of a wave.
+/// The unvaried case of a wave.
 fn of<'c>(cases: &'c [CaseFiles], wave: (&str, f64)) -> Option<&'c CaseFiles> {
     cases
         .iter()
         .find(|case| case.is_plain() && case.outcome.input.wave() == Some(wave))
 }
 
-/// The peak of the point A.
+/// The peak at the point A.
 fn at_crown(peaks: &[Peak]) -> Option<f64> {
     let is_crown = |peak: &&Peak| peak.name == "A" || peak.name.starts_with("A-concrete");
     peaks.iter().find(is_crown).map(|peak| peak.value)
@@ -99,12 +99,12 @@ fn displacement(cases: &[CaseFiles], wave: (&str, f64)) -> Option<f64> {
     Some(1e3 * at_crown(&of(cases, wave)?.outcome.displacements)?)
 }
 
-fn stress_at_rest(case: &CaseFiles) -> Option<f64> {
+fn static_stress(case: &CaseFiles) -> Option<f64> {
     let stress = column(&case.histories, "A-concrete.s1")?;
     Some(1e-6 * stress.values.first()?)
 }
 
-/// Over the cases of a kind of wave up to an angle.
+/// The greatest principal stress at A over the cases of a kind of wave up to an angle (MPa).
 fn greatest_stress(cases: &[CaseFiles], kind: &str, most: f64) -> Option<f64> {
     let is_one = |case: &&CaseFiles| {
         let wave = case.outcome.input.wave();
@@ -121,7 +121,7 @@ fn damage(cases: &[CaseFiles], wave: (&str, f64)) -> Option<f64> {
     Some(found?.greatest)
 }
 
-/// The figures of the paper beside those here; nothing if there is none here.
+/// The values of the paper and of this sweep; `None` if no value is available here.
 pub(super) fn figures(cases: &[CaseFiles]) -> Option<Table> {
     let found: Vec<Option<f64>> = COMPARED.iter().map(|figure| (figure.here)(cases)).collect();
     let rows = COMPARED.iter().zip(&found).map(|(figure, here)| {
@@ -133,7 +133,7 @@ pub(super) fn figures(cases: &[CaseFiles]) -> Option<Table> {
         ]
     });
     found.iter().any(Option::is_some).then(|| Table {
-        head: ["figure", "paper", "here", "why different"]
+        header: ["value", "paper", "here", "reason for a difference"]
             .map(str::to_owned)
             .to_vec(),
         rows: rows.collect(),
@@ -159,7 +159,7 @@ pub(super) fn conclusions(found: &[Conclusion]) -> Table {
         ]
     });
     Table {
-        head: ["conclusion", "the paper", "here", "figures"]
+        header: ["conclusion", "claim of the paper", "here", "values"]
             .map(str::to_owned)
             .to_vec(),
         rows: rows.collect(),

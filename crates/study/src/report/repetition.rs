@@ -1,29 +1,29 @@
-//! Whether the motions of cases repeat.
+//! Warnings of motions that may depend sensitively on the input.
 //!
-//! Cracks, yield and slip may amplify a change of the waves by a millionth to all of an acceleration; what does
-//! not repeat is no figure for design. Elastic bodies without joints repeat. Of others it is known only by a
-//! second run under waves that hardly differ.
+//! Cracking, yielding and slip may amplify a change of the waves by a millionth to the size of an acceleration; such
+//! accelerations must not be used for design. Elastic bodies without joints are insensitive; for other bodies a
+//! perturbation test is necessary, a second run under slightly larger waves.
 
 use super::CaseFiles;
 
-/// What a reader must know of the repetition of the case of a name; nothing if its motion repeats.
+/// The note on the sensitivity of a case; `None` if its motion is insensitive to the input.
 pub(super) fn of(cases: &[CaseFiles], name: &str) -> Option<&'static str> {
     let case = cases.iter().find(|case| case.outcome.name == name)?;
-    // Summaries of an older version do not say it.
-    let repeats = case.summary["path_dependent"] == false;
-    (!repeats).then_some("unknown whether it repeats: not for design")
+    // Summaries of older versions lack this key.
+    let is_insensitive = case.summary["path_dependent"] == false;
+    (!is_insensitive).then_some("sensitivity to the input unknown: not for design")
 }
 
-/// The warning above the spectra of cases of which some are not known to repeat.
+/// The warning above the spectra of cases with unknown sensitivity.
 pub(super) fn unknown(cases: &[CaseFiles]) -> Option<String> {
     let names = cases.iter().map(|case| case.outcome.name.as_str());
     let unknown: Vec<&str> = names.filter(|name| of(cases, name).is_some()).collect();
     (!unknown.is_empty()).then(|| {
         format!(
-            "it is unknown whether these motions repeat, and they are no figures for design before it is known: laws \
-             or joints have history variables, and cracks, yield or slip may amplify waves larger by a millionth \
-             to all of an acceleration. No second run was made; `powerhouse trade` makes one and names what does \
-             not repeat. Cases: {}",
+            "it is unknown whether these motions depend sensitively on the input, and they must not be used for design \
+             before it is known: laws or joints have history variables, and cracking, yielding or slip may amplify a \
+             change of the waves by a millionth to the size of an acceleration. No perturbation test was run; \
+             `powerhouse trade` runs one and names the sensitive histories. Cases: {}",
             unknown.join(", ")
         )
     })

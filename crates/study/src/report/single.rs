@@ -1,14 +1,14 @@
-//! The page of a single run.
+//! Report page of a single run.
 
 use std::path::{Path, PathBuf};
 
-use super::doubts::Doubts;
+use super::doubts::RunWarnings;
 use super::page::{Page, Table};
 use super::{read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
 
-/// The page of a folder of results.
+/// The report page of a result folder.
 pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     let summary = read_json(&folder.join("summary.json"));
     let Some(title) = summary["title"].as_str() else {
@@ -18,13 +18,13 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     let mut page = Page::new(title);
     page.section("Run");
     page.warnings(&report_gaps(folder)?);
-    let doubts = Doubts::of([("", &summary)]);
-    page.warnings(&doubts.about(&[]));
+    let warnings = RunWarnings::of([("", &summary)]);
+    page.warnings(&warnings.about(&[]));
     page.paragraph(&tables::repetition(&[&summary]));
     let real = |key: &str| rounded(summary[key].as_f64().unwrap_or(0.0));
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     page.table(&Table {
-        head: vec!["".into(), "".into()],
+        header: vec!["".into(), "".into()],
         rows: vec![
             row("steps", summary["steps"].to_string()),
             row("step (s)", real("step")),
@@ -45,7 +45,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         vec![text("name"), real("value"), text("unit"), real("time")]
     });
     page.table(&Table {
-        head: ["name", "value", "unit", "time (s)"]
+        header: ["name", "value", "unit", "time (s)"]
             .map(str::to_owned)
             .to_vec(),
         rows: rows.collect(),
@@ -54,7 +54,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         let files = files(&folder.join(below), end);
         if !files.is_empty() {
             page.section(section);
-            page.warnings(&doubts.about(&["histories", "sections", "joints"]));
+            page.warnings(&warnings.about(&["histories", "sections", "joints"]));
         }
         for file in files {
             let name = file
@@ -70,7 +70,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     Ok(page)
 }
 
-/// The files of a folder with an extension, by name.
+/// The files of a folder with an extension, sorted by name.
 fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> = entries

@@ -1,4 +1,4 @@
-//! Response spectra of floors.
+//! Floor response spectra.
 
 use std::path::{Path, PathBuf};
 
@@ -10,51 +10,51 @@ use super::{CaseFiles, column, history_of, kinds};
 use crate::StudyError;
 use crate::rounded::rounded;
 
-/// Shares of critical damping.
+/// Damping ratios of the oscillators.
 const DAMPINGS: [f64; 3] = [0.02, 0.05, 0.1];
-/// The one at which cases are compared.
+/// Damping ratio at which cases are compared.
 const COMMON: f64 = 0.05;
-/// Shortest and longest period (s), and how many there are, in equal ratios.
+/// Shortest and longest period (s), and number of periods in geometric progression.
 const PERIODS: ([f64; 2], usize) = ([0.03, 3.0], 90);
-/// The longest period that is drawn (s).
+/// Longest drawn period (s).
 const DRAWN: f64 = 1.5;
-/// The shortest period holds so many samples at least: what is shorter is not in them.
+/// Least number of samples within the shortest period.
 const SAMPLES_PER_PERIOD: f64 = 5.0;
-/// Directions that are looked at.
+/// Evaluated directions.
 const AXES: [char; 3] = ['x', 'y', 'z'];
-/// A direction in which a floor is accelerated by less than this share of its greatest one is left out.
+/// Directions with a peak acceleration below this share of the greatest are left out.
 const STILL: f64 = 1e-2;
 
-/// The spectra of the floors of some cases.
+/// Floor response spectra of several cases.
 pub(super) struct FloorSpectra {
-    /// The periods of all (s).
+    /// Periods of all spectra (s).
     periods: Vec<f64>,
     all: Vec<FloorSpectrum>,
 }
 
-/// What equipment on a floor of a case would feel in a direction.
+/// Response spectrum of a floor of a case in one direction at one damping ratio.
 struct FloorSpectrum {
     case: String,
     floor: String,
     axis: char,
     damping: f64,
-    /// The greatest acceleration of the floor itself (m/s2).
+    /// Peak acceleration of the floor (m/s2).
     floor_peak: f64,
-    /// The greatest absolute acceleration (m/s2) of an oscillator of each period.
+    /// Peak absolute acceleration (m/s2) of an oscillator for each period.
     accelerations: Vec<f64>,
 }
 
-/// The periods of spectra of motions that were sampled this often at least (s).
+/// The periods (s) of the spectra, for a greatest sampling interval (s) of the motions.
 fn periods(coarsest: f64) -> Vec<f64> {
     let ([shortest, longest], count) = PERIODS;
     let shortest = shortest.max(SAMPLES_PER_PERIOD * coarsest).min(longest);
     let ratio: f64 = longest / shortest;
     (0..count)
-        .map(|place| shortest * ratio.powf(place as f64 / (count - 1) as f64))
+        .map(|index| shortest * ratio.powf(index as f64 / (count - 1) as f64))
         .collect()
 }
 
-/// The floors of a case: histories of acceleration whose names say so, and the middles `O1` and `O2` of the
+/// The floors of a case: acceleration histories with `floor` in their names, and the centres `O1` and `O2` of the
 /// bottom floors.
 fn floors(case: &CaseFiles) -> Vec<&str> {
     let names = case.histories.iter();
@@ -64,17 +64,17 @@ fn floors(case: &CaseFiles) -> Vec<&str> {
         .collect()
 }
 
-/// How a floor moves along an axis.
+/// Acceleration history of a floor along an axis.
 struct FloorMotion<'c> {
     case: &'c str,
     floor: &'c str,
     axis: char,
     history: TimeHistory,
-    /// Its greatest acceleration (m/s2), as it was recorded.
+    /// Peak of the recorded acceleration (m/s2).
     peak: f64,
 }
 
-/// The motions of the floors of a case, along each axis along which they move.
+/// The acceleration histories of the floors of a case, without directions in which they hardly move.
 fn motions(case: &CaseFiles) -> Vec<FloorMotion<'_>> {
     let mut found = Vec::new();
     let Some(time) = case.histories.first() else {
@@ -102,7 +102,7 @@ fn motions(case: &CaseFiles) -> Vec<FloorMotion<'_>> {
 }
 
 impl FloorSpectra {
-    /// The spectra of all floors of some cases.
+    /// Computes the spectra of all floors of several cases.
     pub(super) fn of(cases: &[CaseFiles]) -> Self {
         let motions: Vec<FloorMotion> = cases.iter().flat_map(motions).collect();
         let steps = motions.iter().map(|motion| motion.history.step());
@@ -129,12 +129,12 @@ impl FloorSpectra {
         self.all.is_empty()
     }
 
-    /// The shortest period (s).
+    /// Shortest period (s).
     pub(super) fn shortest(&self) -> f64 {
         self.periods[0]
     }
 
-    /// Writes the spectra of a case as a table, below what must be known of it.
+    /// Writes the spectra of a case as a CSV table, with a note above it.
     pub(super) fn write(
         &self,
         folder: &Path,
@@ -159,7 +159,7 @@ impl FloorSpectra {
         Ok(write_noted_table(&file, &notes, &columns).map_err(powerhouse::Error::from)?)
     }
 
-    /// Peak accelerations of the floors of a case, and the peaks of their spectra.
+    /// The table of the peak accelerations of the floors of a case and the peaks of their spectra.
     pub(super) fn table(&self, case: &str) -> Table {
         let own = self.all.iter();
         let own = own.filter(|found| found.case == case && found.damping == COMMON);
@@ -175,7 +175,7 @@ impl FloorSpectra {
             ]
         });
         Table {
-            head: [
+            header: [
                 "floor, direction",
                 "greatest acceleration (m/s2)",
                 "greatest of the 5 % spectrum (m/s2)",
@@ -187,8 +187,8 @@ impl FloorSpectra {
         }
     }
 
-    /// For each floor the spectra at 5 % of the cases of each kind of wave, and those of one case at several
-    /// dampings: a plot with its caption for each.
+    /// Plots with their captions for each floor: the spectra at 5 % damping of the cases of each kind of wave, and those
+    /// of the headline case at several damping ratios.
     pub(super) fn plots(
         &self,
         cases: &[CaseFiles],
@@ -208,9 +208,9 @@ impl FloorSpectra {
                     let of_case = of_kind.iter().any(|case| case.outcome.name == found.case);
                     of_case && found.damping == COMMON
                 };
-                let called = |found: &FloorSpectrum| found.case.clone();
+                let label = |found: &FloorSpectrum| found.case.clone();
                 let file = folder.join(format!("spectra-{floor}-{kind}.svg"));
-                if self.draw((&file, floor), is_one, called)? {
+                if self.draw((&file, floor), is_one, label)? {
                     let kind = kind.to_uppercase();
                     plots.push((
                         file,
@@ -219,9 +219,9 @@ impl FloorSpectra {
                 }
             }
             let is_one = |found: &FloorSpectrum| found.case == headline;
-            let called = |found: &FloorSpectrum| format!("{} %", 100.0 * found.damping);
+            let label = |found: &FloorSpectrum| format!("{} %", 100.0 * found.damping);
             let file = folder.join(format!("spectra-{floor}-damping.svg"));
-            if self.draw((&file, floor), is_one, called)? {
+            if self.draw((&file, floor), is_one, label)? {
                 plots.push((
                     file,
                     format!("Response spectra of {floor}, case {headline}"),
@@ -231,18 +231,18 @@ impl FloorSpectra {
         Ok(plots)
     }
 
-    /// Draws some spectra of a floor, a panel for each direction; whether there were any.
+    /// Draws the selected spectra of a floor with a panel for each direction; returns whether there were any.
     fn draw(
         &self,
         (file, floor): (&Path, &str),
         is_one: impl Fn(&FloorSpectrum) -> bool,
-        called: impl Fn(&FloorSpectrum) -> String,
+        label: impl Fn(&FloorSpectrum) -> String,
     ) -> Result<bool, StudyError> {
         let mut periods = self.periods.clone();
         periods.retain(|period| *period <= DRAWN);
         let drawn: Vec<(&FloorSpectrum, String)> = (self.all.iter())
             .filter(|found| found.floor == floor && is_one(found))
-            .map(|found| (found, called(found)))
+            .map(|found| (found, label(found)))
             .collect();
         let panels: Vec<PlotPanel> = (AXES.iter())
             .map(|axis| {

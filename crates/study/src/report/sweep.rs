@@ -1,11 +1,11 @@
-//! The page of a sweep.
+//! Report page of a sweep.
 
 use std::path::{Path, PathBuf};
 
 use powerhouse::file_name;
 use powerhouse::io::{TableColumn, read_table};
 
-use super::doubts::Doubts;
+use super::doubts::RunWarnings;
 use super::page::Page;
 use super::spectra::FloorSpectra;
 use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables};
@@ -14,16 +14,16 @@ use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, Peak, RECORD};
 use crate::{conclusions, sensitivity};
 
-/// What a sweep has to show.
+/// Results of a sweep for its report.
 struct Sweep<'s> {
     folder: &'s Path,
     cases: &'s [CaseFiles],
     outcomes: Vec<CaseOutcome>,
-    /// Where its plots go.
+    /// Folder of the plots.
     plots: PathBuf,
 }
 
-/// The page of a sweep of which some cases are finished.
+/// The report page of the finished cases of a sweep.
 pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyError> {
     let title = cases[0].summary["title"].as_str().unwrap_or("sweep");
     let title = title.rsplit_once(": ").map_or(title, |(scene, _)| scene);
@@ -49,14 +49,14 @@ pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyErro
     sweep.bolts(&mut page);
     sweep.energy(&mut page)?;
     page.section("The scene");
-    page.paragraph("As it was run; mesh and records are the files that it names.");
+    page.paragraph("The scene as it was run; mesh and records are the files that it names.");
     page.file(&cases[0].folder.join("scene.toml"))?;
     Ok(page)
 }
 
 impl Sweep<'_> {
-    /// The case that is shown where there is room for one: that of an SV wave at 30 degrees, the first
-    /// one that varies nothing, or the first.
+    /// The case that is shown where only one is shown: that of an SV wave at 30 degrees, else the first unvaried one, else
+    /// the first.
     fn headline(&self) -> &CaseFiles {
         let mut plain = self.cases.iter().filter(|case| case.is_plain());
         let is_headline = |case: &&CaseFiles| case.outcome.input.wave() == Some(("sv", 30.0));
@@ -64,7 +64,7 @@ impl Sweep<'_> {
         found.unwrap_or(&self.cases[0])
     }
 
-    /// Whether its points are those of the paper: others have a report without its tables.
+    /// Whether the recorded points are those of the paper; other sweeps have no tables of comparison.
     fn is_of_paper(&self) -> bool {
         let is_crown = |peak: &Peak| peak.name == "A" || peak.name.starts_with("A-concrete");
         let of = |outcome: &CaseOutcome| {
@@ -74,18 +74,18 @@ impl Sweep<'_> {
         self.outcomes.iter().any(of)
     }
 
-    /// What was warned of the cases about some topics; about all if none is said.
-    fn doubts(&self, page: &mut Page, topics: &[&str]) {
-        page.warnings(&Doubts::of_cases(self.cases).about(topics));
+    /// Adds the warnings of the cases about some topics; about all topics for an empty list.
+    fn warnings(&self, page: &mut Page, topics: &[&str]) {
+        page.warnings(&RunWarnings::of_cases(self.cases).about(topics));
     }
 
-    /// The peaks and histories of a scene of one's own, by its own names.
+    /// Adds the peaks and histories of a general scene.
     fn results(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Peaks");
-        self.doubts(page, &["histories"]);
+        self.warnings(page, &["histories"]);
         page.table(&tables::all_peaks(self.cases));
         page.section("Histories");
-        self.doubts(page, &["histories"]);
+        self.warnings(page, &["histories"]);
         page.figures(charts::all_histories(self.cases, &self.plots)?)?;
         page.section("Pictures");
         page.pictures(self.cases, |_| {
@@ -104,13 +104,15 @@ impl Sweep<'_> {
     fn runs(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Cases");
         page.warnings(&report_gaps(self.folder)?);
-        self.doubts(page, &[]);
+        self.warnings(page, &[]);
         let summaries: Vec<_> = self.cases.iter().map(|case| &case.summary).collect();
         page.paragraph(&tables::repetition(&summaries));
         page.table(&tables::cases(self.cases));
         if let Some(stages) = tables::stages(self.cases) {
             page.section("Before the earthquake");
-            page.paragraph("What the stages came to, once for the cases that share them.");
+            page.paragraph(
+                "Results of the construction stages, once for all cases that share them.",
+            );
             page.table(&stages);
         }
         Ok(())
@@ -118,17 +120,17 @@ impl Sweep<'_> {
 
     fn input(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Input");
-        self.doubts(page, &["input"]);
+        self.warnings(page, &["input"]);
         for record in self.records() {
-            let seen = self
+            let coverages = self
                 .outcomes
                 .iter()
                 .filter_map(|case| case.coverage.as_ref());
-            let own = seen.filter(|seen| seen.record == record[1].name);
-            let end = own.map(|seen| seen.end).reduce(f64::max);
+            let own = coverages.filter(|coverage| coverage.record == record[1].name);
+            let end = own.map(|coverage| coverage.end).reduce(f64::max);
             if let Some([time, spectrum]) = fourier::plots(&record, end, &self.plots)? {
-                page.figure(&time, "Acceleration of the record as it enters the waves")?;
-                page.figure(&spectrum, "Its Fourier amplitude")?;
+                page.figure(&time, "Acceleration of the record as used by the waves")?;
+                page.figure(&spectrum, "Fourier amplitude spectrum of the record")?;
             }
         }
         Ok(())
@@ -136,9 +138,9 @@ impl Sweep<'_> {
 
     fn findings(&self, page: &mut Page) {
         if self.is_of_paper() {
-            page.section("Against the paper");
+            page.section("Comparison with the paper");
             page.paragraph(paper::CONCLUSIONS);
-            self.doubts(page, &["input"]);
+            self.warnings(page, &["input"]);
             page.table(&paper::conclusions(&conclusions(&self.outcomes)));
             if let Some(figures) = paper::figures(self.cases) {
                 page.paragraph(paper::FIGURES);
@@ -146,10 +148,10 @@ impl Sweep<'_> {
             }
         }
         if let Some(table) = tables::sensitivity(&sensitivity(&self.outcomes)) {
-            page.section("What single choices do");
+            page.section("Sensitivity to single parameters");
             page.paragraph(
-                "Cases that differ by one choice from the first case of the same waves that varies \
-                 nothing, with the change of each figure.",
+                "Cases that differ in one parameter from the first unvaried case with the same waves, with \
+                 the change of each result.",
             );
             page.table(&table);
         }
@@ -160,10 +162,8 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Principal stress");
-        self.doubts(page, &["histories"]);
-        page.paragraph(
-            "Greatest principal stress over the motion of each history of stress (MPa).",
-        );
+        self.warnings(page, &["histories"]);
+        page.paragraph("Greatest principal stress over time of each stress history (MPa).");
         let stresses = tables::peaks(self.cases, |outcome| &outcome.stresses, 1e-6);
         page.table(&stresses);
         page.figures(charts::by_angle(self.cases, &self.plots, "stress")?)?;
@@ -179,26 +179,26 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Displacement");
-        self.doubts(page, &["histories"]);
+        self.warnings(page, &["histories"]);
         if relative {
             page.paragraph(match self.is_of_paper() {
                 true => {
-                    "Greatest displacement of the points relative to the middles of the floors (mm); \
-                     its direction is any."
+                    "Greatest norm of the displacement of the points relative to the centres of the \
+                     bottom floors (mm)."
                 }
-                false => "Greatest relative displacement (mm); its direction is any.",
+                false => "Greatest norm of the relative displacement (mm).",
             });
             page.table(&tables::peaks(self.cases, |outcome| &outcome.relative, 1e3));
             page.figures(charts::by_angle(self.cases, &self.plots, "relative")?)?;
         }
         if (self.outcomes.iter()).any(|outcome| !outcome.ground.is_empty()) {
             page.paragraph(
-                "The same of the ground alone, as the waves move it where there are no caverns (mm): \
-                 what is more than this, caverns and structure make.",
+                "The same in the free field, without caverns (mm); the difference is due to caverns and \
+                 structure.",
             );
             page.table(&tables::peaks(self.cases, |outcome| &outcome.ground, 1e3));
         }
-        page.paragraph("Greatest displacement itself (mm).");
+        page.paragraph("Greatest norm of the absolute displacement (mm).");
         let displacements = tables::peaks(self.cases, |outcome| &outcome.displacements, 1e3);
         page.table(&displacements);
         for component in [".ux", ".uy", ".uz"] {
@@ -218,9 +218,9 @@ impl Sweep<'_> {
             .iter()
             .any(|outcome| !outcome.parts.is_empty())
         {
-            page.paragraph("Over the volume of the structure, its lining and its interior.");
+            page.paragraph("Damage over the volume of the structure, its lining and its interior.");
             page.table(&tables::mean_damage(self.cases));
-            page.paragraph("Part by part; a part may belong to another one.");
+            page.paragraph("Damage of each part; parts may overlap.");
             for outcome in self.outcomes.iter().filter(|found| !found.parts.is_empty()) {
                 page.folded(&outcome.name, &tables::parts(outcome));
             }
@@ -241,7 +241,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Joint");
-        self.doubts(page, &["joints"]);
+        self.warnings(page, &["joints"]);
         page.table(&tables::joints(self.cases, |outcome| &outcome.joints));
         if self
             .outcomes
@@ -272,11 +272,11 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Section forces");
-        self.doubts(page, &["sections"]);
+        self.warnings(page, &["sections"]);
         page.paragraph(
-            "Normal force N (tension positive), shear force Q and bending moment M of cuts through \
-             linings and floors, per metre along the halls, what the stages left included: at rest, and \
-             the least and greatest of the motion with their times.",
+            "Normal force N (tension positive), shear force Q and bending moment M of sections through \
+             linings and floors, per metre along the halls, including the static forces of the stages: the \
+             static values, and the least and greatest values of the motion with their times.",
         );
         let headline = &self.headline().outcome.name;
         for (name, table) in &tables {
@@ -297,28 +297,28 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Floor response spectra");
-        self.doubts(page, &["histories"]);
+        self.warnings(page, &["histories"]);
         let unknown = repetition::unknown(self.cases);
         page.warnings(unknown.as_slice());
         page.paragraph(&format!(
-            "What equipment on the floors feels: the greatest absolute acceleration of an oscillator \
-             against its period, from {} s on, of which the samples of the run still tell. Spectra at 2, 5 \
-             and 10 % of critical damping of every case stand in report/floor-spectra-CASE.csv; a direction \
-             in which a floor hardly moves is left out.",
+            "Peak absolute acceleration of an oscillator on the floor against its period, from {} s, the \
+             shortest period that the samples of the run resolve. The spectra of every case at 2, 5 and 10 % \
+             of critical damping are in report/floor-spectra-CASE.csv; directions in which a floor hardly \
+             moves are left out.",
             rounded(spectra.shortest())
         ));
         let headline = &self.headline().outcome.name;
-        let repeats = |name: &str| match repetition::of(self.cases, name) {
-            Some(known) => format!("{name} ({known})"),
+        let with_note = |name: &str| match repetition::of(self.cases, name) {
+            Some(note) => format!("{name} ({note})"),
             None => name.to_owned(),
         };
-        page.paragraph(&format!("Case {}:", repeats(headline)));
+        page.paragraph(&format!("Case {}:", with_note(headline)));
         page.table(&spectra.table(headline));
         for outcome in &self.outcomes {
             let name = &outcome.name;
             spectra.write(&self.plots, name, repetition::of(self.cases, name))?;
             if name != headline {
-                page.folded(&repeats(name), &spectra.table(name));
+                page.folded(&with_note(name), &spectra.table(name));
             }
         }
         let plots = spectra.plots(self.cases, headline, &self.plots)?;
@@ -332,17 +332,17 @@ impl Sweep<'_> {
             .any(|outcome| !outcome.bolts.is_empty())
         {
             page.section("Bolts");
-            page.paragraph("The greatest axial force of any bolt of each make.");
+            page.paragraph("Greatest axial force among the bolts of each type.");
             page.table(&tables::bolts(self.cases));
         }
     }
 
     fn energy(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Energy");
-        self.doubts(page, &["energy"]);
+        self.warnings(page, &["energy"]);
         page.paragraph(
-            "The ledger of each case at its end (J): what came in, what is held, what was dissipated and \
-             where. The residual is what does not add up.",
+            "Energy balance of each case at its end (J): external work, stored energies and dissipation. The \
+             residual is the imbalance.",
         );
         page.table(&tables::energies(self.cases));
         let headline = self.headline();
@@ -353,7 +353,7 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// The records of the sweep: time and acceleration.
+    /// The record files of the sweep: time and acceleration.
     fn records(&self) -> Vec<Vec<TableColumn>> {
         let entries = std::fs::read_dir(self.folder).into_iter().flatten();
         let mut files: Vec<PathBuf> = entries

@@ -1,4 +1,4 @@
-//! The tables of a report.
+//! Tables of a report.
 
 use serde_json::Value;
 
@@ -8,11 +8,12 @@ use crate::rounded::rounded;
 use crate::sensitivity::Variation;
 use crate::sweep::{CaseOutcome, JointCase, Peak};
 
-fn head(names: &[&str]) -> Vec<String> {
+/// The header cells of a table.
+fn header(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// What is needed to repeat a run, or the runs of a sweep.
+/// A sentence with the software and the mesh that reproduce a run, or the runs of a sweep.
 pub(super) fn repetition(summaries: &[&Value]) -> String {
     let software = summaries[0]["software"].as_str().unwrap_or("?");
     let counts = |key: &str| {
@@ -28,12 +29,12 @@ pub(super) fn repetition(summaries: &[&Value]) -> String {
         false => format!("a mesh of {elements} elements and {nodes} nodes"),
     };
     format!(
-        "Computed by {software} on {mesh}. The scene as it was run stands at the end; with it and the \
-         files that it names the results come again to the last bit."
+        "Computed by {software} on {mesh}. The scene as it was run is at the end of this page; with it and the \
+         files that it names the results can be reproduced bit by bit."
     )
 }
 
-/// Steps, time and balance of the cases.
+/// The table of cases: steps, times, energy residual and fingerprint.
 pub(super) fn cases(cases: &[CaseFiles]) -> Table {
     let rows = cases.iter().map(|case| {
         let outcome = &case.outcome;
@@ -51,11 +52,11 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
             limited,
             rounded(outcome.wall_time),
             rounded(outcome.energy_residual),
-            case.mark["inputs"].as_str().unwrap_or("").into(),
+            case.fingerprint["inputs"].as_str().unwrap_or("").into(),
         ]
     });
     Table {
-        head: head(&[
+        header: header(&[
             "case",
             "elements",
             "end (s)",
@@ -70,7 +71,7 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
     }
 }
 
-/// The stages of the cases, once for those that share them.
+/// The table of stages, once for all cases that share them; `None` without stages.
 pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
     let of_case = |case: &CaseFiles| case.summary["stages"].as_array().cloned();
     let mut shared: Vec<(Vec<Value>, Vec<&str>)> = Vec::new();
@@ -106,7 +107,7 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
     });
     let rows: Vec<Vec<String>> = rows.collect();
     (!rows.is_empty()).then(|| Table {
-        head: head(&[
+        header: header(&[
             "cases",
             "stage",
             "excavated",
@@ -120,7 +121,7 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
     })
 }
 
-/// Peaks of the cases, a column for each name.
+/// The table of peaks, with a column for each history.
 pub(super) fn peaks(
     cases: &[CaseFiles],
     of: impl Fn(&CaseOutcome) -> &Vec<Peak>,
@@ -144,11 +145,11 @@ pub(super) fn peaks(
     });
     Table {
         rows: rows.collect(),
-        head: std::iter::once("case".to_owned()).chain(names).collect(),
+        header: std::iter::once("case".to_owned()).chain(names).collect(),
     }
 }
 
-/// All peaks of the summaries by their names, a column for each case.
+/// The table of all peaks of the summaries, with a column for each case.
 pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
     let peaks = |case: &CaseFiles| {
         case.summary["peaks"]
@@ -184,14 +185,14 @@ pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
     let cases = cases.iter().map(|case| case.outcome.name.clone());
     Table {
         rows,
-        head: ["peak".into(), "unit".into()]
+        header: ["peak".into(), "unit".into()]
             .into_iter()
             .chain(cases)
             .collect(),
     }
 }
 
-/// Damage of the cases.
+/// The table of the damage variables of the cases.
 pub(super) fn damage(cases: &[CaseFiles]) -> Table {
     let rows = cases.iter().flat_map(|case| {
         let of = case.outcome.damage.iter();
@@ -207,12 +208,12 @@ pub(super) fn damage(cases: &[CaseFiles]) -> Table {
         })
     });
     Table {
-        head: head(&["case", "kind", "greatest", "element", "above 0.1"]),
+        header: header(&["case", "kind", "greatest", "element", "above 0.1"]),
         rows: rows.collect(),
     }
 }
 
-/// Damage of the structure and its parts in a case.
+/// The table of the damage of the structure and its parts in a case.
 pub(super) fn parts(outcome: &CaseOutcome) -> Table {
     let rows = outcome.parts.iter().map(|part| {
         let shares = [
@@ -232,7 +233,7 @@ pub(super) fn parts(outcome: &CaseOutcome) -> Table {
         row
     });
     Table {
-        head: head(&[
+        header: header(&[
             "part",
             "volume (m3)",
             "mean",
@@ -247,7 +248,7 @@ pub(super) fn parts(outcome: &CaseOutcome) -> Table {
     }
 }
 
-/// Mean damage of the structure, its lining and its interior, case by case.
+/// The table of the mean damage of the structure, its lining and its interior in each case.
 pub(super) fn mean_damage(cases: &[CaseFiles]) -> Table {
     const SETS: [&str; 3] = ["structure", "lining", "interior"];
     let with = cases.iter().filter(|case| !case.outcome.parts.is_empty());
@@ -272,16 +273,16 @@ pub(super) fn mean_damage(cases: &[CaseFiles]) -> Table {
         [
             format!("{set}: mean"),
             "above 0.1 (%)".into(),
-            "by tension too (%)".into(),
+            "by tension or both (%)".into(),
         ]
     });
     Table {
-        head: std::iter::once("case".to_owned()).chain(names).collect(),
+        header: std::iter::once("case".to_owned()).chain(names).collect(),
         rows: rows.collect(),
     }
 }
 
-/// What single choices do to the headline figures; nothing if no case names one.
+/// The table of the sensitivity of the main results to single parameters; `None` without varied cases.
 pub(super) fn sensitivity(variations: &[Variation]) -> Option<Table> {
     let mut names: Vec<&str> = Vec::new();
     for figure in variations.iter().flat_map(|found| &found.figures) {
@@ -303,23 +304,23 @@ pub(super) fn sensitivity(variations: &[Variation]) -> Option<Table> {
         };
         if !bases.contains(&found.base.as_str()) {
             bases.push(&found.base);
-            let mut row = vec![found.base.clone(), "nothing".into()];
+            let mut row = vec![found.base.clone(), "none".into()];
             row.extend(cells(&|figure| rounded(figure.base)));
             rows.push(row);
         }
         let mut row = vec![found.case.clone(), found.varies.clone()];
-        row.extend(cells(&|figure| figure.told()));
+        row.extend(cells(&|figure| figure.text()));
         rows.push(row);
     }
     (!rows.is_empty()).then(|| Table {
-        head: (["case", "varies"].into_iter().chain(names))
+        header: (["case", "varied parameter"].into_iter().chain(names))
             .map(str::to_owned)
             .collect(),
         rows,
     })
 }
 
-/// Energies at the end of each case (J).
+/// The table of the energies at the end of each case (J).
 pub(super) fn energies(cases: &[CaseFiles]) -> Table {
     let entries = |case: &'_ CaseFiles| -> Vec<(String, f64)> {
         let list = case.summary["energies"].as_array().into_iter().flatten();
@@ -345,33 +346,33 @@ pub(super) fn energies(cases: &[CaseFiles]) -> Table {
     });
     Table {
         rows: rows.collect(),
-        head: std::iter::once("case".to_owned())
+        header: std::iter::once("case".to_owned())
             .chain(names.iter().cloned())
             .chain(["residual over the largest".into()])
             .collect(),
     }
 }
 
-/// Forces of bolts at rest, in the motion, and when they were greatest.
+/// The table of the bolt forces: static values, and peaks of the motion with their times.
 pub(super) fn bolts(cases: &[CaseFiles]) -> Table {
     let rows = cases.iter().flat_map(|case| {
         case.outcome.bolts.iter().map(|peak| {
-            let mut at_rest = case.outcome.bolts_at_rest.iter();
-            let at_rest = at_rest.find(|other| other.name == peak.name);
+            let mut statics = case.outcome.bolts_at_rest.iter();
+            let statics = statics.find(|other| other.name == peak.name);
             vec![
                 case.outcome.name.clone(),
                 peak.name.clone(),
-                at_rest.map_or(String::new(), |peak| rounded(1e-3 * peak.value)),
+                statics.map_or(String::new(), |peak| rounded(1e-3 * peak.value)),
                 rounded(1e-3 * peak.value),
                 format!("{:.2}", peak.time),
             ]
         })
     });
     Table {
-        head: head(&[
+        header: header(&[
             "case",
             "bolts",
-            "at rest (kN)",
+            "static (kN)",
             "greatest in the motion (kN)",
             "at time (s)",
         ]),
@@ -379,7 +380,7 @@ pub(super) fn bolts(cases: &[CaseFiles]) -> Table {
     }
 }
 
-/// Joints of the cases, or parts of them.
+/// The table of the joints of the cases, or of their parts.
 pub(super) fn joints(cases: &[CaseFiles], of: impl Fn(&CaseOutcome) -> &Vec<JointCase>) -> Table {
     let rows = cases.iter().flat_map(|case| {
         of(&case.outcome).iter().map(|joint| {
@@ -396,7 +397,7 @@ pub(super) fn joints(cases: &[CaseFiles], of: impl Fn(&CaseOutcome) -> &Vec<Join
         })
     });
     Table {
-        head: head(&[
+        header: header(&[
             "case",
             "joint",
             "area (m2)",
@@ -416,9 +417,9 @@ mod tests {
 
     use super::repetition;
 
-    /// Cases may have meshes of their own.
+    /// Different meshes of the cases are reported as ranges.
     #[test]
-    fn sizes_of_meshes_are_told_as_a_range() {
+    fn sizes_of_meshes_are_reported_as_a_range() {
         let summary = |elements: u64, nodes: u64| json!({ "software": "powerhouse", "elements": elements, "nodes": nodes });
         let [coarse, fine] = [summary(15840, 19494), summary(130088, 144960)];
         let same = repetition(&[&coarse, &coarse]);

@@ -1,18 +1,17 @@
-//! What would make a scene cheaper, and what error that is predicted to bring.
+//! Changes that reduce the cost of a scene, with the error of each.
 //!
 //! # Why so
-//! *Savings come from the cost model*: steps times the time of a step. Changes of kernel, number format and
-//! damping are made in the scene's file, and the changed scene is asked for its stable step and some of its
-//! steps are timed in turns with those of the scene as it stands; changes of the mesh count the elements that
-//! are left.
+//! *Savings follow from the cost model*: number of steps times wall time of a step. Changes of kernel, number format
+//! and damping are made in the scene's file; the stable step of the changed scene is computed, and its steps are timed
+//! alternately with those of the unchanged one. Changes of the mesh are rated by the number of remaining elements.
 //!
-//! *Errors are measured on the scene itself*, over the first part of its run both ways, or say that they are
-//! not. They are those of the change alone; several changes together save by the product of their shares. A
-//! scene that is not in double precision is measured against itself in double precision.
+//! *Errors are measured on the scene itself*, over the first part of its run with and without the change, or are
+//! declared as not measured. Each is the error of one change alone; the time ratios of several changes multiply. A
+//! scene that is not in double precision is compared with itself in double precision.
 //!
-//! *Only what the scene allows is named*: half a body needs a mesh, parts and waves with a mirror image, a
-//! slice a body that is the same all along an axis, faces that come nearer a structure whose scattered waves
-//! can be predicted. Loads, supports and bolts are not compared with their images, and the advice says so.
+//! *Only changes that the scene allows are named*: half of a body needs a mesh, parts and waves with a mirror image, a
+//! slice needs a constant section along an axis, and nearer faces need a scatterer whose waves can be predicted. Loads,
+//! supports and bolts are not compared with their mirror images, and the text of the change says so.
 
 mod shape;
 mod variant;
@@ -28,69 +27,70 @@ use powerhouse::model::{Axis, LimitingTerm};
 
 use crate::StudyError;
 use crate::advice::Band;
-use crate::cost::Clock;
+use crate::cost::StepTimer;
 use crate::resolution::Resolution;
 use variant::Files;
 pub use window::MeasuredError;
-use window::{Facts, Growth, Window};
+use window::{ErrorGrowth, SceneFacts, Window};
 
-/// So many are named, and none that saves less than this share of the time: turns of a clock tell no less.
+/// Greatest number of changes that are named, and least share of the time that each must save: smaller shares are
+/// below the resolution of the timing.
 const MOST: usize = 3;
 const LEAST: f64 = 0.1;
-/// Elements worth making larger are at most this share of all, and let the step grow by more than this.
+/// Greatest share of elements that are proposed to be enlarged, and least factor by which that increases the step.
 const FEW: f64 = 0.05;
 const WORTH: f64 = 1.1;
-/// The stable step of assembled elements over the least bound of one alone, at least: 1.28 for cubes, more for
-/// distorted ones, less the margin of the step.
+/// Least ratio of the assembled stable step to the least bound of a single element (1.28 for cubes, more for distorted
+/// elements), times the safety factor of the step.
 const ASSEMBLED: f64 = 1.2 * 0.98;
-/// How the time is known of changes that leave steps as they are, or elements.
-const BY_COUNT: &str = "not timed, from the count of steps and elements";
+/// Source of the time ratio of changes of the numbers of steps or elements.
+const BY_COUNT: &str = "not timed, from the numbers of steps and elements";
 
-/// The largest relative L2 error of a history that number formats are documented to make.
+/// Documented largest relative L2 errors of a history for the number formats `mixed` and `f32`.
 const MIXED_ERROR: f64 = 0.01;
 const SINGLE_ERROR: f64 = 0.03;
-const NO_FILE: &str = "the scene is a case, or has no file that could be read again";
+const NO_FILE: &str = "the scene is a case, or has no file that can be read again";
 
-/// A change of a scene.
+/// Change of a scene that may reduce its cost.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Change {
-    /// Elements computed in single precision, nodes in double.
+    /// Number format `mixed`: elements in single precision, nodes in double precision.
     Mixed,
-    /// Bricks of one point with hourglass stiffness in place of others.
+    /// One-point hexahedra with hourglass stiffness in place of fully integrated ones.
     OnePoint,
-    /// Damping by relaxation mechanisms over the band of the scene's Rayleigh damping, in its place.
+    /// Frequency-independent damping by relaxation mechanisms in place of Rayleigh damping, over the same band.
     FlatDamping,
-    /// The whole of the stable step.
+    /// A time step equal to the stable step, without a safety factor.
     WholeStep,
-    /// Half of the body, cut where it and the waves have a mirror image.
+    /// Half of the body, cut at a plane of symmetry of body and waves.
     Half {
-        /// The normal of the plane.
+        /// Normal of the plane.
         axis: Axis,
-        /// Where it lies (m).
+        /// Coordinate of the plane along the normal (m).
         at: f64,
     },
-    /// One layer of elements of a body that is the same all along an axis.
+    /// One layer of elements of a body with a constant section along an axis.
     Slice {
-        /// The axis.
+        /// Axis of constant section.
         axis: Axis,
-        /// Where the layer is cut (m).
+        /// Coordinate of the layer along the axis (m).
         at: f64,
     },
-    /// Absorbing faces at this share of their distance from the structure.
+    /// Absorbing faces nearer to the structure.
     NearerFaces {
-        /// The share.
+        /// Factor on the distances of the faces from the structure, below 1.
         share: f64,
     },
-    /// The elements that limit the step made larger.
+    /// Enlargement of the few elements that limit the time step.
     LargerElements {
-        /// Their set.
+        /// Element set of these elements.
         set: String,
-        /// The user's number of the worst of them.
+        /// User number of the element with the least bound.
         element: u64,
-        /// How many are as bad.
+        /// Number of elements with similar bounds.
         count: usize,
-        /// So many times as large they limit it no more.
+        /// Factor on their size from which on they no longer limit the step.
         times: f64,
     },
 }
@@ -99,19 +99,19 @@ impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Mixed => f.write_str("elements in single precision (`precision = \"mixed\"`)"),
-            Self::OnePoint => f.write_str("bricks of one point (`kernel = \"hex8-one-point\"`)"),
+            Self::OnePoint => f.write_str("one-point hexahedra (`kernel = \"hex8-one-point\"`)"),
             Self::FlatDamping => f.write_str(
-                "flat damping over the same band (`damping = { kind = \"flat\", ... }`) in place of Rayleigh's",
+                "flat damping over the same band (`damping = { kind = \"flat\", ... }`) in place of Rayleigh damping",
             ),
-            Self::WholeStep => f.write_str("the whole stable step (`step = \"auto\"`, `safety = 1`)"),
+            Self::WholeStep => f.write_str("a step equal to the stable step (`step = \"auto\"`, `safety = 1`)"),
             Self::Half { axis, at } => write!(
                 f,
-                "half of the body, with `kind = \"symmetry\"` on {} = {at} m, if its loads, supports and bolts have a mirror image there",
+                "half of the body, with `kind = \"symmetry\"` on {} = {at} m, if its loads, supports and bolts are symmetric",
                 axis.name()
             ),
             Self::Slice { axis, at } => write!(
                 f,
-                "one layer of elements (`slice = {{ across = \"{}\", at = {at} }}`), if loads and supports are the same all along",
+                "one layer of elements (`slice = {{ across = \"{}\", at = {at} }}`), if loads and supports are constant along the axis",
                 axis.name()
             ),
             Self::NearerFaces { share } => {
@@ -127,23 +127,22 @@ impl fmt::Display for Change {
                 times,
             } => write!(
                 f,
-                "larger elements where '{set}' limits the step ({count} of them, such as {element}, made {times:.2} times as large)"
+                "larger elements where '{set}' limits the step ({count} elements, such as {element}, enlarged by a factor of {times:.2})"
             ),
         }
     }
 }
 
-/// An error, and how it is known.
+/// Relative error of a change, with its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedError {
-    /// Its size, relative; none if it is not known.
+    /// Relative error; `None` if it is unknown or only bounded from below.
     pub share: Option<f64>,
-    /// What is known of it where it may grow after the part of the run that was computed: it is at least so
-    /// large.
+    /// Lower bound of the relative error, where it may grow after the computed part of the run.
     pub least: Option<f64>,
-    /// What it is an error of.
+    /// Description of the quantity that has the error.
     pub of: String,
-    /// The formula or the measurement, or why nothing is known.
+    /// Formula or measurement behind the error, or the reason why it is unknown.
     pub source: String,
 }
 
@@ -178,55 +177,60 @@ impl fmt::Display for PredictedError {
     }
 }
 
-/// The error of a scene's number format against double precision.
+/// Error of a scene's number format against double precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormatError {
-    /// The format, as scenes name it.
+    /// Name of the number format in scenes: `mixed` or `f32`.
     pub format: &'static str,
-    /// The largest relative error of a history that the format is documented to make in lined openings.
+    /// Documented largest relative error of a history with this format in lined openings.
     pub documented: f64,
-    /// The error in this scene.
+    /// Error in this scene.
     pub error: PredictedError,
 }
 
 impl FormatError {
-    /// Whether it is unknown, or larger than is documented.
+    /// Whether the error is unknown or above the documented one.
     #[must_use]
-    pub fn is_doubtful(&self) -> bool {
+    pub fn needs_warning(&self) -> bool {
         let share = self.error.share;
         share.is_none_or(|share| share > self.documented || share.is_nan())
     }
 
-    /// The format of a scene, if it is not double precision, and its documented error.
+    /// The number format of a scene with its documented error; `None` for double precision.
     fn documented(scene: &Scene) -> Option<(&'static str, f64)> {
-        match scene.number_format() {
+        match scene.precision() {
             Precision::F64 => None,
             Precision::Mixed => Some(("mixed", MIXED_ERROR)),
             Precision::F32 => Some(("f32", SINGLE_ERROR)),
         }
     }
 
-    /// The error of the number format of a scene, from the first part of its run in both formats, which
-    /// takes some hundredths of the time of the run; none in double precision.
+    /// Measures the error of a scene's number format over the first part of its run in both formats, in a few per cent
+    /// of the time of the run; `None` for double precision.
     ///
     /// # Errors
-    /// What would keep the scene from running.
+    /// Any error that would prevent the run.
     pub fn of(scene: &Scene) -> Result<Option<Self>, StudyError> {
         let Some((format, documented)) = Self::documented(scene) else {
             return Ok(None);
         };
-        let facts = Facts::of(scene);
+        let facts = SceneFacts::of(scene);
         let files = Files::of(scene);
         let error = match (facts.obstacle, &files) {
             (Some(obstacle), _) => PredictedError::unknown(obstacle),
             (None, None) => PredictedError::unknown(NO_FILE),
             (None, Some(files)) => match files.own.prepare(files.own.duration) {
-                None => PredictedError::unknown("the scene does not run"),
-                Some(mut simulation) => {
+                Err(_) => PredictedError::unknown("the scene cannot be run"),
+                Ok(mut simulation) => {
                     let step = simulation.step()?;
-                    let of_step = Clock::of(&mut simulation)?.time_of_step()?;
+                    let of_step = StepTimer::of(&mut simulation)?.time_of_step()?;
                     drop(simulation);
-                    let window = Window::of(files.own.clone(), &facts, (of_step, step), 1);
+                    let timing = RunTiming {
+                        step,
+                        steps: (files.own.duration / step).ceil() as u64 + 1,
+                        of_step,
+                    };
+                    let window = Window::of(files.own.clone(), &facts, &timing, 1);
                     against_double(files, &window)
                 }
             },
@@ -240,7 +244,7 @@ impl FormatError {
 }
 
 fn against_double(files: &Files, window: &Window) -> PredictedError {
-    match window.error_against(&files.double, Growth::OfRounding) {
+    match window.error_against(&files.double, ErrorGrowth::OfRounding) {
         Ok(error) => PredictedError::measured(&error),
         Err(reason) => PredictedError::unknown(reason),
     }
@@ -256,20 +260,66 @@ impl fmt::Display for FormatError {
     }
 }
 
-/// What a change saves, and at what error.
+/// A change that could save much, but with which the scene is refused.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Saving {
+#[non_exhaustive]
+pub struct RefusedChange {
     /// The change.
     pub change: Change,
-    /// Steps over those of the scene as it stands.
+    /// What refuses the changed scene.
+    pub reason: String,
+}
+
+impl RefusedChange {
+    fn new(change: Change, error: &StudyError) -> Self {
+        let reason = match error {
+            // Lines and columns are those of the changed text, which nobody sees.
+            StudyError::Scene(powerhouse::Error::Scene(fault)) => fault.problem().to_string(),
+            error => error.to_string(),
+        };
+        Self { change, reason }
+    }
+}
+
+impl fmt::Display for RefusedChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: refused, {}", self.change, self.reason)
+    }
+}
+
+/// Steps of a run.
+#[derive(Clone, Copy)]
+pub(crate) struct RunTiming {
+    /// Their length (s).
+    pub(crate) step: f64,
+    /// Their number.
+    pub(crate) steps: u64,
+    /// Wall time of one.
+    pub(crate) of_step: Duration,
+}
+
+/// Changes that save, and the error of the number format.
+pub(crate) struct Savings {
+    /// Those that save most, the best first.
+    pub(crate) best: Vec<Saving>,
+    pub(crate) refused: Vec<RefusedChange>,
+    pub(crate) format: Option<FormatError>,
+}
+
+/// Saving of wall time by a change, with the error of the change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saving {
+    /// Change of the scene.
+    pub change: Change,
+    /// Ratio of the numbers of steps with and without the change.
     pub steps: f64,
-    /// Elements over those of the scene as it stands.
+    /// Ratio of the numbers of elements with and without the change.
     pub elements: f64,
-    /// Wall time of the steps over that of the scene as it stands.
+    /// Ratio of the wall times of all steps with and without the change.
     pub time: f64,
-    /// How that is known.
+    /// Source of the time ratio.
     pub timed: &'static str,
-    /// The error that it brings.
+    /// Error of the change.
     pub error: PredictedError,
 }
 
@@ -288,17 +338,17 @@ impl fmt::Display for Saving {
     }
 }
 
-/// What is known of a scene's changes before it is prepared.
+/// Data for the savings of a scene that are collected before it is prepared.
 pub(crate) struct Survey {
     of_shape: Vec<Saving>,
     files: Option<Files>,
-    facts: Facts,
-    /// The scene's number format and its documented error, if it is not double precision.
+    facts: SceneFacts,
+    /// Number format of the scene with its documented error, unless it is double precision.
     format: Option<(&'static str, f64)>,
     elements: usize,
-    /// The highest frequency of the motion that comes in (Hz), if waves do.
+    /// Highest frequency of the incident motion (Hz), if there are waves.
     highest: Option<f64>,
-    /// How long shear waves take through the body (s).
+    /// Travel time of shear waves through the body (s).
     crossing: f64,
 }
 
@@ -306,15 +356,15 @@ impl Survey {
     pub(crate) fn of(scene: &Scene, resolution: &[Resolution]) -> Result<Self, StudyError> {
         let (low, high) = scene.mesh().bounding_box();
         let speeds = resolution.iter().map(|part| part.s_speed);
-        // Without waves, or with those that stay away, no frequency says how small an element must be.
-        let band = match scene.incident_field() {
+        // Without incident motion no frequency limits the size of elements.
+        let band = match scene.field() {
             Some(_) => Band::of(scene).ok(),
             None => None,
         };
         Ok(Self {
             of_shape: shape::savings(scene)?,
             files: Files::of(scene),
-            facts: Facts::of(scene),
+            facts: SceneFacts::of(scene),
             format: FormatError::documented(scene),
             elements: scene.mesh().element_count(),
             highest: band.map(|band| band.highest),
@@ -322,34 +372,39 @@ impl Survey {
         })
     }
 
-    /// The changes that save most, those that save most first, and the error of the scene's number format;
-    /// a run has `steps` of a length `step` (s), each of which takes `of_step`.
+    /// The changes that save most, those that are refused, and the error of the scene's number format.
     pub(crate) fn best(
         self,
         stable: &StableStep,
         resolution: &[Resolution],
-        clock: &mut Clock,
-        (step, steps, of_step): (f64, u64, Duration),
-    ) -> (Vec<Saving>, Option<FormatError>) {
+        clock: &mut StepTimer,
+        timing: &RunTiming,
+    ) -> Savings {
         let elements = self.elements;
-        let mut savings = self.of_shape;
+        let (mut savings, mut refused) = (self.of_shape, Vec::new());
         if let Some(highest) = self.highest {
-            savings.extend(whole_step(stable, step, (highest, self.crossing)));
-            let larger = larger_elements(stable, resolution, (highest, self.crossing), elements);
+            let waves = Passage {
+                highest,
+                crossing: self.crossing,
+            };
+            savings.extend(whole_step(stable, timing.step, waves));
+            let larger = larger_elements(stable, resolution, waves, elements);
             savings.extend(larger);
         }
         let mut error = PredictedError::unknown(NO_FILE);
         if let Some(mut files) = self.files {
             let variants = core::mem::take(&mut files.variants);
             let windows = variants.len() + usize::from(self.format.is_some());
-            let window = Window::of(files.own.clone(), &self.facts, (of_step, step), windows);
+            let window = Window::of(files.own.clone(), &self.facts, timing, windows);
             if self.format.is_some() {
                 error = against_double(&files, &window);
             }
-            savings.extend(
-                (variants.into_iter())
-                    .filter_map(|variant| variant.saving((clock, steps), of_step, &window)),
-            );
+            for variant in variants {
+                match variant.saving(clock, timing, &window) {
+                    Ok(saving) => savings.extend(saving),
+                    Err(change) => refused.push(change),
+                }
+            }
         }
         let format = self.format.map(|(format, documented)| FormatError {
             format,
@@ -359,15 +414,28 @@ impl Survey {
         savings.retain(|saving| saving.time <= 1.0 - LEAST);
         savings.sort_by(|a, b| a.time.total_cmp(&b.time));
         savings.truncate(MOST);
-        (savings, format)
+        Savings {
+            best: savings,
+            refused,
+            format,
+        }
     }
 }
 
-/// What the whole stable step saves: central differences shorten periods by `(w dt)^2 / 24`, which at the
-/// highest frequency shifts waves through the body by so many radians.
-fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -> Option<Saving> {
+/// Waves on their way through the body.
+#[derive(Clone, Copy)]
+struct Passage {
+    /// Highest frequency that counts (Hz).
+    highest: f64,
+    /// Time of shear waves through the body (s).
+    crossing: f64,
+}
+
+/// Saving by a step equal to the stable one. Central differences shorten periods by `(w dt)^2 / 24`; the error is the
+/// phase shift of waves of the highest frequency through the body.
+fn whole_step(stable: &StableStep, step: f64, waves: Passage) -> Option<Saving> {
     let share = step / stable.step;
-    let rate = TAU * highest;
+    let (rate, crossing) = (TAU * waves.highest, waves.crossing);
     (share < 1.0).then(|| Saving {
         change: Change::WholeStep,
         steps: share,
@@ -377,18 +445,18 @@ fn whole_step(stable: &StableStep, step: f64, (highest, crossing): (f64, f64)) -
         error: PredictedError {
             least: None,
             share: Some(rate * crossing * (rate * stable.step).powi(2) / 24.0),
-            of: "motion at the highest frequency after the longest way".into(),
+            of: "motion at the highest frequency after the longest travel path".into(),
             source: "not measured, the phase error (w dt)^2/24 of central differences".into(),
         },
     })
 }
 
-/// What larger elements save where few of them limit the step. Waves through them have the phase error of
-/// the longest elements of their set, once those are as much longer.
+/// Saving by larger elements where few of them limit the step. The error is the phase error of the longest elements of
+/// their set, enlarged by the same factor.
 fn larger_elements(
     stable: &StableStep,
     resolution: &[Resolution],
-    (highest, crossing): (f64, f64),
+    waves: Passage,
     elements: usize,
 ) -> Option<Saving> {
     let times = stable.next_set_bound? / stable.element_bound;
@@ -398,9 +466,9 @@ fn larger_elements(
     if !(times > WORTH && few && by_size) {
         return None;
     }
-    let rate = TAU * highest;
+    let (rate, crossing) = (TAU * waves.highest, waves.crossing);
     let wave_number = rate / of_set.s_speed;
-    // Few elements among others share the mass of their nodes: the step is already longer than theirs alone.
+    // Few small elements share nodal masses with others, so that the step is longer than their own bound.
     let steps = stable.step / (ASSEMBLED * stable.next_set_bound?);
     Some(Saving {
         change: Change::LargerElements {
@@ -419,7 +487,7 @@ fn larger_elements(
                 rate * crossing * (wave_number * times * of_set.longest_edge).powi(2) / 24.0,
             ),
             of: "motion at the highest frequency, at most".into(),
-            source: "not measured, the phase error (k h)^2/24 of lumped bricks".into(),
+            source: "not measured, the phase error (k h)^2/24 of hexahedra with lumped mass".into(),
         },
     })
 }

@@ -1,4 +1,4 @@
-//! Smaller bodies of the same question.
+//! Smaller bodies with the same response: halves, slices, nearer faces.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,23 +8,23 @@ use powerhouse::wavefield::WaveKind;
 
 use super::{BY_COUNT, Change, PredictedError, Saving};
 use crate::StudyError;
-use crate::advice::{Room, kind_of, predicted_error};
+use crate::advice::{BoxReduction, kind_of, predicted_error};
 
-/// Nodes that are closer than this share of the mesh's diagonal are at one place.
+/// Distance of coincident nodes over the diagonal of the mesh.
 const TOLERANCE: f64 = 1e-6;
-/// Elements whose centres are closer than this share of it, seen along an axis, are behind each other.
+/// Distance of centroids, projected along an axis, of elements of one column, over the diagonal of the mesh.
 const COLUMN: f64 = 1e-5;
-/// Waves whose direction has less than this along a normal travel across it.
+/// Component of the direction of travel below which a wave travels normal to an axis.
 const ACROSS: f64 = 1e-9;
-/// The share of their distance to which faces are moved.
+/// Factor on the distances of the faces.
 const NEARER: f64 = 0.75;
-/// By how much a slice differs from the whole, which takes its elements' share of the time within a quarter:
-/// example `plane_slice`.
+/// Relative difference between slice and whole body, measured in the example `plane_slice`; the time ratio is that of
+/// the elements within a quarter.
 const SLICE_ERROR: f64 = 1e-10;
-/// By how much half a body differs from the whole (tests of symmetry planes).
+/// Relative difference between half and whole body, measured in the tests of symmetry planes.
 const HALF_ERROR: f64 = 1e-10;
 
-/// What halves, slices and nearer faces save, as far as the scene allows them.
+/// The savings by halves, slices and nearer faces that the scene allows.
 pub(super) fn savings(scene: &Scene) -> Result<Vec<Saving>, StudyError> {
     let mut savings = Vec::new();
     for axis in [Axis::X, Axis::Y] {
@@ -46,11 +46,11 @@ fn of_elements(change: Change, elements: f64, error: PredictedError) -> Saving {
     }
 }
 
-/// Whether all waves are P and SV waves that travel across an axis; not so if it is not known of what
-/// waves the field is made.
+/// Whether all waves are P and SV waves that travel normal to an axis; false for a field that is not declared as a sum
+/// of plane waves.
 fn travels_across(scene: &Scene, axis: Axis) -> bool {
-    let waves = scene.incident_waves();
-    let known = scene.incident_field().is_none() || !waves.is_empty();
+    let waves = scene.plane_waves();
+    let known = scene.field().is_none() || !waves.is_empty();
     known
         && waves.iter().all(|wave| {
             let parameters = wave.parameters();
@@ -59,7 +59,7 @@ fn travels_across(scene: &Scene, axis: Axis) -> bool {
         })
 }
 
-/// Whether an absorbing face looks along an axis.
+/// Whether an absorbing face is normal to an axis.
 fn absorbs_along(scene: &Scene, axis: Axis) -> Result<bool, StudyError> {
     let mesh = scene.mesh();
     let faces = scene.absorbing_facets().map_err(powerhouse::Error::from)?;
@@ -67,8 +67,7 @@ fn absorbs_along(scene: &Scene, axis: Axis) -> Result<bool, StudyError> {
     Ok(facets.any(|facet| mesh.facet_geometry(*facet).normal().iamax() == axis.index()))
 }
 
-/// One layer of a body that is the same all along an axis. Joints and bolts, which have places of their own
-/// along it, forbid it.
+/// Saving by one layer of a body with a constant section along an axis; none with joints or bolts.
 fn slice(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     let stages = scene.stage_overviews()?;
     let bolted = stages.iter().any(|stage| !stage.bolts.is_empty());
@@ -91,40 +90,40 @@ fn slice(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
             share: Some(SLICE_ERROR),
             least: None,
             of: "histories".into(),
-            source: "not measured on this scene, that of the example `plane_slice`".into(),
+            source: "not measured on this scene, measured in the example `plane_slice`".into(),
         };
         of_elements(Change::Slice { axis, at }, elements, error)
     }))
 }
 
-/// The sets to which each element belongs, by their places.
+/// The indices of the element sets to which each element belongs.
 fn sets_of_elements(mesh: &Mesh) -> Vec<Vec<usize>> {
     let mut sets = vec![Vec::new(); mesh.element_count()];
-    for (place, elements) in mesh.element_sets().values().enumerate() {
+    for (index, elements) in mesh.element_sets().values().enumerate() {
         for &element in elements {
-            sets[element as usize].push(place);
+            sets[element as usize].push(index);
         }
     }
     sets
 }
 
-/// Whether elements behind each other along an axis belong to the same sets.
+/// Whether all elements of each column along an axis belong to the same sets.
 fn is_same_along(mesh: &Mesh, axis: Axis) -> bool {
     let sets = sets_of_elements(mesh);
     let (low, high) = mesh.bounding_box();
     let cell = COLUMN * (high - low).norm();
     let mut columns: HashMap<[i64; 2], &[usize]> = HashMap::new();
     (0..mesh.element_count() as u32).all(|element| {
-        let place = (mesh.centroid(element) - low) / cell;
+        let scaled = (mesh.centroid(element) - low) / cell;
         let [a, b] = [(axis.index() + 1) % 3, (axis.index() + 2) % 3];
-        let column = [a, b].map(|across| place[across].round() as i64);
+        let column = [a, b].map(|across| scaled[across].round() as i64);
         let own = &sets[element as usize][..];
         *columns.entry(column).or_insert(own) == own
     })
 }
 
-/// Half of a body whose mesh, element sets, absorbing faces and waves have a mirror image. Joints, whose sides are
-/// at one place, forbid it.
+/// Saving by half of a body whose mesh, element sets, absorbing faces and waves are symmetric; none with joints, whose
+/// nodes coincide.
 fn half(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     if scene.joints().count() > 0 || !travels_across(scene, axis) {
         return Ok(None);
@@ -183,7 +182,7 @@ fn half(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
         share: Some(HALF_ERROR),
         least: None,
         of: "histories".into(),
-        source: "not measured on this scene, that of halves of cubes run beside the whole".into(),
+        source: "not measured on this scene, measured on halves of cubes".into(),
     };
     Ok(Some(of_elements(
         Change::Half { axis, at },
@@ -192,15 +191,15 @@ fn half(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
     )))
 }
 
-/// The node at the mirror image of each, if there is one of all.
+/// The node at the mirror image of each node; `None` if one has none.
 fn images(mesh: &Mesh, axis: Axis, at: f64) -> Option<Vec<u32>> {
     let (low, high) = mesh.bounding_box();
     let cell = TOLERANCE * (high - low).norm();
     let key = |position: &Vec3| {
-        let place = (position - low) / cell;
-        [place.x, place.y, place.z].map(|x| x.round() as i64)
+        let scaled = (position - low) / cell;
+        [scaled.x, scaled.y, scaled.z].map(|x| x.round() as i64)
     };
-    let places: HashMap<[i64; 3], u32> = (0..)
+    let nodes: HashMap<[i64; 3], u32> = (0..)
         .zip(mesh.positions())
         .map(|(n, x)| (key(x), n))
         .collect();
@@ -208,47 +207,44 @@ fn images(mesh: &Mesh, axis: Axis, at: f64) -> Option<Vec<u32>> {
         let mut image = *position;
         image[axis.index()] = 2.0 * at - image[axis.index()];
         let [x, y, z] = key(&image);
-        // Rounding may fall on either side.
+        // A coordinate may be rounded to either side.
         let beside = [-1, 0, 1].into_iter().flat_map(|i| {
             [-1, 0, 1]
                 .into_iter()
                 .flat_map(move |j| [-1, 0, 1].map(move |k| [x + i, y + j, z + k]))
         });
-        beside
-            .filter_map(|place| places.get(&place))
-            .next()
-            .copied()
+        beside.filter_map(|key| nodes.get(&key)).next().copied()
     };
     mesh.positions().iter().map(image).collect()
 }
 
-/// Faces that come nearer to what scatters, with the error that a slice of the same ground predicts.
+/// Saving by faces nearer to the scatterer, with the error that the substitute model predicts.
 fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
-    let Some(boundary) = scene.absorbing_boundary() else {
+    let Some(boundary) = scene.boundary() else {
         return Ok(None);
     };
     let kind = kind_of(boundary.condition.as_ref());
-    // What advice refuses has no prediction.
-    let Ok(room) = Room::of(scene) else {
+    // A scene without a prediction.
+    let Ok(reduction) = BoxReduction::of(scene) else {
         return Ok(None);
     };
-    let setting = &room.setting;
-    if setting.radius.is_none() {
+    let problem = &reduction.problem;
+    if problem.radius.is_none() {
         return Ok(None);
     }
-    let Ok(predicted) = predicted_error(setting, NEARER, kind) else {
+    let Ok(predicted) = predicted_error(problem, NEARER, &kind) else {
         return Ok(None);
     };
-    // Nor is that offered which the mesh does not allow.
-    let Ok((_, left)) = room.at(NEARER) else {
+    // A box that the mesh does not allow.
+    let Ok((_, left)) = reduction.at(NEARER) else {
         return Ok(None);
     };
     let left = left.len() as f64;
     let error = PredictedError {
         share: Some(predicted),
         least: None,
-        of: "displacement and velocity, that of the boundary as a whole".into(),
-        source: "not measured on this scene, predicted by an opening in a slice of its ground, as `powerhouse advise boundary` has it".into(),
+        of: "displacement and velocity, the whole error of the boundary".into(),
+        source: "not measured on this scene, predicted by an opening in a slice of its ground as in `powerhouse advise boundary`".into(),
     };
     let change = Change::NearerFaces { share: NEARER };
     let all = scene.mesh().element_count() as f64;

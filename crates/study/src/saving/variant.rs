@@ -1,24 +1,39 @@
-//! Changes of a scene's file, and what the changed scene costs.
+//! Changes of a scene's file, and the cost of the changed scene.
 
 use powerhouse::Scene;
 use toml::Table;
 
-use super::window::{Growth, SceneFile, Window};
-use super::{Change, PredictedError, Saving};
-use crate::cost::Clock;
-use crate::trade::{Factor, factors};
+use super::window::{ErrorGrowth, SceneFile, Window};
+use super::{Change, PredictedError, RefusedChange, RunTiming, Saving};
+use crate::StudyError;
+use crate::cost::StepTimer;
+use crate::trade::{Factor, factor, factors};
 
-/// A change of a level of a factor: the change, the factor and the level.
-static CHANGES: [(Change, &str, &str); 3] = [
-    (Change::Mixed, "precision", "mixed"),
-    (Change::OnePoint, "kernel", "hex8-one-point"),
-    (Change::FlatDamping, "damping", "flat"),
-];
+/// A change, with the factor and the level of it that a trade has.
+struct ChangeOfLevel {
+    change: Change,
+    factor: &'static str,
+    level: &'static str,
+}
 
-/// The files of a scene that can be read again: as it stands and changed.
+/// The changes that are made in a scene's file.
+fn changes() -> [ChangeOfLevel; 3] {
+    let of = |change, factor, level| ChangeOfLevel {
+        change,
+        factor,
+        level,
+    };
+    [
+        of(Change::Mixed, factor::PRECISION, factor::MIXED),
+        of(Change::OnePoint, factor::KERNEL, factor::one_point()),
+        of(Change::FlatDamping, factor::DAMPING, factor::FLAT),
+    ]
+}
+
+/// The files of a scene, unchanged and with single changes.
 pub(super) struct Files {
     pub(super) own: SceneFile,
-    /// The same in double precision.
+    /// The scene in double precision.
     pub(super) double: SceneFile,
     pub(super) variants: Vec<Variant>,
 }
@@ -30,27 +45,29 @@ pub(super) struct Variant {
 }
 
 impl Files {
-    /// Those of a scene; none of a scene that has no file, or that is a case.
+    /// The files of a scene; `None` for a scene without a file or a case.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let (Some(source), None) = (scene.source(), scene.case()) else {
             return None;
         };
+        let registry = scene.registry()?;
         let mut table = source.text.parse::<Table>().ok()?;
         table.remove("case");
         let file = |table: &Table| {
             Some(SceneFile {
                 text: toml::to_string(table).ok()?,
                 path: source.path.clone(),
-                duration: scene.run_duration(),
-                threads: scene.thread_count(),
+                duration: scene.duration(),
+                threads: scene.threads(),
+                registry: registry.clone(),
             })
         };
         let factors = factors(scene, &table);
-        let variants = CHANGES.iter().filter_map(|(change, factor, level)| {
-            let factor = factors.iter().find(|other| other.name == *factor)?;
-            let changed = with_level(&table, factor, level)?;
+        let variants = changes().into_iter().filter_map(|of| {
+            let factor = factors.iter().find(|other| other.name == of.factor)?;
+            let changed = with_level(&table, factor, of.level)?;
             Some(Variant {
-                change: change.clone(),
+                change: of.change,
                 file: file(&changed)?,
             })
         });
@@ -66,23 +83,38 @@ impl Files {
 }
 
 impl Variant {
-    /// What the change saves of the scene as it stands, of which a run has so many steps; nothing if the
-    /// changed scene cannot be run, or either run has too few steps to be timed.
+    /// What the change saves of the scene as it stands; nothing if either run has too few steps to be timed.
+    ///
+    /// # Errors
+    /// The change with the reason, if the changed scene is refused.
     pub(super) fn saving(
         self,
-        (own, steps): (&mut Clock, u64),
-        of_step: core::time::Duration,
+        own: &mut StepTimer,
+        timing: &RunTiming,
         window: &Window,
-    ) -> Option<Saving> {
+    ) -> Result<Option<Saving>, RefusedChange> {
+        let change = self.change.clone();
+        let found = self.timed(own, timing, window);
+        found.map_err(|error| RefusedChange::new(change, &error))
+    }
+
+    fn timed(
+        self,
+        own: &mut StepTimer,
+        timing: &RunTiming,
+        window: &Window,
+    ) -> Result<Option<Saving>, StudyError> {
         let duration = self.file.duration;
         let scene = self.file.scene(duration)?;
-        let (deviation, still) = (deviation(&scene), scene.stages().is_empty());
+        let (deviation, unstaged) = (deviation(&scene), scene.stages().is_empty());
         let nonlinear = scene.parts().iter().any(|part| !part.material.is_linear());
-        let mut simulation = scene.prepare().ok()?;
-        let step = simulation.step().ok()?;
-        let steps = ((duration / step).ceil() + 1.0) / steps as f64;
-        let mut clock = Clock::of(&mut simulation).ok()?;
-        let ratio = clock.ratio_to(own, of_step).ok()??;
+        let mut simulation = scene.prepare()?;
+        let step = simulation.step()?;
+        let steps = ((duration / step).ceil() + 1.0) / timing.steps as f64;
+        let mut clock = StepTimer::of(&mut simulation)?;
+        let Some(ratio) = clock.ratio_to(own, timing.of_step)? else {
+            return Ok(None);
+        };
         let error = match self.change {
             Change::FlatDamping => PredictedError {
                 share: Some(deviation),
@@ -92,8 +124,8 @@ impl Variant {
             },
             ref change => {
                 let growth = match change {
-                    Change::Mixed => Growth::OfRounding,
-                    _ => Growth::Unknown,
+                    Change::Mixed => ErrorGrowth::OfRounding,
+                    _ => ErrorGrowth::Unknown,
                 };
                 match window.error_of(&self.file, growth) {
                     Ok(error) => PredictedError::measured(&error),
@@ -101,33 +133,33 @@ impl Variant {
                 }
             }
         };
-        Some(Saving {
+        Ok(Some(Saving {
             change: self.change,
             steps,
             elements: 1.0,
             time: steps * ratio,
-            timed: match (still, nonlinear) {
-                (true, false) => "timed side by side",
-                (true, true) => "timed side by side before anything yields",
-                (false, _) => "timed side by side without the stages and before anything yields",
+            timed: match (unstaged, nonlinear) {
+                (true, false) => "timed alternately",
+                (true, true) => "timed alternately before anything yields",
+                (false, _) => "timed alternately without the stages and before anything yields",
             },
             error,
-        })
+        }))
     }
 }
 
-/// A scene's file with another level of a factor, if that is less accurate than its own.
+/// A scene's file with another level of a factor, if that is less accurate than the scene's.
 fn with_level(file: &Table, factor: &Factor, level: &str) -> Option<Table> {
-    let place = factor.levels.iter().position(|other| other.name == level)?;
-    if place <= factor.own {
+    let index = factor.levels.iter().position(|other| other.name == level)?;
+    if index <= factor.own {
         return None;
     }
     let mut changed = file.clone();
-    factor.levels[place].apply(&mut changed);
+    factor.levels[index].apply(&mut changed);
     Some(changed)
 }
 
-/// The largest deviation of flat damping from its ratio within its band, among all parts.
+/// Largest deviation of flat damping from its nominal ratio within its band, among all parts.
 fn deviation(scene: &Scene) -> f64 {
     let parts = scene.parts().iter();
     let deviations = parts.filter_map(|part| match &part.damping {

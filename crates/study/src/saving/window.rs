@@ -1,97 +1,105 @@
-//! What a change of a scene's file does to its histories, measured over the first part of the run.
+//! Error of a change of a scene's file in its histories, measured over the first part of the run.
 //!
 //! # Why so
-//! *The scene itself is run, as it stands and changed*, over as many steps as a share of the run's time
-//! permits, and all its histories are compared: elements, motion, boundary and output requests are its own.
+//! *The scene itself is run, unchanged and changed*, over as many steps as a share of the run's wall time permits, and
+//! all its histories are compared: elements, motion, boundary and output requests are its own.
 //!
-//! *Rounding grows with the run.* Each step adds an error that does not depend on the last, proportional to
-//! the strain or the velocity of the moment and so to the velocity of the ground; undamped elements keep
-//! what they got, so that the variance of the error at a time is the sum over all steps before. What the field
-//! that comes in does at the structure, known for the whole run, gives the ratio of these sums, and of the
-//! motion that they are relative to, between window and run. Without such a field motion and rounding are taken
-//! to be as strong all along. Where parts are damped the errors of earlier steps fade; how fast shows in how
-//! much more the window errs than its first half.
+//! *Rounding errors grow with the run.* Each step adds an independent error in proportion to the current strain or
+//! velocity, and so to the velocity of the ground. Undamped elements keep these errors, so that the variance of the
+//! error is the sum over all earlier steps. The incident field at the structure, which is known for the whole run,
+//! gives the ratios of these sums, and of the motion, between window and run. Without such a field the motion is taken
+//! to be stationary. Where parts are damped, earlier errors decay; the rate follows from the errors of the window and
+//! of its first half.
 //!
-//! *Number formats are compared at one step*, a little shorter than the stable one: theirs differ in the last
-//! digits that the power iteration finds, and accelerations at instants that differ are no error of a format.
+//! *Number formats are compared with the same step*, slightly shorter than the stable one: their stable steps differ in
+//! the last digits of the iteration, and accelerations at different instants are no error of a format.
 //!
-//! *The errors of other changes are those of the window*: nothing says how they go on.
+//! *The errors of other changes are those of the window*: their growth is unknown.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
-use powerhouse::{RunHooks, Scene, Simulation, TimeStep};
+use powerhouse::{Error, Registry, RunHooks, Scene, Simulation, TimeStep};
 
-use crate::registry;
+use super::RunTiming;
 use crate::trade::{Misfit, columns, misfits};
 
-/// The share of a run that is spent on a window of it, and the least time of all windows together.
+/// Share of a run's wall time that is spent on its window, and least wall time of all windows together.
 const SHARE: f64 = 0.02;
 const LEAST: Duration = Duration::from_millis(1200);
-/// Instants at which the field that comes in is looked at.
+/// Instants at which the incident field is sampled.
 const INSTANTS: usize = 4000;
-/// The step of windows over that of the run: the stable steps of number formats differ by less.
+/// Time step of windows over that of the run; the stable steps of number formats differ by less.
 const SHORTER: f64 = 0.998;
-/// A window in which less than this share of the run's noise or motion arises tells nothing of the run.
-const TELLING: f64 = 1e-9;
+/// Least share of the run's error variance and motion within a window from which the run can be predicted.
+const LEAST_SHARE: f64 = 1e-9;
 
-/// A scene's file as text, to be read several times.
-#[derive(Clone, Debug)]
+/// Text of a scene's file, with settings of the scene that replace those of the file.
+#[derive(Clone)]
 pub(crate) struct SceneFile {
     pub(crate) text: String,
     pub(crate) path: PathBuf,
     pub(crate) duration: f64,
     pub(crate) threads: Option<usize>,
+    /// The names that the scene was read with.
+    pub(crate) registry: Registry,
 }
 
 impl SceneFile {
-    /// The scene for some time (s), ready to run; none if it is refused.
-    pub(crate) fn prepare(&self, duration: f64) -> Option<Simulation> {
-        self.scene(duration)?.prepare().ok()
+    /// The scene for some time (s), ready to run.
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn prepare(&self, duration: f64) -> Result<Simulation, Error> {
+        self.scene(duration)?.prepare()
     }
 
-    pub(crate) fn scene(&self, duration: f64) -> Option<Scene> {
-        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &registry()).ok()?;
-        let scene = scene.duration(duration);
-        Some(match self.threads {
-            Some(threads) => scene.threads(threads),
+    /// The scene for some time (s).
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn scene(&self, duration: f64) -> Result<Scene, Error> {
+        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &self.registry)?;
+        let scene = scene.with_duration(duration);
+        Ok(match self.threads {
+            Some(threads) => scene.with_threads(threads),
             None => scene,
         })
     }
 }
 
-/// What errors do after a window.
+/// Growth of errors after a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Growth {
-    /// Nothing is known.
+pub(crate) enum ErrorGrowth {
+    /// Unknown growth.
     Unknown,
-    /// They add up as those of rounding do.
+    /// Growth of accumulated rounding errors.
     OfRounding,
 }
 
-/// The largest relative L2 error among the histories of a scene.
+/// Largest relative L2 error among the histories of a scene, measured over the first part of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredError {
-    /// Its size over the whole run, as far as it is known: measured if the window is the run, predicted
-    /// from the window where [`predicted`](Self::predicted) says so, that of the window otherwise. Where it may
-    /// be [`amplified`](Self::amplified) the run errs by more.
+    /// Relative L2 error: of the whole run if the window is the whole run or the error is
+    /// [`predicted`](Self::predicted), otherwise of the window. If it may be [`amplified`](Self::amplified), the error
+    /// of the run may be larger.
     pub share: f64,
-    /// The history.
+    /// Name of the history with the largest error.
     pub history: String,
-    /// The first part of the run that was computed (s).
+    /// Duration of the computed first part of the run (s).
     pub window: f64,
-    /// The whole run (s).
+    /// Duration of the whole run (s).
     pub duration: f64,
-    /// Whether the error after the window is predicted.
+    /// Whether the error of the whole run is predicted from that of the window.
     pub predicted: bool,
-    /// Whether yielding, cracks or joints may amplify it after the window.
+    /// Whether yielding, cracking or joints may amplify the error after the window.
     pub amplified: bool,
 }
 
 impl MeasuredError {
-    /// How it is known.
+    /// The source of the error as text.
     pub(crate) fn source(&self) -> String {
         let Self {
             window, duration, ..
@@ -99,22 +107,24 @@ impl MeasuredError {
         let mut source = if self.window >= self.duration {
             format!("measured over the whole run of {duration} s")
         } else if self.predicted {
-            format!("predicted for {duration} s from the first {window:.3} s, run both ways")
+            format!(
+                "predicted for {duration} s from the first {window:.3} s, run with and without the change"
+            )
         } else {
             format!("measured over the first {window:.3} s of {duration} s")
         };
         if self.amplified {
-            source += "; what yields, cracks or slips later may amplify it many times, which only a run shows";
+            source += "; later yielding, cracking or slip may amplify it many times, which only a whole run shows";
         }
         source
     }
 }
 
-/// The first part of a scene's run, and what is known of the rest.
+/// First part of a scene's run, as the reference of changed runs.
 pub(crate) struct Window {
     file: SceneFile,
     length: f64,
-    /// The time step of the reference (s).
+    /// Time step of the reference (s).
     step: f64,
     field: Option<Intensities>,
     amplifies: bool,
@@ -123,14 +133,15 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The first part of the run of a scene's file of which a step takes `of_step` and is so long (s); it
-    /// will be compared with so many others.
+    /// The first part of the run of a scene's file with steps of a timing; it will be compared with so many
+    /// others.
     pub(crate) fn of(
         file: SceneFile,
-        facts: &Facts,
-        (of_step, step): (Duration, f64),
+        facts: &SceneFacts,
+        timing: &RunTiming,
         others: usize,
     ) -> Self {
+        let RunTiming { of_step, step, .. } = *timing;
         let duration = file.duration;
         let run = of_step.mul_f64((duration / step).ceil());
         let spent = run.mul_f64(SHARE).max(LEAST.div_f64((others + 1) as f64));
@@ -138,8 +149,8 @@ impl Window {
         let length = duration.min((steps.ceil() * step).max(step));
         let reference = match facts.obstacle {
             Some(obstacle) => Err(obstacle),
-            None if others == 0 => Err("there is nothing to compare"),
-            None => histories(&file, length, Some(SHORTER * step)).ok_or("the scene does not run"),
+            None if others == 0 => Err("there is no run to compare with"),
+            None => histories(&file, length, Some(SHORTER * step)).ok_or("the scene cannot be run"),
         };
         Self {
             step: SHORTER * step,
@@ -152,41 +163,41 @@ impl Window {
         }
     }
 
-    /// The error of a changed scene; why it is not known otherwise.
+    /// The error of a changed scene, or the reason why it is unknown.
     pub(crate) fn error_of(
         &self,
         changed: &SceneFile,
-        growth: Growth,
+        growth: ErrorGrowth,
     ) -> Result<MeasuredError, &'static str> {
         let reference = self.reference.as_ref().map_err(|reason| *reason)?;
         let found = histories(changed, self.length, self.step_for(growth))
-            .ok_or("the changed scene does not run")?;
+            .ok_or("the changed scene cannot be run")?;
         self.largest(reference, &found, growth)
     }
 
-    /// The error of the scene as it stands, against a more accurate one.
+    /// The error of the unchanged scene against a more accurate one, or the reason why it is unknown.
     pub(crate) fn error_against(
         &self,
         accurate: &SceneFile,
-        growth: Growth,
+        growth: ErrorGrowth,
     ) -> Result<MeasuredError, &'static str> {
         let found = self.reference.as_ref().map_err(|reason| *reason)?;
         let reference = histories(accurate, self.length, self.step_for(growth))
-            .ok_or("the changed scene does not run")?;
+            .ok_or("the changed scene cannot be run")?;
         self.largest(&reference, found, growth)
     }
 
-    /// The step of another run (s), if it is to be that of the reference.
-    fn step_for(&self, growth: Growth) -> Option<f64> {
-        (growth == Growth::OfRounding).then_some(self.step)
+    /// The step of a compared run (s), if it must be that of the reference.
+    fn step_for(&self, growth: ErrorGrowth) -> Option<f64> {
+        (growth == ErrorGrowth::OfRounding).then_some(self.step)
     }
 
-    /// How fast the errors of earlier steps fade (1/duration of the run), from what a history errs by in the
-    /// first half of the window and in all of it.
-    fn fading(&self, whole: &Misfit, halves: &[Misfit]) -> f64 {
+    /// Decay rate of the errors of earlier steps (1/duration of the run), from the misfits of a history in the first
+    /// half of the window and in all of it.
+    fn decay(&self, whole: &Misfit, halves: &[Misfit]) -> f64 {
         let half = halves.iter().find(|half| half.name == whole.name);
         match (half, &self.field) {
-            (Some(half), Some(field)) if half.difference > 0.0 => field.fading(
+            (Some(half), Some(field)) if half.difference > 0.0 => field.decay(
                 self.length / self.file.duration,
                 whole.difference / half.difference,
             ),
@@ -198,11 +209,11 @@ impl Window {
         &self,
         reference: &[TableColumn],
         found: &[TableColumn],
-        growth: Growth,
+        growth: ErrorGrowth,
     ) -> Result<MeasuredError, &'static str> {
         let (length, duration) = (self.length, self.file.duration);
         let whole = length >= duration;
-        let predicted = !whole && growth != Growth::Unknown;
+        let predicted = !whole && growth != ErrorGrowth::Unknown;
         let halves = match self.damped {
             true => misfits(&first_half(reference), found),
             false => Vec::new(),
@@ -213,16 +224,22 @@ impl Window {
                 (false, _) => 1.0,
                 (true, None) => (duration / length).sqrt(),
                 (true, Some(field)) => field
-                    .growth(&misfit.name, length / duration, self.fading(&misfit, &halves))
-                    .ok_or("the waves hardly reach the structure in the part of the run that can be afforded")?,
+                    .growth(
+                        &misfit.name,
+                        length / duration,
+                        self.decay(&misfit, &halves),
+                    )
+                    .ok_or(
+                        "the waves hardly reach the structure in the computed part of the run",
+                    )?,
             };
             let share = factor * misfit.error;
             if worst.as_ref().is_none_or(|(most, _)| share > *most) && !misfit.error.is_nan() {
                 worst = Some((share, misfit.name));
             }
         }
-        let (share, history) = worst
-            .ok_or("nothing that is recorded moves in the part of the run that can be afforded")?;
+        let (share, history) =
+            worst.ok_or("all histories are zero in the computed part of the run")?;
         Ok(MeasuredError {
             share,
             history,
@@ -246,10 +263,10 @@ fn first_half(table: &[TableColumn]) -> Vec<TableColumn> {
     table.iter().map(half).collect()
 }
 
-/// The histories of the first part (s) of a run, with a step (s) of its own unless that is unstable; none if
-/// it cannot be run.
+/// The histories of the first part (s) of a run, with a given step (s) unless that is unstable; `None` if it cannot be
+/// run.
 fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
-    let mut simulation = file.prepare(length)?;
+    let mut simulation = file.prepare(length).ok()?;
     if let Some(step) = step
         && step <= simulation.stable_step().ok()?.step
     {
@@ -259,18 +276,18 @@ fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<Tab
     Some(columns(&results.histories))
 }
 
-/// What a scene tells of its window before it is prepared.
-pub(crate) struct Facts {
+/// Properties of a scene on which its window depends, collected before it is prepared.
+pub(crate) struct SceneFacts {
     field: Option<Intensities>,
     amplifies: bool,
     damped: bool,
-    /// What keeps a window from being run.
+    /// Reason why no window can be run.
     pub(super) obstacle: Option<&'static str>,
 }
 
-impl Facts {
+impl SceneFacts {
     pub(crate) fn of(scene: &Scene) -> Self {
-        let plan = scene.output_plan();
+        let plan = scene.output();
         let records = !plan.histories.is_empty()
             || !plan.relative.is_empty()
             || !plan.stresses.is_empty()
@@ -279,7 +296,7 @@ impl Facts {
             Some("the scene records no histories")
         } else if !scene.stages().is_empty() {
             Some(
-                "its stages would have to be gone through first, and where anything yields, cracks or slips rounding may grow to the size of the accelerations",
+                "its construction stages would have to be computed first, and yielding, cracking or slip may amplify rounding to the size of the accelerations",
             )
         } else {
             None
@@ -297,19 +314,19 @@ impl Facts {
     }
 }
 
-/// Squares of the motion of the field at the structure, at equal intervals of the run: displacement,
-/// velocity, acceleration.
+/// Squared displacement, velocity and acceleration of the incident field at the structure, at equal intervals of the
+/// run.
 #[derive(Clone, Debug)]
 struct Intensities(Vec<[f64; 3]>);
 
 impl Intensities {
     fn of(scene: &Scene) -> Option<Self> {
-        let field = scene.incident_field()?;
+        let field = scene.field()?;
         let (low, high) = scene.mesh().bounding_box();
         let middle = 0.5 * (low + high);
         let centre = scene.scatterer().unwrap_or(middle).sup(&low).inf(&high);
         let sampler = field.prepare(&[centre]).ok()?;
-        let interval = scene.run_duration() / INSTANTS as f64;
+        let interval = scene.duration() / INSTANTS as f64;
         let mut before = Vec3::zeros();
         let squares = (0..=INSTANTS).map(|instant| {
             let mut motion = [FieldMotion::default()];
@@ -326,10 +343,10 @@ impl Intensities {
         Some(Self(squares.collect()))
     }
 
-    /// The sum over a first part of the run of the variance of an error that every instant adds to in
-    /// proportion to the velocity squared, and that fades at a rate (1/duration of the run).
-    fn noise(&self, end: usize, fading: f64) -> f64 {
-        let kept = (-2.0 * fading / INSTANTS as f64).exp();
+    /// Sum over a first part of the run of the variance of an error that grows at each instant in proportion to the
+    /// squared velocity and decays at a rate (1/duration of the run).
+    fn variance(&self, end: usize, decay: f64) -> f64 {
+        let kept = (-2.0 * decay / INSTANTS as f64).exp();
         let (mut added, mut noise) = (0.0, 0.0);
         for squares in &self.0[..=end] {
             added = kept * added + squares[1];
@@ -338,12 +355,12 @@ impl Intensities {
         noise
     }
 
-    /// The rate of fading (1/duration of the run) at which the noise of a share of the run is so many times
-    /// that of half of it; zero if it would have to grow.
-    fn fading(&self, share: f64, ratio: f64) -> f64 {
+    /// Decay rate (1/duration of the run) for which the error variance of a share of the run has a given ratio to that
+    /// of its half; zero if it would have to be negative.
+    fn decay(&self, share: f64, ratio: f64) -> f64 {
         let end = ((share * INSTANTS as f64) as usize).clamp(2, INSTANTS);
-        let is_slower = |rate: f64| self.noise(end, rate) / self.noise(end / 2, rate) > ratio;
-        // At the fastest one nothing is left after an instant.
+        let is_slower = |rate: f64| self.variance(end, rate) / self.variance(end / 2, rate) > ratio;
+        // With the greatest rate an error vanishes after one instant.
         let (mut slow, mut fast) = (0.0, INSTANTS as f64);
         if !is_slower(slow) {
             return 0.0;
@@ -358,9 +375,9 @@ impl Intensities {
         slow
     }
 
-    /// By how much the relative error of a history, that fades at a rate, grows from a share of the run to
-    /// the whole; none if too little moves in that share.
-    fn growth(&self, history: &str, share: f64, fading: f64) -> Option<f64> {
+    /// Growth factor of the relative error of a history from a share of the run to the whole, for a decay rate; `None` if
+    /// that share contains too little motion.
+    fn growth(&self, history: &str, share: f64, decay: f64) -> Option<f64> {
         let of_signal = if history.ends_with("[m]") {
             0
         } else if history.ends_with("[m/s2]") {
@@ -374,14 +391,14 @@ impl Intensities {
                 .iter()
                 .map(|squares| squares[of_signal])
                 .sum();
-            [self.noise(end, fading), signal]
+            [self.variance(end, decay), signal]
         };
         let (window, run) = (sums(end), sums(INSTANTS));
-        let tells = window
+        let is_enough = window
             .iter()
             .zip(run)
-            .all(|(part, all)| *part > TELLING * all);
-        tells.then(|| ((run[0] / window[0]) / (run[1] / window[1])).sqrt())
+            .all(|(part, all)| *part > LEAST_SHARE * all);
+        is_enough.then(|| ((run[0] / window[0]) / (run[1] / window[1])).sqrt())
     }
 }
 
@@ -389,8 +406,8 @@ impl Intensities {
 mod tests {
     use super::*;
 
-    /// Under a motion of one strength the relative error of rounding grows as the root of the time, under
-    /// one that ends after the window as that of what remains, and a window without motion tells nothing.
+    /// The relative rounding error grows with the root of time under a stationary motion; under a motion that ends after
+    /// the window it follows the accumulated variance; a window without motion gives no prediction.
     #[test]
     fn rounding_grows_as_its_sum_over_the_steps() {
         let of = |motion: fn(usize) -> f64| {
@@ -411,20 +428,20 @@ mod tests {
         assert_eq!(late.growth("a [m]", 0.4, 0.0), None);
     }
 
-    /// The rate at which noise fades is found again from how it grows within a window, whatever the motion; noise that
-    /// fades fast grows with the motion alone.
+    /// The decay rate is recovered from the growth of the variance within a window for any motion; with fast decay the
+    /// variance grows with the motion alone.
     #[test]
-    fn fading_is_found_from_the_window() {
+    fn the_decay_rate_is_found_from_the_window() {
         for motion in [|_: usize| 1.0, |i: usize| (i as f64).powi(2)] {
             let field = Intensities((0..=INSTANTS).map(|i| [motion(i); 3]).collect());
             for rate in [3.0, 30.0, 200.0] {
                 let share = 0.1;
                 let end = (share * INSTANTS as f64) as usize;
-                let ratio = field.noise(end, rate) / field.noise(end / 2, rate);
-                let found = field.fading(share, ratio);
+                let ratio = field.variance(end, rate) / field.variance(end / 2, rate);
+                let found = field.decay(share, ratio);
                 assert!((found / rate - 1.0).abs() < 1e-6, "{found} {rate}");
             }
-            assert_eq!(field.fading(0.1, 1e6), 0.0);
+            assert_eq!(field.decay(0.1, 1e6), 0.0);
         }
         let steady = Intensities((0..=INSTANTS).map(|_| [1.0; 3]).collect());
         let found = steady.growth("a [m/s2]", 0.1, 1e3).unwrap();

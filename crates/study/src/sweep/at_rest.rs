@@ -1,20 +1,20 @@
-//! Bodies that stages have brought to rest, in memory and in files.
+//! Store of bodies in static equilibrium after the construction stages, in memory and in files.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Mesh;
-use powerhouse::{EquilibratedBody, Scene};
+use powerhouse::{EquilibratedBody, Registry, Scene};
 
 use super::locked;
 use crate::StudyError;
 use crate::mark::{Checksum, REVISION, is_case};
 
-/// The folder of the files of bodies in that of a sweep.
+/// Name of the folder of body files within the folder of a sweep.
 const FOLDER: &str = "at-rest";
 
-/// Sections of a scene that say what stages come to, beside mesh, joints and absorbing faces.
+/// Sections of a scene on which the equilibrium after the stages depends, beside mesh, joints and absorbing faces.
 const SECTIONS: [&str; 9] = [
     "material",
     "part",
@@ -27,17 +27,17 @@ const SECTIONS: [&str; 9] = [
     "precision",
 ];
 
-/// The bodies of a sweep by their keys.
-pub(super) struct Bodies {
+/// Equilibrated bodies of a sweep by their keys.
+pub(super) struct BodyStore {
     folder: PathBuf,
     slots: Mutex<BTreeMap<String, Slot>>,
 }
 
-/// Where the body of a key stands, once it is known; who holds it may find it.
+/// Slot of the body of a key; its lock is held while the body is computed.
 pub(super) type Slot = Arc<Mutex<Option<EquilibratedBody>>>;
 
-impl Bodies {
-    /// Those of files that an earlier sweep left in the folder.
+impl BodyStore {
+    /// The store in the folder of a sweep, with the files of earlier sweeps.
     pub(super) fn in_folder(folder: &Path) -> Self {
         Self {
             folder: folder.join(FOLDER),
@@ -51,12 +51,12 @@ impl Bodies {
         slots.entry(key.to_owned()).or_default().clone()
     }
 
-    /// The body of a key from its file. One that is not whole, or of another version, is as none.
+    /// Reads the body of a key from its file; `None` for an incomplete file or one of another version.
     pub(super) fn read(&self, key: &str) -> Option<EquilibratedBody> {
         EquilibratedBody::read(&self.file(key)).ok()
     }
 
-    /// Keeps a body in a file.
+    /// Writes a body to its file.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -69,27 +69,33 @@ impl Bodies {
     }
 }
 
-/// What two cases must share for one body at rest to serve both: version, mesh, supports, joints, the time at
-/// which the motion starts and loads are what they are at rest, faces that absorb, along which rock is
-/// elastic, and what the scene and the case say of everything else that acts before the motion.
+/// Key of the equilibrated body of a case; cases with the same key share the body.
+///
+/// It is the checksum of the software revision, the mesh, the supports, the joints, the start time, at which static
+/// loads are evaluated, the absorbing faces, along which rock is elastic, and all sections of the scene and the case
+/// on which the stages depend.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
     sum.add(REVISION.as_bytes());
+    let version = scene.registry().map_or("", Registry::version);
+    if !version.is_empty() {
+        sum.add(version.as_bytes());
+    }
     add_mesh(&mut sum, scene.mesh());
-    // Which nodes, and in which directions.
-    let held = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
+    // The debug format contains nodes and directions.
+    let supports = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
-    let boundary = scene.absorbing_boundary();
+    let boundary = scene.boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
     let start = scene.start_time();
-    sum.add(format!("{held} {joints:?} {faces:?} {start:?}").as_bytes());
+    sum.add(format!("{supports} {joints:?} {faces:?} {start:?}").as_bytes());
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let cases = table.get("case").and_then(toml::Value::as_array);
     let own = cases.and_then(|cases| cases.iter().find(|own| is_case(own, case)));
     for section in SECTIONS {
         for value in [table.get(section), own.and_then(|own| own.get(section))] {
-            let said = value.map_or(String::new(), toml::Value::to_string);
-            sum.add(said.as_bytes());
+            let text = value.map_or(String::new(), toml::Value::to_string);
+            sum.add(text.as_bytes());
         }
     }
     let stress = table.get("in_situ_stress");
@@ -100,7 +106,7 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     sum.text()
 }
 
-/// Nodes, elements, their numbers and named sets of a mesh.
+/// Adds nodes, elements, their numbers and the named sets of a mesh to a checksum.
 fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
     for position in mesh.positions() {
         let bits = position.map(f64::to_bits);

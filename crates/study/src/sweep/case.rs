@@ -1,4 +1,4 @@
-//! One case of a sweep.
+//! Run of one case of a sweep.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -9,16 +9,16 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    Doubt, EquilibratedBody, Error, Fault, ResultFolder, RunHooks, RunNotes, Scene, SceneFault,
-    SceneText, Simulation, format,
+    EquilibratedBody, Error, Message, ResultFolder, RunHooks, RunNotes, Scene, SceneText,
+    Simulation,
 };
 
-use super::at_rest::{self, Bodies};
+use super::at_rest::{self, BodyStore};
 use super::{
     CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
     pictures,
 };
-use crate::{FreeFieldCheck, OutputSize, StudyError, Warning, warnings};
+use crate::{FreeFieldCheck, OutputSize, StudyError, Warning};
 
 /// Cancellation flag and progress callback of a case.
 pub(super) struct CaseControl<'h, 'w> {
@@ -27,67 +27,62 @@ pub(super) struct CaseControl<'h, 'w> {
 }
 
 impl Sweep {
-    /// Runs a case and writes what it came to, also of one that fails on its way.
+    /// Runs a case and writes its results, also if it fails during the run.
     pub(super) fn case(
         &self,
         case: &str,
         control: &CaseControl,
-        bodies: &Bodies,
+        bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
         let scene = self.scene_of(case)?;
-        let as_case = format::decode_case(&self.text, case);
-        let input = CaseInput::of(&as_case.map_err(|fault| self.refused(fault))?, case);
+        let input = CaseInput::of(scene.input());
         let path = self.folder.join(case);
         let folder = ResultFolder::new(&path);
         let text = scene.source().map(|source| source.text.clone());
-        let relative = scene.output_plan().relative.iter();
-        let relative: Vec<String> = relative.map(|wish| wish.name.clone()).collect();
+        let relative = scene.output().relative.iter();
+        let relative: Vec<String> = relative.map(|request| request.name.clone()).collect();
         let body = at_rest::key(&scene, &self.scene, &self.text, case);
         let title = format!("{}: {case}", scene.title());
         let ground = ground::relative_peaks(&scene)?;
-        let seen = Coverage::of(&scene, &input);
+        let coverage = Coverage::of(&scene, &input);
         let check = scene.self_check();
         let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
         let check = check.transpose()?;
         let size = OutputSize::of(&scene)?;
-        let mut doubts: Vec<Doubt> = warnings(&scene)?.iter().map(Warning::doubt).collect();
+        let mut warnings: Vec<Message> = crate::warnings(&scene)?
+            .iter()
+            .map(Warning::message)
+            .collect();
         let mut simulation = scene.prepare()?;
-        // A step that is refused is so before anything is removed.
+        // An invalid step is an error before any file is removed.
         let step = simulation.step()?;
         let lock = folder.lock()?;
         folder.prove(&simulation, size.bytes(step))?;
-        finished::take_back(&path)?;
+        finished::unmark(&path)?;
         folder.clear()?;
         if let Some((check, limit)) = check {
-            let hooks = RunHooks {
-                stop: control.stop.cloned(),
-                ..RunHooks::default()
-            };
+            let mut hooks = RunHooks::default();
+            hooks.stop = control.stop.cloned();
             let found = check.run(step, hooks)?;
             locked(control.watch).self_check(case, found.largest());
             found.require(limit)?;
         }
 
         let mesh = simulation.mesh().clone();
-        doubts.extend(seen.as_ref().and_then(Coverage::doubt));
-        let notes = RunNotes {
-            remarks: simulation.remarks().to_vec(),
-            warnings: doubts,
-        };
+        warnings.extend(coverage.as_ref().and_then(Coverage::warning));
+        let notes = RunNotes::new(simulation.remarks().to_vec()).with_warnings(warnings);
         locked(control.watch).warns(case, &notes, lock.remark());
-        let hooks = RunHooks {
-            at_rest: at_rest(&simulation, (case, &body), &folder, (control, bodies))?,
-            progress: locked(control.watch).progress(case),
-            stop: control.stop.cloned(),
-            snapshots: Some(folder.snapshots(&simulation)?),
-            ..RunHooks::default()
-        };
+        let mut hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
+        hooks.equilibrated_body =
+            equilibrated(&simulation, (case, &body), &folder, (control, bodies))?;
+        hooks.progress = locked(control.watch).progress(case);
+        hooks.stop = control.stop.cloned();
         let (results, failure) = match simulation.run(hooks) {
             Ok(results) => (results, None),
             Err(Error::Failed { error, results }) => (*results, Some(error)),
             Err(error) => return Err(error.into()),
         };
-        let is_ours = lock.is_held();
+        let is_held = lock.is_held();
         let mut files = folder.write((&title, &mesh), &results, &notes, text.as_deref())?;
         if let Some(failure) = failure {
             return Err(Error::from(failure).into());
@@ -100,30 +95,30 @@ impl Sweep {
         }
         files.extend(pictures::draw(&path, &mesh, &results)?);
         let mut outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
-        outcome.coverage = seen;
+        outcome.coverage = coverage;
         let file = path.join(OUTCOME);
         write_summary(&file, &outcome).map_err(Error::from)?;
-        // The mark goes last: without it the case is not finished.
-        if !is_ours {
+        // The fingerprint is written last: without it the case is not finished.
+        if !is_held {
             lock.release()?;
         }
-        if let Some(mark) = self.marks.get(case) {
-            finished::finish(&path, mark, &files)?;
+        if let Some(fingerprint) = self.fingerprints.get(case) {
+            finished::finish(&path, fingerprint, &files)?;
         }
-        // As another sweep would find it: a number may lose its last bit in a file.
+        // Read back, as a later sweep does: a number may lose its last bit in a file.
         CaseOutcome::read(&file)
     }
 
-    /// The scene of a case, as this sweep runs it.
+    /// The scene of a case with the settings of this sweep.
     fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
         let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
         let at_once = self.at_once.get().min(self.cases.len());
-        if at_once > 1 && scene.thread_count().is_none() {
+        if at_once > 1 && scene.threads().is_none() {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-            scene = scene.threads((cores / at_once).max(1));
+            scene = scene.with_threads((cores / at_once).max(1));
         }
         if let Some(duration) = self.duration {
-            scene = scene.duration(duration);
+            scene = scene.with_duration(duration);
         }
         let is_other = |source: &SceneText| source.text != self.text;
         if scene.source().is_some_and(|source| is_other(source)) {
@@ -132,42 +127,35 @@ impl Sweep {
         }
         Ok(scene)
     }
-
-    /// A fault of the scene's text.
-    fn refused(&self, fault: Fault) -> StudyError {
-        let (path, text) = (self.scene.clone(), self.text.clone());
-        let fault = SceneFault::new(Arc::new(SceneText { path, text }), fault);
-        Error::from(fault).into()
-    }
 }
 
-/// The body of a case after its stages, if it has some: one that another case or sweep has left, or else its
-/// own.
-fn at_rest(
+/// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible; `None` without
+/// stages.
+fn equilibrated(
     simulation: &Simulation,
     (case, key): (&str, &str),
     folder: &ResultFolder,
-    (control, bodies): (&CaseControl, &Bodies),
+    (control, bodies): (&CaseControl, &BodyStore),
 ) -> Result<Option<EquilibratedBody>, StudyError> {
     let slot = bodies.slot(key);
-    // Others that need the same body wait for it here.
-    let mut at_rest = locked(&slot);
-    if at_rest.is_none() {
-        *at_rest = bodies.read(key);
+    // Other cases that need the same body wait here.
+    let mut body = locked(&slot);
+    if body.is_none() {
+        *body = bodies.read(key);
     }
-    if at_rest.is_none() {
+    if body.is_none() {
         let started = Instant::now();
         let files = folder.stages(simulation)?;
-        let told = locked(control.watch).stages(case, files);
-        let found = simulation.bring_to_rest(control.stop, Some(told));
-        *at_rest = found.map_err(|error| match error {
+        let sink = locked(control.watch).stages(case, files);
+        let found = simulation.equilibrate(control.stop, Some(sink));
+        *body = found.map_err(|error| match error {
             Error::Interrupted { .. } => StudyError::Interrupted,
             error => error.into(),
         })?;
-        if let Some(found) = &*at_rest {
-            locked(control.watch).at_rest(case, started.elapsed());
+        if let Some(found) = &*body {
+            locked(control.watch).equilibrated(case, started.elapsed());
             bodies.write(key, found)?;
         }
     }
-    Ok(at_rest.clone())
+    Ok(body.clone())
 }

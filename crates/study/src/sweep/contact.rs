@@ -1,4 +1,4 @@
-//! Joints of a case, and how their failure goes with the damage of what they bind.
+//! Results of the joints of a case, and their correlation with the damage of the lining.
 
 use std::collections::HashMap;
 
@@ -9,18 +9,18 @@ use serde::{Deserialize, Serialize};
 
 use super::damage::{Damage, STRUCTURE};
 
-/// A joint, or a part of one, at the end; shares are of its area.
+/// Results of a joint, or of a part of one, at the end of a case; shares refer to its area.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointCase {
-    /// Its name.
+    /// Name of the joint or part.
     pub name: String,
     /// Area (m2).
     pub area: f64,
-    /// Ever slid.
+    /// Share of the area that slipped at any time, from 0 to 1.
     pub slipped: f64,
-    /// Ever opened.
+    /// Share of the area that opened at any time, from 0 to 1.
     pub opened: f64,
-    /// Lost its bond.
+    /// Share of the area whose bond is broken, from 0 to 1.
     pub broken: f64,
     /// Largest accumulated slip (m).
     pub slip: f64,
@@ -42,35 +42,34 @@ impl JointCase {
     }
 }
 
-/// How the failure of a joint goes with the damage of the structure beside it, element by element of the
-/// structure that touches the joint.
+/// Relation between joint failure and damage of the structure, over the elements of the structure that touch joints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointAndLining {
-    /// The share of the joint's area that slid, opened or lost its bond.
+    /// Share of the area of all joints that slipped, opened or lost its bond, from 0 to 1.
     pub failed: f64,
-    /// How many elements touch it.
+    /// Number of elements of the structure that touch a joint.
     pub elements: usize,
-    /// The mean damage of those at which at least half of the joint failed; none if there are none.
+    /// Mean damage of the elements at which at least half of the joint area failed; `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub damage_at_failed: Option<f64>,
-    /// The mean damage of the others; none if there are none.
+    /// Mean damage of the other elements; `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub damage_at_held: Option<f64>,
-    /// The correlation of failed share and damage; none where either is the same everywhere.
+    /// Correlation coefficient of failed share and damage over the elements; `None` if either is constant.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub correlation: Option<f64>,
 }
 
-/// Whether a pair has failed in any way.
+/// Whether a node pair slipped, opened or lost its bond.
 fn failed(record: &JointRecord) -> bool {
     let moved = record.first_slip.is_some() || record.first_crack.is_some();
     moved || record.state.bond == Bond::Broken
 }
 
 impl JointAndLining {
-    /// Of all joints of a run that touch the structure; none if none does.
+    /// Evaluates all joints of a run; `None` without joints.
     pub(super) fn of(mesh: &Mesh, results: &Results, damage: Option<&Damage>) -> Option<Self> {
-        // Area and failed area that the pairs give to each node.
+        // Area and failed area of the pairs at each node.
         let mut at_node: HashMap<u32, [f64; 2]> = HashMap::new();
         let mut areas = [0.0; 2];
         for JointTable { pairs, records, .. } in &results.joints {
@@ -113,7 +112,7 @@ impl JointAndLining {
     }
 }
 
-/// Pearson's correlation; none where either number is the same everywhere.
+/// Pearson's correlation coefficient; `None` if either variable is constant.
 fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     let count = pairs.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
@@ -133,8 +132,7 @@ fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Points on a rising line have the correlation 1, on a falling one -1; of what never changes there
-    /// is none.
+    /// Points on a rising line have the correlation 1, on a falling one -1; a constant variable has none.
     #[test]
     fn a_line_correlates_with_itself() {
         let line = |slope: f64| [0.0, 0.2, 0.7].map(|x| (x, 0.1 + slope * x));

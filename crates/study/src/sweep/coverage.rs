@@ -1,38 +1,38 @@
-//! How much of its records a case has seen.
+//! Share of the records that a case covers.
 
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Doubt, Remark, Scene, Topic};
+use powerhouse::{Message, Remark, Scene, Topic};
 use serde::{Deserialize, Serialize};
 
 use super::CaseInput;
 
-/// The share of the Arias intensity of a record that a case must see to be judged: the end of its significant
-/// duration D5-95.
+/// Share of the Arias intensity of a record that a case must cover to be judged: the end of its significant duration
+/// D5-95.
 const SIGNIFICANT: f64 = 0.95;
 
-/// How much of a record a case has seen: of its records the one of which it saw least.
+/// Share of a record that a case covers; of several records that with the least share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// The name of the record.
+    /// Name of the record.
     pub record: String,
-    /// The time of the record at which the run ends (s): the duration, less the padding before quiet starts.
+    /// Record time at the end of the run (s): the duration less the padding of quiet starts.
     pub end: f64,
-    /// The length of the record (s).
+    /// Duration of the record (s).
     pub length: f64,
-    /// The share of its Arias intensity that comes before that end.
+    /// Share of the Arias intensity of the record before that end, from 0 to 1.
     pub intensity: f64,
-    /// The time of the record at which its significant duration D5-95 ends (s).
+    /// Record time at the end of the significant duration D5-95 (s).
     pub significant: f64,
 }
 
 impl Coverage {
-    /// That of a case; none if no record moves its waves.
+    /// The coverage of a case; `None` if its waves have no record.
     pub(super) fn of(scene: &Scene, input: &CaseInput) -> Option<Self> {
         let padding = scene.remarks().iter().map(|remark| match remark {
             Remark::QuietStart { padding, .. } => *padding,
             _ => 0.0,
         });
-        let end = scene.run_duration() - padding.sum::<f64>();
+        let end = scene.duration() - padding.sum::<f64>();
         let moves = |name: &str| {
             let mut waves = input.waves.iter();
             waves.any(|wave| {
@@ -65,12 +65,12 @@ impl Coverage {
         }
     }
 
-    /// Whether the case has seen the strong motion: all of the significant duration.
+    /// Whether the case covers the strong motion: the whole significant duration.
     pub fn is_enough(&self) -> bool {
         self.intensity >= SIGNIFICANT
     }
 
-    /// What is missing, in words.
+    /// Describes the covered and the missing part of the record as text.
     pub fn shortened(&self) -> String {
         format!(
             "shortened to {:.3} of {:.3} s of record '{}', {:.1} % of its Arias intensity; its significant duration ends at {:.2} s",
@@ -82,9 +82,9 @@ impl Coverage {
         )
     }
 
-    /// The doubt about a case that has not seen the strong motion.
-    pub(super) fn doubt(&self) -> Option<Doubt> {
-        (!self.is_enough()).then(|| Doubt {
+    /// The warning about a case that does not cover the strong motion.
+    pub(super) fn warning(&self) -> Option<Message> {
+        (!self.is_enough()).then(|| Message {
             about: Topic::Input,
             text: format!(
                 "{}: all results are those of the motion until then",
@@ -98,11 +98,11 @@ impl Coverage {
 mod tests {
     use super::*;
 
-    /// Of a record that is strong in its middle the share before a time is that of its squared acceleration,
-    /// and what ends before 95 % of it has not seen the strong motion.
+    /// The covered share is that of the integral of the squared acceleration, and a case that ends before 95 % of it does
+    /// not cover the strong motion.
     #[test]
-    fn a_case_sees_the_share_of_its_time() {
-        // Constant from 2 to 4 s, still before and after.
+    fn a_case_covers_the_intensity_before_its_end() {
+        // Constant from 2 to 4 s, zero before and after.
         let samples = (0..=600).map(|i| f64::from(u8::from((200..=400).contains(&i))));
         let record = TimeHistory::new(0.01, samples.collect()).unwrap();
         for (end, share) in [
@@ -119,10 +119,10 @@ mod tests {
             assert!((found.significant - 3.9).abs() < 0.02, "{found:?}");
             assert_eq!(found.length, 6.0);
         }
-        let told = Coverage::of_record("x", &record, 3.0).shortened();
+        let text = Coverage::of_record("x", &record, 3.0).shortened();
         assert!(
-            told.starts_with("shortened to 3.000 of 6.000 s of record 'x', 50.0 %"),
-            "{told}"
+            text.starts_with("shortened to 3.000 of 6.000 s of record 'x', 50.0 %"),
+            "{text}"
         );
     }
 }

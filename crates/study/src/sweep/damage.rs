@@ -1,53 +1,53 @@
-//! Damage of the structure, part by part.
+//! Damage of the structure and its parts.
 
 use powerhouse::engine::observe::StateTable;
 use powerhouse::model::Mesh;
 use serde::{Deserialize, Serialize};
 
-/// The element set whose damage is looked at.
+/// Name of the element set whose damage is evaluated.
 pub(super) const STRUCTURE: &str = "structure";
-/// Damage from which on a place counts as damaged.
+/// Damage above which an element counts as damaged.
 pub(super) const DAMAGED: f64 = 0.1;
-/// Damage is severe from this share of the greatest in the structure.
+/// Damage above which an element is severely damaged, over the greatest damage of the structure.
 const SEVERE: f64 = 0.5;
 
-/// Damage of an element set of the structure; shares are of its volume.
+/// Damage of an element set of the structure at the end of a case; shares refer to its volume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartDamage {
-    /// The name of the set.
+    /// Name of the element set.
     pub name: String,
-    /// Its volume (m3).
+    /// Volume of the set (m3).
     pub volume: f64,
-    /// The mean damage over the volume.
+    /// Mean damage over the volume, from 0 to 1.
     pub mean: f64,
-    /// The greatest damage.
+    /// Greatest damage of an element, from 0 to 1.
     pub greatest: f64,
-    /// Damaged by more than a tenth.
+    /// Share of the volume with a damage above 0.1.
     pub damaged: f64,
-    /// Damaged by tension alone.
+    /// Share of the volume damaged by tension alone.
     pub tension: f64,
-    /// Damaged by compression or shear alone.
+    /// Share of the volume damaged by compression or shear alone.
     pub compression: f64,
-    /// Damaged by both.
+    /// Share of the volume damaged by both tension and compression or shear.
     pub both: f64,
-    /// Damaged by more than half the greatest of the structure.
+    /// Share of the volume with more than half of the greatest damage of the structure.
     pub severe: f64,
-    /// Of that, where tension does more than compression or shear.
+    /// Share of that severely damaged volume in which tensile damage exceeds compressive damage.
     pub severe_tension: f64,
 }
 
-/// The damage of each element of a mesh, zero where the law knows none.
+/// Damage of each element of a mesh; zero where the law has no damage variable.
 pub(super) struct Damage {
-    /// The whole damage.
+    /// Total damage.
     pub(super) whole: Vec<f64>,
     tension: Vec<f64>,
     compression: Vec<f64>,
-    /// 0 nothing, 1 tension, 2 compression or shear, 3 both.
+    /// Cause of damage: 0 none, 1 tension, 2 compression or shear, 3 both.
     pub(super) kinds: Vec<f64>,
 }
 
 impl Damage {
-    /// The greatest damage of a run; none if no law knows damage.
+    /// The greatest damage of each element over a run; `None` if no law has a damage variable.
     pub(super) fn of(mesh: &Mesh, state: &StateTable) -> Option<Self> {
         let over_mesh = |values: &[f64]| {
             let mut all = vec![0.0; mesh.element_count()];
@@ -83,8 +83,8 @@ impl Damage {
         })
     }
 
-    /// The damage of the structure and of every set of which all elements belong to it; nothing if
-    /// the mesh names no structure. Sets of bars alone are left out.
+    /// The damage of the set `structure` and of all element sets within it; empty without such a set. Sets without
+    /// volume, of bars, are left out.
     pub(super) fn parts(&self, mesh: &Mesh) -> Vec<PartDamage> {
         let Ok(structure) = mesh.element_set(STRUCTURE) else {
             return Vec::new();

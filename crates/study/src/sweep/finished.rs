@@ -1,4 +1,4 @@
-//! Which cases are finished, and of what.
+//! Recognition of finished cases by their fingerprints.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -9,40 +9,41 @@ use serde::{Deserialize, Serialize};
 
 use super::{MARK, OUTCOME};
 use crate::StudyError;
-use crate::mark::{Checksum, Mark};
+use crate::mark::{Checksum, Fingerprint};
 
-/// The summary of a run, which every run that writes into a folder replaces.
+/// Name of the summary file, which every run into a folder replaces.
 const SUMMARY: &str = "summary.json";
 
-/// A case of a sweep, and what its results must be of to count.
+/// Entry of the list of cases: name and fingerprint of the inputs.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Listed {
+pub(crate) struct CaseEntry {
     name: String,
-    mark: Mark,
+    #[serde(rename = "mark")]
+    fingerprint: Fingerprint,
 }
 
-impl Listed {
-    pub(super) fn new(name: &str, mark: &Mark) -> Self {
+impl CaseEntry {
+    pub(super) fn new(name: &str, fingerprint: &Fingerprint) -> Self {
         Self {
             name: name.into(),
-            mark: mark.clone(),
+            fingerprint: fingerprint.clone(),
         }
     }
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
-    /// Whether its folder, in that of the sweep, holds these results and all of them.
+    /// Whether the case folder contains complete results with this fingerprint.
     pub(crate) fn is_finished(&self, sweep: &Path) -> bool {
-        is_finished(&sweep.join(&self.name), &self.mark)
+        is_finished(&sweep.join(&self.name), &self.fingerprint)
     }
-    /// What keeps it from being finished, in words; nothing if it is.
-    pub(crate) fn lacks(&self, sweep: &Path) -> Option<String> {
+    /// Describes what is missing of the case; `None` if it is finished.
+    pub(crate) fn gap(&self, sweep: &Path) -> Option<String> {
         let folder = sweep.join(&self.name);
-        if is_finished(&folder, &self.mark) {
+        if is_finished(&folder, &self.fingerprint) {
             return None;
         }
-        let gone = read(&folder).map_or_else(Vec::new, |found| found.missing(&folder));
-        Some(match &gone[..] {
+        let missing = read(&folder).map_or_else(Vec::new, |found| found.missing(&folder));
+        Some(match &missing[..] {
             [] => format!("case '{}' is not finished", self.name),
             files => format!(
                 "case '{}' was finished, but files of it are gone or changed: {}",
@@ -53,19 +54,19 @@ impl Listed {
     }
 }
 
-/// What the folder of a finished case holds beside its results.
+/// Contents of the fingerprint file of a finished case.
 #[derive(Serialize, Deserialize)]
 struct Finished {
     #[serde(flatten)]
-    mark: Mark,
-    /// Checksum of the summary of the run: another run into the same folder has another one.
+    fingerprint: Fingerprint,
+    /// Checksum of the summary of the run, which another run into the same folder changes.
     summary: String,
-    /// Its files below the folder, with their sizes (bytes).
+    /// Result files relative to the folder, with their sizes (bytes).
     files: Vec<(String, u64)>,
 }
 
 impl Finished {
-    /// Files that are not there, or of another size.
+    /// Files that are missing or have another size.
     fn missing(&self, folder: &Path) -> Vec<String> {
         let differs = |(name, size): &&(String, u64)| {
             let found = fs::metadata(folder.join(name));
@@ -81,20 +82,24 @@ fn read(folder: &Path) -> Option<Finished> {
     serde_json::from_slice(&text).ok()
 }
 
-/// Whether a folder holds the results of a mark and all of them.
-pub(super) fn is_finished(folder: &Path, mark: &Mark) -> bool {
+/// Whether a folder contains complete results with a fingerprint.
+pub(super) fn is_finished(folder: &Path, fingerprint: &Fingerprint) -> bool {
     read(folder).is_some_and(|found| {
         let summary = summary_of(folder).ok();
-        let is_same = found.mark == *mark && Some(&found.summary) == summary.as_ref();
+        let is_same = found.fingerprint == *fingerprint && Some(&found.summary) == summary.as_ref();
         is_same && found.missing(folder).is_empty()
     })
 }
 
-/// Says that a folder holds the results of a mark and all of them: these files, and the outcome.
+/// Marks a folder as finished with a fingerprint and the given result files.
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub(super) fn finish(folder: &Path, mark: &Mark, files: &[PathBuf]) -> Result<(), StudyError> {
+pub(super) fn finish(
+    folder: &Path,
+    fingerprint: &Fingerprint,
+    files: &[PathBuf],
+) -> Result<(), StudyError> {
     let outcome = folder.join(OUTCOME);
     let mut sizes = Vec::with_capacity(files.len() + 1);
     for file in files.iter().chain([&outcome]) {
@@ -106,18 +111,18 @@ pub(super) fn finish(folder: &Path, mark: &Mark, files: &[PathBuf]) -> Result<()
         sizes.push((name.to_string_lossy().into_owned(), found.len()));
     }
     let finished = Finished {
-        mark: mark.clone(),
+        fingerprint: fingerprint.clone(),
         summary: summary_of(folder)?,
         files: sizes,
     };
     Ok(write_summary(&folder.join(MARK), &finished).map_err(powerhouse::Error::from)?)
 }
 
-/// Takes back that a folder holds finished results.
+/// Removes the finished mark of a folder.
 ///
 /// # Errors
 /// A file that cannot be removed.
-pub(super) fn take_back(folder: &Path) -> Result<(), StudyError> {
+pub(super) fn unmark(folder: &Path) -> Result<(), StudyError> {
     for name in [MARK, OUTCOME] {
         let file = folder.join(name);
         match fs::remove_file(&file) {
@@ -130,7 +135,7 @@ pub(super) fn take_back(folder: &Path) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Checksum of the summary of the run in a folder.
+/// The checksum of the summary file in a folder.
 fn summary_of(folder: &Path) -> Result<String, StudyError> {
     let file = folder.join(SUMMARY);
     let bytes = fs::read(&file).map_err(|source| StudyError::Read { file, source })?;

@@ -1,4 +1,4 @@
-//! What the ground alone would do where a scene records relative displacements.
+//! Relative displacements of the free field, for comparison with those of a scene.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -10,17 +10,17 @@ use powerhouse::model::{Cadence, FieldMotion, ModelError, Observer, StepView, St
 use super::outcome::{Peak, displacement_peaks};
 use crate::StudyError;
 
-/// No more samples than this of a history, however closely a scene asks for them.
+/// Greatest number of samples of a history.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// A step of ground that moves as the waves that come in; it takes down which nodes are asked for.
-struct Ground {
+/// View of a step of the free field; it records which nodes an observer reads.
+struct FreeFieldStep {
     nodes: usize,
     time: f64,
     displacement: RefCell<BTreeMap<u32, Vec3>>,
 }
 
-impl StepView for Ground {
+impl StepView for FreeFieldStep {
     fn number(&self) -> u64 {
         0
     }
@@ -50,38 +50,37 @@ impl StepView for Ground {
     }
 }
 
-/// The greatest relative displacements (m) of ground without any structure, by the names under which the
-/// scene records those of its own; none if no waves come in, or if their field does not reach all the
-/// places.
+/// The greatest relative displacements (m) of the free field at the points of the scene's own requests; empty without
+/// an incident field, or if the field is not defined at all points.
 pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
-    let (plan, mesh) = (scene.output_plan(), scene.mesh());
-    let Some(field) = scene.incident_field().filter(|_| !plan.relative.is_empty()) else {
+    let (plan, mesh) = (scene.output(), scene.mesh());
+    let Some(field) = scene.field().filter(|_| !plan.relative.is_empty()) else {
         return Ok(Vec::new());
     };
-    let every = plan.every.max(scene.run_duration() / MOST_SAMPLES);
+    let every = plan.every.max(scene.duration() / MOST_SAMPLES);
     let history = || {
         let mut builder = History::builder(Cadence::Seconds(plan.every));
-        for wish in &plan.relative {
-            let (from, at) = (wish.from.clone(), wish.at.clone());
-            builder = builder.relative(&wish.name, from, at, Motion::DISPLACEMENT);
+        for request in &plan.relative {
+            let (from, at) = (request.from.clone(), request.at.clone());
+            builder = builder.relative(&request.name, from, at, Motion::DISPLACEMENT);
         }
-        builder.build(mesh).map_err(refused)
+        builder.build(mesh).map_err(model_error)
     };
-    let mut ground = Ground {
+    let mut ground = FreeFieldStep {
         nodes: mesh.node_count(),
         time: scene.start_time(),
         displacement: RefCell::default(),
     };
-    // Only to learn which nodes the places stand for.
-    history()?.observe(&ground).map_err(refused)?;
-    let asked = ground.displacement.get_mut().keys();
-    let positions: Vec<Vec3> = asked.map(|&node| mesh.positions()[node as usize]).collect();
+    // A first step only records which nodes are read.
+    history()?.observe(&ground).map_err(model_error)?;
+    let read = ground.displacement.get_mut().keys();
+    let positions: Vec<Vec3> = read.map(|&node| mesh.positions()[node as usize]).collect();
     let Ok(sampler) = field.prepare(&positions) else {
         return Ok(Vec::new());
     };
     let mut history = history()?;
     let recording = history.recording();
-    let count = (scene.run_duration() / every).ceil() as u64;
+    let count = (scene.duration() / every).ceil() as u64;
     let mut motion = Vec::new();
     for sample in 0..=count {
         ground.time = scene.start_time() + sample as f64 * every;
@@ -92,11 +91,11 @@ pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
         for (node, motion) in nodes.zip(&motion) {
             *node = motion.displacement;
         }
-        history.observe(&ground).map_err(refused)?;
+        history.observe(&ground).map_err(model_error)?;
     }
     Ok(recording.read(displacement_peaks))
 }
 
-fn refused(error: impl Into<ModelError>) -> StudyError {
+fn model_error(error: impl Into<ModelError>) -> StudyError {
     powerhouse::Error::Model(error.into()).into()
 }

@@ -1,14 +1,14 @@
-//! Sweeps: the cases of a scene, one after the other or some side by side.
+//! Parameter sweeps: the runs of all cases of a scene, sequentially or several in parallel.
 //!
-//! The stages before the motion are gone through once for all cases that share them, and kept in a file
-//! for a sweep that goes on later. A case that was finished before, by the same version and from the same
-//! keys of the scene and of the case and the same files, is not run again: its mark stands in its folder,
-//! and goes there last. Other cases may come and go. Results that another run has replaced count no more.
+//! The construction stages before the motion are computed once for all cases that share them, and stored in a file for
+//! a later continuation of the sweep. A case that is finished, with the same software version, keys of scene and case,
+//! and files, is not run again; the fingerprint of these inputs is written to its folder last. Cases may be added or
+//! removed. A case whose results another run has replaced is run again.
 //!
 //! ```no_run
-//! use powerhouse_study::sweep::{Silent, Sweep};
+//! use powerhouse_study::sweep::{NoProgress, Sweep};
 //! let sweep = Sweep::of_file("data/scenes/wang_2019.toml", None)?;
-//! for outcome in sweep.run(None, &mut Silent)? {
+//! for outcome in sweep.run(None, &mut NoProgress)? {
 //!     println!("{}: {} steps", outcome.name, outcome.steps);
 //! }
 //! # Ok::<(), powerhouse_study::StudyError>(())
@@ -39,100 +39,114 @@ use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSink};
 
-use crate::mark::Mark;
+use crate::mark::Fingerprint;
 use crate::{StudyError, registry};
-use at_rest::Bodies;
+use at_rest::BodyStore;
 use case::CaseControl;
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
 pub use damage::PartDamage;
-pub(crate) use finished::Listed;
+pub(crate) use finished::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 
-/// The file of a case's outcome in its folder.
+/// Name of the outcome file in the folder of a case.
 pub(crate) const OUTCOME: &str = "outcome.json";
-/// The file of its mark.
+/// Name of the fingerprint file in the folder of a case.
 pub(crate) const MARK: &str = "finished.json";
-/// The table of all cases in the folder of the sweep.
+/// Name of the table of all cases in the folder of the sweep.
 pub(crate) const TABLE: &str = "sweep.csv";
-/// The file of the cases in their order, with the mark that each must bear.
+/// Name of the list of cases in their order, with the fingerprint that each must have.
 pub(crate) const CASES: &str = "cases.json";
 
-/// The start of the names of the files of records.
+/// Prefix of the names of record files.
 pub(crate) const RECORD: &str = "record-";
 
-/// Is told how a sweep goes, of cases side by side by turns.
+/// Progress callbacks of a sweep; calls of parallel cases are interleaved.
 pub trait SweepWatch: Send {
-    /// A case begins: its name, its place from 1, how many there are.
-    fn begins(&mut self, _case: &str, _place: usize, _of: usize) {}
-    /// A case was finished before.
-    fn kept(&mut self, _case: &str) {}
-    /// What was found of a case before it runs, and of the lock of its folder.
+    /// Called when a case begins, with its name, its number from 1 and the number of cases.
+    fn begins(&mut self, _case: &str, _number: usize, _of: usize) {}
+    /// Called when the results of an earlier run of a case are reused.
+    fn reused(&mut self, _case: &str) {}
+    /// Called before a case runs, with its remarks and warnings, and a remark on the lock of its folder if there is one.
     fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
-    /// The free field of a case errs by so much: its scene asks for the check.
+    /// Called after the free-field check of a case, with its largest relative error.
     fn self_check(&mut self, _case: &str, _error: f64) {}
-    /// The body has gone through its stages for this case and those like it.
-    fn at_rest(&mut self, _case: &str, _took: Duration) {}
-    /// The hook for the steps of a case.
+    /// Called when the body of a case has reached static equilibrium after its stages, with the wall time.
+    fn equilibrated(&mut self, _case: &str, _took: Duration) {}
+    /// Returns the progress hook for the steps of a case; `None` for no progress.
     fn progress(&mut self, _case: &str) -> Option<ProgressHook<'static>> {
         None
     }
-    /// What is shown the stages, with the files that they write.
+    /// Returns the sink for the stages of a case; it must forward to `files`, which writes their results.
     fn stages(&mut self, _case: &str, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
         files
     }
-    /// A case is finished.
+    /// Called when a case is finished, with its outcome.
     fn ends(&mut self, _outcome: &CaseOutcome) {}
-    /// A case is refused or fails, while others may still run.
+    /// Called when a case is invalid or fails, while others may still run.
     fn fails(&mut self, _case: &str, _error: &StudyError) {}
 }
 
-/// Hears nothing.
-pub struct Silent;
+/// Progress callbacks that do nothing.
+pub struct NoProgress;
 
-impl SweepWatch for Silent {}
+impl SweepWatch for NoProgress {}
 
-/// The cases of a scene file.
+/// Parameter sweep over the cases of a scene file.
 pub struct Sweep {
     scene: PathBuf,
-    /// What stood in the file when the sweep began.
+    /// Text of the file at the beginning of the sweep.
     text: String,
     registry: Registry,
-    /// Those that it runs.
+    /// Cases to run.
     cases: Vec<String>,
-    /// All that the scene has.
+    /// All cases of the scene.
     all: Vec<String>,
     folder: PathBuf,
-    /// The mark of each case.
-    marks: BTreeMap<String, Mark>,
+    /// Fingerprint of each case.
+    fingerprints: BTreeMap<String, Fingerprint>,
     duration: Option<f64>,
-    /// How many cases run at once.
+    /// Number of cases that run in parallel.
     at_once: NonZeroUsize,
-    /// The records as they enter the waves.
+    /// Records as used by the waves.
     records: Vec<(String, TimeHistory)>,
 }
 
 impl Sweep {
-    /// The cases of a scene file; results go to a folder, by default that of the scene.
+    /// Creates the sweep of a scene file; results are written to a folder, by default that of the scene.
     ///
     /// # Errors
-    /// A scene that cannot be read, [`StudyError::NoCases`].
+    /// An invalid scene; [`StudyError::NoCases`].
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        let (path, registry) = (path.as_ref(), registry());
-        let scene = Scene::from_file_with(path, &registry)?;
+        Self::of_file_with(path, folder, &registry())
+    }
+    /// The same with the names of a registry. Finished cases of an earlier sweep are taken as they are, also
+    /// if the code of a registered law has changed, unless the
+    /// [version](powerhouse::Registry::with_version) of the registry has.
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file).
+    pub fn of_file_with(
+        path: impl AsRef<Path>,
+        folder: Option<PathBuf>,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
+        let path = path.as_ref();
+        let scene = Scene::from_file_with(path, registry)?;
         if scene.case_names().is_empty() {
             let file = path.into();
             return Err(StudyError::NoCases { file });
         }
         let own = scene.result_folder().path().to_path_buf();
         let text = scene.source().map_or("", |source| &source.text);
-        let marks = Mark::of_cases((path, text), scene.case_names(), None)?;
+        let fingerprints =
+            Fingerprint::of_cases((path, text), scene.case_names(), None, registry.version())?;
         let records = scene.records().iter();
         let records = records.map(|(name, history)| (name.clone(), history.clone()));
         Ok(Self {
             records: records.collect(),
-            marks,
+            fingerprints,
             text: text.to_owned(),
             scene: path.into(),
             cases: (scene.case_names().iter())
@@ -141,61 +155,65 @@ impl Sweep {
                 .collect(),
             all: scene.case_names().to_vec(),
             folder: folder.unwrap_or(own),
-            registry,
+            registry: registry.clone(),
             duration: None,
             at_once: NonZeroUsize::MIN,
         })
     }
 
-    /// The same with some cases alone, those on request among them.
+    /// Restricts the sweep to the named cases, which may include those that run only on request.
     ///
     /// # Errors
-    /// [`StudyError::Scene`] for a name that is no case.
+    /// [`StudyError::Scene`] for an unknown case.
     pub fn only(mut self, cases: &[String]) -> Result<Self, StudyError> {
         if let Some(name) = cases.iter().find(|name| !self.all.contains(name)) {
             let (name, available) = (name.clone(), self.all);
             return Err(powerhouse::Error::NoSuchCase { name, available }.into());
         }
-        let asked = self.all.iter().filter(|case| cases.contains(case));
-        self.cases = asked.cloned().collect();
+        let requested = self.all.iter().filter(|case| cases.contains(case));
+        self.cases = requested.cloned().collect();
         Ok(self)
     }
 
-    /// The same with another duration of every case (s).
+    /// Sets the duration (s) of every case, above zero and finite, in place of that of the scene.
     ///
     /// # Errors
-    /// A duration that is not above zero and finite; as [`of_file`](Self::of_file): the files are read again.
-    pub fn lasting(mut self, duration: f64) -> Result<Self, StudyError> {
+    /// A duration out of its range; a file of the scene that cannot be read again.
+    pub fn with_duration(mut self, duration: f64) -> Result<Self, StudyError> {
         ParameterError::check("duration", duration, f64::MIN_POSITIVE, f64::MAX)?;
-        self.marks = Mark::of_cases((&self.scene, &self.text), &self.all, Some(duration))?;
+        let file = (self.scene.as_path(), self.text.as_str());
+        let version = self.registry.version();
+        self.fingerprints = Fingerprint::of_cases(file, &self.all, Some(duration), version)?;
         self.duration = Some(duration);
         Ok(self)
     }
 
-    /// The same with so many cases side by side, each with its share of the cores unless the scene says how
-    /// many threads it takes; the bits of results do not depend on it. Each takes the memory of one. Cases that
-    /// share stages wait for the one that goes through them.
+    /// Sets the number of cases that run in parallel, by default 1.
+    ///
+    /// The cores are divided among the cases unless the scene sets the number of threads; results do not depend on it
+    /// in any bit. The memory of all parallel cases adds up. Cases that share stages wait for the one that computes them.
     #[must_use]
     pub fn side_by_side(mut self, cases: NonZeroUsize) -> Self {
         self.at_once = cases;
         self
     }
 
-    /// The names of the cases that it runs: all but those on request, or those that were asked for.
+    /// Names of the cases that the sweep runs: all but those on request, or those chosen by [`only`](Self::only).
     pub fn cases(&self) -> &[String] {
         &self.cases
     }
-    /// The folder of the results, in which each case has one of its name.
+    /// Folder of the results, in which each case has a folder with its name.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Runs the cases that are not finished yet; writes the results of each, and a table of all.
+    /// Runs all unfinished cases, writes the results of each and a table of all, and returns their outcomes.
+    ///
+    /// `stop` is the cancellation flag. After an error finished cases are kept, and another run continues from there.
     ///
     /// # Errors
-    /// The first case that is refused or fails, when those beside it are finished;
-    /// [`StudyError::Changed`] if the scene's file was edited on the way; [`StudyError::Interrupted`] if
-    /// it was stopped from outside. What was finished until then stays, and another run goes on from there.
+    /// The first case that is invalid or fails, after the parallel ones have ended; [`StudyError::Changed`] if the scene
+    /// file was edited meanwhile; [`StudyError::Interrupted`] after a cancellation.
     pub fn run(
         &self,
         stop: Option<&Arc<AtomicBool>>,
@@ -203,18 +221,18 @@ impl Sweep {
     ) -> Result<Vec<CaseOutcome>, StudyError> {
         let lock = ResultFolder::new(&self.folder).lock()?;
         self.write_inputs()?;
-        let bodies = Bodies::in_folder(&self.folder);
+        let bodies = BodyStore::in_folder(&self.folder);
         let watch = Mutex::new(watch);
         let control = CaseControl {
             stop,
             watch: &watch,
         };
-        let found = workers::side_by_side(self.cases.len(), self.at_once, |place| {
-            let case = &self.cases[place];
-            locked(&watch).begins(case, place + 1, self.cases.len());
+        let found = workers::side_by_side(self.cases.len(), self.at_once, |index| {
+            let case = &self.cases[index];
+            locked(&watch).begins(case, index + 1, self.cases.len());
             let folder = self.folder.join(case);
-            let kept = self.is_finished(case);
-            let outcome = if kept {
+            let reused = self.is_finished(case);
+            let outcome = if reused {
                 CaseOutcome::read(&folder.join(OUTCOME))?
             } else {
                 let found = self.case(case, &control, &bodies);
@@ -224,11 +242,11 @@ impl Sweep {
                 })?
             };
             let mut watch = locked(&watch);
-            match kept {
-                true => watch.kept(case),
+            match reused {
+                true => watch.reused(case),
                 false => watch.ends(&outcome),
             }
-            // Under the lock, so that two do not write at once.
+            // Under the lock, so that no two cases write the table simultaneously.
             self.write_table()?;
             Ok(outcome)
         })?;
@@ -236,13 +254,13 @@ impl Sweep {
         Ok(found)
     }
 
-    /// Whether a case was finished, by this run or an earlier one of the same files.
+    /// Whether a case was finished, by this run or an earlier one with the same inputs.
     fn is_finished(&self, case: &str) -> bool {
-        let is_finished = |mark| finished::is_finished(&self.folder.join(case), mark);
-        self.marks.get(case).is_some_and(is_finished)
+        let is_finished = |own| finished::is_finished(&self.folder.join(case), own);
+        self.fingerprints.get(case).is_some_and(is_finished)
     }
 
-    /// Writes the table of all cases that are finished.
+    /// Writes the table of all finished cases.
     fn write_table(&self) -> Result<(), StudyError> {
         let finished = self.all.iter().filter(|case| self.is_finished(case));
         let read = |case: &String| CaseOutcome::read(&self.folder.join(case).join(OUTCOME));
@@ -250,15 +268,15 @@ impl Sweep {
         table::write(&self.folder.join(TABLE), &outcomes)
     }
 
-    /// Writes the order of the cases, those of this run and those that were finished before, and the
-    /// records.
+    /// Writes the list of cases, those of this run and those finished earlier, and the records.
     fn write_inputs(&self) -> Result<(), StudyError> {
-        let told = |case: &&String| self.cases.contains(case) || self.is_finished(case);
-        let cases = self.all.iter().filter(told);
-        let listed = cases.filter_map(|case| Some(Listed::new(case, self.marks.get(case)?)));
-        let listed: Vec<Listed> = listed.collect();
+        let is_listed = |case: &&String| self.cases.contains(case) || self.is_finished(case);
+        let cases = self.all.iter().filter(is_listed);
+        let entries =
+            cases.filter_map(|case| Some(CaseEntry::new(case, self.fingerprints.get(case)?)));
+        let entries: Vec<CaseEntry> = entries.collect();
         let file = self.folder.join(CASES);
-        write_summary(&file, &listed).map_err(powerhouse::Error::from)?;
+        write_summary(&file, &entries).map_err(powerhouse::Error::from)?;
         for (name, history) in &self.records {
             let count = history.samples();
             let times = (0..count).map(|sample| sample as f64 * history.step());
@@ -273,12 +291,12 @@ impl Sweep {
     }
 }
 
-/// What another case left if it broke off is as good.
+/// Locks a mutex; data of a panicked case are used as they are.
 fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Writes a text whole or not at all.
+/// Writes a text file atomically.
 pub(crate) fn write_text(file: &Path, text: &str) -> Result<(), StudyError> {
     Ok(write_whole(file, text.as_bytes()).map_err(powerhouse::Error::from)?)
 }

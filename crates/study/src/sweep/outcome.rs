@@ -1,4 +1,4 @@
-//! What a case of a sweep came to, in the numbers that cases are compared by.
+//! Outcome of a case of a sweep: the values by which cases are compared.
 
 use powerhouse::Results;
 use powerhouse::engine::observe::{HistoryTable, JointOutcome};
@@ -11,85 +11,84 @@ use super::damage::{DAMAGED, Damage, PartDamage, STRUCTURE};
 use super::input::CaseInput;
 use crate::StudyError;
 
-/// The greatest of a history and when it was.
+/// Greatest value of a history, with its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
-    /// The name of the history.
+    /// Name of the history.
     pub name: String,
-    /// Its greatest value (Pa or m).
+    /// Greatest value, in the unit of the history (Pa, m or N).
     pub value: f64,
-    /// When (s).
+    /// Time of the greatest value (s).
     pub time: f64,
 }
 
-/// Damage of one kind, in the set `structure`, or everywhere if there is no such set.
+/// Summary of one damage variable over the element set `structure`, or over the whole mesh without such a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DamageOutcome {
-    /// What the law calls it: `damage`, `damage_tension`, `damage_compression`.
+    /// Name of the history variable: `damage`, `damage_tension` or `damage_compression`.
     pub name: String,
-    /// The greatest value.
+    /// Greatest value over elements and time, from 0 to 1.
     pub greatest: f64,
-    /// The user's number of the element.
+    /// User number of the element with the greatest value.
     pub element: u64,
-    /// How many elements have more than a tenth.
+    /// Number of elements with a value above 0.1.
     pub damaged: usize,
-    /// How many elements are there.
+    /// Number of elements of the set.
     pub of: usize,
 }
 
-/// A case of a sweep.
+/// Outcome of a finished case of a sweep, as stored in `outcome.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseOutcome {
-    /// Its name.
+    /// Name of the case.
     pub name: String,
-    /// What comes in, and what it varies.
+    /// Input: waves and varied parameter.
     #[serde(default)]
     pub input: CaseInput,
-    /// How much of its records it has seen; none if no record moves it.
+    /// Covered share of its records; `None` without records.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub coverage: Option<Coverage>,
-    /// Steps.
+    /// Number of time steps.
     pub steps: u64,
-    /// Their length (s).
+    /// Time step (s).
     pub step: f64,
     /// Time at the end (s).
     pub end: f64,
-    /// Wall time of the motion (s), that of stages not in it.
+    /// Wall time of the dynamic run (s), without the stages.
     pub wall_time: f64,
-    /// The largest residual of the energy ledger over the largest energy.
+    /// Largest residual of the energy balance over the largest energy.
     pub energy_residual: f64,
-    /// Greatest principal stress (Pa) of each history of stress.
+    /// Greatest principal stress over time (Pa, tension positive) of each stress history.
     pub stresses: Vec<Peak>,
-    /// Greatest displacement (m) of each history.
+    /// Greatest displacement norm over time (m) of each displacement history.
     pub displacements: Vec<Peak>,
-    /// Greatest relative displacement (m).
+    /// Greatest norm over time (m) of each relative displacement.
     pub relative: Vec<Peak>,
-    /// The same of ground without any structure, as the waves that come in move it; none without waves.
+    /// Greatest norm over time (m) of each relative displacement in the free field; empty without waves.
     #[serde(default)]
     pub ground: Vec<Peak>,
-    /// Damage.
+    /// Summary of each damage variable.
     pub damage: Vec<DamageOutcome>,
-    /// Damage of the structure and its parts.
+    /// Damage of the structure and of the element sets within it.
     #[serde(default)]
     pub parts: Vec<PartDamage>,
-    /// Joints.
+    /// Results of each joint.
     pub joints: Vec<JointCase>,
-    /// Parts of joints.
+    /// Results of the parts of joints.
     #[serde(default)]
     pub joint_parts: Vec<JointCase>,
-    /// How the failure of joints goes with the damage beside them, if there are joints.
+    /// Relation between joint failure and damage of the structure; `None` without joints.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub joint_and_lining: Option<JointAndLining>,
-    /// Greatest axial force of each make of bolts over the motion (N).
+    /// Greatest axial force over the motion (N) of each bolt type.
     pub bolts: Vec<Peak>,
-    /// The same at rest before it.
+    /// Greatest axial force (N) of each bolt type in static equilibrium before the motion.
     #[serde(default)]
     pub bolts_at_rest: Vec<Peak>,
 }
 
 impl CaseOutcome {
-    /// The outcome of a run whose relative displacements have these names, and which come to so much
-    /// in the ground alone.
+    /// Evaluates a run, with the names of its relative displacements and their peaks in the free field.
     pub(super) fn of(
         (name, input): (&str, CaseInput),
         mesh: &Mesh,
@@ -151,7 +150,7 @@ impl CaseOutcome {
         }
     }
 
-    /// Reads an outcome that was written before.
+    /// Reads an outcome from its JSON file.
     ///
     /// # Errors
     /// [`StudyError::Read`], [`StudyError::Outcome`].
@@ -167,7 +166,7 @@ impl CaseOutcome {
     }
 }
 
-/// The greatest of each column of a greatest principal stress.
+/// The peaks of the greatest principal stress of each stress history.
 fn stress_peaks(table: &HistoryTable) -> Vec<Peak> {
     let columns = table.columns.iter();
     let of = columns.filter_map(|column| Some((column.name.strip_suffix(".s1")?, column)));
@@ -175,7 +174,7 @@ fn stress_peaks(table: &HistoryTable) -> Vec<Peak> {
         .collect()
 }
 
-/// The greatest force of each make of bolts over the motion, and that before it.
+/// The peaks of the bolt forces over the motion, and their values before it.
 fn bolt_peaks(table: &HistoryTable) -> (Vec<Peak>, Vec<Peak>) {
     let columns = table.columns.iter();
     let of = columns.filter_map(|column| Some((column.name.strip_suffix(".greatest")?, column)));
@@ -190,7 +189,7 @@ fn bolt_peaks(table: &HistoryTable) -> (Vec<Peak>, Vec<Peak>) {
     peaks.unzip()
 }
 
-/// The greatest length of each displacement.
+/// The peaks of the norm of each displacement history.
 pub(super) fn displacement_peaks(table: &HistoryTable) -> Vec<Peak> {
     let names = table
         .columns

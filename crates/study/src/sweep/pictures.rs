@@ -1,4 +1,4 @@
-//! Pictures of a case: what its structure suffered, cut open where its middle is.
+//! Pictures of a case: section through the middle of its structure.
 
 use std::path::{Path, PathBuf};
 
@@ -10,11 +10,11 @@ use super::damage::{Damage, STRUCTURE};
 use crate::StudyError;
 use crate::excerpt::excerpt;
 
-/// What damaged a place, by its number; crushing counts as shear.
+/// Names of the causes of damage, by their numbers; crushing counts as shear.
 const KINDS: [&str; 4] = ["none", "tension", "shear", "both"];
 
-/// Draws the greatest damage, what did it, and the greatest principal stress of the structure into a
-/// folder, as far as it is there; nothing if the mesh names no structure. Returns the files.
+/// Draws the greatest damage, its cause and the greatest principal stress of the structure into a folder, as far as
+/// they are available; nothing without an element set `structure`. Returns the files.
 pub(super) fn draw(
     folder: &Path,
     mesh: &Mesh,

@@ -7,7 +7,7 @@ use powerhouse::io::csv_cell;
 use super::{CaseOutcome, Peak, write_text};
 use crate::StudyError;
 
-/// Writes one line for each case: numbers with the names of what they are of.
+/// Writes a CSV table with one line per case and a named column per value.
 pub(super) fn write(file: &Path, outcomes: &[CaseOutcome]) -> Result<(), StudyError> {
     let mut columns: Vec<String> = Vec::new();
     let lines: Vec<Vec<(String, f64)>> = outcomes.iter().map(cells).collect();
@@ -29,7 +29,7 @@ pub(super) fn write(file: &Path, outcomes: &[CaseOutcome]) -> Result<(), StudyEr
     write_text(file, &text)
 }
 
-/// The numbers of a case by name, with their units.
+/// The values of a case with their names and units.
 fn cells(outcome: &CaseOutcome) -> Vec<(String, f64)> {
     let mut cells = vec![
         ("steps".into(), outcome.steps as f64),

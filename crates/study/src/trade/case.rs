@@ -1,4 +1,4 @@
-//! One run of a trade, and what it came to.
+//! One run of a trade study, with its cost and histories.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,84 +13,88 @@ use serde::{Deserialize, Serialize};
 
 use super::TradeWatch;
 use crate::StudyError;
-use crate::cost::Account;
-use crate::mark::Mark;
+use crate::cost::CostModel;
+use crate::mark::Fingerprint;
 
 const COST: &str = "cost.json";
 const HISTORIES: &str = "histories.csv";
 const MARK: &str = "finished.json";
 
-/// What a run costs, from a window of it.
+/// Cost of a whole run, measured over the window of a trade study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseCost {
-    /// Length of a step (s).
+    /// Time step (s).
     pub step: f64,
-    /// Wall time of a step (s).
+    /// Mean wall time of a step (s).
     pub time_of_step: f64,
-    /// Wall time of what comes before the steps: model, stable step, stages (s).
+    /// Wall time before the first step (s): assembly of the model, stable step, construction stages.
     pub before: f64,
-    /// Steps of the whole run.
+    /// Number of steps of the whole run.
     pub steps: u64,
-    /// Memory of the whole run (bytes), as predicted.
+    /// Predicted memory of the whole run (bytes).
     pub memory: u64,
 }
 
 impl CaseCost {
-    /// Wall time of the whole run (s).
+    /// Predicted wall time of the whole run (s).
     pub fn wall_time(&self) -> f64 {
         self.before + self.time_of_step * self.steps as f64
     }
 }
 
-/// A run with what it recorded.
-pub(super) struct Finished {
+/// Cost and histories of a finished run.
+pub(super) struct TradeRun {
     pub(super) cost: CaseCost,
     pub(super) histories: Vec<TableColumn>,
 }
 
-/// The instants at which the first and the last step were done, and how many lie between.
+/// Instants after the first and the last step, with the numbers of steps done.
 #[derive(Clone, Copy, Default)]
-struct Clock {
+struct StepTimes {
     first: Option<(Instant, u64)>,
     last: Option<(Instant, u64)>,
 }
 
-/// Where and how long the runs of a trade go.
+/// Common settings of the runs of a trade study, with the cache of equilibrated bodies.
 pub(super) struct TradeRunner<'a> {
     pub(super) stop: Option<&'a Arc<AtomicBool>>,
-    /// Duration of a run (s), and of the scene's own.
+    /// Duration of a run (s), and of the whole scene (s).
     pub(super) window: f64,
     pub(super) duration: f64,
-    pub(super) bodies: Bodies,
+    pub(super) bodies: BodyCache,
 }
 
-/// Bodies that have gone through their stages, by what decides of them: the first one, that of the reference,
-/// and the last; each is as large as a model.
+/// Cache of equilibrated bodies by the factors on which they depend: that of the reference and the last one, since
+/// each is as large as a model.
 #[derive(Default)]
-pub(super) struct Bodies(Vec<(String, StagingOutcome)>);
+pub(super) struct BodyCache(Vec<(String, StagingOutcome)>);
 
-/// A body at rest and the wall time of its stages (s).
+/// A body in static equilibrium and the wall time of its stages (s).
 #[derive(Clone)]
 struct StagingOutcome {
     body: EquilibratedBody,
     took: f64,
 }
 
-impl Bodies {
+impl BodyCache {
     fn get(&self, name: &str) -> Option<&StagingOutcome> {
         let known = self.0.iter().find(|(other, _)| other == name);
         known.map(|(_, body)| body)
     }
-    fn keep(&mut self, name: &str, body: StagingOutcome) {
+    fn store(&mut self, name: &str, body: StagingOutcome) {
         self.0.truncate(1);
         self.0.push((name.to_owned(), body));
     }
 }
 
 impl TradeRunner<'_> {
-    /// What was found before from the same files, if it was finished.
-    pub(super) fn kept(&self, folder: &Path, mark: &Mark) -> Result<Option<Finished>, StudyError> {
-        if !mark.is_in(&folder.join(MARK)) {
+    /// The results of an earlier run with the same fingerprint, if there are any.
+    pub(super) fn finished(
+        &self,
+        folder: &Path,
+        fingerprint: &Fingerprint,
+    ) -> Result<Option<TradeRun>, StudyError> {
+        if !fingerprint.is_in(&folder.join(MARK)) {
             return Ok(None);
         }
         let file = folder.join(COST);
@@ -101,26 +105,26 @@ impl TradeRunner<'_> {
         let cost =
             serde_json::from_slice(&text).map_err(|source| StudyError::Outcome { file, source })?;
         let histories = read_table(&folder.join(HISTORIES)).map_err(powerhouse::Error::from)?;
-        Ok(Some(Finished { cost, histories }))
+        Ok(Some(TradeRun { cost, histories }))
     }
 
-    /// Runs a scene for the window; its body at rest is that of `body`, if one is known.
+    /// Runs a scene over the window, from the cached body with the key `body` if there is one.
     pub(super) fn run(
         &mut self,
         scene: Scene,
         body: &str,
         watch: &mut dyn TradeWatch,
-    ) -> Result<Finished, StudyError> {
+    ) -> Result<TradeRun, StudyError> {
         let started = Instant::now();
-        let account = Account::of(&scene)?;
-        let mut simulation = scene.duration(self.window).prepare()?;
+        let model = CostModel::of(&scene)?;
+        let mut simulation = scene.with_duration(self.window).prepare()?;
         let step = simulation.step()?;
         let composed = started.elapsed().as_secs_f64();
-        let rested = match self.bodies.get(body) {
+        let equilibrated = match self.bodies.get(body) {
             Some(known) => Some(known.clone()),
             None => {
                 let started = Instant::now();
-                let found = simulation.bring_to_rest(self.stop, None);
+                let found = simulation.equilibrate(self.stop, None);
                 let found = found.map_err(|error| match error {
                     powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
                     error => error.into(),
@@ -128,29 +132,26 @@ impl TradeRunner<'_> {
                 let took = started.elapsed().as_secs_f64();
                 let found = found.map(|body| StagingOutcome { body, took });
                 if let Some(found) = &found {
-                    self.bodies.keep(body, found.clone());
+                    self.bodies.store(body, found.clone());
                 }
                 found
             }
         };
-        // A run of its own goes through its stages, whoever has done so here.
-        let before = composed + rested.as_ref().map_or(0.0, |rested| rested.took);
-        let clock = Arc::new(Mutex::new(Clock::default()));
-        let (ticks, mut told) = (clock.clone(), watch.progress());
-        let hooks = RunHooks {
-            progress: Some(Box::new(move |progress| {
-                let now = Some((Instant::now(), progress.done));
-                let mut clock = ticks.lock().unwrap_or_else(PoisonError::into_inner);
-                clock.first = clock.first.or(now);
-                clock.last = now;
-                if let Some(told) = &mut told {
-                    told(progress);
-                }
-            })),
-            stop: self.stop.cloned(),
-            at_rest: rested.map(|rested| rested.body),
-            ..RunHooks::default()
-        };
+        // The cost includes the stages, even where their result came from the cache.
+        let before = composed + equilibrated.as_ref().map_or(0.0, |found| found.took);
+        let clock = Arc::new(Mutex::new(StepTimes::default()));
+        let (times, mut hook) = (clock.clone(), watch.progress());
+        let mut hooks = RunHooks::default().with_progress(move |progress| {
+            let now = Some((Instant::now(), progress.done));
+            let mut clock = times.lock().unwrap_or_else(PoisonError::into_inner);
+            clock.first = clock.first.or(now);
+            clock.last = now;
+            if let Some(hook) = &mut hook {
+                hook(progress);
+            }
+        });
+        hooks.stop = self.stop.cloned();
+        hooks.equilibrated_body = equilibrated.map(|found| found.body);
         let results = simulation.run(hooks)?;
         let stopped = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         if stopped && results.run.ended != Ended::Completed {
@@ -164,29 +165,29 @@ impl TradeRunner<'_> {
             _ => results.wall_time.as_secs_f64() / results.run.steps.max(1) as f64,
         };
         let steps = (self.duration / step).ceil() as u64 + 1;
-        Ok(Finished {
+        Ok(TradeRun {
             cost: CaseCost {
                 step,
                 time_of_step,
                 before,
                 steps,
-                memory: account.memory(steps),
+                memory: model.memory(steps),
             },
             histories: columns(&results.histories),
         })
     }
 
-    /// Keeps what a run came to; its mark goes last.
-    pub(super) fn keep(
+    /// Writes the results of a run, its fingerprint last.
+    pub(super) fn store(
         &self,
         folder: &Path,
-        mark: &Mark,
-        finished: &Finished,
+        fingerprint: &Fingerprint,
+        finished: &TradeRun,
     ) -> Result<(), StudyError> {
         let write = || -> Result<(), powerhouse::io::IoError> {
             write_summary(&folder.join(COST), &finished.cost)?;
             write_table(&folder.join(HISTORIES), &finished.histories)?;
-            write_summary(&folder.join(MARK), mark)
+            write_summary(&folder.join(MARK), fingerprint)
         };
         std::fs::create_dir_all(folder).map_err(|source| StudyError::Read {
             file: folder.into(),
@@ -196,7 +197,7 @@ impl TradeRunner<'_> {
     }
 }
 
-/// A table of histories with its times in front.
+/// The columns of a table of histories, after that of time.
 pub(crate) fn columns(table: &HistoryTable) -> Vec<TableColumn> {
     let mut columns = vec![TableColumn::new("time", "s", table.times.clone())];
     let others = table.columns.iter();

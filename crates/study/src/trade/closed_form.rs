@@ -1,4 +1,4 @@
-//! The closed form of a scene without a structure: the field that comes in.
+//! Closed-form solution of a scene without a structure: its incident field.
 
 use powerhouse::engine::observe::Place;
 use powerhouse::io::TableColumn;
@@ -11,7 +11,7 @@ use crate::StudyError;
 use crate::advice::inner_free_surface;
 use crate::recorded::nodes_of;
 
-/// What in a scene's file makes its answer another one than the field that comes in.
+/// Reason in a scene's file why its motion differs from the incident field.
 fn disturbance(file: &Table) -> Option<&'static str> {
     let listed = |key: &str| {
         file.get(key)
@@ -27,33 +27,35 @@ fn disturbance(file: &Table) -> Option<&'static str> {
         return Some("it has loads or bolts");
     }
     if listed("support").any(holds) {
-        return Some("nodes of it are held or moved");
+        return Some("it has fixed or prescribed nodes");
     }
     let boundary = file.get("boundary").and_then(Value::as_table);
     if boundary.is_some_and(|boundary| boundary.contains_key("region")) {
-        return Some("waves enter around a region of it alone");
+        return Some("its waves enter only around a region");
     }
     None
 }
 
-/// The field's motion at the histories of a scene, at some times (s); with the scene's file.
+/// The motion of the incident field at the recorded points of a scene, at given times (s).
 ///
 /// # Errors
-/// [`StudyError::NoClosedForm`] for a scene whose answer is not its field.
+/// [`StudyError::NoClosedForm`] for a scene whose motion differs from its incident field.
 pub(super) fn closed_form(
     (scene, file): (&Scene, &Table),
     times: &[f64],
 ) -> Result<Vec<TableColumn>, StudyError> {
-    let refused = |reason| StudyError::NoClosedForm { reason };
+    let no_closed_form = |reason| StudyError::NoClosedForm { reason };
     if let Some(reason) = disturbance(file) {
-        return Err(refused(reason));
+        return Err(no_closed_form(reason));
     }
-    let field = scene.incident_field().ok_or(refused("no field comes in"))?;
-    if scene.absorbing_boundary().is_none() {
-        return Err(refused("it has no absorbing boundary"));
+    let field = scene
+        .field()
+        .ok_or(no_closed_form("it has no incident field"))?;
+    if scene.boundary().is_none() {
+        return Err(no_closed_form("it has no absorbing boundary"));
     }
     if scene.joints().next().is_some() || !scene.stages().is_empty() {
-        return Err(refused("it has joints or stages"));
+        return Err(no_closed_form("it has joints or stages"));
     }
     let of_field = |part: &powerhouse::Part| {
         part.material.is_linear()
@@ -61,16 +63,16 @@ pub(super) fn closed_form(
             && part.damping == Damping::None
     };
     if !scene.parts().iter().all(of_field) {
-        return Err(refused(
+        return Err(no_closed_form(
             "a part is not the undamped elastic ground of its field",
         ));
     }
     if !inner_free_surface(scene)?.is_empty() {
-        return Err(refused("it has an opening, which scatters"));
+        return Err(no_closed_form("it has an opening, which scatters waves"));
     }
     let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
-    for wish in &scene.output_plan().histories {
-        let points = points(scene, &wish.place);
+    for request in &scene.output().histories {
+        let points = points(scene, &request.place);
         let sampler = field.prepare(&points).map_err(Error::from)?;
         let mut motions = vec![FieldMotion::default(); points.len()];
         let mut found = [const { Vec::new() }; 6];
@@ -88,14 +90,14 @@ pub(super) fn closed_form(
             }
         }
         let names = ["ux", "uy", "uz", "vx", "vy", "vz"];
-        for (place, (name, values)) in names.into_iter().zip(found).enumerate() {
-            let (wanted, unit) = match place {
-                0..3 => (wish.motion.displacement, "m"),
-                _ => (wish.motion.velocity, "m/s"),
+        for (index, (name, values)) in names.into_iter().zip(found).enumerate() {
+            let (wanted, unit) = match index {
+                0..3 => (request.motion.displacement, "m"),
+                _ => (request.motion.velocity, "m/s"),
             };
             if wanted {
                 columns.push(TableColumn::new(
-                    format!("{}.{name}", wish.name),
+                    format!("{}.{name}", request.name),
                     unit,
                     values,
                 ));
@@ -105,11 +107,11 @@ pub(super) fn closed_form(
     Ok(columns)
 }
 
-/// The points whose mean motion a place has.
+/// The points whose mean motion is recorded at an output location.
 fn points(scene: &Scene, place: &Place) -> Vec<Vec3> {
     let mesh = scene.mesh();
     match place {
-        Place::Spot(spot) => vec![spot.position],
+        Place::Point(spot) => vec![spot.position],
         Place::Node(_) | Place::NodeSet(_) => {
             let nodes = nodes_of(mesh, place).into_iter();
             nodes.map(|node| mesh.positions()[node as usize]).collect()

@@ -1,112 +1,115 @@
-//! What a scene leaves to choose, as changes of its file.
+//! Factors of a trade study: numerical options of a scene, as edits of its file.
 
-use powerhouse::Scene;
-use powerhouse::engine::StaticOptions;
+use powerhouse::engine::{SolidKernel, StaticOptions};
 use powerhouse::model::ElementKind;
+use powerhouse::{Scene, keys};
 use toml::{Table, Value};
 
 use crate::advice::Bounds;
 
-/// The kernels of bricks, the one with most points first.
-const FULL: &str = "hex8-full";
-const ONE_POINT: &str = "hex8-one-point";
-/// Keys that belong to springs, not to dashpots alone.
-const OF_SPRINGS: [&str; 7] = ["a", "b", "distance", "x", "y", "z", "spreading"];
+/// Names of the factors.
+pub(crate) const KERNEL: &str = "kernel";
+pub(crate) const STEP: &str = "step";
+pub(crate) const BOUNDARY: &str = "boundary";
+pub(crate) const INPUT: &str = "input";
+pub(crate) const DAMPING: &str = "damping";
+pub(crate) const PRECISION: &str = "precision";
+pub(crate) const STATICS: &str = "statics";
+pub(crate) const OUTPUT: &str = "output";
+/// Names of levels.
+pub(crate) const FLAT: &str = "flat";
+pub(crate) const MIXED: &str = "mixed";
 /// Tolerances that stages of yielding rock still meet, and that the hand-over still takes.
 const MET: [f64; 2] = [1.0e-10, 1.0e-4];
-/// A spectrum of flat damping cannot be narrower.
+/// Least ratio of the band limits of flat damping.
 const NARROWEST_BAND: f64 = 1.5;
 
-/// What a level changes of a scene's file.
+/// Edit of a scene's file by a level.
 #[derive(Clone, Debug, PartialEq)]
-enum Change {
-    /// Nothing: the scene as it stands.
+enum Edit {
+    /// No edit: the scene's own setting.
     Nothing,
-    /// A key of a table at the top, or at the top itself.
+    /// Sets a key of a top-level table, or a top-level key.
     Set(Option<&'static str>, &'static str, Value),
     /// The kernel of the parts of some sets.
-    Kernel {
-        kernel: &'static str,
-        sets: Vec<String>,
-    },
-    /// Dashpots without springs.
-    Dashpots,
+    Kernel { kernel: String, sets: Vec<String> },
+    /// Another boundary, which takes these keys.
+    Boundary { kind: String, takes: Vec<String> },
     /// Less ground; waves pass where they would in the whole, each at its reference point (m).
     Ground {
         within: Bounds,
         references: Vec<[f64; 3]>,
     },
-    /// The tolerance of every stage times a factor, brought between two limits if it was not beyond them.
+    /// Multiplies the tolerance of every stage by a factor, within two limits unless it was beyond them.
     Tolerance(f64, [f64; 2]),
-    /// Flat damping in place of Rayleigh's, over the band of its two frequencies; or none.
+    /// Replaces Rayleigh damping by flat damping over the band of its two frequencies, or by none.
     Damping { flat: bool },
 }
 
-/// One way to do what a factor leaves open.
+/// Level of a factor: one setting of a numerical option.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Its name, such as `mixed`.
+    /// Name of the level, such as `mixed`.
     pub name: String,
-    change: Change,
-    /// Its place among all that the scene allows.
-    place: usize,
+    edit: Edit,
+    /// Index among all levels of the factor that the scene allows.
+    index: usize,
 }
 
 impl Level {
-    fn new(name: impl Into<String>, change: Change) -> Self {
+    fn new(name: impl Into<String>, edit: Edit) -> Self {
         Self {
             name: name.into(),
-            change,
-            place: 0,
+            edit,
+            index: 0,
         }
     }
     pub(super) fn own(name: impl Into<String>) -> Self {
-        Self::new(name, Change::Nothing)
+        Self::new(name, Edit::Nothing)
     }
-    /// Less ground, between bounds; waves pass where they would in the whole, each at its reference point (m).
+    /// A level with the mesh reduced to a box and the reference points (m) of the waves unchanged.
     pub(super) fn less_ground(
         name: impl Into<String>,
         within: Bounds,
         references: Vec<[f64; 3]>,
     ) -> Self {
-        Self::new(name, Change::Ground { within, references })
+        Self::new(name, Edit::Ground { within, references })
     }
 
-    /// Its place among all levels of its factor, by which results are kept.
-    pub(super) fn place(&self) -> usize {
-        self.place
+    /// Index among all levels of the factor, which names result folders.
+    pub(super) fn index(&self) -> usize {
+        self.index
     }
 
-    /// Changes a scene's file.
+    /// Applies the level to a scene's file.
     pub(crate) fn apply(&self, file: &mut Table) {
-        match &self.change {
-            Change::Nothing => {}
-            Change::Set(None, key, value) => {
+        match &self.edit {
+            Edit::Nothing => {}
+            Edit::Set(None, key, value) => {
                 file.insert((*key).into(), value.clone());
             }
-            Change::Set(Some(section), key, value) => {
+            Edit::Set(Some(section), key, value) => {
                 let section = file.entry(*section).or_insert_with(|| Table::new().into());
                 if let Value::Table(table) = section {
                     table.insert((*key).into(), value.clone());
                 }
             }
-            Change::Kernel { kernel, sets } => {
+            Edit::Kernel { kernel, sets } => {
                 for part in tables(file, "part") {
                     let set = part.get("set").and_then(Value::as_str);
                     if set.is_some_and(|set| sets.iter().any(|other| other == set)) {
-                        part.insert("kernel".into(), (*kernel).into());
+                        part.insert("kernel".into(), kernel.as_str().into());
                     }
                 }
             }
-            Change::Dashpots => {
+            Edit::Boundary { kind, takes } => {
                 if let Some(Value::Table(boundary)) = file.get_mut("boundary") {
-                    boundary.insert("kind".into(), "viscous".into());
-                    OF_SPRINGS.iter().for_each(|key| {
-                        boundary.remove(*key);
-                    });
+                    let takes = |key: &str| takes.iter().any(|taken| taken == key);
+                    boundary.retain(|key, _| keys::BOUNDARY.contains(&key) || takes(key));
+                    boundary.insert(keys::KIND.into(), kind.as_str().into());
                 }
             }
-            Change::Ground { within, references } => {
+            Edit::Ground { within, references } => {
                 for (wave, reference) in tables(file, "wave").zip(references) {
                     let reference = Value::from(reference.to_vec());
                     wave.entry("reference").or_insert(reference);
@@ -122,7 +125,7 @@ impl Level {
                     }));
                 }
             }
-            Change::Tolerance(factor, [least, most]) => {
+            Edit::Tolerance(factor, [least, most]) => {
                 for stage in tables(file, "stage") {
                     let own = stage.get("tolerance").and_then(number);
                     let own = own.unwrap_or(StaticOptions::default().tolerance);
@@ -132,7 +135,7 @@ impl Level {
                     );
                 }
             }
-            Change::Damping { flat } => {
+            Edit::Damping { flat } => {
                 for part in tables(file, "part") {
                     let Some((ratio, band)) = rayleigh(part) else {
                         continue;
@@ -151,27 +154,27 @@ impl Level {
     }
 }
 
-/// Something that a scene leaves to choose.
+/// Factor of a trade study: a numerical option of a scene with its possible levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
-    /// Its name, such as `precision`.
+    /// Name of the factor, such as `precision`.
     pub name: &'static str,
-    /// The ways to do it, the most accurate first.
+    /// Levels, the most accurate first.
     pub levels: Vec<Level>,
-    /// That of the scene as it stands.
+    /// Index in [`levels`](Self::levels) of the scene's own level.
     pub own: usize,
 }
 
 impl Factor {
     pub(super) fn new(name: &'static str, levels: impl Into<Vec<Level>>, own: usize) -> Self {
         let mut levels = levels.into();
-        for (place, level) in levels.iter_mut().enumerate() {
-            level.place = place;
+        for (index, level) in levels.iter_mut().enumerate() {
+            level.index = index;
         }
         Self { name, levels, own }
     }
 
-    /// The factor without the levels that are finer than what the scene has; none if there are none.
+    /// The factor without levels finer than the scene's own; `None` if there are none.
     pub(super) fn as_given_at_best(&self) -> Option<Self> {
         (self.own > 0).then(|| Self {
             name: self.name,
@@ -180,7 +183,7 @@ impl Factor {
         })
     }
 
-    /// The factor with nothing left to choose: what the scene has.
+    /// The factor reduced to the scene's own level.
     pub(super) fn fixed(self) -> Self {
         let own = self.levels.into_iter().nth(self.own);
         Self {
@@ -191,12 +194,12 @@ impl Factor {
     }
 }
 
-/// What a scene leaves to choose, what matters most first.
+/// The factors of a scene, the most important first.
 pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     let found = [
-        kernel(scene),
+        kernel(scene, file),
         step(file),
-        boundary(file),
+        boundary(scene, file),
         input(scene, file),
         damping(file),
         precision(file),
@@ -206,9 +209,18 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     found.into_iter().flatten().collect()
 }
 
-/// The kernels that bricks may have, if there are bricks, in all parts that have some and do not choose a kernel
-/// of other elements.
-fn kernel(scene: &Scene) -> Option<Factor> {
+/// The names of the kernels of bricks with most points and with one.
+fn full() -> &'static str {
+    SolidKernel::Hex8Full.name()
+}
+pub(crate) fn one_point() -> &'static str {
+    SolidKernel::Hex8OnePoint(Default::default()).name()
+}
+
+/// The kernels of hexahedra, those of a program after those of the software, for all
+/// parts that have hexahedra and no kernel of other elements; `None` without such
+/// parts.
+fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
     let mesh = scene.mesh();
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     for part in scene.parts() {
@@ -218,7 +230,11 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         if of_others || !elements.iter().any(|&e| mesh.kind(e) == ElementKind::Hex8) {
             continue;
         }
-        names.push(own.map_or(ONE_POINT, |kernel| kernel.name()).to_owned());
+        // A registered kernel may have another name of its own.
+        let named = (listed(file, "part").find(|other| text(other, "set") == Some(&part.set)))
+            .and_then(|other| text(other, "kernel"));
+        let name = named.or(own.map(|kernel| kernel.name()));
+        names.push(name.unwrap_or(one_point()).to_owned());
         sets.push(part.set.to_string());
     }
     names.sort_unstable();
@@ -228,21 +244,33 @@ fn kernel(scene: &Scene) -> Option<Factor> {
         [name] => name.clone(),
         several => several.join(" and "),
     };
-    let level = |kernel: &'static str| {
-        let sets = sets.clone();
-        Level::new(kernel, Change::Kernel { kernel, sets })
+    let level = |kernel: &str| {
+        let (kernel, sets) = (kernel.to_owned(), sets.clone());
+        Level::new(kernel.clone(), Edit::Kernel { kernel, sets })
     };
-    let mut levels = vec![level(FULL), level(ONE_POINT)];
+    let mut levels = vec![level(full()), level(one_point())];
+    if let Some(registry) = scene.registry() {
+        let is_of_bricks = |name: &&str| {
+            let kernel = registry.kernel_named(name);
+            kernel.is_some_and(|kernel| kernel.kind() == ElementKind::Hex8)
+        };
+        levels.extend(
+            registry
+                .added_kernel_names()
+                .filter(is_of_bricks)
+                .map(level),
+        );
+    }
     let known = levels.iter().position(|level| level.name == own);
-    let place = known.unwrap_or_else(|| {
+    let index = known.unwrap_or_else(|| {
         levels.insert(1, Level::own(own));
         1
     });
-    levels[place].change = Change::Nothing;
-    Some(Factor::new("kernel", levels, place))
+    levels[index].edit = Edit::Nothing;
+    Some(Factor::new(KERNEL, levels, index))
 }
 
-/// The scene's share of the stable step, and half of it; nothing if the step is given in seconds.
+/// Half of the scene's safety factor of the stable step, and the factor itself; `None` if the step is given in seconds.
 fn step(file: &Table) -> Option<Factor> {
     let time = file.get("time")?.as_table()?;
     if time
@@ -252,9 +280,9 @@ fn step(file: &Table) -> Option<Factor> {
         return None;
     }
     let own = time.get("safety").and_then(number).unwrap_or(1.0);
-    let finer = Change::Set(Some("time"), "safety", Value::Float(0.5 * own));
+    let finer = Edit::Set(Some("time"), "safety", Value::Float(0.5 * own));
     Some(Factor::new(
-        "step",
+        STEP,
         [
             Level::new(format!("{} of the stable", 0.5 * own), finer),
             Level::own(format!("{own} of the stable")),
@@ -263,39 +291,52 @@ fn step(file: &Table) -> Option<Factor> {
     ))
 }
 
-/// Springs and dashpots, or dashpots alone.
-fn boundary(file: &Table) -> Option<Factor> {
-    let boundary = file.get("boundary")?.as_table()?;
-    if boundary.get("kind")?.as_str()? != "viscous-spring" {
-        return None;
-    }
-    Some(Factor::new(
-        "boundary",
-        [
-            Level::own("viscous-spring"),
-            Level::new("viscous", Change::Dashpots),
-        ],
-        0,
-    ))
+/// The scene's own boundary, dashpots alone, and the boundaries of a program that do without keys of their own.
+fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
+    let registry = scene.registry()?;
+    let own = file
+        .get("boundary")?
+        .as_table()?
+        .get(keys::KIND)?
+        .as_str()?;
+    let stands = |name: &&str| registry.boundary_without_keys(name).is_some();
+    let added = registry.added_boundary_names().filter(stands);
+    let dashpots = (!registry
+        .added_boundary_names()
+        .any(|name| name == keys::VISCOUS))
+    .then_some(keys::VISCOUS);
+    let others = dashpots.into_iter().chain(added);
+    let level = |kind: &str| {
+        let takes = registry.boundary_keys(kind).unwrap_or_default();
+        let kind = kind.to_owned();
+        Level::new(kind.clone(), Edit::Boundary { kind, takes })
+    };
+    let mut levels = vec![Level::own(own)];
+    levels.extend(others.filter(|name| *name != own).map(level));
+    (levels.len() > 1).then(|| Factor::new(BOUNDARY, levels, 0))
 }
 
-/// The full field on every face, or the incident wave alone at the bottom.
+/// Input: the full field on every face, or only the incident wave at the bottom.
 fn input(scene: &Scene, file: &Table) -> Option<Factor> {
-    scene.incident_field()?;
+    scene.field()?;
     let boundary = file.get("boundary")?.as_table()?;
-    let input = boundary.get("input");
-    if input.is_some_and(|input| input.as_str() != Some("full-field")) {
+    let kind = boundary.get(keys::KIND)?.as_str()?;
+    let takes = scene.registry()?.boundary_keys(kind)?;
+    let input = boundary.get(keys::INPUT);
+    if !takes.iter().any(|key| key == keys::INPUT)
+        || input.is_some_and(|input| input.as_str() != Some(keys::FULL_FIELD))
+    {
         return None;
     }
-    let faces = boundary.get("faces")?.as_array()?;
+    let faces = boundary.get(keys::FACES)?.as_array()?;
     if !faces.iter().any(|face| face.as_str() == Some("bottom")) {
         return None;
     }
     let mut incident = Table::new();
-    incident.insert("incident-only".into(), vec!["bottom"].into());
-    let incident = Change::Set(Some("boundary"), "input", incident.into());
+    incident.insert(keys::INCIDENT_ONLY.into(), vec!["bottom"].into());
+    let incident = Edit::Set(Some("boundary"), keys::INPUT, incident.into());
     Some(Factor::new(
-        "input",
+        INPUT,
         [
             Level::own("full field"),
             Level::new("incident wave at the bottom", incident),
@@ -304,7 +345,7 @@ fn input(scene: &Scene, file: &Table) -> Option<Factor> {
     ))
 }
 
-/// Rayleigh damping, flat damping over the same band, or none.
+/// Damping: Rayleigh, flat over the same band, or none.
 fn damping(file: &Table) -> Option<Factor> {
     let parts = file.get("part")?.as_array()?;
     let bands: Vec<[f64; 2]> = (parts.iter())
@@ -318,32 +359,33 @@ fn damping(file: &Table) -> Option<Factor> {
         return None;
     }
     Some(Factor::new(
-        "damping",
+        DAMPING,
         [
             Level::own("rayleigh"),
-            Level::new("flat", Change::Damping { flat: true }),
-            Level::new("none", Change::Damping { flat: false }),
+            Level::new(FLAT, Edit::Damping { flat: true }),
+            Level::new("none", Edit::Damping { flat: false }),
         ],
         0,
     ))
 }
 
+/// Number format of the elements.
 fn precision(file: &Table) -> Option<Factor> {
-    const FORMATS: [&str; 3] = ["f64", "mixed", "f32"];
+    const FORMATS: [&str; 3] = ["f64", MIXED, "f32"];
     let own = file.get("precision").map_or(Some("f64"), Value::as_str)?;
     let own = FORMATS.iter().position(|format| *format == own)?;
     let level =
-        |format: &'static str| Level::new(format, Change::Set(None, "precision", format.into()));
-    Some(Factor::new("precision", FORMATS.map(level), own))
+        |format: &'static str| Level::new(format, Edit::Set(None, "precision", format.into()));
+    Some(Factor::new(PRECISION, FORMATS.map(level), own))
 }
 
-/// The tolerances of the stages, a hundredth of them, and a hundred times as much, as far as statics can
-/// meet them and a dynamic stage takes them over.
+/// Tolerances of the stages: a hundredth of the given ones, the given ones, and a hundred times as much, within the
+/// limits of [`MET`].
 fn statics(file: &Table) -> Option<Factor> {
     file.get("stage")?.as_array()?;
-    let level = |name: &str, factor| Level::new(name, Change::Tolerance(factor, MET));
+    let level = |name: &str, factor| Level::new(name, Edit::Tolerance(factor, MET));
     Some(Factor::new(
-        "statics",
+        STATICS,
         [
             level("a hundredth", 0.01),
             Level::own("as given"),
@@ -353,27 +395,27 @@ fn statics(file: &Table) -> Option<Factor> {
     ))
 }
 
-/// The time between samples, and two and four times that.
+/// Sampling interval of the output: as given, two and four times as long.
 fn output(scene: &Scene, file: &Table) -> Option<Factor> {
     file.get("output")?.as_table()?;
-    let own = scene.output_plan().every;
+    let own = scene.output().every;
     let level = |times: f64| {
         let every = times * own;
-        let change = Change::Set(Some("output"), "every", Value::Float(every));
-        Level::new(format!("every {every} s"), change)
+        let edit = Edit::Set(Some("output"), "every", Value::Float(every));
+        Level::new(format!("every {every} s"), edit)
     };
     let mut levels: Vec<Level> = [1.0, 2.0, 4.0].map(level).into();
-    levels[0].change = Change::Nothing;
-    Some(Factor::new("output", levels, 0))
+    levels[0].edit = Edit::Nothing;
+    Some(Factor::new(OUTPUT, levels, 0))
 }
 
-/// The tables of an array of them.
+/// The tables of an array of tables.
 pub(super) fn tables<'a>(file: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
     let array = file.get_mut(key).and_then(Value::as_array_mut);
     array.into_iter().flatten().filter_map(Value::as_table_mut)
 }
 
-/// Tables of loads of the scene and of its stages.
+/// The tables of all loads of the scene and of its stages.
 fn loads(file: &Table) -> impl Iterator<Item = &Value> {
     let of_stages = listed(file, "stage").filter_map(|stage| stage.get("load")?.as_array());
     listed(file, "load").chain(of_stages.flatten())
@@ -384,45 +426,46 @@ fn listed<'a>(file: &'a Table, key: &str) -> impl Iterator<Item = &'a Value> {
     array.into_iter().flatten()
 }
 
-fn word<'a>(table: &'a Value, key: &str) -> Option<&'a str> {
+fn text<'a>(table: &'a Value, key: &str) -> Option<&'a str> {
     table.get(key)?.as_str()
 }
 
-/// Sets that are loaded or moved.
+/// The sets with loads or prescribed motion.
 pub(super) fn sets_acted_on(file: &Table) -> Vec<&str> {
-    let moved = listed(file, "support").filter(|table| word(table, "kind") == Some("prescribed"));
-    let sets = loads(file).chain(moved);
-    sets.filter_map(|table| word(table, "set")).collect()
+    let prescribed =
+        listed(file, "support").filter(|table| text(table, "kind") == Some("prescribed"));
+    let sets = loads(file).chain(prescribed);
+    sets.filter_map(|table| text(table, "set")).collect()
 }
 
-/// Sets of forces at nodes.
+/// The sets of nodal forces.
 pub(super) fn nodal_loads(file: &Table) -> Vec<&str> {
-    let nodal = loads(file).filter(|table| word(table, "kind") == Some("nodal"));
-    nodal.filter_map(|table| word(table, "set")).collect()
+    let nodal = loads(file).filter(|table| text(table, "kind") == Some("nodal"));
+    nodal.filter_map(|table| text(table, "set")).collect()
 }
 
-/// Ratio and frequencies (Hz) of the Rayleigh damping of a part.
+/// Damping ratio and frequencies (Hz) of the Rayleigh damping of a part.
 fn rayleigh(part: &Table) -> Option<(f64, [f64; 2])> {
     let damping = part.get("damping")?.as_table()?;
     if damping.get("kind")?.as_str()? != "rayleigh" {
         return None;
     }
     let frequencies = damping.get("frequencies")?.as_array()?;
-    let frequency = |place: usize| number(frequencies.get(place)?);
+    let frequency = |index: usize| number(frequencies.get(index)?);
     Some((
         number(damping.get("ratio")?)?,
         [frequency(0)?, frequency(1)?],
     ))
 }
 
-/// A number, whole or not.
+/// The value of an integer or a float.
 pub(super) fn number(value: &Value) -> Option<f64> {
     value
         .as_float()
         .or_else(|| value.as_integer().map(|x| x as f64))
 }
 
-/// Factors of so many levels each, which change nothing.
+/// Factors with given numbers of levels without edits.
 #[cfg(test)]
 pub(super) fn test_factors(levels: &[usize]) -> Vec<Factor> {
     let factor = |&count: &usize| {
@@ -436,7 +479,7 @@ pub(super) fn test_factors(levels: &[usize]) -> Vec<Factor> {
 mod tests {
     use super::*;
 
-    /// Kernels of bricks are chosen for parts that have bricks, and not for others.
+    /// Kernels of hexahedra are set for parts with hexahedra, and not for others.
     #[test]
     fn kernels_of_bricks_are_for_bricks() {
         use powerhouse::Part;
@@ -445,8 +488,8 @@ mod tests {
         let mut builder = Mesh::builder();
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0]];
         for (tag, height) in [(1, 0.0), (6, 1.0)] {
-            for (place, [x, y]) in corners.into_iter().enumerate() {
-                builder.node(tag + place as u64, Vec3::new(x, y, height));
+            for (index, [x, y]) in corners.into_iter().enumerate() {
+                builder.node(tag + index as u64, Vec3::new(x, y, height));
             }
         }
         let brick = [1, 2, 3, 4, 6, 7, 8, 9];
@@ -456,19 +499,19 @@ mod tests {
         for set in ["bricks", "wedges"] {
             scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
         }
-        let factor = kernel(&scene).unwrap();
+        let factor = kernel(&scene, &Table::new()).unwrap();
         assert_eq!((factor.levels.len(), factor.own), (2, 1));
         let mut file: Table =
             toml::from_str("[[part]]\nset = \"bricks\"\n[[part]]\nset = \"wedges\"").unwrap();
         factor.levels[0].apply(&mut file);
         let kernels: Vec<Option<&str>> = listed(&file, "part")
-            .map(|part| word(part, "kernel"))
+            .map(|part| text(part, "kernel"))
             .collect();
-        assert_eq!(kernels, [Some(FULL), None]);
+        assert_eq!(kernels, [Some(full()), None]);
     }
 
-    /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as
-    /// much, between what statics meet and what a run takes over.
+    /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as much, within
+    /// the limits that statics can meet and a dynamic stage accepts.
     #[test]
     fn tolerances_stay_where_statics_can_meet_them() {
         let text = "[[stage]]\ntolerance = 1e-6\n[[stage]]\n[[stage]]\ntolerance = 1e-11";

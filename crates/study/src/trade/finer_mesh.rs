@@ -1,27 +1,27 @@
-//! What the mesh of a scene errs by.
+//! Discretisation error of a scene's mesh, from a run on a refined mesh.
 
 use powerhouse::Scene;
 use toml::Value;
 
 use super::case::TradeRunner;
 use super::misfit::misfit;
-use super::{MeshError, Silent, Trade, TradeWatch, Unrepeated, factor};
+use super::{MeshError, NoProgress, SensitiveHistory, Trade, TradeWatch, factor};
 use crate::StudyError;
 
-/// Elements half the size: so many times as many, and as many times the steps.
+/// Factors on the numbers of elements and steps for elements of half the size.
 pub(super) const OF_HALF_THE_SIZE: (u32, u32) = (8, 2);
-/// Error of a mesh over the difference from one of half the size, of second order.
+/// Error of a mesh over its difference from one of half the element size, for second-order convergence.
 const SECOND_ORDER: f64 = 4.0 / 3.0;
-/// The same of first order.
+/// The same for first-order convergence.
 const FIRST_ORDER: f64 = 2.0;
-/// The name of that run and of its folder.
+/// Name of the run on the refined mesh, and of its folder.
 pub(super) const REFINED: (&str, &str) = ("reference on elements half the size", "refined");
 
 impl Trade {
-    /// The file of the reference on elements half the size.
+    /// The scene of the reference with elements of half the size, as text.
     ///
     /// # Errors
-    /// One that cannot be read: it names elements by their numbers, or is cut too often;
+    /// A scene that cannot be refined, since it names elements by their numbers or is refined too often;
     /// [`StudyError::MoreLoad`].
     pub(super) fn refined_text(&self) -> Result<String, StudyError> {
         let design = vec![0; self.factors.len()];
@@ -49,16 +49,16 @@ impl Trade {
         Ok(text)
     }
 
-    /// What the scene's mesh errs by in all histories but some, from its file on smaller elements.
+    /// Runs the refined scene and estimates the error of the scene's mesh in all histories but the excluded ones.
     pub(super) fn error_of_mesh(
         &self,
-        (text, left_out): (&str, &[Unrepeated]),
+        (text, excluded): (&str, &[SensitiveHistory]),
         runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
     ) -> Result<MeshError, StudyError> {
         let (name, folder) = REFINED;
         let design = vec![0; self.factors.len()];
-        let coarse = self.finish(&design, runner, &mut Silent, name)?;
+        let coarse = self.finish(&design, runner, &mut NoProgress, name)?;
         let fine = self.finish_file(text, (folder, folder), runner, (watch, name))?;
         let compared = self.compared.among(fine.histories);
         let motions = self.compared.motions(&compared);
@@ -66,13 +66,13 @@ impl Trade {
             0 | 1 => (compared, FIRST_ORDER),
             _ => (motions, SECOND_ORDER),
         };
-        let misfit = misfit(&truth, &coarse.histories, left_out);
+        let misfit = misfit(&truth, &coarse.histories, excluded);
         let mesh = MeshError {
             error: order * misfit.error,
             worst: misfit.name,
             cost: fine.cost,
         };
-        watch.tells_mesh(&mesh);
+        watch.mesh_error(&mesh);
         Ok(mesh)
     }
 }

@@ -1,22 +1,22 @@
-//! Less ground as something that a scene leaves to choose.
+//! The extent of the mesh as a factor of a trade study.
 
 use std::path::Path;
 
-use powerhouse::{Registry, Remark, Scene};
+use powerhouse::{Registry, Remark, Scene, keys};
 use toml::Table;
 
 use super::factor::{Factor, Level, sets_acted_on};
-use crate::advice::Room;
+use crate::advice::BoxReduction;
 
-/// Shares of their distances from what scatters at which absorbing faces are tried; a box that leaves more
-/// than `WORTHWHILE` of the elements of the one before is not.
+/// Factors on the distances of the absorbing faces from the scatterer, and greatest share of the elements of the
+/// previous box that a box may keep.
 const NEARER: [f64; 3] = [0.75, 0.5, 0.35];
 const WORTHWHILE: f64 = 0.85;
-/// Keys of a boundary by which its springs have distances of their own.
-const DISTANCES: [&str; 4] = ["distance", "x", "y", "z"];
+/// Keys of a boundary that set the distances of its springs.
+const DISTANCES: [&str; 4] = [keys::DISTANCE, keys::AXES[0], keys::AXES[1], keys::AXES[2]];
 
-/// The ground as far as it goes, and less of it, as long as what scatters, is recorded, is loaded or is moved stays in
-/// it; none if there is nothing to cut off, or if the boundary would not be that of less ground.
+/// The whole mesh and reduced boxes that contain the scatterer and all recorded, loaded and moved nodes; `None` if no
+/// box is smaller or the boundary depends on the extent of the mesh.
 pub(super) fn ground(
     scene: &Scene,
     (file, path): (&Table, &Path),
@@ -24,11 +24,11 @@ pub(super) fn ground(
 ) -> Option<Factor> {
     let boundary = file.get("boundary")?.as_table()?;
     let is_given = |key: &&str| boundary.contains_key(*key);
-    // How long waves past the critical angle take to set in depends on the box.
-    let sets_in = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
-    if boundary.contains_key("region")
+    // The padding of waves past the critical angle depends on the box.
+    let is_padded = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
+    if boundary.contains_key(keys::REGION)
         || DISTANCES.iter().any(is_given)
-        || scene.remarks().iter().any(sets_in)
+        || scene.remarks().iter().any(is_padded)
     {
         return None;
     }
@@ -36,14 +36,14 @@ pub(super) fn ground(
     let acted_on = acted_on
         .into_iter()
         .flat_map(|set| scene.mesh().nodes_of_set(set).unwrap_or_default());
-    let room = Room::of(scene).ok()?.with_nodes(acted_on);
-    let waves = scene.incident_waves().iter();
+    let reduction = BoxReduction::of(scene).ok()?.with_nodes(acted_on);
+    let waves = scene.plane_waves().iter();
     let references = waves.map(|wave| wave.parameters().reference.into());
     let references: Vec<[f64; 3]> = references.collect();
-    let mut levels = vec![Level::own("as it stands")];
+    let mut levels = vec![Level::own("unchanged")];
     let mut least = scene.mesh().element_count();
     for share in NEARER {
-        let Ok((within, elements)) = room.at(share) else {
+        let Ok((within, elements)) = reduction.at(share) else {
             break;
         };
         if elements.len() as f64 > WORTHWHILE * least as f64 {
@@ -60,7 +60,7 @@ pub(super) fn ground(
     (levels.len() > 1).then(|| Factor::new("ground", levels, 0))
 }
 
-/// Whether a scene with a level can be read, and nothing in it stands on a set that has become empty.
+/// Whether a scene with a level is valid and none of its sets has become empty.
 fn is_whole(
     scene: &Scene,
     level: &Level,

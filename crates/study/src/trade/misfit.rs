@@ -1,35 +1,35 @@
-//! How far the histories of a run are from those of another.
+//! Misfit: relative L2 difference of histories.
 
 use powerhouse::io::TableColumn;
 
-use super::Unrepeated;
+use super::SensitiveHistory;
 
-/// Histories below this share of the largest of their unit are measured against that share of it.
+/// Least norm of a history over the largest norm of the same unit: smaller histories are measured against that.
 const LEAST_SHARE: f64 = 1e-3;
-/// History variables of laws without a unit, strains and damage, counts against this at least, and against this
-/// share of the largest of its variable: where next to nothing cracks, a hairline more or less is no error.
+/// Least norms of dimensionless history variables such as strains and damage: absolute value per sample, and share of
+/// the largest norm of the same variable. A small difference of an insignificant damage is no error.
 const LEAST_STATE: f64 = 1e-6;
 const LEAST_SHARE_OF_STATE: f64 = 0.1;
 
-/// The unit of what has none.
+/// Unit of dimensionless columns.
 const WITHOUT_UNIT: &str = "1";
 
-/// How far a history is from its reference.
+/// Difference of a history from its reference.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Misfit {
     /// The relative L2 difference.
     pub(crate) error: f64,
-    /// The squares of all differences, summed.
+    /// Sum of the squared differences.
     pub(crate) difference: f64,
-    /// The history.
+    /// Name of the history.
     pub(crate) name: String,
 }
 
-/// The worst of the [misfits] of all histories but some, which still say what is large.
+/// The largest of the [misfits] of all histories but the excluded ones, which still count for the largest norms.
 pub(super) fn misfit(
     reference: &[TableColumn],
     found: &[TableColumn],
-    left_out: &[Unrepeated],
+    excluded: &[SensitiveHistory],
 ) -> Misfit {
     let mut worst = Misfit {
         error: 0.0,
@@ -37,7 +37,7 @@ pub(super) fn misfit(
         name: String::new(),
     };
     for other in misfits(reference, found) {
-        let counts = left_out.iter().all(|known| known.history != other.name);
+        let counts = excluded.iter().all(|known| known.history != other.name);
         if counts && (other.error >= worst.error || other.error.is_nan()) {
             worst = other;
         }
@@ -45,17 +45,17 @@ pub(super) fn misfit(
     worst
 }
 
-/// The name of the history that a column belongs to: the components of one motion or one variable at one
-/// place are one.
+/// The name of the history of a column; the components of a motion or a variable at one point are one history.
 pub(super) fn history_of(column: &TableColumn) -> String {
-    Group::of(column).name()
+    HistorySums::of(column).name()
 }
 
-/// The relative L2 differences of all histories from their reference; the components of one motion or one
-/// variable at one place count together. Of a unit of which the reference has nothing but zero there is no
-/// relative error. The first column of both tables is time; what the reference lacks is passed over.
+/// The relative L2 differences of all histories from their reference, over all components of a history.
+///
+/// Histories of a unit for which the reference is zero have no relative error. The first column of both tables is
+/// time; columns that the reference lacks are skipped.
 pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<Misfit> {
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<HistorySums> = Vec::new();
     let ([time, columns @ ..], [other, others @ ..]) = (reference, found) else {
         return vec![Misfit {
             error: f64::INFINITY,
@@ -67,20 +67,20 @@ pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<M
         let Some(same) = others.iter().find(|other| other.name == column.name) else {
             continue;
         };
-        let group = Group::of(column);
-        let known = |other: &Group| other.stem == group.stem && other.kind == group.kind;
-        let place = groups.iter().position(known).unwrap_or_else(|| {
+        let group = HistorySums::of(column);
+        let known = |other: &HistorySums| other.stem == group.stem && other.kind == group.kind;
+        let index = groups.iter().position(known).unwrap_or_else(|| {
             groups.push(group);
             groups.len() - 1
         });
         for (instant, value) in time.values.iter().zip(&column.values) {
             if let Some(at) = interpolate(&other.values, &same.values, *instant) {
-                groups[place].difference += (at - value).powi(2);
-                groups[place].least += match column.unit.as_str() {
+                groups[index].difference += (at - value).powi(2);
+                groups[index].least += match column.unit.as_str() {
                     WITHOUT_UNIT => LEAST_STATE.powi(2),
                     _ => 0.0,
                 };
-                groups[place].size += value.powi(2);
+                groups[index].size += value.powi(2);
             }
         }
     }
@@ -105,18 +105,18 @@ pub(crate) fn misfits(reference: &[TableColumn], found: &[TableColumn]) -> Vec<M
     misfits
 }
 
-/// Squares summed over the components of one motion or one variable at one place.
-struct Group {
+/// Sums of squares over all components of a history.
+struct HistorySums {
     stem: String,
-    /// The unit; of a history variable without one, its name.
+    /// The unit; for a dimensionless history variable its name.
     kind: String,
     difference: f64,
     size: f64,
-    /// What the size is taken for at least.
+    /// Least sum by which differences are divided.
     least: f64,
 }
 
-impl Group {
+impl HistorySums {
     fn of(column: &TableColumn) -> Self {
         let (stem, variable) = column.name.rsplit_once('.').unwrap_or(("", &column.name));
         let kind = match column.unit.as_str() {
@@ -139,7 +139,7 @@ impl Group {
     }
 }
 
-/// The value at a time, linear between samples; none outside of them.
+/// The value at a time by linear interpolation; `None` outside the samples.
 fn interpolate(times: &[f64], values: &[f64], time: f64) -> Option<f64> {
     let after = times.partition_point(|&known| known < time);
     let (&end, &at_end) = (times.get(after)?, values.get(after)?);
@@ -165,8 +165,8 @@ mod tests {
         ]
     }
 
-    /// A history that is a hundredth too large is off by a hundredth, whatever times it is sampled at;
-    /// one that hardly moves counts against the largest.
+    /// A history that is a hundredth too large has a misfit of a hundredth, whatever its sampling; a small history is
+    /// measured against the largest.
     #[test]
     fn a_misfit_is_that_of_the_worst_history() {
         let finely: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
@@ -182,10 +182,10 @@ mod tests {
         assert!((found.error - 2e-9 / 5e-3).abs() < 1e-12, "{found:?}");
     }
 
-    /// A place where next to nothing cracks counts against a tenth of what cracks elsewhere; in metres such a
-    /// place counts against a thousandth.
+    /// A small damage is measured against a tenth of the largest one; a small displacement against a thousandth of the
+    /// largest.
     #[test]
-    fn what_hardly_cracks_counts_against_what_does() {
+    fn small_damage_is_measured_against_the_largest() {
         let table = |unit: &str, hairline: f64| {
             vec![
                 TableColumn::new("time", "s", vec![0.0, 1.0]),
@@ -198,19 +198,19 @@ mod tests {
             assert!((found.error - expected).abs() < 1e-12, "{found:?}");
             assert!(found.name.starts_with("b ["));
         }
-        // It does so where what cracks does not count itself.
-        let left_out = [Unrepeated {
+        // It does so even if the largest is excluded.
+        let excluded = [SensitiveHistory {
             history: "a [damage]".into(),
             change: 1.0,
         }];
         let (reference, mut other) = (table("1", 1e-3), table("1", 2e-3));
         other[1].values = vec![0.0, 0.9];
         assert_eq!(misfit(&reference, &other, &[]).name, "a [damage]");
-        let found = misfit(&reference, &other, &left_out);
+        let found = misfit(&reference, &other, &excluded);
         assert!((found.error - 0.02).abs() < 1e-12, "{found:?}");
     }
 
-    /// History variables of laws has no unit: each variable is measured against its own size, components together.
+    /// Each dimensionless history variable is measured against its own norm, over all components.
     #[test]
     fn variables_without_a_unit_are_measured_one_by_one() {
         let table = |scale: f64| {
@@ -224,7 +224,7 @@ mod tests {
         let found = misfit(&table(1.0), &table(1.5), &[]);
         assert!((found.error - 0.4).abs() < 1e-12, "{found:?}");
         assert_eq!(found.name, "e [strain]");
-        // One that the reference never has counts against a millionth, one of a unit against nothing.
+        // One that is zero in the reference is measured against a millionth; one with a unit has no misfit.
         let with = |crushed: f64, pulled: f64| {
             let mut table = table(1.0);
             let values = |value: f64| vec![value, value];

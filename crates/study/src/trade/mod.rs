@@ -1,47 +1,45 @@
-//! Trades: what accuracy costs a scene, found by running it over what it leaves to choose.
+//! Trade studies: cost and error of the numerical options of a scene, measured by running it with them.
 //!
-//! A [`Trade`] runs a window of a scene in its most accurate form, changes one [`Factor`] at a time, and
-//! then tries the combinations that promise most. Errors are relative L2 differences of the scene's
-//! histories from the finest run, or from the field that comes in where that is the closed form; the
-//! reference's own error is estimated. What a whole run costs follows from the time of its steps.
+//! A [`Trade`] runs a window of a scene with its most accurate options, changes one [`Factor`] at a time, and then runs
+//! the most promising combinations. Errors are relative L2 differences of the scene's histories from the finest run, or
+//! from the incident field where that is the closed-form solution; the error of the reference itself is estimated. The
+//! cost of a whole run is extrapolated from the wall time of its steps.
 //!
 //! ```no_run
-//! use powerhouse_study::trade::{Goal, Silent, Trade};
+//! use powerhouse_study::trade::{Goal, NoProgress, Trade};
 //! let mut trade = Trade::of_file("data/scenes/cavern_small.toml", None)?;
-//! let report = trade.run(Goal::Error(0.02), None, &mut Silent)?;
-//! for &place in &report.front {
-//!     let case = &report.cases[place];
+//! let report = trade.run(Goal::Error(0.02), None, &mut NoProgress)?;
+//! for &index in &report.front {
+//!     let case = &report.cases[index];
 //!     println!("{}: {:.1} s, error {:.4}", case.name, case.cost.wall_time(), case.error);
 //! }
 //! # Ok::<(), powerhouse_study::StudyError>(())
 //! ```
 //!
-//! # What no choice repeats
-//! Cracks, impacts and slip can make of a scene one whose motion depends on the last digit: from then on two
-//! runs that differ in nothing but rounding have as little in common as two records of one earthquake. An
-//! error of such a history tells nothing of a choice. Where laws or joints have history variables, the reference is
-//! therefore run once more under waves, if some come in, that are larger by a millionth, far less than the
-//! accuracy of any record; histories that change by more than half of the error that is asked for (by a
-//! hundredth where none is) are named with this change and left out.
+//! # Sensitive dependence on the input
+//! With cracking, impact or slip the motion of a scene may depend sensitively on its input: two runs that differ only
+//! by rounding then diverge completely. The error of such a history does not characterise a numerical option. Where
+//! laws or joints have history variables and there are incident waves, the reference is therefore repeated in a
+//! perturbation test, under waves larger by a millionth, far below the accuracy of any record. Histories that change by
+//! more than half of the permitted error (by a hundredth without one) are reported with this change and excluded.
 //!
-//! History variables of laws counts against a tenth at least of the largest of the same variable: of a place that next
-//! to nothing happens to an error relative to its own size says as little.
+//! History variables are measured against at least a tenth of the largest norm of the same variable, since the relative
+//! error of an insignificant value is meaningless.
 //!
 //! # Why so
-//! *The mesh stays*, its elements cut in half once if that is asked for. What is compared is everything
-//! else on the same mesh, and less of it; all of that on smaller elements would take sixteen times as long.
-//! One more run tells what the mesh itself costs in accuracy: motions are of second order, elements half the
-//! size leave a quarter of their error, so that it is four thirds of the difference. Stresses are means of
-//! elements, half of whose difference from the stress at a point is left; they count if no motion does. Where
-//! strength and cracks decide, the order is lower and the error greater; a rim of no width gets thinner.
+//! *The mesh is fixed*, or refined once on request. All other options are compared on the same mesh or a part of it;
+//! on elements of half the size this would take sixteen times as long. One additional run estimates the error of the
+//! mesh itself: motions converge with second order, so that the error is four thirds of the difference. Stresses are
+//! element means of first order; they are used if there is no motion. With softening and cracking the order is lower
+//! and the error greater; a rim of zero width becomes thinner.
 //!
-//! *One factor at a time, then few combinations.* Nine factors have thousands of combinations. Their
-//! errors come from different sources and hardly know of each other, so that single changes predict
-//! combinations well enough to choose the next run; what is written is always one that was run.
+//! *One factor at a time, then few combinations.* Nine factors have thousands of combinations. Their errors come from
+//! different sources and are nearly independent, so that single changes predict combinations well enough to choose the
+//! next run; only combinations that were run are reported.
 
 mod case;
 mod closed_form;
-mod factor;
+pub(crate) mod factor;
 mod finer_mesh;
 mod ground;
 mod misfit;
@@ -62,12 +60,12 @@ use powerhouse::io::TableColumn;
 use powerhouse::{Registry, Scene};
 use toml::Table;
 
-use crate::mark::{Mark, inputs};
-use crate::price::price_front;
+use crate::mark::{Fingerprint, inputs};
+use crate::price::pareto_front;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
 pub(crate) use case::columns;
-use case::{Bodies, Finished, TradeRunner};
+use case::{BodyCache, TradeRun, TradeRunner};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
 use finer_mesh::{OF_HALF_THE_SIZE, REFINED};
@@ -75,15 +73,16 @@ pub(crate) use misfit::{Misfit, misfits};
 use plan::{Design, ErrorAndCost};
 use quantity::Compared;
 pub use quantity::Quantity;
+use repeat::Perturbed;
 pub use report::{
-    Goal, MeshError, Reference, Silent, TradeCase, TradeReport, TradeWatch, Unrepeated,
+    Goal, MeshError, NoProgress, Reference, SensitiveHistory, TradeCase, TradeReport, TradeWatch,
 };
 use window::window;
 
-/// Combinations that are run at most beyond single changes.
+/// Greatest number of combinations that are run beyond single changes.
 const MOST_COMBINATIONS: usize = 6;
 
-/// A scene file and what it leaves to choose.
+/// Trade study of cost against error over the numerical options of a scene file.
 pub struct Trade {
     path: PathBuf,
     file: Table,
@@ -94,24 +93,36 @@ pub struct Trade {
     folder: PathBuf,
     duration: f64,
     window: f64,
-    /// Whether what yields, cracks or slips may go on doing so.
+    /// Whether laws or joints have history variables.
     path_dependent: bool,
     reference: Reference,
     compared: Compared,
     mesh_error: bool,
     exhaustive: bool,
-    /// Share by which waves are changed to see what repeats; none if all histories count.
-    nudge: Option<f64>,
+    /// Relative increase of the waves in the perturbation test; `None` if all histories count.
+    perturbation: Option<f64>,
 }
 
 impl Trade {
-    /// The trade of a scene file; results go to a folder, by default `trade` in the scene's own.
+    /// Creates the trade study of a scene file; results are written to a folder, by default `trade` in that of the scene.
     ///
     /// # Errors
-    /// A scene that cannot be read; [`StudyError::NoHistories`] for one that records nothing to compare.
+    /// An invalid scene; [`StudyError::NoHistories`] for a scene without recorded histories.
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        let (path, registry) = (path.as_ref(), registry());
-        let scene = Scene::from_file_with(path, &registry)?;
+        Self::of_file_with(path, folder, &registry())
+    }
+    /// The same with the names of a registry: its own kernels of bricks, and boundaries that do without keys, are
+    /// levels. Finished runs count until its [version](powerhouse::Registry::with_version) changes.
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file).
+    pub fn of_file_with(
+        path: impl AsRef<Path>,
+        folder: Option<PathBuf>,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
+        let path = path.as_ref();
+        let scene = Scene::from_file_with(path, registry)?;
         let compared = Compared::of(&scene);
         if compared.quantities.is_empty() {
             return Err(StudyError::NoHistories);
@@ -123,19 +134,19 @@ impl Trade {
         })?;
         let own = scene.result_folder().path().join("trade");
         let mut factors = factor::factors(&scene, &file);
-        let ground = ground::ground(&scene, (&file, path), &registry);
-        let after = ["kernel", "step", "boundary"];
-        let place = factors
+        let ground = ground::ground(&scene, (&file, path), registry);
+        let after = [factor::KERNEL, factor::STEP, factor::BOUNDARY];
+        let index = factors
             .iter()
             .take_while(|factor| after.contains(&factor.name));
-        let place = place.count();
-        factors.splice(place..place, ground);
+        let index = index.count();
+        factors.splice(index..index, ground);
         Ok(Self {
             inputs: inputs(path, &text)?,
             factors,
             title: scene.title().to_owned(),
             folder: folder.unwrap_or(own),
-            duration: scene.run_duration(),
+            duration: scene.duration(),
             window: window(&scene),
             path_dependent: scene.joints().next().is_some()
                 || scene.parts().iter().any(|part| !part.material.is_linear()),
@@ -143,46 +154,49 @@ impl Trade {
             compared,
             mesh_error: false,
             exhaustive: false,
-            nudge: Some(repeat::NUDGE),
+            perturbation: Some(repeat::PERTURBATION),
             path: path.into(),
             file,
-            registry,
+            registry: registry.clone(),
         })
     }
-    /// The same over the first seconds (s) of the run, its whole duration at most, instead of those until
-    /// half of the records' intensity has come.
+    /// Sets the window of the runs (s), at most the duration of the scene; by default it contains half of the intensity
+    /// of the records.
     #[must_use]
     pub fn window(mut self, duration: f64) -> Self {
         self.window = duration.min(self.duration);
         self
     }
-    /// The same with errors measured against something else.
+    /// Sets the reference of the errors, by default the finest run.
     #[must_use]
-    pub fn against(mut self, reference: Reference) -> Self {
+    pub fn with_reference(mut self, reference: Reference) -> Self {
         self.reference = reference;
         self
     }
-    /// The same with errors of these quantities alone, in place of all that the scene records.
+    /// Restricts the errors to histories of some quantities, by default all that the scene records.
     ///
     /// # Errors
-    /// [`StudyError::NotRecorded`] for one that the scene does not record, [`StudyError::NoHistories`] without
-    /// any.
+    /// [`StudyError::NotRecorded`] for a quantity that the scene does not record; [`StudyError::NoHistories`] for an empty
+    /// list.
     pub fn comparing(mut self, quantities: &[Quantity]) -> Result<Self, StudyError> {
         if quantities.is_empty() {
             return Err(StudyError::NoHistories);
         }
         let recorded = &self.compared.recorded;
-        if let Some(missing) = quantities.iter().find(|asked| !recorded.contains(asked)) {
+        if let Some(missing) = quantities
+            .iter()
+            .find(|quantity| !recorded.contains(quantity))
+        {
             let quantity = missing.name();
             return Err(StudyError::NotRecorded { quantity });
         }
         self.compared.quantities = quantities.to_vec();
         Ok(self)
     }
-    /// The same with only these factors left to choose; the scene decides on the others.
+    /// Restricts the study to the named factors; the others keep the scene's own level.
     ///
     /// # Errors
-    /// [`StudyError::NoSuchFactor`].
+    /// [`StudyError::NoSuchFactor`] for an unknown name.
     pub fn only(mut self, names: &[impl AsRef<str>]) -> Result<Self, StudyError> {
         let known = |name: &str| self.factors.iter().any(|factor| factor.name == name);
         if let Some(name) = names.iter().map(AsRef::as_ref).find(|name| !known(name)) {
@@ -191,55 +205,54 @@ impl Trade {
                 available: self.factors.iter().map(|factor| factor.name).collect(),
             });
         }
-        let is_left = |name: &str| names.iter().any(|other| other.as_ref() == name);
+        let is_chosen = |name: &str| names.iter().any(|other| other.as_ref() == name);
         let factors = self
             .factors
             .into_iter()
-            .map(|factor| match is_left(factor.name) {
+            .map(|factor| match is_chosen(factor.name) {
                 true => factor,
                 false => factor.fixed(),
             });
         self.factors = factors.collect();
         Ok(self)
     }
-    /// The same with every combination of levels run, in place of those that promise most.
+    /// Runs every combination of levels, in place of the most promising ones.
     #[must_use]
     pub fn exhaustive(mut self) -> Self {
         self.exhaustive = true;
         self
     }
-    /// The same with one more run, of the reference on elements half the size: it tells the error of the
-    /// mesh, and takes about sixteen times as long as the reference.
+    /// Adds a run of the reference with elements of half the size, which estimates the error of the mesh. It takes about
+    /// sixteen times as long as the reference.
     #[must_use]
     pub fn with_mesh_error(mut self) -> Self {
         self.mesh_error = true;
         self
     }
-    /// The same with all histories counted, those that no choice repeats included.
+    /// Counts all histories, including those with sensitive dependence on the input, without the perturbation test.
     #[must_use]
     pub fn with_every_history(mut self) -> Self {
-        self.nudge = None;
+        self.perturbation = None;
         self
     }
-    /// What the scene leaves to choose, what matters most first.
+    /// Factors of the study, the most important first.
     pub fn factors(&self) -> &[Factor] {
         &self.factors
     }
-    /// The folder of the results.
+    /// Folder of the results.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Runs what is not finished yet, writes a table and a picture, and beside the scene, if a run meets
-    /// the goal, the scene of that run.
+    /// Runs all unfinished combinations of the study, writes a table and a plot, and, if a run meets the goal, writes the
+    /// scene of that run beside the original.
     ///
-    /// Where a body does not come to rest as closely as the finest tolerance of its stages asks, the
-    /// scene's own is the finest from then on.
+    /// `stop` is the cancellation flag. Where the stages do not reach the finest tolerance, the scene's own tolerance
+    /// becomes the finest. After an error finished runs are kept, and another study continues from there.
     ///
     /// # Errors
-    /// A reference that is refused or fails; [`StudyError::NoClosedForm`]; [`StudyError::StillHistories`];
-    /// [`StudyError::NothingRepeats`]; [`StudyError::Interrupted`] if it was stopped from outside: what was
-    /// finished until then stays, and another trade goes on from there.
+    /// A reference that is invalid or fails; [`StudyError::NoClosedForm`]; [`StudyError::StillHistories`];
+    /// [`StudyError::AllHistoriesSensitive`]; [`StudyError::Interrupted`] after a cancellation.
     pub fn run(
         &mut self,
         goal: Goal,
@@ -248,35 +261,35 @@ impl Trade {
     ) -> Result<TradeReport, StudyError> {
         let alone = plan::alone(&self.factors);
         if self.reference == Reference::ClosedForm {
-            // Whether there is one shows before anything runs.
+            // A missing closed form is an error before anything runs.
             let known = closed_form::closed_form((&self.scene(&alone[0])?, &self.file), &[])?;
             if self.compared.among(known).len() < 2 {
-                let reason = "only displacements and velocities have one";
+                let reason = "only displacements and velocities have closed forms";
                 return Err(StudyError::NoClosedForm { reason });
             }
         }
         if self.mesh_error {
-            // Whether it can be read shows before anything runs.
+            // An invalid refined scene is an error before anything runs.
             self.refined_text()?;
         }
         let most = match self.exhaustive {
             true => plan::all(&self.factors).len(),
             false => alone.len() + MOST_COMBINATIONS,
         };
-        let again = usize::from(self.nudged_text()?.is_some());
+        let again = usize::from(self.perturbed_text()?.is_some());
         let _lock = powerhouse::ResultFolder::new(&self.folder).lock()?;
         self.announce(most + again, watch)?;
         let mut runner = TradeRunner {
             stop,
             window: self.window,
             duration: self.duration,
-            bodies: Bodies::default(),
+            bodies: BodyCache::default(),
         };
         let mut cases: Vec<TradeCase> = Vec::new();
         let mut known: Vec<(Design, ErrorAndCost)> = Vec::new();
         let (mut failed, mut failures) = (Vec::new(), Vec::new());
         let mut reference: Option<Vec<TableColumn>> = None;
-        let (mut begun, mut unrepeated) = (0, Vec::new());
+        let (mut begun, mut sensitive) = (0, Vec::new());
         let mut pending = alone.into_iter();
         let (mut combinations, mut of_reference) = (0, None);
         let mut rest = None;
@@ -306,7 +319,7 @@ impl Trade {
             begun += 1;
             watch.begins(&name, begun);
             let finished = match self.finish(&design, &mut runner, watch, &name) {
-                // Not every level suits every scene; the reference must.
+                // A level may be invalid for a scene, but not the reference.
                 Err(error @ StudyError::Scene(_)) if !cases.is_empty() => {
                     watch.fails(&name, &error);
                     failures.push((name, error.to_string()));
@@ -332,7 +345,7 @@ impl Trade {
                 Some(reference) => reference,
                 None => reference.insert(self.reference_of(&finished)?),
             };
-            let misfit = misfit::misfit(reference, &finished.histories, &unrepeated);
+            let misfit = misfit::misfit(reference, &finished.histories, &sensitive);
             let case = TradeCase {
                 name,
                 levels: design.clone(),
@@ -344,17 +357,17 @@ impl Trade {
             let (error, cost) = (case.error, case.cost.wall_time());
             known.push((design, ErrorAndCost { error, cost }));
             cases.push(case);
-            // Now that the finest tolerance of stages is known.
-            if first && let Some(text) = self.nudged_text()? {
+            // Only now the finest tolerance of stages is known.
+            if first && let Some(text) = self.perturbed_text()? {
                 begun += 1;
-                watch.begins(repeat::NUDGED, begun);
-                let again = (text.as_str(), reference.as_slice(), goal);
-                match self.unrepeated(again, &mut runner, watch) {
-                    Ok(found) => unrepeated = found,
-                    // What hardly gets through may not with hardly more.
+                watch.begins(repeat::PERTURBED, begun);
+                let again = Perturbed::new(&text, reference, goal);
+                match self.sensitive_histories(again, &mut runner, watch) {
+                    Ok(found) => sensitive = found,
+                    // Under slightly larger waves a run may fail.
                     Err(error @ StudyError::Scene(_)) => {
-                        watch.fails(repeat::NUDGED, &error);
-                        failures.push((repeat::NUDGED.into(), error.to_string()));
+                        watch.fails(repeat::PERTURBED, &error);
+                        failures.push((repeat::PERTURBED.into(), error.to_string()));
                     }
                     Err(error) => return Err(error),
                 }
@@ -366,22 +379,23 @@ impl Trade {
             factors: self.factors.clone(),
             front: Vec::new(),
             cases,
-            unrepeated,
+            sensitive,
             failed: failures,
             reference_error: of_reference,
             mesh: None,
-            foreseen: (self.path_dependent && self.window < self.duration).then_some(self.window),
+            partial_window: (self.path_dependent && self.window < self.duration)
+                .then_some(self.window),
             chosen,
             files: Vec::new(),
         };
-        report.front = price_front(&report.prices());
+        report.front = pareto_front(&report.pareto_points());
         self.write(&mut report)?;
         if self.mesh_error {
             watch.begins(REFINED.0, begun + 1);
             let text = self.refined_text()?;
-            match self.error_of_mesh((&text, &report.unrepeated), &mut runner, watch) {
+            match self.error_of_mesh((&text, &report.sensitive), &mut runner, watch) {
                 Ok(mesh) => report.mesh = Some(mesh),
-                // Half the size may be too small for a law.
+                // Elements of half the size may be invalid for a law.
                 Err(error @ StudyError::Scene(_)) => {
                     watch.fails(REFINED.0, &error);
                     report.failed.push((REFINED.0.into(), error.to_string()));
@@ -393,8 +407,8 @@ impl Trade {
         Ok(report)
     }
 
-    /// Where the error is a stage that does not come to rest as closely as it shall, takes what the scene
-    /// asks of its stages for the finest; gives the name of what was finest, if that was finer.
+    /// After an error of a stage that does not reach its tolerance, drops the levels of `statics` finer than the scene's
+    /// own; returns the name of the dropped finest level, if there was one.
     fn give_up_finer_statics(&mut self, error: &powerhouse::Error) -> Option<String> {
         let (_, reason) = error.equilibrium_failure()?;
         if !matches!(
@@ -404,14 +418,14 @@ impl Trade {
             return None;
         }
         let mut factors = self.factors.iter_mut();
-        let statics = factors.find(|factor| factor.name == "statics")?;
+        let statics = factors.find(|factor| factor.name == factor::STATICS)?;
         let finest = statics.levels.first()?.name.clone();
         *statics = statics.as_given_at_best()?;
         Some(finest)
     }
 
-    /// What is left of all combinations, those one after the other that share a body: without levels that
-    /// failed alone.
+    /// The remaining combinations without levels that failed alone, sorted so that those with the same body follow each
+    /// other.
     fn rest(
         &self,
         known: &[(Design, ErrorAndCost)],
@@ -428,14 +442,14 @@ impl Trade {
         rest.into_iter()
     }
 
-    /// Says what the runs will cost: none takes longer than the finest.
+    /// Reports the predicted cost of all runs, none of which takes longer than the finest.
     fn announce(&self, runs: usize, watch: &mut dyn TradeWatch) -> Result<(), StudyError> {
         let finest = self
             .scene(&vec![0; self.factors.len()])?
-            .duration(self.window);
+            .with_duration(self.window);
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
-        let of_one = cost::Clock::of(&mut simulation)?
+        let of_one = cost::StepTimer::of(&mut simulation)?
             .time_of_step()?
             .mul_f64(steps);
         let (all, refined) = match self.mesh_error {
@@ -446,7 +460,7 @@ impl Trade {
         Ok(())
     }
 
-    /// The file of a design.
+    /// The scene's file with the levels of a design.
     fn file_of(&self, design: &Design) -> Table {
         let mut file = self.file.clone();
         for (factor, &level) in self.factors.iter().zip(design) {
@@ -471,7 +485,7 @@ impl Trade {
         Ok(Scene::from_toml(text, &self.path, &self.registry)?)
     }
 
-    /// The levels in which a design differs from the reference.
+    /// The name of a design: the levels in which it differs from the reference.
     fn name(&self, design: &Design) -> String {
         let differ = self
             .factors
@@ -487,59 +501,63 @@ impl Trade {
         names.join(", ")
     }
 
-    /// What a design came to: as it was found before, or now.
+    /// The results of a design, from an earlier run or a new one.
     fn finish(
         &self,
         design: &Design,
         runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
         name: &str,
-    ) -> Result<Finished, StudyError> {
-        let folder = self.places(design, |_| true);
+    ) -> Result<TradeRun, StudyError> {
+        let folder = self.level_indices(design, |_| true);
         let body = self.body_of(design);
         let text = self.text_of(design)?;
         self.finish_file(&text, (&folder, &body), runner, (watch, name))
     }
 
-    /// The places of a design's levels among all that the scene allows, of some factors.
-    fn places(&self, design: &Design, counts: impl Fn(&Factor) -> bool) -> String {
+    /// The indices of a design's levels for some factors, joined by hyphens.
+    fn level_indices(&self, design: &Design, counts: impl Fn(&Factor) -> bool) -> String {
         let chosen = self.factors.iter().zip(design);
         let chosen = chosen.filter(|(factor, _)| counts(factor));
-        let places = chosen.map(|(factor, &level)| factor.levels[level].place().to_string());
-        places.collect::<Vec<String>>().join("-")
+        let indices = chosen.map(|(factor, &level)| factor.levels[level].index().to_string());
+        indices.collect::<Vec<String>>().join("-")
     }
 
-    /// What decides of a design's body at rest: stages know of elements and their numbers, not of steps and
-    /// waves.
+    /// The key of a design's equilibrated body: the stages depend on all factors but step, input and output.
     fn body_of(&self, design: &Design) -> String {
-        self.places(design, |factor| {
-            !["step", "input", "output"].contains(&factor.name)
+        self.level_indices(design, |factor| {
+            ![factor::STEP, factor::INPUT, factor::OUTPUT].contains(&factor.name)
         })
     }
 
-    /// What a scene's file came to, from a folder of its own; its body at rest is known by a name.
+    /// The results of a scene given as text, from its folder or a new run; `body` is the key of its equilibrated body.
     fn finish_file(
         &self,
         text: &str,
         (folder, body): (&str, &str),
         runner: &mut TradeRunner,
         (watch, name): (&mut dyn TradeWatch, &str),
-    ) -> Result<Finished, StudyError> {
+    ) -> Result<TradeRun, StudyError> {
         let folder = self.folder.join(folder);
-        let mark = Mark::of(text, &self.inputs, Some(self.window));
-        if let Some(kept) = runner.kept(&folder, &mark)? {
-            watch.kept(name);
-            return Ok(kept);
+        let fingerprint = Fingerprint::of(
+            text,
+            &self.inputs,
+            Some(self.window),
+            self.registry.version(),
+        );
+        if let Some(finished) = runner.finished(&folder, &fingerprint)? {
+            watch.reused(name);
+            return Ok(finished);
         }
         let scene = Scene::from_toml(text, &self.path, &self.registry)?;
         let finished = runner.run(scene, body, watch)?;
-        runner.keep(&folder, &mark, &finished)?;
-        // As another trade would find it: a number may lose its last bit in a file.
-        Ok(runner.kept(&folder, &mark)?.unwrap_or(finished))
+        runner.store(&folder, &fingerprint, &finished)?;
+        // Read back, as a later study does: a number may lose its last bit in a file.
+        Ok(runner.finished(&folder, &fingerprint)?.unwrap_or(finished))
     }
 
-    /// The histories that others are compared with.
-    fn reference_of(&self, finest: &Finished) -> Result<Vec<TableColumn>, StudyError> {
+    /// The reference histories.
+    fn reference_of(&self, finest: &TradeRun) -> Result<Vec<TableColumn>, StudyError> {
         let columns = match self.reference {
             Reference::Finest => finest.histories.clone(),
             Reference::ClosedForm => {
@@ -561,19 +579,19 @@ impl Trade {
         Ok(compared)
     }
 
-    /// The error of the finest run, on its mesh: schemes are of second order, so that a step twice as
-    /// long differs by three times what is left; none if there was no such step.
+    /// The estimated time integration error of the finest run; `None` if no other step was run. Schemes are of second
+    /// order, so that a step twice as long differs by three times the error.
     fn error_of_reference(&self, cases: &[TradeCase]) -> Option<f64> {
         if self.reference == Reference::ClosedForm {
             return Some(0.0);
         }
-        let place = self
+        let index = self
             .factors
             .iter()
-            .position(|factor| factor.name == "step")?;
+            .position(|factor| factor.name == factor::STEP)?;
         let coarser = cases.iter().find(|case| {
-            let others = case.levels.iter().enumerate().filter(|(i, _)| *i != place);
-            case.levels[place] == 1 && others.into_iter().all(|(_, level)| *level == 0)
+            let others = case.levels.iter().enumerate().filter(|(i, _)| *i != index);
+            case.levels[index] == 1 && others.into_iter().all(|(_, level)| *level == 0)
         });
         Some(coarser?.error / 3.0)
     }

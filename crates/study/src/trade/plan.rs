@@ -1,15 +1,15 @@
-//! Which run comes next.
+//! Order of the runs of a trade study.
 //!
-//! First the reference, each factor at its most accurate level; then each other level of each factor
-//! alone. What the combinations would come to is predicted from these: errors of different origin add
-//! up like independent ones, costs by their ratios. Only the most promising combinations are run.
+//! First the reference is run, with each factor at its most accurate level; then each other level of each factor alone.
+//! From these the combinations are predicted: squared errors add up, as of independent errors, and cost ratios multiply.
+//! Only the most promising combinations are run.
 
 use super::{Factor, Goal};
 
-/// The level of each factor.
+/// Design of a run: the index of the level of each factor.
 pub(super) type Design = Vec<usize>;
 
-/// What a design is known or expected to come to.
+/// Measured or predicted error and cost of a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ErrorAndCost {
     /// Relative error, without that of the reference.
@@ -19,7 +19,7 @@ pub(super) struct ErrorAndCost {
 }
 
 impl ErrorAndCost {
-    /// Whether it meets a goal, the reference's own error counted in.
+    /// Whether a goal is met, with the error of the reference added.
     pub(super) fn meets(&self, goal: Goal, of_reference: f64) -> bool {
         match goal {
             Goal::Error(limit) => self.error + of_reference <= limit,
@@ -29,14 +29,14 @@ impl ErrorAndCost {
     }
 }
 
-/// The reference, and each other level of each factor alone.
+/// The reference and all designs with one other level.
 pub(super) fn alone(factors: &[Factor]) -> Vec<Design> {
     let reference = vec![0; factors.len()];
     let mut designs = vec![reference.clone()];
-    for (place, factor) in factors.iter().enumerate() {
+    for (index, factor) in factors.iter().enumerate() {
         for level in 1..factor.levels.len() {
             let mut design = reference.clone();
-            design[place] = level;
+            design[index] = level;
             designs.push(design);
         }
     }
@@ -57,24 +57,23 @@ pub(super) fn all(factors: &[Factor]) -> Vec<Design> {
     designs
 }
 
-/// What a design is expected to come to, from runs that differ from the reference in one factor;
-/// none before those are there.
-fn expected(design: &Design, known: &[(Design, ErrorAndCost)]) -> Option<ErrorAndCost> {
+/// Predicts error and cost of a design from the runs with one changed level; `None` if one of those is missing.
+fn predicted(design: &Design, known: &[(Design, ErrorAndCost)]) -> Option<ErrorAndCost> {
     let of = |design: &Design| known.iter().find(|(other, _)| other == design);
     let reference = of(&vec![0; design.len()])?.1;
     let (mut squares, mut cost) = (0.0, reference.cost);
-    for (place, &level) in design.iter().enumerate().filter(|(_, level)| **level > 0) {
+    for (index, &level) in design.iter().enumerate().filter(|(_, level)| **level > 0) {
         let mut single = vec![0; design.len()];
-        single[place] = level;
-        let outlook = of(&single)?.1;
-        squares += outlook.error.powi(2);
-        cost *= outlook.cost / reference.cost;
+        single[index] = level;
+        let known = of(&single)?.1;
+        squares += known.error.powi(2);
+        cost *= known.cost / reference.cost;
     }
     let error = f64::sqrt(squares);
     Some(ErrorAndCost { error, cost })
 }
 
-/// The designs that were not run.
+/// The designs that have not been run.
 pub(super) fn unknown(
     factors: &[Factor],
     known: &[(Design, ErrorAndCost)],
@@ -85,8 +84,8 @@ pub(super) fn unknown(
         .filter(|design| !failed.contains(design) && known.iter().all(|(other, _)| other != design))
 }
 
-/// The next design worth a run, once each level is known alone; none if no other promises more than
-/// what was found.
+/// The most promising design that has not been run, once each level was run alone; `None` if no design is predicted to
+/// be better than the best known one.
 pub(super) fn next(
     factors: &[Factor],
     (known, failed): (&[(Design, ErrorAndCost)], &[Design]),
@@ -94,48 +93,48 @@ pub(super) fn next(
 ) -> Option<Design> {
     let best = best(known, (goal, of_reference));
     let mut promising: Vec<(Design, ErrorAndCost)> = unknown(factors, known, failed)
-        .filter_map(|design| expected(&design, known).map(|outlook| (design, outlook)))
-        .filter(|(_, outlook)| outlook.meets(goal, of_reference))
+        .filter_map(|design| predicted(&design, known).map(|found| (design, found)))
+        .filter(|(_, found)| found.meets(goal, of_reference))
         .filter(
-            |(_, outlook)| match (goal, best.map(|place| known[place].1)) {
-                (Goal::Error(_), Some(best)) => outlook.cost < best.cost,
-                (Goal::Budget(_), Some(best)) => outlook.error < best.error,
-                (Goal::Front, _) => !known.iter().any(|(_, other)| dominates(other, outlook)),
+            |(_, found)| match (goal, best.map(|index| known[index].1)) {
+                (Goal::Error(_), Some(best)) => found.cost < best.cost,
+                (Goal::Budget(_), Some(best)) => found.error < best.error,
+                (Goal::Front, _) => !known.iter().any(|(_, other)| dominates(other, found)),
                 (_, None) => true,
             },
         )
         .collect();
-    let rank = |outlook: &ErrorAndCost| match goal {
-        Goal::Error(_) => outlook.cost,
-        Goal::Budget(_) => outlook.error,
-        // The corner of the front: much less cost for little more error.
-        Goal::Front => outlook.cost * outlook.error,
+    let rank = |found: &ErrorAndCost| match goal {
+        Goal::Error(_) => found.cost,
+        Goal::Budget(_) => found.error,
+        // Near the corner of the front: much less cost for little more error.
+        Goal::Front => found.cost * found.error,
     };
     promising.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)));
     promising.into_iter().next().map(|(design, _)| design)
 }
 
-/// Whether one outlook is at least as good as another in both respects.
+/// Whether one design has at most the error and at most the cost of another.
 fn dominates(one: &ErrorAndCost, other: &ErrorAndCost) -> bool {
     one.error <= other.error && one.cost <= other.cost
 }
 
-/// The place of the best run for a goal: the cheapest of sufficient accuracy, the most accurate of
-/// sufficient cheapness; without either, none.
+/// The index of the best run for a goal: the cheapest within an error, the most accurate within a budget; `None` for
+/// the front alone or if no run meets the goal.
 pub(super) fn best(
     known: &[(Design, ErrorAndCost)],
     (goal, of_reference): (Goal, f64),
 ) -> Option<usize> {
-    let meets = |place: &usize| known[*place].1.meets(goal, of_reference);
-    let places = (0..known.len()).filter(meets);
-    let rank = |place: &usize| match goal {
-        Goal::Error(_) => known[*place].1.cost,
-        Goal::Budget(_) => known[*place].1.error,
+    let meets = |index: &usize| known[*index].1.meets(goal, of_reference);
+    let indices = (0..known.len()).filter(meets);
+    let rank = |index: &usize| match goal {
+        Goal::Error(_) => known[*index].1.cost,
+        Goal::Budget(_) => known[*index].1.error,
         Goal::Front => f64::INFINITY,
     };
     match goal {
         Goal::Front => None,
-        _ => places.min_by(|a, b| rank(a).total_cmp(&rank(b))),
+        _ => indices.min_by(|a, b| rank(a).total_cmp(&rank(b))),
     }
 }
 
@@ -144,7 +143,7 @@ mod tests {
     use super::*;
     use crate::trade::factor::test_factors;
 
-    /// A made-up trade: errors that add up like independent ones, and cost ratios.
+    /// Artificial errors that add up as independent ones, with cost ratios.
     fn truth(design: &Design) -> ErrorAndCost {
         let errors = [[0.0, 0.01, 0.05], [0.0, 0.004, 0.3]];
         let costs = [[1.0, 0.5, 0.2], [1.0, 0.6, 0.5]];
@@ -155,7 +154,7 @@ mod tests {
         }
     }
 
-    /// Runs as they are proposed, until no other promises more.
+    /// The proposed runs, until no further design is predicted to be better.
     fn sampled(goal: Goal) -> Vec<(Design, ErrorAndCost)> {
         let factors = test_factors(&[3, 3]);
         let mut known: Vec<(Design, ErrorAndCost)> = alone(&factors)
@@ -176,22 +175,22 @@ mod tests {
         let goal = Goal::Error(0.02);
         let known = sampled(goal);
         assert_eq!(known.len(), 6);
-        let place = best(&known, (goal, 0.0)).unwrap();
-        assert_eq!(known[place].0, [1, 1]);
+        let index = best(&known, (goal, 0.0)).unwrap();
+        assert_eq!(known[index].0, [1, 1]);
         let goal = Goal::Budget(15.0);
         let known = sampled(goal);
-        let place = best(&known, (goal, 0.0)).unwrap();
-        assert_eq!(known[place].0, [2, 1]);
+        let index = best(&known, (goal, 0.0)).unwrap();
+        assert_eq!(known[index].0, [2, 1]);
     }
 
     /// The error of the reference counts against the goal.
     #[test]
     fn the_error_of_the_reference_counts() {
-        let outlook = ErrorAndCost {
+        let found = ErrorAndCost {
             error: 0.018,
             cost: 1.0,
         };
-        assert!(outlook.meets(Goal::Error(0.02), 0.001));
-        assert!(!outlook.meets(Goal::Error(0.02), 0.003));
+        assert!(found.meets(Goal::Error(0.02), 0.001));
+        assert!(!found.meets(Goal::Error(0.02), 0.003));
     }
 }

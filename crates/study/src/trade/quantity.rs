@@ -1,4 +1,4 @@
-//! Which histories of a scene count.
+//! Quantities of histories that are compared.
 
 use std::collections::BTreeSet;
 
@@ -6,25 +6,25 @@ use powerhouse::io::TableColumn;
 use powerhouse::model::HistoryKind;
 use powerhouse::{OutputPlan, Scene};
 
-/// What histories are of.
+/// Quantity of a recorded history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
-    /// Displacement of a place.
+    /// Displacement of a point (m).
     Displacement,
-    /// Displacement of a place relative to another.
+    /// Displacement of a point relative to another (m).
     Relative,
-    /// Velocity.
+    /// Velocity of a point (m/s).
     Velocity,
-    /// Acceleration.
+    /// Acceleration of a point (m/s2).
     Acceleration,
-    /// Stress of an element.
+    /// Stress of an element (Pa).
     Stress,
-    /// A history variable of an element's law, flags aside.
+    /// History variable of an element's law, except flags.
     State,
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 6] = [
         Self::Displacement,
         Self::Relative,
@@ -34,7 +34,7 @@ impl Quantity {
         Self::State,
     ];
 
-    /// Its name in commands.
+    /// Name of the quantity in commands.
     #[must_use]
     pub fn keyword(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ impl Quantity {
         }
     }
 
-    /// Its name in messages.
+    /// Name of the quantity in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -56,9 +56,9 @@ impl Quantity {
         }
     }
 
-    /// Whether a plan asks for histories of it.
+    /// Whether an output plan requests histories of the quantity.
     pub(super) fn is_recorded(self, plan: &OutputPlan) -> bool {
-        let motions = || plan.histories.iter().map(|wish| wish.motion);
+        let motions = || plan.histories.iter().map(|request| request.motion);
         match self {
             Self::Displacement => motions().any(|motion| motion.displacement),
             Self::Velocity => motions().any(|motion| motion.velocity),
@@ -70,22 +70,22 @@ impl Quantity {
     }
 }
 
-/// The columns of a scene's histories that are compared.
+/// Selection of the columns of a scene's histories that are compared.
 pub(super) struct Compared {
-    /// What the scene records.
+    /// Quantities that the scene records.
     pub(super) recorded: Vec<Quantity>,
-    /// What of it counts.
+    /// Quantities that are compared.
     pub(super) quantities: Vec<Quantity>,
     /// Names of histories of relative displacements.
     relative: BTreeSet<String>,
-    /// Names of variables that are flags: of these no part can be missing.
+    /// Names of history variables that are flags, for which a relative error is meaningless.
     flags: BTreeSet<&'static str>,
 }
 
 impl Compared {
-    /// All that a scene records.
+    /// The selection of all quantities that a scene records.
     pub(super) fn of(scene: &Scene) -> Self {
-        let plan = scene.output_plan();
+        let plan = scene.output();
         let variables = scene
             .parts()
             .iter()
@@ -98,17 +98,21 @@ impl Compared {
         Self {
             quantities: recorded.clone(),
             recorded,
-            relative: plan.relative.iter().map(|wish| wish.name.clone()).collect(),
+            relative: plan
+                .relative
+                .iter()
+                .map(|request| request.name.clone())
+                .collect(),
             flags: flags.map(|variable| variable.name).collect(),
         }
     }
 
-    /// Those of some columns that count, after the first, which is time.
+    /// Time (the first column) and the compared columns.
     pub(super) fn among(&self, columns: Vec<TableColumn>) -> Vec<TableColumn> {
         after_time(columns, |column| self.counts(column))
     }
 
-    /// Time and those of some columns that are motions.
+    /// Time (the first column) and the columns of motions.
     pub(super) fn motions(&self, columns: &[TableColumn]) -> Vec<TableColumn> {
         let is_of_element = |quantity| [Quantity::Stress, Quantity::State].contains(&quantity);
         after_time(columns.to_vec(), |column| {
@@ -122,7 +126,7 @@ impl Compared {
         self.quantities.contains(&self.quantity(column)) && !self.flags.contains(variable)
     }
 
-    /// What a column is of.
+    /// The quantity of a column.
     fn quantity(&self, column: &TableColumn) -> Quantity {
         let stem = column.name.rsplit_once('.').map_or("", |(stem, _)| stem);
         match column.unit.as_str() {
@@ -136,15 +140,15 @@ impl Compared {
     }
 }
 
-/// The first of some columns, which is time, and those of the others that are wanted.
+/// The first column, time, and those of the others that meet a condition.
 fn after_time(
     mut columns: Vec<TableColumn>,
     is_wanted: impl Fn(&TableColumn) -> bool,
 ) -> Vec<TableColumn> {
-    let mut place = 0;
+    let mut count = 0;
     columns.retain(|column| {
-        place += 1;
-        place == 1 || is_wanted(column)
+        count += 1;
+        count == 1 || is_wanted(column)
     });
     columns
 }
@@ -153,9 +157,9 @@ fn after_time(
 mod tests {
     use super::*;
 
-    /// Time stays, flags go, and of the rest what is asked for stays.
+    /// Time is kept, flags are dropped, and of the other columns the requested quantities are kept.
     #[test]
-    fn columns_are_picked_by_what_they_are_of() {
+    fn columns_are_selected_by_quantity() {
         let column = |name: &str, unit: &str| TableColumn::new(name, unit, vec![0.0]);
         let columns = || {
             vec![

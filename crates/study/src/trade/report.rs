@@ -1,4 +1,4 @@
-//! What is wanted of a trade, what it tells on its way and what it finds.
+//! Goal, progress callbacks and results of a trade study.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,76 +7,76 @@ use powerhouse::ProgressHook;
 
 use super::{CaseCost, Factor};
 use crate::StudyError;
-use crate::price::Price;
+use crate::price::ParetoPoint;
 
-/// What is wanted.
+/// Goal of a trade study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// The front alone.
+    /// The Pareto front, without a choice.
     Front,
-    /// The cheapest run whose error, with that of the reference, is at most this.
+    /// The cheapest run whose relative error, with that of the reference added, is at most this.
     Error(f64),
-    /// The most accurate run that takes at most this wall time (s).
+    /// The most accurate run whose wall time for the whole scene is at most this (s).
     Budget(f64),
 }
 
-/// What errors are measured against.
+/// Reference of the errors of a trade study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reference {
-    /// The run in which every factor that is left to choose is at its most accurate level.
+    /// The run with every factor at its most accurate level.
     #[default]
     Finest,
-    /// The field that comes in, for ground without a structure.
+    /// The incident field, for ground without a structure.
     ClosedForm,
 }
 
-/// Is told how a trade goes.
+/// Progress callbacks of a trade study.
 pub trait TradeWatch {
-    /// Before anything runs: how many runs there will be at most, of how many seconds of the scene, and
-    /// how long all of them will take.
+    /// Called before the first run, with the greatest number of runs, their duration (s of the scene), and the predicted
+    /// upper bound of the wall time of all.
     fn before(&mut self, _runs: usize, _window: f64, _at_most: Duration) {}
-    /// A run begins: its name and its place from 1.
-    fn begins(&mut self, _name: &str, _place: usize) {}
-    /// It was finished before.
-    fn kept(&mut self, _name: &str) {}
-    /// The hook for its steps.
+    /// Called when a run begins, with its name and its number from 1.
+    fn begins(&mut self, _name: &str, _number: usize) {}
+    /// Called when the results of an earlier run are reused, with the name of the run.
+    fn reused(&mut self, _name: &str) {}
+    /// Returns the progress hook for the steps of a run; `None` for no progress.
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
         None
     }
-    /// The histories that do not repeat are known, those that change most first.
-    fn sets_aside(&mut self, _unrepeated: &[Unrepeated]) {}
-    /// It failed; the others go on.
+    /// Called after the perturbation test, with the excluded histories, those that change most first.
+    fn sensitive_histories(&mut self, _sensitive: &[SensitiveHistory]) {}
+    /// Called when a run is invalid or fails; the others continue.
     fn fails(&mut self, _name: &str, _error: &StudyError) {}
-    /// It is finished.
+    /// Called when a run is finished, with its cost and error.
     fn ends(&mut self, _case: &TradeCase) {}
-    /// The run on smaller elements is finished.
-    fn tells_mesh(&mut self, _mesh: &MeshError) {}
+    /// Called after the run on the refined mesh, with the estimated error of the mesh.
+    fn mesh_error(&mut self, _mesh: &MeshError) {}
 }
 
-/// Hears nothing.
-pub struct Silent;
+/// Progress callbacks that do nothing.
+pub struct NoProgress;
 
-impl TradeWatch for Silent {}
+impl TradeWatch for NoProgress {}
 
-/// A run of a trade.
+/// Cost and error of one run of a trade study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TradeCase {
-    /// The levels in which it differs from the reference, or `reference`.
+    /// Name of the run: the levels in which it differs from the reference, or `reference`.
     pub name: String,
-    /// The level of each factor.
+    /// Index of the level of each factor, in the order of [`TradeReport::factors`].
     pub levels: Vec<usize>,
-    /// What it costs.
+    /// Cost of the whole run.
     pub cost: CaseCost,
-    /// Its relative error, that of the reference aside.
+    /// Largest relative L2 error among the compared histories, without the error of the reference.
     pub error: f64,
-    /// The history that has this error.
+    /// Name of the history with this error.
     pub worst: String,
 }
 
 impl TradeCase {
-    /// The wall time of the whole run (s) and the error.
-    pub fn price(&self) -> Price {
-        Price {
+    /// The run as a point of the cost-error diagram: wall time of the whole run (s) and relative error.
+    pub fn pareto_point(&self) -> ParetoPoint {
+        ParetoPoint {
             name: self.name.clone(),
             cost: self.cost.wall_time(),
             error: self.error,
@@ -84,57 +84,59 @@ impl TradeCase {
     }
 }
 
-/// A history that no choice repeats.
+/// History with sensitive dependence on the input, found by the perturbation test and excluded from errors.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unrepeated {
-    /// The history, such as `crown [m/s2]`.
+pub struct SensitiveHistory {
+    /// Name of the history, such as `crown [m/s2]`.
     pub history: String,
-    /// The relative L2 change of it in the reference, under waves that are larger by a millionth.
+    /// Relative L2 change of the history in the reference under waves larger by a millionth.
     pub change: f64,
 }
 
-/// What a mesh errs by, as a run of the reference on elements half the size tells it.
+/// Discretisation error of a mesh, estimated by a run of the reference with elements of half the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshError {
-    /// The relative error of the scene's mesh, about.
+    /// Estimated relative L2 error of the scene's mesh.
     pub error: f64,
-    /// The history that has it.
+    /// Name of the history with the largest error.
     pub worst: String,
-    /// What the run on smaller elements costs.
+    /// Cost of the run on the refined mesh.
     pub cost: CaseCost,
 }
 
-/// What a trade found.
+/// Results of a trade study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TradeReport {
-    /// The scene's title.
+    /// Title of the scene.
     pub title: String,
-    /// The factors.
+    /// Factors with their levels.
     pub factors: Vec<Factor>,
-    /// All runs.
+    /// All finished runs.
     pub cases: Vec<TradeCase>,
-    /// Histories that no choice repeats, which count nowhere; those that change most first.
-    pub unrepeated: Vec<Unrepeated>,
-    /// Levels with which a run was refused or failed, and why.
+    /// Excluded histories with sensitive dependence on the input, those that change most first.
+    pub sensitive: Vec<SensitiveHistory>,
+    /// Names of the runs that were invalid or failed, with the messages of their errors.
     pub failed: Vec<(String, String)>,
-    /// The estimated error of the reference itself, that of the mesh aside; none if no other step was run.
+    /// Estimated relative error of the reference, without that of the mesh; `None` if no other time step was run.
     pub reference_error: Option<f64>,
-    /// The error of the mesh, if that was [asked for](super::Trade::with_mesh_error).
+    /// Error of the mesh, if it was [requested](super::Trade::with_mesh_error).
     pub mesh: Option<MeshError>,
-    /// How much was run (s), if it was not all and the scene has laws or joints with history variables: what yields,
-    /// cracks or slips after it may err by more. Of the bay of the paper 4 % in 1.5 s were 35 % in 20 s.
-    pub foreseen: Option<f64>,
-    /// The places of the runs that no other betters in cost and error, the cheapest first.
+    /// Duration of the runs (s), if it is shorter than that of the scene and laws or joints have history variables.
+    ///
+    /// Later yielding, cracking or slip may increase the errors: for the bay of the paper from 4 % in 1.5 s to 35 % in
+    /// 20 s.
+    pub partial_window: Option<f64>,
+    /// Indices of the runs on the Pareto front of cost and error, the cheapest first.
     pub front: Vec<usize>,
-    /// The place of the run that meets the goal, if one does.
+    /// Index of the best run that meets the goal, if one does.
     pub chosen: Option<usize>,
-    /// Files that were written, the chosen scene first if there is one.
+    /// Written files, the scene of the chosen run first if there is one.
     pub files: Vec<PathBuf>,
 }
 
 impl TradeReport {
-    /// What the runs cost, as wall times of the whole run (s), and err.
-    pub fn prices(&self) -> Vec<Price> {
-        self.cases.iter().map(TradeCase::price).collect()
+    /// All runs as points of the cost-error diagram: wall time of the whole run (s) and relative error.
+    pub fn pareto_points(&self) -> Vec<ParetoPoint> {
+        self.cases.iter().map(TradeCase::pareto_point).collect()
     }
 }

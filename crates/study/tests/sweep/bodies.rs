@@ -1,14 +1,14 @@
-//! Bodies at rest that cases share.
+//! Equilibrated bodies that cases share.
 
 use super::*;
 
-/// A body at rest comes back from its file to the last bit; a file that is cut short, damaged, or none at
-/// all is refused by name.
+/// An equilibrated body is read from its file bit by bit; a truncated, damaged or missing file is an error with its
+/// name.
 #[test]
 fn a_body_comes_back_from_its_file() {
     let folder = Folder::new("body");
     let scene = Scene::case_from_file_with(folder.scene(), "steep", &registry()).unwrap();
-    let body = scene.prepare().unwrap().bring_to_rest(None, None);
+    let body = scene.prepare().unwrap().equilibrate(None, None);
     let body = body.unwrap().unwrap();
     let file = folder.0.join("rest.body");
     body.write(&file).unwrap();
@@ -22,7 +22,7 @@ fn a_body_comes_back_from_its_file() {
         std::fs::write(&file, bad).unwrap();
         let refused = EquilibratedBody::read(&file);
         assert!(
-            matches!(refused, Err(Error::NotABody { .. })),
+            matches!(refused, Err(Error::UnreadableBody { .. })),
             "{refused:?}"
         );
     }
@@ -30,16 +30,20 @@ fn a_body_comes_back_from_its_file() {
     assert!(matches!(none, Err(Error::Read { .. })));
 }
 
-/// A case from the shared body at rest moves as the case run by itself, to the last bit.
+/// A case from the shared equilibrated body has the same motion as the case run alone, bit by bit.
 #[test]
 fn a_shared_body_moves_as_one_of_its_own() {
     let folder = Folder::new("shared");
-    let sweep = folder.sweep().lasting(0.02).unwrap();
+    let sweep = folder.sweep().with_duration(0.02).unwrap();
     let cases = ["steep", "slanted"].map(str::to_owned);
-    sweep.only(&cases).unwrap().run(None, &mut Silent).unwrap();
+    sweep
+        .only(&cases)
+        .unwrap()
+        .run(None, &mut NoProgress)
+        .unwrap();
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
     assert_eq!(scene.case(), Some("slanted"));
-    let scene = scene.duration(0.02);
+    let scene = scene.with_duration(0.02);
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
     for column in &results.histories.columns {
@@ -48,19 +52,17 @@ fn a_shared_body_moves_as_one_of_its_own() {
     }
 }
 
-/// A body at rest of another scene is refused with the numbers that do not fit.
+/// An equilibrated body of another scene is an error with the numbers that differ.
 #[test]
-fn a_foreign_body_is_refused() {
+fn a_body_of_another_scene_is_an_error() {
     let folder = Folder::new("foreign");
     let case = |name: &str| {
         let scene = Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
         scene.prepare().unwrap()
     };
-    let body = case("continuous").bring_to_rest(None, None).unwrap();
-    let hooks = RunHooks {
-        at_rest: body,
-        ..RunHooks::default()
-    };
+    let body = case("continuous").equilibrate(None, None).unwrap();
+    let mut hooks = RunHooks::default();
+    hooks.equilibrated_body = body;
     let Err(error) = case("steep").run(hooks) else {
         panic!("a body of another mesh went unseen")
     };

@@ -1,4 +1,4 @@
-//! What counts as finished, and what is left of a case that is not.
+//! Recognition of finished cases, and results of unfinished ones.
 
 use super::*;
 
@@ -11,16 +11,16 @@ fn reported(folder: &Folder) -> Vec<String> {
     outcomes.into_iter().map(|case| case.name).collect()
 }
 
-/// Results that another run has replaced are neither reported nor taken for those of the sweep.
+/// Results that another run has replaced are neither reported nor reused by the sweep.
 #[test]
 fn replaced_results_count_no_more() {
     let folder = Folder::new("replaced");
-    let sweep = || folder.sweep().lasting(0.01).unwrap();
-    sweep().run(None, &mut Silent).unwrap();
+    let sweep = || folder.sweep().with_duration(0.01).unwrap();
+    sweep().run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder), ["steep", "slanted", "continuous"]);
     // As `powerhouse run` does it, for less time.
     let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
-    let scene = scene.duration(0.005);
+    let scene = scene.with_duration(0.005);
     let (title, text) = (
         scene.title().to_owned(),
         scene.source().unwrap().text.clone(),
@@ -41,26 +41,25 @@ fn replaced_results_count_no_more() {
     assert_eq!(reported(&folder), ["steep", "slanted", "continuous"]);
 }
 
-/// Outcomes of another scene, or of another duration, are not reported beside those of a sweep that was
-/// begun since, though they are still to be replaced.
+/// Outcomes of another scene or another duration are not reported with those of a later sweep, before they are replaced.
 #[test]
 fn pending_cases_are_not_reported() {
     let folder = Folder::new("pending");
-    let short = folder.sweep().lasting(0.01).unwrap();
-    short.run(None, &mut Silent).unwrap();
+    let short = folder.sweep().with_duration(0.01).unwrap();
+    short.run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder).len(), 3);
-    let longer = steep(&folder).lasting(0.012).unwrap();
-    longer.run(None, &mut Silent).unwrap();
+    let longer = steep(&folder).with_duration(0.012).unwrap();
+    longer.run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder), ["steep"]);
     let stop = Arc::new(AtomicBool::new(true));
-    let all = folder.sweep().lasting(0.012).unwrap();
-    let stopped = all.run(Some(&stop), &mut Silent);
+    let all = folder.sweep().with_duration(0.012).unwrap();
+    let stopped = all.run(Some(&stop), &mut NoProgress);
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
     assert_eq!(reported(&folder), ["steep"]);
 }
 
-/// A case that fails on its way is told by its name, keeps what it recorded, and is not finished; so is one
-/// whose free field errs by more than its scene permits, and one that is refused leaves what was there.
+/// A case that fails during its run is reported by name, keeps its recorded results, and is not finished; so is one whose
+/// free-field error is above its limit. An invalid case leaves earlier files unchanged.
 #[test]
 fn a_case_that_fails_keeps_what_it_recorded() {
     let folder = Folder::new("failing");
@@ -92,7 +91,7 @@ fn a_case_that_fails_keeps_what_it_recorded() {
     let error = count.checked[0];
     assert!(0.0 < error && error < 0.5, "{error}");
     assert_eq!(reported(&folder), ["steep"]);
-    // A step beyond the stable one is refused before anything is removed.
+    // A step beyond the stable one is an error before any file is removed.
     write(SCENE.replace("duration = 0.05", "duration = 0.05\nstep = 0.1"));
     let (refused, _) = run();
     assert!(
@@ -106,13 +105,12 @@ fn a_case_that_fails_keeps_what_it_recorded() {
     assert!(coarse.contains("above the scene's self_check"), "{coarse}");
 }
 
-/// A case whose files are gone, or are others than they were, is not finished: a report says so, and a sweep
-/// runs it again.
+/// A case whose files are missing or changed is not finished: a report states it, and a sweep runs it again.
 #[test]
 fn a_case_whose_files_are_gone_is_run_again() {
     let folder = Folder::new("gone");
-    let sweep = || folder.sweep().lasting(0.01).unwrap();
-    sweep().run(None, &mut Silent).unwrap();
+    let sweep = || folder.sweep().with_duration(0.01).unwrap();
+    sweep().run(None, &mut NoProgress).unwrap();
     let out = folder.0.join("out");
     assert_eq!(report_gaps(&out).unwrap(), Vec::<String>::new());
     std::fs::remove_file(out.join("slanted/histories.csv")).unwrap();
@@ -136,17 +134,17 @@ fn a_case_whose_files_are_gone_is_run_again() {
     assert_eq!(report_gaps(&out).unwrap(), Vec::<String>::new());
 }
 
-/// Durations that are none are refused by value; a folder that another run holds is refused before a case begins.
+/// Invalid durations are errors with their value; a folder that another run has locked is an error before a case begins.
 #[test]
-fn a_sweep_is_refused_before_its_first_case() {
+fn errors_precede_the_first_case() {
     let folder = Folder::new("refused");
     for duration in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
-        let refused = folder.sweep().lasting(duration).err().unwrap();
+        let refused = folder.sweep().with_duration(duration).err().unwrap();
         assert!(matches!(refused, StudyError::Parameter(_)), "{refused:?}");
     }
-    let sweep = folder.sweep().lasting(0.01).unwrap();
+    let sweep = folder.sweep().with_duration(0.01).unwrap();
     let lock = ResultFolder::new(folder.0.join("out")).lock().unwrap();
-    let refused = sweep.run(None, &mut Silent).unwrap_err().to_string();
+    let refused = sweep.run(None, &mut NoProgress).unwrap_err().to_string();
     assert!(refused.contains("another run (process "), "{refused}");
     assert!(!folder.0.join("out/steep").exists());
     drop(lock);
@@ -154,8 +152,8 @@ fn a_sweep_is_refused_before_its_first_case() {
     let lock = ResultFolder::new(folder.0.join("out/steep"))
         .lock()
         .unwrap();
-    let refused = steep(&folder).lasting(0.01).unwrap();
-    let refused = refused.run(None, &mut Silent).unwrap_err().to_string();
+    let refused = steep(&folder).with_duration(0.01).unwrap();
+    let refused = refused.run(None, &mut NoProgress).unwrap_err().to_string();
     assert!(refused.contains("out/steep: another run"), "{refused}");
     drop(lock);
 }

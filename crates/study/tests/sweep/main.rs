@@ -1,4 +1,4 @@
-//! Sweeps: cases of a scene, their shared stages, what is not run again.
+//! Sweeps: cases of a scene, shared stages, reuse of finished cases.
 
 mod bodies;
 mod finished;
@@ -14,7 +14,7 @@ use std::time::Duration;
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{EquilibratedBody, Error, ResultFolder, RunHooks, RunNotes, Scene};
-use powerhouse_study::sweep::{CaseOutcome, Silent, Sweep, SweepWatch};
+use powerhouse_study::sweep::{CaseOutcome, NoProgress, Sweep, SweepWatch};
 use powerhouse_study::{
     StudyError, read_outcomes, registry, report_gaps, sensitivity, write_report,
 };
@@ -157,7 +157,7 @@ impl Folder {
         write_gmsh(path.join("mesh.msh"), &slice(1.0)).unwrap();
         Self(path)
     }
-    /// The scene of a bay, without what looks at places of the slice.
+    /// The scene of a bay, without outputs at points of the slice.
     fn bay() -> String {
         let place = |text: &str| SCENE.find(text).unwrap();
         let (bolt, stage) = (place("[[bolt]]"), place("[[stage]]"));
@@ -186,7 +186,7 @@ impl Drop for Folder {
     }
 }
 
-/// Counts what a sweep tells.
+/// Counts the progress callbacks of a sweep.
 #[derive(Default)]
 struct Count {
     kept: Vec<String>,
@@ -198,7 +198,7 @@ struct Count {
 }
 
 impl SweepWatch for Count {
-    fn kept(&mut self, case: &str) {
+    fn reused(&mut self, case: &str) {
         self.kept.push(case.into());
     }
     fn fails(&mut self, case: &str, _error: &StudyError) {
@@ -207,7 +207,7 @@ impl SweepWatch for Count {
     fn self_check(&mut self, _case: &str, error: f64) {
         self.checked.push(error);
     }
-    fn at_rest(&mut self, case: &str, _took: Duration) {
+    fn equilibrated(&mut self, case: &str, _took: Duration) {
         self.at_rest.push(case.into());
     }
     fn ends(&mut self, outcome: &CaseOutcome) {

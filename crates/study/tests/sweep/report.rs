@@ -1,11 +1,10 @@
-//! What cases are compared by, and the page of them.
+//! Outcomes of cases and their report.
 
 use super::*;
 
-/// What the ground alone does at the places of the relative displacements is what a body does that is
-/// ground all over.
+/// The relative displacements of the free field are those of a body that is ground everywhere.
 #[test]
-fn the_ground_alone_moves_as_the_waves() {
+fn the_free_field_is_that_of_homogeneous_ground() {
     let folder = Folder::new("ground");
     let place = |text: &str| SCENE.find(text).unwrap();
     let (joint, support) = (place("[[joint]]"), place("[[support]]"));
@@ -22,7 +21,7 @@ fn the_ground_alone_moves_as_the_waves() {
         .concat()
         .replace("duration = 0.05\n", "duration = 0.15\n");
     std::fs::write(folder.scene(), longer).unwrap();
-    let cases = folder.sweep().run(None, &mut Silent).unwrap();
+    let cases = folder.sweep().run(None, &mut NoProgress).unwrap();
     assert_eq!(cases.len(), 2);
     for case in &cases {
         let (moved, ground) = (&case.relative[0], &case.ground[0]);
@@ -36,11 +35,10 @@ fn the_ground_alone_moves_as_the_waves() {
     }
 }
 
-/// A report is one page that needs nothing beside it: it names every case and carries its plots and the
-/// scene, forces of sections and bolts, spectra of floors, what damaged the structure, and what the cases
-/// say to the paper; that of a single run has its peaks; a folder without results has none.
+/// A report is one self-contained page with every case, its plots and scene, forces of sections and bolts, floor spectra,
+/// damage and the comparison with the paper; that of a single run has its peaks; a folder without results is an error.
 #[test]
-fn a_report_needs_nothing_beside_it() {
+fn a_report_is_self_contained() {
     let folder = Folder::new("report");
     let concrete = "[[material]]\nname = \"concrete\"\nlaw = \"plastic-damage\"\n\
                     preset = \"paper-c25\"\n[[part]]\nset = \"structure\"\nmaterial = \"concrete\"";
@@ -49,8 +47,8 @@ fn a_report_needs_nothing_beside_it() {
                     boundary = { a = 0.5 }\n";
     let text = SCENE.replace(of_rock, concrete) + stronger;
     std::fs::write(folder.scene(), text).unwrap();
-    let sweep = folder.sweep().lasting(0.03).unwrap();
-    sweep.run(None, &mut Silent).unwrap();
+    let sweep = folder.sweep().with_duration(0.03).unwrap();
+    sweep.run(None, &mut NoProgress).unwrap();
     let page = |path: &Path| std::fs::read_to_string(write_report(path).unwrap()).unwrap();
     let sweep = page(&folder.0.join("out"));
     for wanted in [
@@ -71,19 +69,19 @@ fn a_report_needs_nothing_beside_it() {
         "steep: structure damage type",
         "steep: joint seam over the run",
         "P at 30 degrees: the joint fails mainly at the arches",
-        "open, without SV 0, SV 15, SV 25, SV 30",
-        "What single choices do",
+        "open, missing SV 0, SV 15, SV 25, SV 30",
+        "Sensitivity to single parameters",
         "checksum of scene and files",
         // Joint and concrete have history variables.
-        "it is unknown whether these motions repeat",
-        "steep (unknown whether it repeats: not for design)",
+        "it is unknown whether these motions depend sensitively on the input",
+        "steep (sensitivity to the input unknown: not for design)",
     ] {
         assert!(sweep.contains(wanted), "{wanted}");
     }
     let head = std::fs::read_to_string(folder.0.join("out/report/floor-spectra-steep.csv"));
     assert!(
         head.unwrap()
-            .starts_with("# warning: unknown whether it repeats")
+            .starts_with("# warning: sensitivity to the input unknown")
     );
     let spectra = read_table(&folder.0.join("out/report/floor-spectra-steep.csv")).unwrap();
     assert!(spectra.iter().any(|column| column.name == "O1 z 5 %"));
@@ -116,8 +114,8 @@ fn a_report_needs_nothing_beside_it() {
     );
 }
 
-/// A sweep of a scene with points of one's own has a report of its own names: peaks, histories drawn, pictures;
-/// nothing of the paper. What elastic ground without joints does is known to repeat.
+/// The report of a general sweep has its own points, with peaks, histories and pictures, and no comparison with the
+/// paper. Elastic ground without joints is insensitive to the input.
 #[test]
 fn a_sweep_of_ones_own_has_its_own_report() {
     let folder = Folder::new("own-report");
@@ -140,9 +138,9 @@ fn a_sweep_of_ones_own_has_its_own_report() {
     let out = folder.0.join("out");
     folder
         .sweep()
-        .lasting(0.03)
+        .with_duration(0.03)
         .unwrap()
-        .run(None, &mut Silent)
+        .run(None, &mut NoProgress)
         .unwrap();
     let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
     for wanted in [
@@ -150,15 +148,15 @@ fn a_sweep_of_ones_own_has_its_own_report() {
         "crown: ux, uz (m)",
         "lower-floor: ",
         "steep: largest velocity",
-        "Greatest relative displacement (mm)",
+        "Greatest norm of the relative displacement (mm)",
         "<td class=\"text\">lower-floor z</td>",
     ] {
         assert!(page.contains(wanted), "{wanted}");
     }
     for unwanted in [
-        "Against the paper",
-        "open, without",
-        "middles of the floors",
+        "Comparison with the paper",
+        "open, missing",
+        "centres of the",
         "unknown whether",
         "Wang, Chen",
     ] {

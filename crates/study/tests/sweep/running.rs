@@ -1,9 +1,9 @@
-//! Which cases run, and with what.
+//! Runs of cases, shared stages and parallel execution.
 
 use super::*;
 
-/// Cases run one after the other; the stages are gone through once for those that share joints and
-/// faces; finished cases are not run again, until an input changes.
+/// Cases run sequentially; the stages are computed once for cases that share joints and faces; finished cases are not run
+/// again until an input changes.
 #[test]
 fn finished_cases_are_kept_and_stages_are_shared() {
     let folder = Folder::new("sweep");
@@ -20,7 +20,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     assert_eq!((count.kept.len(), count.ended.len()), (3, 0));
     assert_eq!(again, first);
 
-    // One case is lost: that one alone is run again, and comes to the same motion.
+    // A lost case alone is run again, with the same motion.
     std::fs::remove_file(folder.0.join("out/slanted/finished.json")).unwrap();
     let mut count = Count::default();
     let mended = folder.sweep().run(None, &mut count).unwrap();
@@ -29,7 +29,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     // From the body that the first sweep left.
     assert!(count.at_rest.is_empty(), "{:?}", count.at_rest);
 
-    // Another case that comes in shares a body only if nothing differs that acts before the motion.
+    // An added case shares a body only if nothing differs that acts before the motion.
     let softer = "[[case]]\nname = \"softer\"\nmaterial = [{ name = \"rock\", young = 8e9 }]\n\
                   [[case]]\nname = \"stiffer\"\nboundary = { a = 0.5 }\n";
     std::fs::write(folder.scene(), format!("{SCENE}{softer}")).unwrap();
@@ -40,7 +40,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     sweep.unwrap().run(None, &mut count).unwrap();
     assert_eq!(count.ended, ["softer", "stiffer"]);
     assert_eq!(count.at_rest, ["softer"]);
-    // The table holds all that is finished.
+    // The table contains all finished cases.
     let table = std::fs::read_to_string(folder.0.join("out/sweep.csv")).unwrap();
     let named = |line: &str| line.split(',').next().unwrap().to_owned();
     let names: Vec<String> = table.lines().map(named).collect();
@@ -48,7 +48,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     assert_eq!(names[0], "case");
     assert_eq!(names[1..], all);
 
-    // Cases that were added, a remark and another number of threads make no other job.
+    // Added cases, a comment and another number of threads do not change a case.
     let same = format!("threads = 1\n# A remark.\n{SCENE}{softer}");
     std::fs::write(folder.scene(), same).unwrap();
     let mut count = Count::default();
@@ -57,14 +57,14 @@ fn finished_cases_are_kept_and_stages_are_shared() {
         (count.kept, count.ended.len()),
         (all.map(str::to_owned).to_vec(), 0)
     );
-    // A key of a case makes another one of that case alone.
+    // A key of a case changes that case alone.
     let stiffer = softer.replace("a = 0.5", "a = 0.6");
     std::fs::write(folder.scene(), format!("{SCENE}{stiffer}")).unwrap();
     let mut count = Count::default();
     folder.sweep().run(None, &mut count).unwrap();
     assert_eq!(count.ended, ["stiffer"]);
 
-    // An edited mesh is another job.
+    // An edited mesh changes all cases.
     write_gmsh(folder.0.join("mesh.msh"), &slice(1.1)).unwrap();
     let mut count = Count::default();
     let only = folder.sweep().only(&["steep".into()]).unwrap();
@@ -73,10 +73,10 @@ fn finished_cases_are_kept_and_stages_are_shared() {
     assert_eq!(count.at_rest, ["steep"]);
 }
 
-/// Cases side by side come to the same bits as one after the other, go through stages that they share once,
-/// and stand in the table in the order of the scene.
+/// Parallel cases have the same bits as sequential ones, compute shared stages once, and are in the table in the order
+/// of the scene.
 #[test]
-fn cases_run_side_by_side() {
+fn cases_run_in_parallel() {
     let folder = Folder::new("side-by-side");
     let mut count = Count::default();
     let together = folder.sweep().side_by_side(NonZeroUsize::new(2).unwrap());
@@ -84,7 +84,7 @@ fn cases_run_side_by_side() {
     assert_eq!((count.ended.len(), count.at_rest.len()), (3, 2));
     let table = std::fs::read(folder.0.join("out/sweep.csv")).unwrap();
     let alone = Folder::new("one-by-one");
-    let apart = alone.sweep().run(None, &mut Silent).unwrap();
+    let apart = alone.sweep().run(None, &mut NoProgress).unwrap();
     let timeless = |outcomes: Vec<CaseOutcome>| -> Vec<CaseOutcome> {
         let with_time = |case| CaseOutcome {
             wall_time: 0.0,
@@ -102,9 +102,8 @@ fn cases_run_side_by_side() {
     assert_eq!(names(&table), names(&other));
 }
 
-/// Cases with keys of their own in the tables of a scene: they are the scene with these keys, come to rest
-/// and run by themselves; a table that the scene does not have, and a key or value that it cannot have, is
-/// shown where it stands when the sweep begins.
+/// Cases may change keys in the tables of a scene; they are the scene with these keys, with stages and runs of their own.
+/// An unknown table, key or value is reported with its position when the sweep begins.
 #[test]
 fn a_case_may_change_keys_of_tables() {
     let folder = Folder::new("changed");
@@ -126,7 +125,7 @@ time = { duration = 0.02, safety = 0.5 }
     let (own, scene) = (of("other"), of("steep"));
     let young = |scene: &Scene| scene.parts()[0].material.medium().young;
     assert_eq!((young(&own), young(&scene)), (8e9, 9e9));
-    assert_eq!((own.run_duration(), scene.run_duration()), (0.02, 0.05));
+    assert_eq!((own.duration(), scene.duration()), (0.02, 0.05));
     // All of it: the case moves as the scene with these keys written out, to the last bit.
     let written_out = SCENE
         .replace("young = 9e9", "young = 8e9")
@@ -150,7 +149,7 @@ time = { duration = 0.02, safety = 0.5 }
     let twin = run(of("steep"));
     assert_eq!(changed.histories, twin.histories);
     assert_eq!(changed.bolts, twin.bolts);
-    assert_ne!(changed.histories, run(scene.duration(0.02)).histories);
+    assert_ne!(changed.histories, run(scene.with_duration(0.02)).histories);
 
     let refused = |change: &dyn Fn(&str) -> String| {
         std::fs::write(folder.scene(), change(&text)).unwrap();
@@ -173,8 +172,8 @@ time = { duration = 0.02, safety = 0.5 }
     assert!(nameless.contains("'name'"), "{nameless}");
 }
 
-/// A case may have a mesh and supports of its own: here the bay stands in a block, held by nothing but
-/// the faces that absorb.
+/// A case may have a mesh and supports of its own: here the bay is embedded in a block that is supported by absorbing
+/// faces alone.
 #[test]
 fn a_case_may_have_another_mesh_and_other_supports() {
     let folder = Folder::new("block");
@@ -192,13 +191,13 @@ fn a_case_may_have_another_mesh_and_other_supports() {
     let elements = |scene: &Scene| scene.mesh().element_count();
     assert_eq!(elements(&block) * 8, elements(&bay) * 12);
     assert_eq!((bay.supports().len(), block.supports().len()), (2, 0));
-    let faces = |scene: &Scene| scene.absorbing_boundary().unwrap().faces.len();
+    let faces = |scene: &Scene| scene.boundary().unwrap().faces.len();
     assert_eq!((faces(&bay), faces(&block)), (3, 5));
 }
 
-/// A case on request is left out of a sweep unless it is asked for by name.
+/// A case on request is left out of a sweep unless it is requested by name.
 #[test]
-fn a_case_on_request_waits_until_it_is_asked_for() {
+fn a_case_on_request_runs_only_on_request() {
     let folder = Folder::new("request");
     let text = SCENE.replace("name = \"steep\"", "name = \"steep\"\non_request = true");
     std::fs::write(folder.scene(), text).unwrap();
@@ -215,12 +214,12 @@ fn a_case_on_request_waits_until_it_is_asked_for() {
     );
 }
 
-/// A sweep that is stopped says so, and goes on where it was.
+/// A cancelled sweep reports it, and continues where it was.
 #[test]
-fn a_sweep_that_is_stopped_goes_on() {
+fn a_cancelled_sweep_continues() {
     let folder = Folder::new("stopped");
     let stop = Arc::new(AtomicBool::new(true));
-    let stopped = folder.sweep().run(Some(&stop), &mut Silent);
+    let stopped = folder.sweep().run(Some(&stop), &mut NoProgress);
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
     // Not with another scene, though.
     let sweep = folder.sweep();
@@ -229,18 +228,22 @@ fn a_sweep_that_is_stopped_goes_on() {
         SCENE.replace("lateral = 0.37", "lateral = 0.4"),
     )
     .unwrap();
-    let edited = sweep.run(None, &mut Silent);
+    let edited = sweep.run(None, &mut NoProgress);
     assert!(matches!(edited, Err(StudyError::Changed { .. })));
     std::fs::write(folder.scene(), SCENE).unwrap();
     let only = folder.sweep().only(&["steep".into()]).unwrap();
-    let done = only.lasting(0.01).unwrap().run(None, &mut Silent).unwrap();
+    let done = only
+        .with_duration(0.01)
+        .unwrap()
+        .run(None, &mut NoProgress)
+        .unwrap();
     let past = done[0].end - 0.01;
     assert!((0.0..=2.0 * done[0].step).contains(&past), "{past}");
 }
 
-/// Cases are named once and exist, generators too; a scene without cases is no sweep.
+/// Unknown and duplicate cases and unknown mesh generators are errors; so is a sweep of a scene without cases.
 #[test]
-fn what_is_no_case_is_refused() {
+fn invalid_cases_are_errors() {
     let folder = Folder::new("refused");
     let write = |change: &dyn Fn(&str) -> String| {
         std::fs::write(folder.scene(), change(&Folder::bay())).unwrap();

@@ -1,4 +1,4 @@
-//! Baseline corrections, each by name.
+//! Baseline corrections of records.
 
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::ParameterError;
@@ -8,15 +8,15 @@ use super::{RecordReport, TimeHistory};
 use crate::WaveError;
 use crate::fourier::Fourier;
 
-/// How a record is freed of the drift of its integrals. Nothing is corrected unless it is asked
-/// for, and none changes the length of a record but [`HighPass`](Self::HighPass).
+/// Method of baseline correction: how the drift of a record's integrals is removed. No correction is
+/// made unless one is given, and only [`HighPass`](Self::HighPass) changes the length of the record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BaselineCorrection {
-    /// The record as it is.
+    /// No correction.
     None,
     /// Subtracts the mean acceleration (by the trapezoidal rule): the end velocity vanishes.
     Mean,
-    /// Subtracts the polynomial in time that fits the acceleration best: order 0 to 8.
+    /// Subtracts the polynomial in time, of order 0 to 8, that fits the acceleration best.
     AccelerationPolynomial {
         /// Order of the polynomial.
         order: usize,
@@ -25,22 +25,22 @@ pub enum BaselineCorrection {
     /// least mean square velocity; order 2 is the parabolic baseline of G. V. Berg and
     /// G. W. Housner (1961), Bull. Seism. Soc. Am. 51(2). The end velocity becomes small, not zero.
     LeastVelocity {
-        /// Order of the polynomial that is taken from the acceleration.
+        /// Order of the polynomial that is subtracted from the acceleration.
         order: usize,
     },
     /// Subtracts from the velocity a polynomial of the given order, 2 to 9, that starts at zero:
     /// the one that leaves the least mean square velocity among those that bring end velocity
     /// and end displacement to zero.
     VelocityPolynomial {
-        /// Order of the polynomial that is taken from the velocity.
+        /// Order of the polynomial that is subtracted from the velocity.
         order: usize,
     },
-    /// Takes out low frequencies without phase shift: a Butterworth filter of the given order,
+    /// Removes low frequencies without phase shift by a Butterworth filter of the given order,
     /// run forwards and backwards, `H = (f/fc)^(2n) / (1 + (f/fc)^(2n))`. The filter rings on both
     /// sides of the record, which therefore grows by 1.5 n / fc at each end, as D. M. Boore (2005),
     /// Bull. Seism. Soc. Am. 95(2) advises.
     HighPass {
-        /// Corner frequency (Hz), at which half of the amplitude is left.
+        /// Corner frequency fc (Hz), at which half of the amplitude is left; at most the Nyquist frequency.
         corner: f64,
         /// Order n, 1 to 8.
         order: usize,
@@ -48,7 +48,7 @@ pub enum BaselineCorrection {
 }
 
 impl BaselineCorrection {
-    /// The name in scenes and reports.
+    /// Name of the method in scenes and reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::None => "none",
@@ -61,27 +61,27 @@ impl BaselineCorrection {
     }
 }
 
-/// What a baseline correction did.
+/// Effect of a baseline correction on a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaselineReport {
-    /// The method.
+    /// Method of correction.
     pub correction: BaselineCorrection,
-    /// Peaks and end values before.
+    /// Peaks and end values before the correction.
     pub before: RecordReport,
-    /// Peaks and end values after.
+    /// Peaks and end values after the correction.
     pub after: RecordReport,
-    /// Largest magnitude of what was taken from the acceleration (m/s2).
+    /// Largest magnitude of the difference in acceleration (m/s2).
     pub largest_change: f64,
-    /// Time that the record gained before its former start (s).
+    /// Length added before the former start of the record (s).
     pub leading_pad: f64,
 }
 
 impl TimeHistory {
-    /// The history with its baseline corrected, and what that did.
+    /// History with its baseline corrected, and a report of the change.
     ///
     /// # Errors
     /// If an order or a corner frequency is outside its range, or the record has fewer samples
-    /// than the polynomial has coefficients, and one.
+    /// than the polynomial has coefficients plus one.
     pub fn corrected(
         &self,
         correction: BaselineCorrection,
@@ -102,7 +102,7 @@ impl TimeHistory {
             }
             BaselineCorrection::VelocityPolynomial { order } => {
                 check_order(order, 2, 9)?;
-                self.without_polynomial(order - 1, Fit::VelocityToRest)?
+                self.without_polynomial(order - 1, Fit::VelocityConstrained)?
             }
             BaselineCorrection::HighPass { corner, order } => {
                 let (history, added) = self.high_pass(corner, order)?;
@@ -122,8 +122,8 @@ impl TimeHistory {
         Ok((corrected, report))
     }
 
-    /// Least squares over the samples; the polynomials are integrated as the record is, so that
-    /// constraints at the end hold to rounding.
+    /// Subtracts a polynomial fitted by least squares over the samples; its integrals are computed as
+    /// those of the record, so that constraints at the end hold to rounding.
     fn without_polynomial(&self, order: usize, fit: Fit) -> Result<Self, WaveError> {
         check_order(order, 0, 8)?;
         let terms = order + 1;
@@ -138,11 +138,11 @@ impl TimeHistory {
         let basis = basis.collect::<Result<Vec<_>, _>>()?;
         let fitted = |history: &Self, i: usize| match fit {
             Fit::Acceleration => history.nodes[i].acceleration,
-            Fit::Velocity | Fit::VelocityToRest => history.nodes[i].velocity,
+            Fit::Velocity | Fit::VelocityConstrained => history.nodes[i].velocity,
         };
         let last = self.samples() - 1;
         let constraints: &[fn(&super::Node) -> f64] = match fit {
-            Fit::VelocityToRest => &[|node| node.velocity, |node| node.displacement],
+            Fit::VelocityConstrained => &[|node| node.velocity, |node| node.displacement],
             Fit::Acceleration | Fit::Velocity => &[],
         };
         // [ G  C^T ] [c]   [g]
@@ -160,7 +160,7 @@ impl TimeHistory {
             }
         }
         for (k, constraint) in constraints.iter().enumerate() {
-            // Both constraints in units in which the basis is of order one.
+            // Both constraints are scaled so that the basis is of order one.
             let scale = 1.0 / constraint(&basis[0].nodes[last]);
             for (column, term) in basis.iter().enumerate() {
                 let value = scale * constraint(&term.nodes[last]);
@@ -190,7 +190,7 @@ impl TimeHistory {
         Self::new(self.step, samples.collect())
     }
 
-    /// A history whose acceleration is Chebyshev's polynomial over the record's duration.
+    /// History whose acceleration is a Chebyshev polynomial over the record's duration.
     fn chebyshev(&self, order: usize) -> Result<Self, WaveError> {
         let last = (self.samples() - 1) as f64;
         let samples = (0..self.samples()).map(|i| {
@@ -209,8 +209,8 @@ impl TimeHistory {
         let nyquist = 0.5 / self.step;
         ParameterError::check("corner", corner, 1e-6, nyquist)?;
         let pad = (1.5 * order as f64 / corner / self.step).ceil();
-        let wanted = 2.0 * (self.samples() as f64 + 2.0 * pad);
-        WaveError::check_samples("a high-pass filter with its padding", wanted, MOST_SAMPLES)?;
+        let needed = 2.0 * (self.samples() as f64 + 2.0 * pad);
+        WaveError::check_samples("a high-pass filter with its padding", needed, MOST_SAMPLES)?;
         let pad = pad as usize;
         let length = self.samples() + 2 * pad;
         let mut fourier = Fourier::new(2 * length);
@@ -230,13 +230,13 @@ impl TimeHistory {
     }
 }
 
-/// What a polynomial baseline is fitted to.
+/// Quantity that a polynomial baseline is fitted to.
 #[derive(Clone, Copy)]
 enum Fit {
     Acceleration,
     Velocity,
-    /// Velocity, with end velocity and end displacement zero.
-    VelocityToRest,
+    /// Velocity, under the constraints that end velocity and end displacement are zero.
+    VelocityConstrained,
 }
 
 fn check_order(order: usize, least: usize, most: usize) -> Result<(), ParameterError> {

@@ -1,21 +1,21 @@
-//! Cutting, scaling, resampling and padding.
+//! Truncation, scaling, resampling and padding of histories.
 
 use powerhouse_model::ParameterError;
 
 use super::TimeHistory;
 use crate::WaveError;
 
-/// No operation makes a history longer than this.
+/// Greatest number of samples of a history after any operation.
 pub(crate) const MOST_SAMPLES: usize = 1 << 24;
 
 impl TimeHistory {
-    /// The first `duration` seconds, to the nearest sample. Over the last `taper` seconds of what
-    /// is left the acceleration falls to zero with half a cosine; zero means a plain cut.
+    /// History truncated to its first `duration` seconds, to the nearest sample. Over the last `taper`
+    /// seconds that remain the acceleration falls to zero with half a cosine; zero means no taper.
     ///
     /// # Errors
-    /// If the duration is not between one step and the record's own, or the taper longer than
+    /// If the duration is not between one step and that of the record, or the taper is longer than
     /// the duration.
-    pub fn first(&self, duration: f64, taper: f64) -> Result<Self, WaveError> {
+    pub fn truncated(&self, duration: f64, taper: f64) -> Result<Self, WaveError> {
         ParameterError::check(
             "duration",
             duration,
@@ -37,7 +37,7 @@ impl TimeHistory {
         Self::new(self.step, samples.collect())
     }
 
-    /// Every sample times a factor.
+    /// History with every sample multiplied by a factor.
     ///
     /// # Errors
     /// If the factor is not finite, or a sample leaves the permitted range.
@@ -47,7 +47,7 @@ impl TimeHistory {
         Self::new(self.step, samples.collect())
     }
 
-    /// Scaled so that the largest magnitude of acceleration is `peak` (m/s2).
+    /// History scaled so that the largest magnitude of acceleration is `peak` (m/s2).
     ///
     /// # Errors
     /// [`WaveError::ZeroPeak`] if the history is zero throughout.
@@ -61,10 +61,10 @@ impl TimeHistory {
         self.scaled(peak / present)
     }
 
-    /// The same piecewise-linear acceleration, read at a finer step (s).
+    /// History of the same piecewise-linear acceleration, sampled at a smaller step (s).
     ///
     /// The motion is unchanged if the old step is a multiple of the new one; otherwise the corners
-    /// at the old samples are cut. A coarser step would lose content and is refused.
+    /// at the old samples are cut. A larger step would lose content and is an error.
     ///
     /// # Errors
     /// If the step is above the present one, or so small that there are too many samples.
@@ -75,15 +75,15 @@ impl TimeHistory {
         let intervals = (intervals * (1.0 - 1e-12)).ceil() as usize;
         let duration = self.duration();
         let samples = (0..=intervals).map(|i| {
-            // The last sample may fall past the end by less than a step: it repeats the end.
+            // The last sample may fall past the end by less than a step: there it is the end value.
             let time = (i as f64 * step).min(duration);
             self.motion(time).acceleration
         });
         Self::new(step, samples.collect())
     }
 
-    /// Zero acceleration added before and after (s, to the nearest sample). The record's time zero
-    /// moves back by what is added before it.
+    /// History with zero acceleration added before and after (s, to the nearest sample). The record's
+    /// time zero moves back by the length that is added before it.
     ///
     /// # Errors
     /// If a length is negative or there are too many samples.

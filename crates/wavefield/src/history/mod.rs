@@ -1,17 +1,17 @@
-//! Recorded motion: uniformly sampled acceleration, integrated exactly.
+//! Recorded motion: uniformly sampled acceleration with its exact integrals.
 
 mod baseline;
 mod edit;
-mod rest;
+mod record_signal;
 
 pub use baseline::{BaselineCorrection, BaselineReport};
-pub use rest::{EndDisplacement, RecordSignal};
+pub use record_signal::{EndDisplacement, RecordSignal};
 
 use powerhouse_model::ParameterError;
 
 use crate::{SignalMotion, WaveError};
 
-/// What the exact integration needs of one interval: half a cache line.
+/// Motion at the start of one interval and slope of its acceleration: half a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 struct Node {
@@ -22,7 +22,7 @@ struct Node {
 }
 
 impl Node {
-    /// The motion `local` seconds into the interval: Taylor's series, which ends here.
+    /// Motion `local` seconds into the interval, by Taylor's series, which is finite here.
     #[inline(always)]
     fn motion(&self, local: f64) -> SignalMotion {
         SignalMotion {
@@ -36,14 +36,14 @@ impl Node {
     }
 }
 
-/// Peaks and end values of a history.
+/// Peak and end values of a time history.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordReport {
-    /// Largest magnitude of acceleration (m/s2), PGA.
+    /// Largest magnitude of acceleration (m/s2), the PGA.
     pub peak_acceleration: f64,
-    /// Largest magnitude of velocity (m/s), PGV, also between samples.
+    /// Largest magnitude of velocity (m/s), the PGV, also between samples.
     pub peak_velocity: f64,
-    /// Largest magnitude of displacement (m), PGD, also between samples.
+    /// Largest magnitude of displacement (m), the PGD, also between samples.
     pub peak_displacement: f64,
     /// Velocity at the last sample (m/s).
     pub end_velocity: f64,
@@ -51,20 +51,20 @@ pub struct RecordReport {
     pub end_displacement: f64,
 }
 
-/// An acceleration given by uniform samples and linear between them, with the velocity and
-/// displacement that follow from rest at time zero.
+/// Acceleration time history, given by uniform samples and linear between them, with the velocity
+/// and displacement that follow from rest at time zero.
 ///
 /// In each interval the velocity is a parabola and the displacement a cubic, both exact; a
 /// value is one look-up. Before time zero the history is at rest. After its last sample
 /// displacement is held and velocity and acceleration are zero, which is a jump unless the record
-/// comes to rest: a wave therefore takes a [`RecordSignal`], which is only made from a record
+/// ends at rest: a wave therefore takes a [`RecordSignal`], which is only made from a record
 /// that does.
 ///
 /// Operations return new histories and take effect in the order in which they are called.
 /// ```
 /// use powerhouse_wavefield::{BaselineCorrection, EndDisplacement, TimeHistory};
 /// let samples = (0..400).map(|i| (0.1 * i as f64).sin()).collect();
-/// let history = TimeHistory::new(0.01, samples)?.first(3.0, 0.2)?;
+/// let history = TimeHistory::new(0.01, samples)?.truncated(3.0, 0.2)?;
 /// let (history, report) = history.corrected(BaselineCorrection::VelocityPolynomial { order: 4 })?;
 /// assert!(report.after.end_velocity.abs() < 1e-12);
 /// let signal = history.scaled_to_peak(1.7)?.into_signal(EndDisplacement::Zero)?;
@@ -79,7 +79,7 @@ pub struct TimeHistory {
 }
 
 impl TimeHistory {
-    /// A history of samples of acceleration (m/s2) that are `step` seconds apart, the first at
+    /// History of samples of acceleration (m/s2) at intervals of `step` seconds, the first at
     /// time zero.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl TimeHistory {
         })
     }
 
-    /// Time between samples (s).
+    /// Interval between samples (s).
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -139,16 +139,16 @@ impl TimeHistory {
     pub fn duration(&self) -> f64 {
         self.step * (self.nodes.len() - 1) as f64
     }
-    /// The samples of acceleration (m/s2).
+    /// Samples of acceleration (m/s2).
     pub fn acceleration(&self) -> Vec<f64> {
         self.nodes.iter().map(|node| node.acceleration).collect()
     }
-    /// The motion at the samples.
+    /// Motion at every sample.
     pub fn sample_motions(&self) -> impl Iterator<Item = SignalMotion> {
         self.nodes.iter().map(|node| node.motion(0.0))
     }
 
-    /// The motion at a time (s).
+    /// Motion at a time (s).
     #[inline]
     pub fn motion(&self, time: f64) -> SignalMotion {
         let place = time * self.per_step;
@@ -171,7 +171,7 @@ impl TimeHistory {
         self.nodes[index].motion(time - index as f64 * self.step)
     }
 
-    /// Peaks and end values.
+    /// Peak and end values of the history.
     pub fn report(&self) -> RecordReport {
         let last = self.nodes[self.nodes.len() - 1];
         let mut report = RecordReport {
@@ -198,7 +198,7 @@ impl TimeHistory {
         report
     }
 
-    /// Arias intensity, `pi / (2 g) int a^2 dt` (m/s), exact for the piecewise-linear record.
+    /// Arias intensity of the record, `pi / (2 g) int a^2 dt` (m/s), exact for linear interpolation.
     ///
     /// Source: A. Arias (1970); g is 9.80665 m/s2.
     pub fn arias_intensity(&self) -> f64 {
@@ -207,9 +207,9 @@ impl TimeHistory {
             * self.squared_acceleration().last().copied().unwrap_or(0.0)
     }
 
-    /// The time (s) in which the Arias intensity rises from one share of its end value to
-    /// another, for instance from 0.05 to 0.95; read between samples linearly. Zero for a record
-    /// that is zero throughout.
+    /// Significant duration: the time (s) in which the Arias intensity rises from one share of its end
+    /// value to another, for instance from 0.05 to 0.95, interpolated linearly between samples. Zero for
+    /// a record that is zero throughout.
     ///
     /// # Errors
     /// If the shares are not in rising order between 0 and 1.
@@ -222,14 +222,14 @@ impl TimeHistory {
             return Ok(0.0);
         }
         let reached = |share: f64| {
-            let wanted = share * total;
-            let after = sums.partition_point(|sum| *sum < wanted);
+            let target = share * total;
+            let after = sums.partition_point(|sum| *sum < target);
             if after == 0 {
                 return 0.0;
             }
             let (low, high) = (sums[after - 1], sums[after.min(sums.len() - 1)]);
             let part = if high > low {
-                (wanted - low) / (high - low)
+                (target - low) / (high - low)
             } else {
                 0.0
             };
@@ -238,7 +238,7 @@ impl TimeHistory {
         Ok(reached(to) - reached(from))
     }
 
-    /// `int_0^t a^2` at the samples.
+    /// Integral `int_0^t a^2` at the samples.
     fn squared_acceleration(&self) -> Vec<f64> {
         let mut sum = 0.0;
         let mut sums = vec![0.0];
@@ -252,7 +252,7 @@ impl TimeHistory {
 }
 
 /// Local times at which the velocity (one) and the displacement (two) of an interval are
-/// stationary; not a number where there is none.
+/// stationary; NaN where there is none.
 fn interior_extrema(node: &Node) -> [f64; 3] {
     let (v, a, s) = (node.velocity, node.acceleration, node.slope);
     let stationary_velocity = -a / s;

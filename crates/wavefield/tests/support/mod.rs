@@ -1,4 +1,4 @@
-//! What the tests of fields share.
+//! Common functions of the tests of fields.
 #![allow(dead_code)]
 
 use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Mat3, Vec3};
@@ -24,7 +24,7 @@ pub(crate) fn wave(
     PlaneWave::new(parameters(kind, poisson, degrees, azimuth), signal).unwrap()
 }
 
-/// Its parameters.
+/// Parameters of such a wave.
 pub(crate) fn parameters(
     kind: WaveKind,
     poisson: f64,

@@ -153,20 +153,18 @@ fn inactive_elements_are_not_there() {
         let grown = |e: usize| history[6 * e..6 * e + 6].iter().all(|&h| h > 0.0);
         assert!((0..count).all(|e| grown(e) == (e % 2 <= share)));
         fixture.block.set_active(&vec![true; count]);
-        fixture.block.set_history(&[powerhouse_model::HistoryField {
-            name: "largest_strain".into(),
-            elements: fixture.block.elements().to_vec(),
-            points: 6,
-            values: (0..6 * count)
-                .map(|i| {
-                    if (i / 6) % 2 <= share {
-                        history[i]
-                    } else {
-                        0.0
-                    }
-                })
-                .collect(),
-        }]);
+        let values = (0..6 * count)
+            .map(|i| {
+                if (i / 6) % 2 <= share {
+                    history[i]
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let elements = fixture.block.elements().to_vec();
+        let field = powerhouse_model::HistoryField::new("largest_strain", elements, 6, values);
+        fixture.block.set_history(&[field]);
     }
     let scale = largest(&all);
     for (sum, force) in sum.iter().zip(&all) {

@@ -1,24 +1,24 @@
-//! The virtual work of internal forces on a motion.
+//! Virtual work of internal forces.
 
 use powerhouse_model::{Mesh, StepView, Vec3};
 
-/// How many resultants a section has.
+/// Number of stress resultants of a section.
 pub(super) const RESULTANTS: usize = 6;
 
-/// Nodes of a brick, the solid that has most.
+/// Largest number of nodes of a solid element (hexahedron).
 const MOST_NODES: usize = 8;
 
-/// Six virtual works, `sum_e sum_a w_a . f_ea` of the internal forces `f` of some elements.
+/// Six linear functionals of the internal forces `f` of some elements: virtual works `sum_e sum_a w_a . f_ea`.
 #[derive(Clone, Debug)]
 pub(super) struct Functional {
-    /// Mesh indices of the elements, and how many nodes each has.
+    /// Mesh index and number of nodes of each element.
     elements: Vec<(u32, usize)>,
     /// The virtual motions `w` of their nodes, element by element.
     motions: Vec<[Vec3; RESULTANTS]>,
 }
 
 impl Functional {
-    /// The works on virtual motions of nodes, given by `virtual_motion(node)` (mesh index).
+    /// The functionals of virtual motions of nodes, given by `virtual_motion(node)` (mesh index).
     pub(super) fn new(
         mesh: &Mesh,
         elements: &[u32],
@@ -33,7 +33,7 @@ impl Functional {
         }
     }
 
-    /// The works at a step; none if the engine does not tell the forces of elements.
+    /// The virtual works at a step; none if the engine does not provide element forces.
     pub(super) fn works(&self, view: &dyn StepView) -> Option<[f64; RESULTANTS]> {
         let mut works = [0.0; RESULTANTS];
         let mut forces = [Vec3::zeros(); MOST_NODES];

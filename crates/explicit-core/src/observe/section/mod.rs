@@ -1,4 +1,4 @@
-//! Forces and moments of sections.
+//! Section forces and moments.
 
 mod functional;
 mod plane;
@@ -7,38 +7,38 @@ use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepVi
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 use functional::Functional;
-use plane::{Plane, meet};
+use plane::{Plane, intersect};
 
-/// A named plane through elements.
+/// A cross section: a named plane through elements, of which section forces are recorded.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cut {
-    /// Its name.
+pub struct CrossSection {
+    /// Name of the section.
     pub name: String,
     /// A point of the plane (m).
     pub point: Vec3,
-    /// The plane's normal, of any length. The forces are those with which the side that it points
-    /// to pulls at the other.
+    /// Normal of the plane, of any length but zero. The section forces are those that the positive side, to which it
+    /// points, exerts on the negative side.
     pub normal: Vec3,
-    /// A direction in the plane, along which forces per metre are taken: the axis of a tunnel,
-    /// the width of a wall. What it has along the normal is taken off.
+    /// Direction of the width of the section, along which forces per metre are taken, such as the axis of a tunnel or
+    /// the length of a wall. Its component along the normal is ignored.
     pub along: Vec3,
-    /// Only elements with their [centroid](Mesh::centroid) in this box (m) count, so that a plane
-    /// through a ring gives one section and not two.
+    /// Box (lower and upper corner, m) of the [centroids](Mesh::centroid) of the elements to be included, which selects
+    /// one of the two sections of a plane through a ring; none includes all elements.
     pub within: Option<(Vec3, Vec3)>,
 }
 
-/// A section's shape and axes.
+/// Geometry of a section: area, centroid, extents and axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionGeometry {
-    /// The cut's name.
+    /// Name of the section.
     pub name: String,
     /// Area (m2).
     pub area: f64,
     /// Centroid (m), about which moments are taken.
     pub centroid: Vec3,
-    /// Extent (m) along the cut's direction `along`, by which forces per metre are divided.
+    /// Extent (m) along `along`, by which forces per metre are divided.
     pub width: f64,
-    /// Extent (m) across it: the thickness of a lining.
+    /// Extent (m) along `across`, such as the thickness of a lining.
     pub depth: f64,
     /// Unit normal `n`.
     pub normal: Vec3,
@@ -46,14 +46,15 @@ pub struct SectionGeometry {
     pub along: Vec3,
     /// Unit vector `t = b x n` across, in the plane.
     pub across: Vec3,
-    /// How many elements the plane meets.
+    /// Number of elements that the plane intersects.
     pub elements: usize,
 }
 
-/// Normal force, shear forces, torsion and bending moments of cuts through linings and pillars.
+/// Observer of section forces: normal force, shear forces, torsion and bending moments of sections through linings and
+/// pillars.
 ///
 /// With the section's centroid `c`, its axes `n`, `t` (across), `b` (along) and the
-/// coordinates `(t, b)` from `c`, the columns of a cut `crown` are
+/// coordinates `(t, b)` from `c`, the columns of a section `crown` are
 /// ```text
 /// crown.axial          integral of sigma_nn dA      (N), tension positive
 /// crown.shear_across   integral of sigma_nt dA      (N)
@@ -64,40 +65,40 @@ pub struct SectionGeometry {
 /// crown.axial_per_metre, crown.shear_per_metre   axial and shear_across over the width (N/m)
 /// crown.moment_per_metre   moment_across over the width (N m/m)
 /// ```
-/// They are those of the whole stress, of what stages left too, but for that of stiffness damping, which
-/// acts on the nodes and is in no output of stress.
+/// They are resultants of the total stress, including that of earlier stages, but without the stress of stiffness
+/// damping, which no output of stress includes.
 ///
 /// # Method
-/// The integrals are not taken over the plane. They are the virtual work of the internal forces
-/// on a motion that leaves the negative side, moves the positive side rigidly by a unit along or
-/// about an axis through the centroid, and rises evenly from one to the other over the length of
-/// an element across the plane. Elements that lie wholly on one side do no work. The sum balances
-/// the loads on the positive side to rounding, on any mesh and with any law, be the lining one
-/// element thick and cracked, because it is made of the forces with which the engine computes.
+/// The integrals are computed as virtual work of the internal forces, not by integration over the plane. The virtual
+/// motion is zero on the negative side, a unit rigid motion along or
+/// about an axis through the centroid on the positive side, and linear between them over the length of
+/// an element across the plane. Elements wholly on one side do no work. The result is in equilibrium with
+/// the loads on the positive side to rounding, on any mesh and with any law, even for a cracked lining of one
+/// element, because it uses the nodal forces of the solution itself.
 ///
-/// Loads and inertia inside the element length around the plane count by halves, as they should
-/// where they are spread evenly; the error is of second order in that length. Where the elements
-/// end next to the plane the rise is cut short to what there is of them, so that a plane may lie on
-/// the end of a pillar; an end that runs obliquely within that length is not recognised.
+/// Loads and inertia within the element length around the plane count by halves, which is right
+/// where they are uniform; the error is of second order in that length. Where the elements
+/// end next to the plane the linear range is shortened to their extent, so that a plane may lie on
+/// the end of a pillar; an oblique end within that length is not recognised.
 ///
-/// Cost: at each reading the law is asked once more at the points of the layers next to the plane.
-/// Memory: per cut 144 bytes a node of each element of these layers; 8 per column and row.
+/// Cost: at each observation the law is evaluated once more in the elements next to the plane.
+/// Memory: per section 144 bytes a node of each of these elements; 8 per column and row.
 ///
 /// ```
-/// use powerhouse_explicit_core::observe::{Cut, SectionForces};
+/// use powerhouse_explicit_core::observe::{SectionForces, CrossSection};
 /// use powerhouse_model::{Cadence, Mesh, Vec3};
 /// let pillar = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 3.0, 8.0), [2, 3, 8], "pillar")?;
 /// let mut forces = SectionForces::new(Cadence::Seconds(0.01))?;
-/// let cut = Cut {
+/// let foot = CrossSection {
 ///     name: "foot".into(),
 ///     point: Vec3::zeros(),
 ///     normal: Vec3::z(),
 ///     along: Vec3::y(),
 ///     within: None,
 /// };
-/// let section = forces.add_cut(&pillar, &cut, pillar.element_set("pillar")?)?;
+/// let section = forces.add_section(&pillar, &foot, pillar.element_set("pillar")?)?;
 /// assert!((section.area - 6.0).abs() < 1e-12 && (section.width - 3.0).abs() < 1e-12);
-/// // `forces` goes into a run; `recording` shows the table afterwards.
+/// // `forces` is passed to a run; `recording` gives access to the table afterwards.
 /// let recording = forces.recording();
 /// assert!(recording.read(|table| table.column("foot.axial_per_metre").is_some()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -109,12 +110,13 @@ pub struct SectionForces {
     recording: Recording<HistoryTable>,
 }
 
+/// A section with the functional of its stress resultants.
 struct Sensor {
     geometry: SectionGeometry,
     functional: Functional,
 }
 
-/// Names and units of the columns of a cut.
+/// Names and units of the columns of a section.
 const COLUMNS: [(&str, &str); 9] = [
     ("axial", "N"),
     ("shear_across", "N"),
@@ -128,7 +130,7 @@ const COLUMNS: [(&str, &str); 9] = [
 ];
 
 impl SectionForces {
-    /// Without cuts yet.
+    /// An observer without sections.
     ///
     /// # Errors
     /// A cadence out of range.
@@ -142,49 +144,49 @@ impl SectionForces {
         })
     }
 
-    /// Adds a cut through some elements (mesh indices); those that are no solids, and those that the plane
-    /// does not meet, are passed over.
+    /// Adds a section through some elements (mesh indices), of which bars and elements that the plane
+    /// does not intersect are ignored; returns its geometry.
     ///
     /// Nodes within 1e-6 of the mesh's diagonal count as on the plane.
     ///
     /// # Errors
-    /// A direction without length, a plane that meets no element, a name that stands twice.
-    pub fn add_cut(
+    /// A direction without length, a plane that intersects no element, a duplicate name.
+    pub fn add_section(
         &mut self,
         mesh: &Mesh,
-        cut: &Cut,
+        section: &CrossSection,
         elements: &[u32],
     ) -> Result<&SectionGeometry, ObserveError> {
-        let (normal, along) = axes(cut)?;
-        let chosen = elements_in_box(mesh, cut, elements);
+        let (normal, along) = axes(section)?;
+        let chosen = elements_in_box(mesh, section, elements);
         let (low, high) = mesh.bounding_box();
         let plane = |own_positive| Plane {
-            point: cut.point,
+            point: section.point,
             normal,
             tolerance: 1e-6 * (high - low).norm(),
             own_positive,
         };
-        // Elements that only touch the plane from its positive side count as met if no others are.
-        let section =
-            meet(mesh, plane(true), &chosen).or_else(|| meet(mesh, plane(false), &chosen));
-        let section = section.ok_or_else(|| {
-            let unbounded = Cut {
+        // Elements that only touch the plane from its positive side count if no others are intersected.
+        let intersection = intersect(mesh, plane(true), &chosen)
+            .or_else(|| intersect(mesh, plane(false), &chosen));
+        let intersection = intersection.ok_or_else(|| {
+            let unbounded = CrossSection {
                 within: None,
-                ..cut.clone()
+                ..section.clone()
             };
             let all = elements_in_box(mesh, &unbounded, elements);
-            ObserveError::EmptyCut {
-                cut: cut.name.clone(),
-                outside: meet(mesh, plane(true), &all)
-                    .or_else(|| meet(mesh, plane(false), &all))
+            ObserveError::EmptySection {
+                section: section.name.clone(),
+                outside: intersect(mesh, plane(true), &all)
+                    .or_else(|| intersect(mesh, plane(false), &all))
                     .is_some(),
             }
         })?;
-        let geometry = section.geometry(cut, along);
+        let geometry = intersection.geometry(section, along);
         let axes = [geometry.normal, geometry.across, geometry.along];
         let virtual_motion = |node: u32| {
             let position = &mesh.positions()[node as usize];
-            let share = section.ramp(position);
+            let share = intersection.ramp(position);
             core::array::from_fn(|k| {
                 let rigid = match k {
                     0..3 => axes[k],
@@ -193,12 +195,12 @@ impl SectionForces {
                 rigid * share
             })
         };
-        let strained = section.strained(mesh, &chosen);
+        let strained = intersection.strained(mesh, &chosen);
         let functional = Functional::new(mesh, &strained, virtual_motion);
         {
             let mut table = self.recording.lock();
             for (column, unit) in COLUMNS {
-                table.add_column(format!("{}.{column}", cut.name), unit)?;
+                table.add_column(format!("{}.{column}", section.name), unit)?;
             }
         }
         self.sections.push(Sensor {
@@ -208,46 +210,49 @@ impl SectionForces {
         Ok(&self.sections[self.sections.len() - 1].geometry)
     }
 
-    /// Shapes and axes of the sections, in the order of their cuts.
+    /// Geometries of all sections, in the order in which they were added.
     pub fn geometries(&self) -> impl Iterator<Item = &SectionGeometry> {
         self.sections.iter().map(|section| &section.geometry)
     }
 
-    /// The table that the forces fill.
+    /// Shared access to the table.
     pub fn recording(&self) -> Recording<HistoryTable> {
         self.recording.clone()
     }
 }
 
-/// Unit normal and unit vector along, at right angles.
-fn axes(cut: &Cut) -> Result<(Vec3, Vec3), ObserveError> {
+/// Unit normal, and unit vector along in the plane.
+fn axes(section: &CrossSection) -> Result<(Vec3, Vec3), ObserveError> {
     let refused = |what: &'static str, vector: &Vec3| ObserveError::NoDirection {
-        cut: cut.name.clone(),
+        section: section.name.clone(),
         what,
         x: vector.x,
         y: vector.y,
         z: vector.z,
     };
     let finite = |unit: &Vec3| unit.iter().all(|x| x.is_finite());
-    let normal = cut.normal.try_normalize(0.0).filter(finite);
-    let normal = normal.ok_or_else(|| refused("normal", &cut.normal))?;
+    let normal = section.normal.try_normalize(0.0).filter(finite);
+    let normal = normal.ok_or_else(|| refused("normal", &section.normal))?;
     let in_plane = |along: Vec3| (along - normal * normal.dot(&along)).try_normalize(1e-6);
-    let along = cut
+    let along = section
         .along
         .try_normalize(0.0)
         .and_then(in_plane)
         .filter(finite);
-    Ok((normal, along.ok_or_else(|| refused("along", &cut.along))?))
+    Ok((
+        normal,
+        along.ok_or_else(|| refused("along", &section.along))?,
+    ))
 }
 
-/// Solid elements in the cut's box.
-fn elements_in_box(mesh: &Mesh, cut: &Cut, elements: &[u32]) -> Vec<u32> {
+/// Solid elements in the section's box.
+fn elements_in_box(mesh: &Mesh, section: &CrossSection, elements: &[u32]) -> Vec<u32> {
     let in_box = |&element: &u32| {
         let centroid = mesh.centroid(element);
         let inside = |(low, high): (Vec3, Vec3)| {
             (0..3).all(|i| low[i] <= centroid[i] && centroid[i] <= high[i])
         };
-        mesh.kind(element).is_solid() && cut.within.is_none_or(inside)
+        mesh.kind(element).is_solid() && section.within.is_none_or(inside)
     };
     elements.iter().copied().filter(in_box).collect()
 }
@@ -267,7 +272,7 @@ impl Observer for SectionForces {
         for section in &self.sections {
             let works = section.functional.works(view);
             let works = works.ok_or_else(|| ObserveError::NoForces {
-                cut: section.geometry.name.clone(),
+                section: section.geometry.name.clone(),
             })?;
             let [
                 axial,
@@ -277,7 +282,7 @@ impl Observer for SectionForces {
                 about_across,
                 about_along,
             ] = works;
-            // About b the moment of a tension at positive t is negative: t x n = -b.
+            // Tension at positive t has a negative moment about b: t x n = -b.
             let (moment_across, moment_along) = (-about_along, about_across);
             let width = section.geometry.width;
             self.row.extend([

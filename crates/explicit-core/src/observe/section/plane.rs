@@ -1,35 +1,35 @@
-//! How a plane meets elements.
+//! Intersection of a plane with elements.
 
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
-use super::{Cut, SectionGeometry};
+use super::{CrossSection, SectionGeometry};
 
-/// A plane that cuts space in two; the normal points to the positive side.
+/// A plane that divides space; the normal points to the positive side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
     pub(super) point: Vec3,
     pub(super) normal: Vec3,
-    /// Places this close (m) count as on the plane.
+    /// Distance (m) below which a position counts as on the plane.
     pub(super) tolerance: f64,
-    /// Whether what is on the plane counts with the positive side, or with the negative one.
+    /// Whether positions on the plane belong to the positive side, else to the negative one.
     pub(super) own_positive: bool,
 }
 
 impl Plane {
-    /// Distance (m), negative on the negative side.
-    pub(super) fn distance(&self, place: &Vec3) -> f64 {
-        self.normal.dot(&(place - self.point))
+    /// Signed distance (m) of a position, negative on the negative side.
+    pub(super) fn distance(&self, position: &Vec3) -> f64 {
+        self.normal.dot(&(position - self.point))
     }
-    /// Whether a place counts with the positive side.
-    pub(super) fn positive(&self, place: &Vec3) -> bool {
+    /// Whether a position belongs to the positive side.
+    pub(super) fn positive(&self, position: &Vec3) -> bool {
         match self.own_positive {
-            true => self.distance(place) >= -self.tolerance,
-            false => self.distance(place) > self.tolerance,
+            true => self.distance(position) >= -self.tolerance,
+            false => self.distance(position) > self.tolerance,
         }
     }
 }
 
-/// Area and first moments of polygons in a plane, and how far they reach.
+/// Area, first moment and corners of polygons in a plane.
 #[derive(Clone, Debug, Default)]
 struct PlaneArea {
     /// Area (m2).
@@ -52,7 +52,7 @@ const WEDGE_TETS: [[usize; 4]; 3] = [[0, 1, 2, 5], [0, 1, 5, 4], [0, 4, 5, 3]];
 const TET: [[usize; 4]; 1] = [[0, 1, 2, 3]];
 
 impl PlaneArea {
-    /// Adds the polygon in which the plane meets an element; warped sides are made of triangles.
+    /// Adds the intersection polygon of the plane with an element; warped sides are divided into triangles.
     fn add(&mut self, plane: &Plane, kind: ElementKind, corners: &[Vec3]) {
         let tets: &[[usize; 4]] = match kind {
             ElementKind::Hex8 => &HEX_TETS,
@@ -68,8 +68,8 @@ impl PlaneArea {
     fn add_tet(&mut self, plane: &Plane, corners: &[Vec3; 4]) {
         let above: Vec<usize> = (0..4).filter(|&i| plane.positive(&corners[i])).collect();
         let below: Vec<usize> = (0..4).filter(|&i| !plane.positive(&corners[i])).collect();
-        // Where the plane meets the edge between a corner above and one below; on the plane, the
-        // one that counts as on it.
+        // Intersection of the plane with the edge between a corner above and one below; a corner on the plane is the
+        // intersection itself.
         let meet = |up: usize, down: usize| {
             let height = plane.distance(&corners[up]).max(0.0);
             let depth = (-plane.distance(&corners[down])).max(0.0);
@@ -96,7 +96,7 @@ impl PlaneArea {
         }
     }
 
-    /// How far the corners reach along a direction (m).
+    /// Extent of the polygons along a direction (m).
     fn extent(&self, direction: &Vec3) -> f64 {
         let along = self.corners.iter().map(|corner| corner.dot(direction));
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
@@ -106,21 +106,21 @@ impl PlaneArea {
     }
 }
 
-/// What a plane meets of a body, and how a virtual motion rises across it.
-pub(super) struct Section {
+/// Intersection of a plane with elements, and the ramp of the virtual motion across it.
+pub(super) struct Intersection {
     plane: Plane,
     polygons: PlaneArea,
-    /// How many elements the plane meets.
+    /// Number of elements that the plane intersects.
     elements: usize,
-    /// Distances (m) from the plane between which the motion rises.
-    rise: (f64, f64),
+    /// Signed distances (m) from the plane between which the virtual motion increases from zero to one.
+    ramp: (f64, f64),
 }
 
-/// What a plane meets of elements, or nothing.
-pub(super) fn meet(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<Section> {
+/// Intersection of a plane with elements; none without area.
+pub(super) fn intersect(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<Intersection> {
     let mut polygons = PlaneArea::default();
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-    let (mut met, mut lengths) = (0, 0.0);
+    let (mut count, mut lengths) = (0, 0.0);
     for &element in elements {
         let nodes = mesh.nodes_of(element).iter();
         let corners: Vec<Vec3> = nodes.map(|&node| mesh.positions()[node as usize]).collect();
@@ -135,24 +135,24 @@ pub(super) fn meet(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<Sectio
             .count();
         if above > 0 && above < corners.len() {
             polygons.add(&plane, mesh.kind(element), &corners);
-            met += 1;
+            count += 1;
             lengths += high - low;
         }
     }
-    let half = 0.5 * lengths / f64::from(met);
-    (polygons.area > 0.0).then_some(Section {
+    let half = 0.5 * lengths / f64::from(count);
+    (polygons.area > 0.0).then_some(Intersection {
         plane,
         polygons,
-        elements: met as usize,
-        rise: (lowest.max(-half), highest.min(half)),
+        elements: count as usize,
+        ramp: (lowest.max(-half), highest.min(half)),
     })
 }
 
-impl Section {
-    /// Zero on the negative side, one on the positive side.
-    pub(super) fn ramp(&self, place: &Vec3) -> f64 {
-        let (from, to) = self.rise;
-        ((self.plane.distance(place) - from) / (to - from)).clamp(0.0, 1.0)
+impl Intersection {
+    /// Factor of the virtual motion: zero on the negative side, one on the positive side, linear between them.
+    pub(super) fn ramp(&self, position: &Vec3) -> f64 {
+        let (from, to) = self.ramp;
+        ((self.plane.distance(position) - from) / (to - from)).clamp(0.0, 1.0)
     }
 
     /// The elements that the virtual motion strains.
@@ -168,10 +168,10 @@ impl Section {
         elements.iter().copied().filter(strained).collect()
     }
 
-    pub(super) fn geometry(&self, cut: &Cut, along: Vec3) -> SectionGeometry {
+    pub(super) fn geometry(&self, section: &CrossSection, along: Vec3) -> SectionGeometry {
         let across = along.cross(&self.plane.normal);
         SectionGeometry {
-            name: cut.name.clone(),
+            name: section.name.clone(),
             area: self.polygons.area,
             centroid: self.polygons.first_moment / self.polygons.area,
             width: self.polygons.extent(&along),

@@ -1,11 +1,11 @@
-//! The order in which nodes are eliminated.
+//! Elimination order of the unknowns by nested dissection.
 
 use powerhouse_model::Vec3;
 
-/// Parts of so many nodes are not cut further: their fill is that of a dense block anyway.
+/// Number of nodes below which a part is not bisected further, because it fills like a dense block anyway.
 const SMALL: usize = 64;
 
-/// Which nodes share an element, by place.
+/// Adjacency of nodes that share an element, by index, as offsets and a flat list.
 pub(super) struct Neighbours {
     pub(super) starts: Vec<usize>,
     pub(super) nodes: Vec<u32>,
@@ -17,20 +17,20 @@ impl Neighbours {
     }
 }
 
-/// Places in an order of elimination with little fill: nested dissection.
+/// Node indices in an elimination order with little fill: nested dissection.
 ///
-/// A part is halved across the axis along which the fewest nodes lie between its halves; those
-/// come last, after both halves, which are ordered alike. George (1973), *SIAM J. Numer. Anal.*
-/// 10(2), 345-363, for grids; here the plane is laid by coordinates and the separator taken from
-/// the graph, so that the order is right for any mesh and good for compact ones.
+/// A part is bisected across the axis with the smallest separator; the separator
+/// comes last, after both halves, which are ordered likewise. George (1973), *SIAM J. Numer. Anal.*
+/// 10(2), 345-363, for grids; here the plane is placed by coordinates and the separator taken from
+/// the graph, so that the order is valid for any mesh and good for compact ones.
 pub(super) fn order(positions: &[Vec3], neighbours: &Neighbours) -> Vec<u32> {
     let mut nodes: Vec<u32> = (0..positions.len() as u32).collect();
-    let mut cut = Cut {
+    let mut bisection = Bisection {
         positions,
         neighbours,
         side: vec![Side::Outside; positions.len()],
     };
-    cut.dissect(&mut nodes);
+    bisection.dissect(&mut nodes);
     nodes
 }
 
@@ -42,27 +42,28 @@ enum Side {
     Between,
 }
 
-struct Cut<'a> {
+/// A part under bisection.
+struct Bisection<'a> {
     positions: &'a [Vec3],
     neighbours: &'a Neighbours,
-    /// Where each node is in the cut that is under way.
+    /// Side of each node in the present bisection.
     side: Vec<Side>,
 }
 
-impl Cut<'_> {
-    /// Puts the nodes of a part into the order of elimination.
+impl Bisection<'_> {
+    /// Sorts the nodes of a part into the elimination order.
     fn dissect(&mut self, nodes: &mut [u32]) {
         if nodes.len() <= SMALL {
             return;
         }
-        let cuts = [0, 1, 2].map(|axis| self.cut(nodes, axis));
-        let cuts = cuts.into_iter().enumerate();
-        let best = cuts.filter_map(|(axis, size)| Some((size?, axis))).min();
+        let sizes = [0, 1, 2].map(|axis| self.bisect(nodes, axis));
+        let sizes = sizes.into_iter().enumerate();
+        let best = sizes.filter_map(|(axis, size)| Some((size?, axis))).min();
         let Some((_, axis)) = best else {
-            // All at one place.
+            // All nodes have the same position.
             return;
         };
-        self.cut(nodes, axis);
+        self.bisect(nodes, axis);
         let rank = |side: Side| match side {
             Side::Low => 0_u8,
             Side::High | Side::Outside => 1,
@@ -82,21 +83,21 @@ impl Cut<'_> {
         self.dissect(&mut rest[..high]);
     }
 
-    /// Marks the sides of a cut across an axis; yields how many nodes are between them, or nothing
+    /// Marks the sides of a bisection across an axis; returns the number of nodes of the separator, or none
     /// if all nodes lie in one plane.
-    fn cut(&mut self, nodes: &mut [u32], axis: usize) -> Option<usize> {
-        let place = |node: u32| self.positions[node as usize][axis];
+    fn bisect(&mut self, nodes: &mut [u32], axis: usize) -> Option<usize> {
+        let along = |node: u32| self.positions[node as usize][axis];
         let half = nodes.len() / 2;
-        let by_place = |a: &u32, b: &u32| place(*a).total_cmp(&place(*b)).then(a.cmp(b));
-        let (_, &mut middle, _) = nodes.select_nth_unstable_by(half, by_place);
-        let mut plane = place(middle);
-        if !nodes.iter().any(|&node| place(node) < plane) {
+        let order = |a: &u32, b: &u32| along(*a).total_cmp(&along(*b)).then(a.cmp(b));
+        let (_, &mut middle, _) = nodes.select_nth_unstable_by(half, order);
+        let mut plane = along(middle);
+        if !nodes.iter().any(|&node| along(node) < plane) {
             // More than half of the nodes lie in the first plane.
-            let above = nodes.iter().map(|&node| place(node));
+            let above = nodes.iter().map(|&node| along(node));
             plane = above.filter(|&x| x > plane).min_by(f64::total_cmp)?;
         }
         for &node in nodes.iter() {
-            let low = place(node) < plane;
+            let low = along(node) < plane;
             self.side[node as usize] = if low { Side::Low } else { Side::High };
         }
         let mut between = 0;
@@ -145,19 +146,19 @@ mod tests {
     fn entries(order: &[u32], neighbours: &Neighbours) -> usize {
         let count = order.len();
         let mut rank = vec![0; count];
-        for (place, &node) in order.iter().enumerate() {
-            rank[node as usize] = place;
+        for (index, &node) in order.iter().enumerate() {
+            rank[node as usize] = index;
         }
         let mut rows: Vec<std::collections::BTreeSet<usize>> = (0..count)
-            .map(|place| {
-                let others = neighbours.of(order[place]).iter();
+            .map(|index| {
+                let others = neighbours.of(order[index]).iter();
                 let others = others.map(|&node| rank[node as usize]);
-                others.filter(|&other| other > place).collect()
+                others.filter(|&other| other > index).collect()
             })
             .collect();
         let mut sum = 0;
-        for place in 0..count {
-            let row = core::mem::take(&mut rows[place]);
+        for index in 0..count {
+            let row = core::mem::take(&mut rows[index]);
             sum += row.len() + 1;
             if let Some(&parent) = row.first() {
                 rows[parent].extend(row.into_iter().skip(1));
@@ -185,7 +186,7 @@ mod tests {
         let [own, natural] = [0, 1].map(|order| (fill[1][order] / fill[0][order]).log2());
         println!("powers {own} and {natural}");
         assert!(own < 4.5 && natural > 4.8, "{own} {natural}");
-        // All nodes at one place cannot be cut.
+        // Nodes with the same position cannot be bisected.
         let (_, neighbours) = grid([10, 10, 10]);
         assert_eq!(order(&vec![Vec3::zeros(); 1000], &neighbours).len(), 1000);
     }

@@ -1,4 +1,4 @@
-//! The direct solver: a sparse Cholesky factor of the assembled operator.
+//! Direct solver: sparse Cholesky factorisation of the assembled operator.
 
 mod dissection;
 mod pattern;
@@ -18,13 +18,14 @@ use super::StaticError;
 use super::system::System;
 use pattern::Pattern;
 
-/// Threads that dense parts are cut for, whatever their number is: the bits do not depend on it.
-const CUT_FOR: usize = 8;
+/// Number of threads for which dense parts are divided, independent of the real one so that results are bitwise
+/// reproducible.
+const PARALLELISM: usize = 8;
 
-/// `K = U^T U`, in an order of elimination by nested dissection.
+/// Sparse Cholesky factor `K = U^T U` in an elimination order by nested dissection.
 ///
-/// Supernodal, by faer; held and tied directions are eliminated before, so that what is factored
-/// is positive definite if the body is held and its elements resist every motion.
+/// Supernodal, by faer; fixed and tied directions are eliminated before, so that the matrix
+/// is positive definite if the body is supported and its elements resist every deformation.
 pub(super) struct Factor {
     pattern: Pattern,
     symbolic: SymbolicCholesky<usize>,
@@ -32,7 +33,7 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Finds the order of elimination; nothing is factored yet.
+    /// Symbolic factorisation; no values yet.
     pub(super) fn new(system: &System) -> Result<Self, StaticError> {
         let pattern = Pattern::new(system.blocks(), system.freedoms(), &system.positions());
         let params = CholeskySymbolicParams {
@@ -53,7 +54,7 @@ impl Factor {
         })
     }
 
-    /// Entries of the factor.
+    /// Number of entries of the factor.
     pub(super) fn entries(&self) -> u64 {
         self.symbolic.len_val() as u64
     }
@@ -70,12 +71,12 @@ impl Factor {
             bytes,
         };
         if self.values.is_empty() {
-            let room = self.values.try_reserve_exact(count);
-            room.map_err(|_| missing(size_of::<f64>() * count))?;
+            let reserved = self.values.try_reserve_exact(count);
+            reserved.map_err(|_| missing(size_of::<f64>() * count))?;
             self.values.resize(count, 0.0);
         }
         let entries = (self.pattern).assemble(system.blocks(), operator, system.groups());
-        let parallel = Par::rayon(CUT_FOR);
+        let parallel = Par::rayon(PARALLELISM);
         let request =
             (self.symbolic).factorize_numeric_llt_scratch::<f64>(parallel, Default::default());
         let memory = MemBuffer::try_new(request);
@@ -101,7 +102,7 @@ impl Factor {
     pub(super) fn solve(&self, b: &[Vec3]) -> Result<Vec<Vec3>, StaticError> {
         let mut unknowns = self.pattern.take(b);
         let size = unknowns.len();
-        let parallel = Par::rayon(CUT_FOR);
+        let parallel = Par::rayon(PARALLELISM);
         let request = self.symbolic.solve_in_place_scratch::<f64>(1, parallel);
         let memory = MemBuffer::try_new(request);
         let mut memory = memory.map_err(|_| StaticError::NoMemory {

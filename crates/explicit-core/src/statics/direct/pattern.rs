@@ -1,46 +1,47 @@
-//! The assembled matrix.
+//! Assembly of the sparse stiffness matrix.
 
 use powerhouse_model::{ElementBlock, Mat3, Operator, Vec3};
 
 use super::dissection::{self, Neighbours};
-use crate::groups::Group;
-use crate::statics::freedoms::Freedoms;
+use crate::groups::NodeGroup;
+use crate::statics::freedoms::DegreesOfFreedom;
 
-/// A lead without unknowns.
+/// Index of a node without unknowns.
 const NONE: u32 = u32::MAX;
 
-/// Which unknowns share an element: the upper triangle by columns, in the order of elimination.
+/// Sparsity pattern of the stiffness matrix: upper triangle in compressed columns, in the elimination order.
 pub(super) struct Pattern {
-    freedoms: Freedoms,
-    /// Leads in the order of elimination.
+    freedoms: DegreesOfFreedom,
+    /// Lead nodes in the elimination order.
     pub(super) order: Vec<u32>,
-    /// Place in it, by node.
-    place: Vec<u32>,
-    /// First unknown of each place, and how many there are in all.
+    /// Index in the elimination order, by node.
+    index_of: Vec<u32>,
+    /// First unknown of each lead node in the elimination order, and the number of unknowns at the end.
     first: Vec<usize>,
-    /// Places that come before or at each place and share an element with it, rising.
+    /// For each lead node the lead nodes at or before it in the elimination order that share an element with it, rising, as
+    /// offsets and a flat list.
     starts: Vec<usize>,
     rows: Vec<u32>,
-    /// Entries in a column of a place before those of a row of places.
+    /// For each entry of `rows` the number of matrix rows before it in the columns of its lead node.
     offsets: Vec<u32>,
-    /// Column pointers and rows of the unknowns.
+    /// Column pointers and row indices of the unknowns.
     pub(super) columns: Vec<usize>,
     pub(super) indices: Vec<usize>,
 }
 
 impl Pattern {
-    /// Of blocks over nodes at positions (m).
+    /// The pattern of blocks with nodes at positions (m).
     pub(super) fn new(
         blocks: &[Box<dyn ElementBlock>],
-        freedoms: Freedoms,
+        freedoms: DegreesOfFreedom,
         positions: &[Vec3],
     ) -> Self {
         let leads = freedoms.leads();
-        let mut place = vec![NONE; positions.len()];
+        let mut index_of = vec![NONE; positions.len()];
         for (index, &lead) in leads.iter().enumerate() {
-            place[lead as usize] = index as u32;
+            index_of[lead as usize] = index as u32;
         }
-        let neighbours = neighbours(blocks, &freedoms, &place, leads.len());
+        let neighbours = neighbours(blocks, &freedoms, &index_of, leads.len());
         let of_leads: Vec<Vec3> = (leads.iter())
             .map(|&lead| positions[lead as usize])
             .collect();
@@ -53,7 +54,7 @@ impl Pattern {
         let (mut first, mut starts) = (vec![0], vec![0]);
         let (mut rows, mut offsets) = (Vec::new(), Vec::new());
         let (mut columns, mut indices) = (vec![0], Vec::new());
-        let count = |place: u32| freedoms.free(leads[order[place as usize] as usize]).count;
+        let count = |index: u32| freedoms.free(leads[order[index as usize] as usize]).count;
         for position in 0..order.len() as u32 {
             let of_lead = order[position as usize] as usize;
             let others = &neighbours.nodes[neighbours.starts[of_lead]..];
@@ -85,13 +86,13 @@ impl Pattern {
             rows.extend(before);
             starts.push(rows.len());
         }
-        for index in place.iter_mut().filter(|index| **index != NONE) {
+        for index in index_of.iter_mut().filter(|index| **index != NONE) {
             *index = rank[*index as usize];
         }
         Self {
             order: order.iter().map(|&index| leads[index as usize]).collect(),
             freedoms,
-            place,
+            index_of,
             first,
             starts,
             rows,
@@ -101,41 +102,41 @@ impl Pattern {
         }
     }
 
-    /// How many unknowns there are.
+    /// Number of unknowns.
     pub(super) fn size(&self) -> usize {
         self.columns.len() - 1
     }
 
-    /// The lead that an unknown belongs to.
+    /// The lead node of an unknown.
     pub(super) fn lead_of(&self, unknown: usize) -> u32 {
-        let place = self.first.partition_point(|&first| first <= unknown) - 1;
-        self.order[place]
+        let index = self.first.partition_point(|&first| first <= unknown) - 1;
+        self.order[index]
     }
 
-    /// The symmetric part of the operator of all blocks and of the springs of groups (N/m), in the
+    /// Assembles the symmetric part of the operator of all blocks and the springs of groups (N/m) into the
     /// entries of the pattern.
     pub(super) fn assemble(
         &self,
         blocks: &[Box<dyn ElementBlock>],
         operator: Operator,
-        groups: &[Group],
+        groups: &[NodeGroup],
     ) -> Vec<f64> {
         let mut values = vec![0.0; self.indices.len()];
         for group in groups {
             if let Some(lead) = self.freedoms.lead(group.members[0]) {
-                let place = self.place[lead as usize];
-                self.add(&mut values, (place, place), &group.spring);
+                let index = self.index_of[lead as usize];
+                self.add(&mut values, (index, index), &group.spring);
             }
         }
-        let mut places = Vec::new();
+        let mut indices = Vec::new();
         for block in blocks {
             block.each_matrix(operator, &mut |nodes, matrix| {
-                places.clear();
+                indices.clear();
                 let leads = nodes.iter().map(|&node| self.freedoms.lead(node));
-                places.extend(leads.map(|lead| lead.map(|lead| self.place[lead as usize])));
+                indices.extend(leads.map(|lead| lead.map(|lead| self.index_of[lead as usize])));
                 let size = 3 * nodes.len();
-                for (a, &row) in places.iter().enumerate() {
-                    for (b, &column) in places.iter().enumerate() {
+                for (a, &row) in indices.iter().enumerate() {
+                    for (b, &column) in indices.iter().enumerate() {
                         let (Some(row), Some(column)) = (row, column) else {
                             continue;
                         };
@@ -155,10 +156,10 @@ impl Pattern {
         values
     }
 
-    /// Adds what a row of places and a column of places have in common.
+    /// Adds a 3 x 3 matrix at the row and column of two lead nodes, given by their index in the elimination order.
     fn add(&self, values: &mut [f64], (row, column): (u32, u32), part: &Mat3) {
-        let [from, to] = [row, column].map(|place| {
-            let lead = self.order[place as usize];
+        let [from, to] = [row, column].map(|index| {
+            let lead = self.order[index as usize];
             self.freedoms.free(lead)
         });
         let part = from.directions.transpose() * part * to.directions;
@@ -174,7 +175,7 @@ impl Pattern {
         }
     }
 
-    /// The unknowns of a nodal vector.
+    /// The vector of unknowns of a reduced nodal vector.
     pub(super) fn take(&self, vector: &[Vec3]) -> Vec<f64> {
         let mut unknowns = Vec::with_capacity(self.size());
         for &lead in &self.order {
@@ -185,12 +186,12 @@ impl Pattern {
         unknowns
     }
 
-    /// The nodal vector of unknowns, zero but at leads.
+    /// The reduced nodal vector of a vector of unknowns.
     pub(super) fn spread(&self, unknowns: &[f64]) -> Vec<Vec3> {
-        let mut vector = vec![Vec3::zeros(); self.place.len()];
-        for (place, &lead) in self.order.iter().enumerate() {
+        let mut vector = vec![Vec3::zeros(); self.index_of.len()];
+        for (index, &lead) in self.order.iter().enumerate() {
             let free = self.freedoms.free(lead);
-            let first = self.first[place];
+            let first = self.first[index];
             for j in 0..free.count {
                 vector[lead as usize] += free.directions.column(j) * unknowns[first + j];
             }
@@ -199,22 +200,22 @@ impl Pattern {
     }
 }
 
-/// Which leads share an element, by place; each is its own neighbour, too.
+/// Adjacency of lead nodes that share an element, by index; each is its own neighbour, too.
 fn neighbours(
     blocks: &[Box<dyn ElementBlock>],
-    freedoms: &Freedoms,
-    place: &[u32],
+    freedoms: &DegreesOfFreedom,
+    index_of: &[u32],
     count: usize,
 ) -> Neighbours {
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); count];
-    let mut places = Vec::new();
+    let mut indices = Vec::new();
     for block in blocks {
         block.each_matrix(Operator::Elastic, &mut |nodes, _| {
-            places.clear();
+            indices.clear();
             let leads = nodes.iter().filter_map(|&node| freedoms.lead(node));
-            places.extend(leads.map(|lead| place[lead as usize]));
-            for &a in &places {
-                for &b in &places {
+            indices.extend(leads.map(|lead| index_of[lead as usize]));
+            for &a in &indices {
+                for &b in &indices {
                     let list = &mut lists[a as usize];
                     if !list.contains(&b) {
                         list.push(b);

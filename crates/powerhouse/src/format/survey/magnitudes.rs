@@ -1,12 +1,12 @@
-//! Which keys of a scene file hold which quantity.
+//! Assignment of usual ranges to the keys of a scene file.
 
 use crate::magnitude as usual;
-use crate::magnitude::Usual;
+use crate::magnitude::UsualRange;
 
-/// What is usual of a number under a key, in the table of another key.
+/// UsualRange range of the number under a key of a table.
 ///
-/// Keys mean the same wherever they stand, but for those that are listed with their table.
-pub(super) fn of(table: &str, key: &str) -> Usual {
+/// A key denotes the same quantity in all tables, except those that are listed with their table.
+pub(super) fn of(table: &str, key: &str) -> UsualRange {
     match (table, key) {
         ("grout", "stiffness") => usual::GROUT_STIFFNESS,
         ("grout", "strength") => usual::GROUT_STRENGTH,
@@ -18,7 +18,7 @@ pub(super) fn of(table: &str, key: &str) -> Usual {
         ("record", "peak") => usual::PEAK,
         ("time", "step") => usual::STEP,
         ("time", "safety") => usual::SAFETY,
-        // The machine says how many there are; damping says where its band may be referred to.
+        // Threads are checked against the machine, the reference frequency against the damping band.
         (_, "threads") => usual::ANY,
         ("damping", "reference") => usual::NUMBER,
         ("joint", "tolerance") => usual::GAP,
@@ -58,7 +58,7 @@ pub(super) fn of(table: &str, key: &str) -> Usual {
         (_, "force") => usual::FORCE,
         (_, "level" | "surface" | "depth") => usual::HEIGHT,
         (_, "self_check" | "energy_residual") => usual::SHARE,
-        // A number that stands for no end of what is computed.
+        // Large numbers are permitted as unlimited coordinates.
         ("within", "x" | "y" | "z") => usual::NUMBER,
         (
             _,

@@ -1,8 +1,8 @@
-//! What is well formed in a scene file and cannot be meant: entries of lists that stand twice, bands that
-//! end before they start, names that no file can have, magnitudes that nothing has.
+//! Plausibility check of a scene file: repeated list entries, bands with the higher frequency first, invalid
+//! names, and quantities outside their usual range.
 //!
-//! It looks at the text as parsed, where everything has its place, the tables of registered laws and all
-//! cases too.
+//! It checks the parsed text, in which every value has its byte range, including tables of registered laws and
+//! all cases.
 
 mod magnitudes;
 
@@ -14,14 +14,14 @@ use toml::de::{DeTable, DeValue};
 use crate::fault::{Fault, Problem};
 use crate::magnitude::Magnitude;
 
-/// The longest name: files are named after it, and most systems permit 255 bytes.
+/// Largest number of characters of a name: files are named after it, and most systems permit 255 bytes.
 const LONGEST_NAME: usize = 100;
-/// The longest title.
+/// Largest number of characters of a title.
 const LONGEST_TITLE: usize = 1000;
-/// The key of two frequencies, the lower one first. That of a band is checked where it is fitted.
+/// Key of two frequencies, the lower one first. A damping band is checked where its mechanisms are fitted.
 const FREQUENCIES: &str = "frequencies";
 
-/// Looks through the text of a scene; returns the magnitudes that are beyond the usual, each with its place.
+/// Checks the text of a scene and returns the quantities outside their usual range, each with its byte range.
 ///
 /// # Errors
 /// The first fault of another kind.
@@ -49,7 +49,7 @@ impl Survey {
         Ok(())
     }
 
-    /// Looks at a value under a key of a table, which goes by its own key.
+    /// Checks a value under a key of a table; `of` is the key of the table.
     fn value(&mut self, value: &Spanned<DeValue>, (of, key): (&str, &str)) -> Result<(), Fault> {
         match value.get_ref() {
             DeValue::Table(table) => self.table(table, key)?,
@@ -74,7 +74,7 @@ impl Survey {
     }
 }
 
-/// The number that a value is.
+/// Numerical value of an integer or float.
 fn number(value: &DeValue) -> Option<f64> {
     match value {
         DeValue::Integer(digits) => {
@@ -88,8 +88,8 @@ fn number(value: &DeValue) -> Option<f64> {
     }
 }
 
-/// Refuses a name or title that is empty, too long, or holds what does not show.
-fn check_text(key: &str, text: &str, place: Range<usize>) -> Result<(), Fault> {
+/// Rejects a name or title that is empty, too long, or contains control characters.
+fn check_text(key: &str, text: &str, span: Range<usize>) -> Result<(), Fault> {
     let longest = match key {
         "title" => LONGEST_TITLE,
         _ => LONGEST_NAME,
@@ -105,27 +105,27 @@ fn check_text(key: &str, text: &str, place: Range<usize>) -> Result<(), Fault> {
         return Ok(());
     };
     let expected = format!("a {key} of 1 to {longest} characters in one line");
-    Err(Fault::new(place, Problem::Value { found, expected }))
+    Err(Fault::new(span, Problem::Value { found, expected }))
 }
 
-/// Refuses two frequencies of which the first is the higher one.
-fn check_band(low: Option<f64>, high: Option<f64>, place: Range<usize>) -> Result<(), Fault> {
+/// Rejects two frequencies of which the first is the higher one.
+fn check_band(low: Option<f64>, high: Option<f64>, span: Range<usize>) -> Result<(), Fault> {
     match (low, high) {
         (Some(low), Some(high)) if low > high => {
             let found = format!("{low} Hz before {high} Hz");
             let expected = "the lower frequency first".into();
-            Err(Fault::new(place, Problem::Value { found, expected }))
+            Err(Fault::new(span, Problem::Value { found, expected }))
         }
         _ => Ok(()),
     }
 }
 
-/// Refuses a list in which a text, a table or a list stands twice. Tables with names of their own are
-/// compared where they are looked up, but for those that change others.
+/// Rejects a list with a repeated text, table or list. Tables with names are checked where the names are
+/// resolved, except those that change other tables.
 fn check_repeats(entries: &[Spanned<DeValue>], (of, key): (&str, &str)) -> Result<(), Fault> {
-    for (place, entry) in entries.iter().enumerate() {
+    for (index, entry) in entries.iter().enumerate() {
         let value = entry.get_ref();
-        let before = entries[..place].iter().map(Spanned::get_ref);
+        let before = entries[..index].iter().map(Spanned::get_ref);
         match value {
             DeValue::String(text) if before.clone().any(|other| same(other, value)) => {
                 let problem = Problem::Repeated {
@@ -167,13 +167,13 @@ fn check_repeats(entries: &[Spanned<DeValue>], (of, key): (&str, &str)) -> Resul
     Ok(())
 }
 
-/// What a table is named by: its name or its set.
+/// Identifier of a table: its name or its set.
 fn name_of<'t>(table: &'t DeTable) -> Option<&'t str> {
     let named = table.get("name").or_else(|| table.get("set"))?;
     named.get_ref().as_str()
 }
 
-/// Whether two values say the same, wherever they stand.
+/// Returns whether two values are equal, regardless of their byte ranges.
 fn same(a: &DeValue, b: &DeValue) -> bool {
     match (a, b) {
         (DeValue::Array(a), DeValue::Array(b)) => {

@@ -1,4 +1,4 @@
-//! What of stages and of recording would go unseen is refused or told.
+//! Ineffective requests and inconsistent stages are errors or warnings.
 
 use powerhouse::{Error, Remark, Results, Scene};
 
@@ -13,7 +13,7 @@ fn trench() -> String {
     [MATERIALS, ROLLERS, &stages].concat()
 }
 
-/// The ground at rest, all of it of its own material.
+/// The ground in static equilibrium, all of its own material.
 fn ground() -> String {
     let of_rock = "part = [{ set = \"lining\", material = \"rock\" }]\n";
     [MATERIALS, &ROLLERS.replace(of_rock, "")].concat()
@@ -23,8 +23,8 @@ fn prepared(folder: &Folder, text: &str) -> Result<(), Error> {
     read(folder, text).and_then(Scene::prepare).map(drop)
 }
 
-/// A history where nothing is when the body moves is refused at its name, whatever says where it is; on a wall,
-/// in what was cast, and over what is left of a set there is something to record.
+/// A history at inactive elements of the run is an error at its name, however its location is given; on a wall, in cast
+/// elements, and over the rest of a set it is accepted.
 #[test]
 fn places_where_nothing_is_are_refused() {
     let mesh = mesh();
@@ -70,13 +70,13 @@ fn places_where_nothing_is_are_refused() {
             Ok(()) => assert!(is_there, "{place}"),
             Err(Error::Scene(fault)) => {
                 assert!(!is_there, "{place}: {fault}");
-                assert!(fault.to_string().contains("where nothing is"), "{fault}");
+                assert!(fault.to_string().contains("no active element"), "{fault}");
                 assert_eq!(fault.position().0, line, "{fault}");
             }
             Err(other) => panic!("{place}: {other}"),
         }
     }
-    // Without its stages all of it is there.
+    // Without its stages all elements are active.
     let open = text.find("\n[[stage]]").unwrap();
     let in_situ = text.find("[in_situ_stress]").unwrap()..text.find("[boundary]").unwrap();
     let mut plain = text[..open].to_owned();
@@ -84,11 +84,11 @@ fn places_where_nothing_is_are_refused() {
     prepared(&folder, &format!("{plain}{name}at = [7, 5, 10]\n")).unwrap();
 }
 
-/// A material that a stage gives to a part of which nothing is there is refused: it would do nothing.
+/// A temporary material of a part without active elements is an error: it would have no effect.
 #[test]
 fn a_material_of_what_is_not_there_is_refused() {
     let folder = folder(&mesh());
-    // The lining is never excavated, so that it is not there before it is cast.
+    // The lining is never excavated, so that it is inactive before it is cast.
     let stages = "[[stage]]\nname = \"room\"\nexcavate = [\"inner\"]\n[[stage]]\nname = \"support\"\ncast = [\"lining\"]\n";
     let text = [MATERIALS, ROLLERS, stages].concat();
     let Err(Error::Scene(fault)) = prepared(&folder, &text) else {
@@ -96,7 +96,7 @@ fn a_material_of_what_is_not_there_is_refused() {
     };
     let told = fault.to_string();
     assert!(
-        told.contains("no element of part 'lining' is there"),
+        told.contains("no element of part 'lining' is active"),
         "{told}"
     );
     let line = 1 + text
@@ -120,20 +120,20 @@ fn found(text: &str) -> (Results, Vec<Remark>) {
     let mesh = mesh();
     let folder = folder(&mesh);
     let results = run(read(&folder, text).unwrap());
-    let doubts = results.doubts(&mesh);
-    (results, doubts)
+    let warnings = results.warnings(&mesh);
+    (results, warnings)
 }
 
-/// A stress of the ground that does not agree with its weight is told with the share of the load that it leaves
-/// out of balance; one that agrees, and a first stage that excavates, are not.
+/// An in-situ stress that is not in equilibrium with gravity has a warning with the unbalanced force over the load; one in
+/// equilibrium, and a first stage with excavation, have none.
 #[test]
 fn a_stress_that_contradicts_gravity_is_told() {
     let share_of = |text: &str| {
-        let (results, doubts) = found(text);
-        let told = doubts.iter().find_map(|doubt| match doubt {
+        let (results, warnings) = found(text);
+        let told = warnings.iter().find_map(|warning| match warning {
             Remark::Unbalanced { share, stage, .. } => {
                 assert_eq!(stage, "ground");
-                assert!(doubt.is_warning());
+                assert!(warning.is_warning());
                 Some(*share)
             }
             _ => None,
@@ -144,7 +144,7 @@ fn a_stress_that_contradicts_gravity_is_told() {
     // The lining is lighter than the ground that the stress is of.
     let (share, told) = share_of(&text);
     assert!(share < 0.02 && told.is_none(), "{share:e}");
-    // A density that is a fifth too small: so much of the weight hangs.
+    // A density that is a fifth too small: this share of the weight is unbalanced.
     let lighter = text.replacen(
         "level = 12\ndensity = 2600",
         "level = 12\ndensity = 2080",
@@ -161,8 +161,8 @@ fn a_stress_that_contradicts_gravity_is_told() {
     assert!(share_of(&dug).1.is_none());
 }
 
-/// Accelerations that vary faster than they are recorded are told, of histories and of envelopes; those recorded
-/// often enough are not.
+/// Accelerations with too long sampling intervals have warnings, in histories and envelopes; those with sufficient ones
+/// have none.
 #[test]
 fn rare_samples_are_told() {
     let push = "[[load]]\nkind = \"nodal\"\nset = \"top\"\nforce = [1e4, 0, 0]\nfunction = { kind = \"ricker\", frequency = 10, delay = 0.15 }\n";
@@ -172,13 +172,17 @@ fn rare_samples_are_told() {
             &format!("every = {every}\nenvelope = {{ quantities = [\"acceleration\"], every = {every} }}\n"),
             1,
         );
-        let (_, doubts) = found(&text);
-        let of_history = doubts
+        let (_, warnings) = found(&text);
+        let of_history = warnings.iter().any(
+            |warning| matches!(warning, Remark::Undersampled { name, .. } if name == "corner"),
+        );
+        let of_envelope = warnings
             .iter()
-            .any(|doubt| matches!(doubt, Remark::Undersampled { name, .. } if name == "corner"));
-        let of_envelope = doubts
-            .iter()
-            .any(|doubt| matches!(doubt, Remark::RareLooks { .. }));
-        assert_eq!([of_history, of_envelope], [rare; 2], "{every}: {doubts:?}");
+            .any(|warning| matches!(warning, Remark::SparseEnvelope { .. }));
+        assert_eq!(
+            [of_history, of_envelope],
+            [rare; 2],
+            "{every}: {warnings:?}"
+        );
     }
 }

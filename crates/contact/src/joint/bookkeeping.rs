@@ -1,53 +1,61 @@
-//! What a step has done to a pair.
+//! Records and energies of a pair after a step.
 
 use powerhouse_model::{Bond, ConstraintWork, ContactState, JointRecord, JointState, Vec3};
 
-/// A pair's step: everything along its normal and tangents.
+/// Step of a pair that was solved with others; vectors along its normal and tangents.
 pub(super) struct PairStep {
-    /// Time at its start and length (s).
+    /// Time at the start of the step and length of the step (s).
     pub(super) time: f64,
     pub(super) length: f64,
     /// Area of the pair over which forces are tractions (m2).
     pub(super) area: f64,
-    /// Traction that acts without the joint's forces (Pa).
+    /// Traction that acts without the forces of the joint (Pa).
     pub(super) preload: Vec3,
     /// Displacement of the second side relative to the first at the start (m), gap included, from
-    /// the pair's origin.
+    /// the origin of the pair.
     pub(super) offset: Vec3,
     /// Relative velocity before and after (m/s).
     pub(super) before: Vec3,
     pub(super) after: Vec3,
     /// Traction on the first side (Pa), preload included.
     pub(super) traction: Vec3,
-    /// What the law made of the state.
+    /// New state by the law.
     pub(super) state: JointState,
+    /// New dilation by the law (m).
+    pub(super) dilation: f64,
 }
 
-/// What a step has done, and its work.
+/// Outcome of a step of a pair, with its work.
 pub(super) struct Outcome {
-    /// Time at the step's start (s).
+    /// Time at the start of the step (s).
     pub(super) time: f64,
     /// Displacement of the second side relative to the first at the start (m), gap included, from
-    /// the pair's origin.
+    /// the origin of the pair.
     pub(super) offset: Vec3,
     /// Traction on the first side (Pa), preload included.
     pub(super) traction: Vec3,
-    /// What the law made of the state.
+    /// New state by the law.
     pub(super) state: JointState,
-    /// Work that the body loses across the pair and along it (J).
+    /// New dilation by the law (m); read of laws with history only.
+    pub(super) dilation: f64,
+    /// Work that the body loses along the normal of the pair and along its tangents (J).
     pub(super) across: f64,
     pub(super) along: f64,
-    /// Length of the path along the tangents (m) if it slides.
+    /// Length of the tangential path (m) if the pair slides.
     pub(super) path: f64,
 }
 
-/// Writes a step into the pair's record and adds its work.
+/// Updates the record of a pair by a step and adds the work of the step.
 ///
 /// Of a traction `T` on area `A` that meets the mean relative velocity `w` of a step the body loses
-/// `A dt T . w`: the normal part where sides meet, the tangential part by friction, both by the bond
-/// in the step in which it breaks. The joint's own forces are those of `T - T0`, so the work of the
-/// preload `T0`, which belongs to stresses outside the ledger, comes from outside.
-pub(super) fn book(record: &mut JointRecord, step: &PairStep, work: &mut ConstraintWork) {
+/// `A dt T . w`: the normal part by impact, the tangential part by friction, both by the bond in the step
+/// in which it breaks. The joint's own forces are those of `T - T0`, so the work of the preload `T0`,
+/// which belongs to stresses that the ledger does not have, is external.
+pub(super) fn update_by_step<const HISTORY: bool>(
+    record: &mut JointRecord,
+    step: &PairStep,
+    work: &mut ConstraintWork,
+) {
     let path = (step.before + step.after) * (0.5 * step.length * step.area);
     let slip = step.after.y * step.after.y + step.after.z * step.after.z;
     let outcome = Outcome {
@@ -55,21 +63,37 @@ pub(super) fn book(record: &mut JointRecord, step: &PairStep, work: &mut Constra
         offset: step.offset,
         traction: step.traction,
         state: step.state,
+        dilation: step.dilation,
         across: step.traction.x * path.x,
         along: step.traction.y * path.y + step.traction.z * path.z,
         path: slip.sqrt() * step.length,
     };
-    enter(record, &outcome, work);
+    update::<HISTORY>(record, &outcome, work);
     work.external -= step.preload.dot(&path);
 }
 
-/// Writes a step into the pair's record, and adds its work but that of the preload.
+/// Updates the record of a pair by the outcome of a step, and adds its work but that of the preload.
+///
+/// A closed pair that dilates moves along its normal without impact: that work counts into friction,
+/// which is then the net dissipation of slip and opening.
 #[inline(always)]
-pub(super) fn enter(record: &mut JointRecord, step: &Outcome, work: &mut ConstraintWork) {
+pub(super) fn update<const HISTORY: bool>(
+    record: &mut JointRecord,
+    step: &Outcome,
+    work: &mut ConstraintWork,
+) {
     let old = record.state;
+    let closed = |state: &JointState| state.contact != ContactState::Open;
+    let dilates = HISTORY
+        && (record.dilation != 0.0 || step.dilation != 0.0)
+        && closed(&old)
+        && closed(&step.state);
     if old.bond == Bond::Intact && step.state.bond == Bond::Broken {
         record.bond_energy += step.across + step.along;
         work.bond += step.across + step.along;
+    } else if dilates {
+        record.friction += step.across + step.along;
+        work.friction += step.across + step.along;
     } else {
         record.impact += step.across;
         record.friction += step.along;
@@ -91,8 +115,11 @@ pub(super) fn enter(record: &mut JointRecord, step: &Outcome, work: &mut Constra
             }
         }
     }
-    record.state = JointState { slip, ..step.state };
+    record.state = step.state.with_slip(slip);
     record.traction = step.traction;
     record.opening = step.offset.x;
     record.peak_opening = record.peak_opening.max(step.offset.x);
+    if HISTORY {
+        record.dilation = step.dilation;
+    }
 }

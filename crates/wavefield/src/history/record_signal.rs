@@ -1,41 +1,41 @@
-//! Records that come to rest, and may therefore drive a wave.
+//! Records that end at rest, as the signals of waves.
 
 use super::{Node, RecordReport, TimeHistory};
-use crate::{Signal, SignalMotion, Support, WaveError};
+use crate::{Signal, SignalMotion, SignalSupport, WaveError};
 
-/// Where a record leaves the ground.
+/// Declared displacement of the ground at the end of a record.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum EndDisplacement {
-    /// Where it was.
+    /// No permanent displacement.
     #[default]
     Zero,
-    /// Displaced for good by this much (m).
+    /// Permanent displacement of this value (m).
     Declared(f64),
 }
 
-/// A record that ends at rest at a declared displacement: the signal of a wave.
+/// Record that ends at rest at a declared displacement, as the signal of a wave.
 ///
-/// After the last sample the record runs down over 5 % of its duration (three steps at least):
-/// the acceleration, linear between the thirds of that time, goes to zero and takes with it what is
-/// left of velocity and of the difference from the declared displacement, both within 1 % of
-/// their peaks. From then on displacement is exactly the declared one.
+/// After the last sample a closing segment of 5 % of the duration (three steps at least) is added:
+/// the acceleration, linear between the thirds of that time, goes to zero and removes the rest of the
+/// velocity and of the difference from the declared displacement, both within 1 % of their peaks.
+/// After that the displacement is exactly the declared one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordSignal {
     history: TimeHistory,
     report: RecordReport,
     end: f64,
-    /// The history's nodes between one at rest before them and the last, which is at rest too.
+    /// Nodes of the history, between one at rest before them and the last, which is at rest too.
     table: Vec<Node>,
 }
 
 impl TimeHistory {
-    /// The record as a signal, if it comes to rest.
+    /// Record as the signal of a wave, if its end velocity and end displacement permit it.
     ///
     /// # Errors
     /// [`WaveError::EndVelocity`] if the end velocity is above 1 % of the peak velocity;
     /// [`WaveError::EndDisplacement`] if the end displacement differs from the declared one by
-    /// more than 1 % of the peak displacement. The displacement enters the springs of a boundary,
-    /// so neither can be let pass.
+    /// more than 1 % of the peak displacement. The displacement acts on the springs of a boundary,
+    /// where either would cause drift.
     pub fn into_signal(self, end: EndDisplacement) -> Result<RecordSignal, WaveError> {
         const PERMITTED_SHARE: f64 = 0.01;
         let report = self.report();
@@ -62,9 +62,9 @@ impl TimeHistory {
         let samples = self.acceleration();
         let step = self.step();
         let third = (samples.len() - 1).div_ceil(60);
-        let samples = run_down(samples, step, third, report.end_velocity, difference);
+        let samples = closing_segment(samples, step, third, report.end_velocity, difference);
         let mut history = Self::new(step, samples)?;
-        // What rounding leaves of the rest is taken off its last sample.
+        // Rounding errors of the end values are removed from the last sample.
         if let Some(last) = history.nodes.last_mut() {
             last.displacement = declared;
             last.velocity = 0.0;
@@ -92,13 +92,13 @@ impl TimeHistory {
     }
 }
 
-/// Appends three stretches of `third` steps after which acceleration and velocity are zero and
+/// Appends three segments of `third` steps after which acceleration and velocity are zero and
 /// the displacement has grown by `distance`.
 ///
-/// With the accelerations a, p, q, 0 at the ends of stretches of length h:
+/// With the accelerations a, p, q, 0 at the ends of segments of length h:
 /// `v + h (a/2 + p + q) = 0` and `3 h v + h^2 (4 a/3 + 2 p + q) = distance`, since a hat of area
 /// h centred at time s adds h (3 h - s) to the displacement, and half a hat at zero h/2 (3 h - h/3).
-fn run_down(
+fn closing_segment(
     mut samples: Vec<f64>,
     step: f64,
     third: usize,
@@ -121,11 +121,11 @@ fn run_down(
 }
 
 impl RecordSignal {
-    /// Peaks and end values of the record before its run-down.
+    /// Peak and end values of the record without its closing segment.
     pub fn report(&self) -> RecordReport {
         self.report
     }
-    /// The record with its run-down.
+    /// Time history with the closing segment.
     pub fn history(&self) -> &TimeHistory {
         &self.history
     }
@@ -136,28 +136,28 @@ impl Signal for RecordSignal {
     fn motion(&self, time: f64) -> SignalMotion {
         self.history.motion(time)
     }
-    /// Without a branch: times outside fall on the nodes at rest, whatever their distance from them.
+    /// Branch-free form: times outside the table map to its nodes at rest.
     #[inline]
     fn sample(&self, times: &[f64], displacement: &mut [f64], velocity: &mut [f64]) {
-        /// Added to a number below 2^31, leaves it rounded in the lowest bits.
+        /// Added to a number below 2^31, it leaves the rounded integer in the lowest bits.
         const ROUNDING: f64 = (1u64 << 52) as f64;
         let last = self.table.len() - 1;
         let (step, per_step) = (self.history.step, self.history.per_step);
         let outputs = displacement.iter_mut().zip(velocity);
         for (time, (displacement, velocity)) in times.iter().zip(outputs) {
             // The first node is one step before time zero; a number that is none counts as that.
-            let place = (time * per_step + 1.0).max(0.0).min(last as f64);
-            let rounded = (place - 0.5).max(0.0) + ROUNDING;
+            let position = (time * per_step + 1.0).max(0.0).min(last as f64);
+            let rounded = (position - 0.5).max(0.0) + ROUNDING;
             let index = (rounded.to_bits() as u32) as usize;
-            let local = (place - (rounded - ROUNDING)) * step;
+            let local = (position - (rounded - ROUNDING)) * step;
             let motion = self.table[index.min(last)].motion(local);
             *displacement = motion.displacement;
             *velocity = motion.velocity;
         }
     }
-    /// Four steps of the table to a step of the record.
-    fn support(&self) -> Support {
-        Support {
+    /// Interval of the record and its closing segment, at a quarter of the record's step.
+    fn support(&self) -> SignalSupport {
+        SignalSupport {
             start: 0.0,
             end: self.end,
             step: 0.25 * self.history.step(),

@@ -1,14 +1,14 @@
-//! Sets that are joined step by step.
+//! Disjoint sets (union-find).
 
-/// Numbers from zero on, each in one of several sets.
-pub(super) struct Parts(Vec<u32>);
+/// A partition of the numbers from zero on into disjoint sets that can be merged.
+pub(super) struct DisjointSets(Vec<u32>);
 
-impl Parts {
-    /// So many numbers, each a set of its own.
+impl DisjointSets {
+    /// `count` numbers, each a set of its own.
     pub(super) fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
-    /// The least number of the set that a number belongs to.
+    /// The representative of a number's set.
     pub(super) fn root(&mut self, mut node: u32) -> u32 {
         while self.0[node as usize] != node {
             let above = self.0[self.0[node as usize] as usize];
@@ -17,7 +17,7 @@ impl Parts {
         }
         node
     }
-    /// Makes two sets one.
+    /// Merges the sets of two numbers; the smaller representative remains.
     pub(super) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b) as usize] = a.min(b);

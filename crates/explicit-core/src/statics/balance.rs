@@ -1,4 +1,4 @@
-//! What holds a body at rest, and the hand-over to a dynamic stage.
+//! Forces that balance a body in static equilibrium, and the transition to a dynamic stage.
 
 use powerhouse_model::{BlockContext, Quad, StepTime, Vec3};
 use rayon::prelude::*;
@@ -10,134 +10,132 @@ use crate::model::block_forces;
 use crate::nodes::{Storage, with_nodes};
 use crate::spectrum::norm;
 
-/// What a dynamic stage started from.
+/// Report of the transition from a static to a dynamic stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandOverReport {
-    /// Norm of the forces (N) that hold the body beside its loads.
-    pub standing: f64,
-    /// By how much they differ from those that held it in the stage before, relative to its
-    /// internal forces: the digits of another precision, no more.
+    /// Norm of the carried forces (N), which balance the body in addition to its loads.
+    pub carried_forces: f64,
+    /// Norm of their difference from the carried forces of the stage before, over that of the internal forces; of the
+    /// order of rounding in a consistent model.
     pub difference: f64,
 }
 
-/// A length of step (s) at which laws that relax differ from themselves at rest.
+/// Length of step (s) at which the stress of a viscoelastic law differs from its static stress.
 const SOME_STEP: f64 = 1.0e-3;
-/// How much internal forces may depend on the length of the step.
+/// Relative difference of internal forces between two lengths of step that counts as rounding.
 const SAME: f64 = 1.0e-6;
 
 impl Model {
-    /// Makes the state that the model [started](crate::ModelBuilder::start) from the start of a
-    /// dynamic stage: without input the body stays still.
+    /// Begins a dynamic stage from the static state that the model [started](crate::ModelBuilder::start) with; without
+    /// input the body stays at rest.
     ///
-    /// Velocities are zero, springs and blocks of boundaries are measured from the present
-    /// displacement, and so is the displacement that observers see. What the internal forces, as
-    /// the kernels and lanes of this model compute them, and the loads leave out of balance stays
-    /// on as standing forces: reactions of supports that are gone, what the initial stress asks for,
-    /// the residual under the gate of the static solution. Loads of boundaries count as input.
+    /// Velocities are set to zero. Springs and blocks of boundaries, and the displacement that observers receive, refer
+    /// to the present displacement. The difference between the internal forces of this model and its loads is stored
+    /// as carried forces: reactions of former supports, forces of the initial stress,
+    /// and the residual of the static solution. Loads of absorbing boundaries count as input and are not included.
     ///
     /// # Errors
-    /// [`StaticError::NotHeld`] if these forces are not those that held the body in the stage
-    /// before, to `tolerance` of its internal forces: a load, an element or a bolt is missing or
-    /// has come in. [`StaticError::Relaxes`] if a law would forget the static stress.
+    /// [`StaticError::CarriedForcesChanged`] if the carried forces differ from those of the stage before by more than
+    /// `tolerance` (0 to 1) times the internal forces: a load, an element or a bolt is missing or
+    /// new. [`StaticError::Viscoelastic`] if a law would relax the static stress.
     pub fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError> {
         powerhouse_model::ParameterError::check("tolerance", tolerance, 0.0, 1.0)?;
         self.in_pool(|model| {
-            model.settle();
+            model.complete_kick();
             model.commit();
-            model.groups.motion.forget();
+            model.groups.motion.invalidate();
             with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
             model.begin_stage();
-            model.refuse_relaxing()?;
-            let mut before = model.loads.standing().to_vec();
+            model.refuse_viscoelastic()?;
+            let mut before = model.loads.carried().to_vec();
             before.resize(model.mass.len(), Vec3::zeros());
-            let (lacking, scale) = model.lacking(Loads::Own)?;
-            let mut change: Vec<Vec3> = (lacking.iter().zip(&before))
+            let (carried, scale) = model.balancing_forces(Loads::Own)?;
+            let mut change: Vec<Vec3> = (carried.iter().zip(&before))
                 .map(|(now, before)| now - before)
                 .collect();
             model.gather_members(&mut change);
             model.reduce(&mut change);
             let scale = scale.max(norm(&before)).max(f64::MIN_POSITIVE);
             let report = HandOverReport {
-                standing: norm(&lacking),
+                carried_forces: norm(&carried),
                 difference: norm(&change) / scale,
             };
-            // A difference that is no number is one, too.
+            // NaN counts as a difference too.
             if !report.difference.is_finite() || report.difference > tolerance {
                 let sizes = change.iter().map(|force| force.norm());
                 let worst = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-                return Err(StaticError::NotHeld {
+                return Err(StaticError::CarriedForcesChanged {
                     difference: report.difference,
                     tolerance,
                     node: model.node_tag(worst.map_or(0, |(node, _)| node)),
                 });
             }
-            model.set_standing(lacking);
+            model.set_carried_forces(carried);
             Ok(report)
         })
     }
 
-    /// Lets what the model lacks to be at rest act from now on as standing forces.
-    pub(super) fn hold(&mut self) -> Result<(), StaticError> {
-        let (lacking, _) = self.lacking(Loads::All)?;
-        self.set_standing(lacking);
+    /// Stores the forces that balance the model in addition to its loads as carried forces.
+    pub(super) fn store_carried_forces(&mut self) -> Result<(), StaticError> {
+        let (carried, _) = self.balancing_forces(Loads::All)?;
+        self.set_carried_forces(carried);
         Ok(())
     }
 
-    /// Forces (N, engine numbering) that would have to act beside the loads at the present time for
-    /// the body to be at rest, and the norm of the internal forces.
+    /// Forces (N, engine numbering) that balance the body in addition to the loads at the present time,
+    /// and the norm of the internal forces.
     ///
-    /// Nodes that a joint holds together share what they, and those tied to them, lack as a whole; the
-    /// joint does the rest.
-    fn lacking(&mut self, which: Loads) -> Result<(Vec<Vec3>, f64), StaticError> {
-        self.forces_at_rest(0.0)?;
+    /// Nodes connected by ties or joints share their common force equally; the joint transmits the difference.
+    fn balancing_forces(&mut self, which: Loads) -> Result<(Vec<Vec3>, f64), StaticError> {
+        self.compute_static_forces(0.0)?;
         let count = self.mass.len();
-        let mut lacking = self.internal_forces();
-        let size = norm(&lacking);
+        let mut forces = self.internal_forces();
+        let size = norm(&forces);
         for (group, origin) in self.groups.groups.iter().zip(&self.groups.origin) {
             let lead = group.members[0] as usize;
-            lacking[lead] += group.spring * (self.displacement_of(lead) - origin);
+            forces[lead] += group.spring * (self.displacement_of(lead) - origin);
         }
         let mut loads = vec![Vec3::zeros(); count];
         match which {
             Loads::All => self.loads.add_all(self.time, &mut loads),
             Loads::Own => self.loads.add_own(self.time, &mut loads),
         }
-        for (lacking, load) in lacking.iter_mut().zip(&loads) {
-            *lacking -= load;
+        for (force, load) in forces.iter_mut().zip(&loads) {
+            *force -= load;
         }
-        let asked = self.forces_of_initial_stress();
-        for together in self.joined_nodes() {
+        let initial = self.forces_of_initial_stress();
+        for together in self.connected_nodes() {
             let of_group = |values: &[Vec3], node: u32| -> Vec3 {
                 let members = self.members(&node).iter();
                 members.map(|&member| values[member as usize]).sum()
             };
             let nodes = together.iter();
             let sum: Vec3 = nodes
-                .map(|&node| of_group(&lacking, node) + of_group(&asked, node))
+                .map(|&node| of_group(&forces, node) + of_group(&initial, node))
                 .sum();
             for node in &together {
                 for &member in self.members(node) {
-                    lacking[member as usize] = Vec3::zeros();
+                    forces[member as usize] = Vec3::zeros();
                 }
                 let share = sum / together.len() as f64;
-                lacking[*node as usize] = share - of_group(&asked, *node);
+                forces[*node as usize] = share - of_group(&initial, *node);
             }
         }
         for &orphan in &self.orphans {
-            lacking[orphan as usize] = Vec3::zeros();
+            forces[orphan as usize] = Vec3::zeros();
         }
-        Ok((lacking, size))
+        Ok((forces, size))
     }
 
-    /// Refuses laws whose stress depends on the length of the step, though nothing moves.
-    fn refuse_relaxing(&mut self) -> Result<(), StaticError> {
-        self.forces_at_rest(SOME_STEP)?;
+    /// Refuses viscoelastic laws, whose stress depends on the length of the step at zero velocity.
+    fn refuse_viscoelastic(&mut self) -> Result<(), StaticError> {
+        self.compute_static_forces(SOME_STEP)?;
         let moving = self.force_buffers();
-        self.forces_at_rest(0.0)?;
+        self.compute_static_forces(0.0)?;
         for ((block, moving), still) in self.blocks.iter().zip(moving).zip(self.force_buffers()) {
             let change: Vec<Vec3> = moving.iter().zip(&still).map(|(a, b)| a - b).collect();
             if norm(&change) > SAME * norm(&still) {
-                return Err(StaticError::Relaxes {
+                return Err(StaticError::Viscoelastic {
                     set: block.label().into(),
                 });
             }
@@ -145,7 +143,7 @@ impl Model {
         Ok(())
     }
 
-    /// The forces (N) that each block computed last.
+    /// The last forces (N) of each block.
     fn force_buffers(&self) -> Vec<Vec<Vec3>> {
         let mut start = 0;
         with_nodes!(&self.nodes, arrays => {
@@ -158,8 +156,9 @@ impl Model {
         })
     }
 
-    /// Computes the internal forces at the present displacement, in steps of a length (s).
-    pub(super) fn forces_at_rest(&mut self, step: f64) -> Result<(), StaticError> {
+    /// Computes the internal forces of all blocks at the present displacement with a length of step (s); zero selects the
+    /// static form of the laws.
+    pub(super) fn compute_static_forces(&mut self, step: f64) -> Result<(), StaticError> {
         let when = StepTime {
             number: self.number,
             time: self.time,
@@ -184,7 +183,7 @@ impl Model {
         }
     }
 
-    /// The internal forces (N) that the blocks computed last, by engine node.
+    /// The last internal forces (N) by engine node.
     pub(super) fn internal_forces(&self) -> Vec<Vec3> {
         let (slots, count) = (&self.slots, self.mass.len());
         with_nodes!(&self.nodes, arrays => {
@@ -192,7 +191,7 @@ impl Model {
         })
     }
 
-    /// Gives the leads of groups the sum of their members' entries.
+    /// Sums the entries of the members of each group into that of its lead node.
     pub(super) fn gather_members(&self, vector: &mut [Vec3]) {
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| vector[m as usize]).sum();
@@ -200,14 +199,14 @@ impl Model {
         }
     }
 
-    /// The engine nodes that move as one with an engine node, itself among them.
+    /// The engine nodes of the group of an engine node, itself included.
     pub(super) fn members<'a>(&'a self, node: &'a u32) -> &'a [u32] {
         let group = self.group_of[*node as usize].map(|g| &self.groups.groups[g as usize]);
         group.map_or(std::slice::from_ref(node), |group| &group.members)
     }
 
-    /// Engine nodes that joints and ties connect, each list in rising order.
-    fn joined_nodes(&self) -> Vec<Vec<u32>> {
+    /// Sets of engine nodes connected by joints and ties, each in rising order.
+    fn connected_nodes(&self) -> Vec<Vec<u32>> {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for bound in &self.constraints {
             pairs.extend(bound.constraint.ties());
@@ -222,25 +221,25 @@ impl Model {
         let mut nodes: Vec<u32> = pairs.iter().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let place = |node: u32| nodes.partition_point(|&other| other < node) as u32;
-        let mut parts = super::Parts::new(nodes.len());
+        let index = |node: u32| nodes.partition_point(|&other| other < node) as u32;
+        let mut sets = super::DisjointSets::new(nodes.len());
         for [a, b] in pairs {
-            parts.join(place(a), place(b));
+            sets.join(index(a), index(b));
         }
         let mut lists = std::collections::BTreeMap::<u32, Vec<u32>>::new();
-        for (place, &node) in nodes.iter().enumerate() {
-            let root = parts.root(place as u32);
+        for (index, &node) in nodes.iter().enumerate() {
+            let root = sets.root(index as u32);
             lists.entry(root).or_default().push(node);
         }
         lists.into_values().collect()
     }
 }
 
-/// Which loads count.
+/// Choice of the loads to be included.
 #[derive(Clone, Copy, Debug)]
 enum Loads {
-    /// All of them.
+    /// All loads.
     All,
-    /// Those that no boundary brought.
+    /// All loads but those of absorbing boundaries.
     Own,
 }

@@ -1,4 +1,4 @@
-//! How a bolt hangs on the nodes of its hosts.
+//! Interpolation of a bolt from the nodes of its host elements (embedded element constraint).
 
 use std::collections::BTreeMap;
 
@@ -6,14 +6,14 @@ use powerhouse_model::Vec3;
 
 use super::embedding::HostPoint;
 
-/// Weights of values along a line, row by row.
+/// A sparse matrix over the axial nodal values of a bolt, by rows.
 #[derive(Debug, Default)]
 struct Rows {
-    /// Which values, of all rows one after the other.
+    /// Column indices, row by row.
     own: Vec<u32>,
-    /// Their weights.
+    /// Matrix entries, row by row.
     weights: Vec<f64>,
-    /// Where each row ends.
+    /// End of each row in the two lists.
     ends: Vec<u32>,
 }
 
@@ -25,7 +25,7 @@ impl Rows {
         }
         self.ends.push(self.own.len() as u32);
     }
-    /// Values and weights of each row.
+    /// Column indices and entries of each row.
     fn iter(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, f64)>> {
         let mut start = 0;
         self.ends.iter().map(move |&end| {
@@ -34,12 +34,12 @@ impl Rows {
             own.zip(self.weights[row].iter().copied())
         })
     }
-    /// The sum of each row over the values of a line.
+    /// Product of the matrix with the axial nodal values `line`.
     fn sums(&self, line: &[f64]) -> impl Iterator<Item = f64> {
         self.iter()
             .map(|row| row.map(|(own, weight)| weight * line[own]).sum())
     }
-    /// Adds a value of each row to the line, by its weights.
+    /// Adds the product of the transposed matrix with one value per row to `line`.
     fn add<'v>(&self, values: impl Iterator<Item = &'v f64>, line: &mut [f64]) {
         for (row, &value) in self.iter().zip(values) {
             for (own, weight) in row {
@@ -49,40 +49,40 @@ impl Rows {
     }
 }
 
-/// The points of a bolt on the nodes around them: two for each segment.
+/// Interpolation of the segment ends of a bolt from the nodes of its host elements, two points per segment.
 ///
-/// Segments share hosts and hosts share nodes, so that each node is met several times along a bolt. It
-/// is read and written once: between, everything is along one line.
+/// Segments share hosts and hosts share nodes, so that a node contributes to several points of a bolt. Its axial
+/// displacement is read and its axial force written once; all products use these scalar nodal values (`line`).
 #[derive(Debug)]
-pub(super) struct Hanging {
+pub(super) struct Interpolation {
     direction: Vec3,
-    /// Places of the nodes in the block, in rising order.
-    places: Vec<u32>,
-    /// The points.
+    /// Indices of the nodes in the block, in rising order.
+    nodes: Vec<u32>,
+    /// Interpolation of the points.
     points: Rows,
-    /// The second point of each segment less the first.
+    /// Elongation of the segments: the second point of each less the first.
     stretches: Rows,
 }
 
-impl Hanging {
-    /// Points of a bolt, head first; `place` tells where a node stands in the block.
+impl Interpolation {
+    /// From the points of a bolt, head first; `index` is the index of a mesh node in the block.
     pub(super) fn new<'h>(
         direction: Vec3,
         points: impl Iterator<Item = &'h HostPoint> + Clone,
-        place: impl Fn(u32) -> u32,
+        index: impl Fn(u32) -> u32,
     ) -> Self {
-        let nodes = points.clone().flat_map(|point| &point.nodes);
-        let mut places: Vec<u32> = nodes.map(|&node| place(node)).collect();
-        places.sort_unstable();
-        places.dedup();
+        let all = points.clone().flat_map(|point| &point.nodes);
+        let mut nodes: Vec<u32> = all.map(|&node| index(node)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
         let own = |node: u32| {
-            let place = place(node);
-            places.partition_point(|&other| other < place) as u32
+            let index = index(node);
+            nodes.partition_point(|&other| other < index) as u32
         };
         let mut rows = Rows::default();
         for point in points {
-            let nodes = point.nodes.iter().map(|&node| own(node));
-            rows.push(nodes.zip(point.weights.iter().copied()));
+            let columns = point.nodes.iter().map(|&node| own(node));
+            rows.push(columns.zip(point.weights.iter().copied()));
         }
         let mut stretches = Rows::default();
         let mut ends = rows.iter();
@@ -98,28 +98,27 @@ impl Hanging {
             direction,
             points: rows,
             stretches,
-            places,
+            nodes,
         }
     }
 
-    /// The direction from head to toe, of length one.
+    /// Unit vector from head to toe.
     pub(super) fn direction(&self) -> Vec3 {
         self.direction
     }
-    /// Places of the nodes that it hangs on, in rising order.
-    pub(super) fn places(&self) -> &[u32] {
-        &self.places
+    /// Indices in the block of the nodes of the host elements, in rising order.
+    pub(super) fn nodes(&self) -> &[u32] {
+        &self.nodes
     }
 
-    /// Displacements (m) along the bolt at its places.
+    /// Axial displacements (m) of the nodes, from displacements by index in the block.
     fn read(&self, displacement: impl Fn(u32) -> Vec3, line: &mut Vec<f64>) {
         line.clear();
-        let along = |&place: &u32| self.direction.dot(&displacement(place));
-        line.extend(self.places.iter().map(along));
+        let along = |&node: &u32| self.direction.dot(&displacement(node));
+        line.extend(self.nodes.iter().map(along));
     }
 
-    /// Axial displacements (m) of the points, from the displacements at places; `line` is room to compute
-    /// in.
+    /// Axial displacements (m) of the points, from displacements of the block's nodes; `line` is a buffer.
     pub(super) fn axial(
         &self,
         displacement: impl Fn(u32) -> Vec3,
@@ -130,7 +129,7 @@ impl Hanging {
         self.interpolate(line, out);
     }
 
-    /// How much longer (m) each segment is, from the displacements at places.
+    /// Elongation (m) of each segment, from displacements of the block's nodes; `line` is a buffer.
     pub(super) fn elongations(
         &self,
         displacement: impl Fn(u32) -> Vec3,
@@ -142,7 +141,7 @@ impl Hanging {
         out.extend(self.stretches.sums(line));
     }
 
-    /// Values at the points, from values at the places.
+    /// Axial values at the points, from axial values at the nodes.
     pub(super) fn interpolate(&self, line: &[f64], out: &mut Vec<[f64; 2]>) {
         out.clear();
         let mut sums = self.points.sums(line);
@@ -151,30 +150,30 @@ impl Hanging {
         }
     }
 
-    /// Axial forces (N) at the places of those at the points.
+    /// Axial nodal forces (N) of axial forces at the points.
     pub(super) fn gather(&self, forces: &[[f64; 2]], line: &mut Vec<f64>) {
         line.clear();
-        line.resize(self.places.len(), 0.0);
+        line.resize(self.nodes.len(), 0.0);
         self.points.add(forces.iter().flatten(), line);
     }
 
-    /// Adds axial forces (N) at the points to the nodes.
+    /// Adds axial forces (N) at the points to the nodal forces.
     pub(super) fn spread(&self, forces: &[[f64; 2]], line: &mut Vec<f64>, out: &mut [Vec3]) {
         self.gather(forces, line);
         self.write(line, out);
     }
 
-    /// Adds axial forces (N) of the segments, which pull their points together, to the nodes.
+    /// Adds axial tension (N) of the segments to the nodal forces.
     pub(super) fn spread_tension(&self, forces: &[f64], line: &mut Vec<f64>, out: &mut [Vec3]) {
         line.clear();
-        line.resize(self.places.len(), 0.0);
+        line.resize(self.nodes.len(), 0.0);
         self.stretches.add(forces.iter(), line);
         self.write(line, out);
     }
 
     fn write(&self, line: &[f64], out: &mut [Vec3]) {
-        for (&place, &force) in self.places.iter().zip(line) {
-            out[place as usize] += self.direction * force;
+        for (&node, &force) in self.nodes.iter().zip(line) {
+            out[node as usize] += self.direction * force;
         }
     }
 }

@@ -1,0 +1,82 @@
+//! Incident waves of a scene file, as reports name them.
+
+use powerhouse_wavefield::WaveKind;
+
+use super::Scene;
+use crate::format::{self, Azimuth, Finite, SceneFile, Wave};
+
+/// Incident wave of a scene file in a few words and numbers.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct WaveOverview {
+    /// Kind of body wave.
+    pub kind: WaveKind,
+    /// Angle of incidence from the vertical (degrees).
+    pub incidence: f64,
+    /// Direction of travel from +x towards +y (degrees).
+    pub azimuth: f64,
+    /// Record and component, or pulse, in words that differ where the motion does.
+    pub motion: String,
+    /// Factor that multiplies the motion.
+    pub factor: f64,
+}
+
+impl WaveOverview {
+    fn of(wave: &Wave) -> Self {
+        Self {
+            kind: match wave.kind {
+                format::WaveKind::P => WaveKind::P,
+                format::WaveKind::Sv => WaveKind::SV,
+                format::WaveKind::Sh => WaveKind::SH,
+            },
+            incidence: wave.incidence.get(),
+            azimuth: wave.azimuth.map_or(0.0, Azimuth::get),
+            motion: motion(wave),
+            factor: wave.factor.map_or(1.0, Finite::get),
+        }
+    }
+}
+
+/// What moves a wave of a scene, in words that differ where the motion does.
+fn motion(wave: &Wave) -> String {
+    let source = match (&wave.record, &wave.pulse) {
+        (Some(record), _) => record.to_string(),
+        (None, Some(pulse)) => format!("{:?}", **pulse),
+        (None, None) => String::new(),
+    };
+    let component = wave.component.as_ref();
+    let component = component.map_or(String::new(), |component| format!(" {:?}", **component));
+    source + &component
+}
+
+/// Incident waves of a scene file, and how the scene differs from others of the file if it is a case.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct InputOverview {
+    /// The incident waves, in the order of the file.
+    pub waves: Vec<WaveOverview>,
+    /// The one choice by which the case differs from the case that it is compared with (`varies`).
+    pub varies: Option<String>,
+    /// Whether the case has some of the scene's joints no more (`continuous`).
+    pub continuous: bool,
+}
+
+impl InputOverview {
+    /// The overview of a file that is already as the case has it.
+    pub(super) fn of(file: &SceneFile, case: Option<&str>) -> Self {
+        let case = case.and_then(|name| file.cases.iter().find(|case| *case.name == name));
+        Self {
+            waves: file.waves.iter().map(WaveOverview::of).collect(),
+            varies: case.and_then(|case| case.varies.clone()),
+            continuous: case.is_some_and(|case| !case.continuous.is_empty()),
+        }
+    }
+}
+
+impl Scene {
+    /// Incident waves of the scene's file, and how it differs from other cases; empty if the scene is not from
+    /// a file.
+    pub fn input(&self) -> &InputOverview {
+        &self.input
+    }
+}
