@@ -181,8 +181,8 @@ fn compare(name: &str, law: impl Into<Material>, mesh: &Mesh) {
         );
     }
     let added = [Yielding::None, Yielding::Cluster].map(|yielding| {
-        let [free, booked] = costs_of_runs(&law, mesh, yielding);
-        format!("{free:.1} to {booked:.1} ns = {:.2}", booked / free)
+        let [free, balanced] = costs_of_runs(&law, mesh, yielding);
+        format!("{free:.1} to {balanced:.1} ns = {:.2}", balanced / free)
     });
     println!("{name:19} energy balance: {}", added.join(", "));
 }

@@ -182,11 +182,11 @@ fn softening_bars(figures: &mut Figures) -> Outcome<()> {
         let [weak, strong] = [law(1.0 - WEAKER)?, law(1.0)?];
         // The strain range of `dissipated`, all of it plastic but for the residual stress.
         let young = weak.medium().young;
-        let lasting = RESIDUAL * (1.0 - WEAKER) * strength;
+        let residual = RESIDUAL * (1.0 - WEAKER) * strength;
         let size = length / count as f64;
-        let shortened = strength / young + 8.0 * CRUSHING / (strength * size) - lasting / young;
+        let shortened = strength / young + 8.0 * CRUSHING / (strength * size) - residual / young;
         let all = dissipated(weak, strong, (length, count), (CRUSHING, -strength))?;
-        Ok(all - lasting * shortened * size / CRUSHING)
+        Ok(all - residual * shortened * size / CRUSHING)
     })?;
     figures.at_most(name, worst, 0.02);
     Ok(())

@@ -14,7 +14,7 @@
 //!      0       a     R
 //! ```
 //!
-//! The wall moves outwards, overshoots its static displacement by a quarter and comes to rest. The boundary changes this
+//! The wall moves outwards, overshoots its static displacement by a quarter and stops. The boundary changes this
 //! static displacement: with dashpots it is that of a hollow sphere with a free outside, with springs that of a sphere on an
 //! elastic foundation. Both have closed forms, and so has the reflection of a spherical wave at every frequency. Springs of
 //! `4 G/R` have the static stiffness of the ground outside the mesh, with which the static displacement is exact.
@@ -38,7 +38,7 @@ const CAVITY: f64 = 10.0;
 const PRESSURE: f64 = 1.0e6;
 /// Rise time of the pressure (s), so that its front is not shorter than an element.
 const RISE: f64 = 1.0e-3;
-/// Duration (s) in which every model here comes to rest.
+/// Duration (s) after which every model here has stopped.
 const DURATION: f64 = 0.3;
 
 fn rock() -> Outcome<ElasticMedium> {

@@ -34,7 +34,7 @@ const OPEN: [(&str, &[&str]); 12] = [
         ],
     ),
     ("powerhouse/src/output/results.rs", &["Results"]),
-    ("powerhouse/src/doubt.rs", &["RunNotes"]),
+    ("powerhouse/src/message.rs", &["RunNotes"]),
     ("powerhouse/src/stage/overview.rs", &["StageOverview"]),
     ("powerhouse/src/stage/rest.rs", &["CompletedStage"]),
     (
@@ -166,7 +166,7 @@ fn long_tuples(text: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// A function has parameters with names: none is a tuple of three or more values, whose order nothing tells.
+/// A function has parameters with names: none is a tuple of three or more values, whose order has no names.
 #[test]
 fn parameters_have_names() {
     let mut tuples = Vec::new();

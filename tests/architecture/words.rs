@@ -199,6 +199,12 @@ const PERMITTED: &[Permitted] = &[
         expression: "stands",
         as_in: "stands for",
     },
+    // The name of a section of Gmsh's format.
+    Permitted {
+        file: "crates/io/src/gmsh/read.rs",
+        expression: "ghost",
+        as_in: "ghost elements",
+    },
 ];
 
 /// A word of a text and its line; none where a sentence, or a piece of code, ends.

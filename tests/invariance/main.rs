@@ -2,7 +2,7 @@
 
 mod bits;
 mod bonded_cavern;
-mod books;
 mod direction;
+mod energy_balance;
 mod joints;
 mod laws;

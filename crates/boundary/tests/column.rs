@@ -325,7 +325,7 @@ fn incident_only_input_is_as_good_as_the_absorber() {
 /// A static force on the column is held by the springs, at the displacement of their stiffness;
 /// dashpots alone let it drift.
 #[test]
-fn springs_hold_a_lasting_force() {
+fn springs_hold_a_permanent_force() {
     let elements = 20;
     let step = 0.5 * HEIGHT / elements as f64 / rock().p_speed();
     let settle = |parts: BoundaryParts| {

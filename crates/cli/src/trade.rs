@@ -36,8 +36,8 @@ pub(crate) struct TradeArguments {
     /// Quantities whose errors count, such as displacement,relative; by default all that the scene records.
     #[arg(long = "of", value_name = "QUANTITY", value_parser = quantity, value_delimiter = ',')]
     quantities: Vec<Quantity>,
-    /// Count all histories. By default histories that change by more than half of the permitted error under waves larger
-    /// by a millionth are excluded and named, since they depend sensitively on the input.
+    /// Count all histories. By default histories that change by more than half of the permitted error under waves of
+    /// 1 + 1e-6 times the amplitude are excluded and named, since they depend sensitively on the input.
     #[arg(long)]
     every_history: bool,
     /// Factors that are varied, such as kernel,precision; the others keep the scene's own level.
@@ -175,7 +175,7 @@ fn excluded(sensitive: &[SensitiveHistory]) -> String {
         .iter()
         .map(|other| format!("{} {:.2} %", other.history, 100.0 * other.change));
     format!(
-        "excluded for sensitive dependence on the input, with their changes under waves larger by a millionth: {}",
+        "excluded for sensitive dependence on the input, with their changes under waves of 1 + 1e-6 times the amplitude: {}",
         named.collect::<Vec<String>>().join(", ")
     )
 }

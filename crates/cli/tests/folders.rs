@@ -202,7 +202,7 @@ fn rounding_is_no_peak() {
             .find(|line| line.starts_with(name))
             .unwrap_or_else(|| panic!("{printed}"))
     };
-    // The wave travels along x: y stands still.
+    // The wave travels along x: y does not move.
     assert!(
         line("inside.uy").contains(" 0 m      below rounding"),
         "{printed}"

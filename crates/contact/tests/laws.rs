@@ -133,7 +133,7 @@ fn a_broken_bond_stays_broken() {
 
 /// A sliding pair sticks again when the trial is within `mu_d N`, and slips again past `mu_s N`.
 #[test]
-fn friction_remembers_whether_the_pair_slid() {
+fn friction_depends_on_whether_the_pair_slid() {
     let law = bonded();
     let (stuck, slid) = (state(Stick, Bond::Broken), state(Slide, Bond::Broken));
     expect(&law, (-2.0, 1.01), slid, (-2.0, 1.0), slid);

@@ -78,7 +78,7 @@ fn an_elastic_box_with_input_and_dashpots_closes() {
 /// tie-free prescribed motion and a load on plain nodes are all accounted for: the ledger closes under both
 /// schemes.
 #[test]
-fn every_nodal_term_is_booked() {
+fn the_balance_has_every_nodal_term() {
     let mesh = hex_box([4, 3, 3], 1.0, 0.2);
     let step = 5e-5;
     for integrator in [&Leapfrog as &dyn TimeIntegrator, &OneSided] {
@@ -149,7 +149,7 @@ impl Constraint for Glue {
 /// Two bodies that meet and stay together lose what their constraint reports as impact; if it reports
 /// a wrong loss, the run is stopped.
 #[test]
-fn the_loss_of_an_impact_is_booked() {
+fn the_balance_has_the_loss_of_an_impact() {
     let mesh = hex_box([3, 2, 2], 1.0, 0.2);
     let count = mesh.node_count();
     let glued = |wrong| {

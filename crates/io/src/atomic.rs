@@ -29,7 +29,7 @@ pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
 }
 
 /// Free space for files in an existing folder (bytes); `None` if the system does not report it.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "free-space"))]
 pub fn free_space(folder: &Path) -> Option<u64> {
     let found = nix::sys::statvfs::statvfs(folder).ok()?;
     // The types of both differ between systems.
@@ -42,7 +42,7 @@ pub fn free_space(folder: &Path) -> Option<u64> {
 }
 
 /// Free space for files in an existing folder (bytes); `None` if the system does not report it.
-#[cfg(not(unix))]
+#[cfg(all(not(unix), feature = "free-space"))]
 pub fn free_space(_folder: &Path) -> Option<u64> {
     None
 }

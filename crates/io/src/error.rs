@@ -85,6 +85,7 @@ pub enum IoError {
         source: powerhouse_model::ParameterError,
     },
     /// A summary cannot be represented as JSON.
+    #[cfg(feature = "json")]
     #[error("{}: {source}", file.display())]
     Json {
         /// Path of the file.

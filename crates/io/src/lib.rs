@@ -25,6 +25,20 @@
 //! # Ok::<(), powerhouse_io::RecordError>(())
 //! ```
 //!
+//! # Features
+//! All are on by default; tables (CSV) are always there. A program that needs one format compiles what that
+//! format needs: `default-features = false, features = ["vtu"]`.
+//!
+//! | feature | what it adds | crates it brings |
+//! |---|---|---|
+//! | `gmsh` | Gmsh meshes, read and written | `mshio` |
+//! | `records` | accelerograms | none |
+//! | `vtu` | VTU and PVD files | `flate2` |
+//! | `plots` | plots as SVG | none |
+//! | `pictures` | pictures as PNG | `png` |
+//! | `json` | summaries as JSON | `serde`, `serde_json` |
+//! | `free-space` | free space of a file system | `nix` (Unix) |
+//!
 //! # Why so
 //! *All input is validated*: files come from other programs, other people and damaged disks. An error
 //! states file, line or byte, value and permitted range. Memory is allocated in proportion to the size
@@ -42,30 +56,46 @@
 
 mod atomic;
 mod error;
+#[cfg(feature = "gmsh")]
 pub mod gmsh;
+#[cfg(feature = "pictures")]
 mod picture;
+#[cfg(feature = "plots")]
 mod plot;
+#[cfg(feature = "records")]
 mod records;
+#[cfg(any(feature = "pictures", feature = "plots"))]
 mod scale;
+#[cfg(feature = "json")]
 mod summary;
 mod table;
+#[cfg(feature = "vtu")]
 mod vtu;
 mod whole;
+#[cfg(any(feature = "vtu", feature = "plots"))]
 mod xml;
 
-pub use atomic::{free_space, write_whole};
+#[cfg(feature = "free-space")]
+pub use atomic::free_space;
+pub use atomic::write_whole;
 pub use error::IoError;
+#[cfg(feature = "gmsh")]
 pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
+#[cfg(feature = "pictures")]
 pub use picture::{
     ColourMap, Deformation, FacetField, Picture, PictureField, PictureView, SectionPlane,
     write_picture,
 };
+#[cfg(feature = "plots")]
 pub use plot::{Plot, PlotCurve, PlotPanel, write_plot};
+#[cfg(feature = "records")]
 pub use records::{
     AccelerationUnit, CountRule, LengthRule, Record, RecordError, RecordFault, RecordOptions,
     common_length, parse_record, read_record,
 };
+#[cfg(feature = "json")]
 pub use summary::write_summary;
 pub use table::{TableColumn, csv_cell, read_table, write_noted_table, write_table};
+#[cfg(feature = "vtu")]
 pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};
 pub use whole::{Unread, read_whole};

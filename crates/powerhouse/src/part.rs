@@ -298,7 +298,7 @@ impl Part {
         Ok(damped)
     }
     /// The part's own kernel, if it computes none of some kinds of elements.
-    pub(crate) fn idle_kernel(
+    pub(crate) fn unused_kernel(
         &self,
         mut kinds: impl Iterator<Item = ElementKind>,
     ) -> Option<&Kernel> {

@@ -10,7 +10,7 @@ use crate::{DampingCost, Results, SceneRemark};
 
 /// Standard gravity (m/s2).
 const STANDARD_GRAVITY: f64 = 9.806_65;
-/// Peak ground acceleration above which units are doubtful (m/s2).
+/// Peak ground acceleration above which the unit is probably wrong (m/s2).
 const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
 
 /// Remark: a fact or a warning about a scene or its results ([`is_warning`](Self::is_warning)).

@@ -73,7 +73,7 @@ pub enum StudyError {
     },
     /// A scene whose compared histories all depend sensitively on the input.
     #[error(
-        "all compared histories depend sensitively on the input: waves larger by a millionth change even {history} by \
+        "all compared histories depend sensitively on the input: waves of 1 + 1e-6 times the amplitude change even {history} by \
          {:.1e} %; shorten the window, compare other quantities, or count every history", 100.0 * change
     )]
     AllHistoriesSensitive {

@@ -229,7 +229,7 @@ fn savings_know_registered_laws() {
     let known = format.error.share.or(format.error.least);
     assert!(known.is_some_and(|error| error < 0.1), "{format:?}");
 
-    // Flat damping stands in series with no law for one point.
+    // Flat damping in series with a law for one point is not possible.
     let damping = "damping = { kind = \"rayleigh\", ratio = 0.01, frequencies = [1, 10] }\n";
     let damped = SCENE.replace("[[wave]]", &format!("{damping}[[wave]]"));
     let damped = Folder::new("damped", &damped);

@@ -56,7 +56,7 @@ fn newton_refuses(builder: ModelBuilder, name: &str) {
 ///
 /// `(b h - mu p) / k - (mu p h - b h^2 / 2) / G - (mu p l + b l^2 / 2) / G`
 ///
-/// with the dynamic friction `mu`, to 1e-8, and sticks there; released, it stands still.
+/// with the dynamic friction `mu`, to 1e-8, and sticks there; released, it does not move.
 #[test]
 fn a_joint_slips_as_far_as_its_spring_lets_it() {
     let (medium, brick) = (media::ROCK, 0.5);

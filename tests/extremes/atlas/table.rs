@@ -107,7 +107,7 @@ pub(super) fn compare(heading: &str, rows: &[Row], cells: &[Vec<Cell>]) {
     let start = text.find(&format!("## {heading}\n")).expect("its heading");
     let length = text[start + 3..].find("\n## ").map(|next| next + 4);
     let end = length.map_or(text.len(), |length| start + length);
-    if std::env::var("POWERHOUSE_ATLAS").is_ok_and(|wish| wish == "write") {
+    if std::env::var("POWERHOUSE_ATLAS").is_ok_and(|mode| mode == "write") {
         let gap = if end < text.len() { "\n" } else { "" };
         let whole = format!("{}{fresh}{gap}{}", &text[..start], &text[end..]);
         std::fs::write(file, whole).expect("the atlas is written");

@@ -7,7 +7,7 @@ use crate::{Bodies, Noise, oblique};
 
 /// For mass ratios from 1e-6 to 1e6, friction 0 and 10, strength 0 and infinite, with a free or a
 /// fixed partner and with dashpots at an angle on both, a pair under noise stays finite, its
-/// energies close, and after the noise it comes to rest instead of chattering.
+/// energies close, and after the noise it stops instead of chattering.
 #[test]
 fn pairs_stay_bounded_at_the_ends_of_all_ranges() {
     for ratio in [1e-6, 1.0, 1e6] {

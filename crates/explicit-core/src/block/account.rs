@@ -22,7 +22,7 @@ pub(super) struct Account<S> {
     /// Stresses at that step (Pa) of the batches with energy bookkeeping, for nonlinear laws.
     stress: AlignedNumbers<S>,
     /// Whether each batch had energy bookkeeping at that step.
-    booked: Vec<bool>,
+    balanced: Vec<bool>,
     /// Whether the law has energies of its own.
     has_energies: bool,
     /// Shares of stiffness damping at each point of a batch, and its share of hourglass stiffness, at that
@@ -41,7 +41,7 @@ impl<S: BatchScalar> Default for Account<S> {
             velocity: Vec::new(),
             velocity_energy: 0.0,
             stress: AlignedNumbers::zeros(0),
-            booked: Vec::new(),
+            balanced: Vec::new(),
             has_energies: false,
             shares: AlignedNumbers::zeros(0),
             stored: 0.0,
@@ -69,13 +69,13 @@ impl<S: BatchScalar> Account<S> {
         if self.stress.as_slice().len() != numbers {
             self.stress = AlignedNumbers::zeros(numbers);
             self.shares = AlignedNumbers::zeros(elements * (points + 1));
-            self.booked = vec![false; batches];
+            self.balanced = vec![false; batches];
             self.number = None;
         }
         PreviousStep {
             stresses: self.stress.as_mut_slice(),
             shares: self.shares.as_mut_slice(),
-            booked: &mut self.booked,
+            balanced: &mut self.balanced,
             velocity: &self.velocity,
         }
     }
@@ -88,7 +88,7 @@ pub(super) struct PreviousStep<'a, S> {
     /// Shares of stiffness damping, one per point, and of hourglass stiffness, one per batch, in lanes.
     pub(super) shares: &'a mut [S],
     /// Whether each batch had energy bookkeeping.
-    pub(super) booked: &'a mut [bool],
+    pub(super) balanced: &'a mut [bool],
     /// Velocity (m/s), by local node index; empty if there was no damping.
     pub(super) velocity: &'a [Quad<f64>],
 }

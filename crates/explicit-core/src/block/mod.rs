@@ -350,9 +350,9 @@ where
         let in_place = context.history_update == HistoryUpdate::InPlace;
         self.history.set_in_place(in_place && self.active.is_none());
         let mut sums = StepSums::default();
-        let booked = context.ledger.then_some(&mut sums);
+        let balanced = context.ledger.then_some(&mut sums);
         let terms = (context.step, damping);
-        let finite = self.write_forces(displacement, velocity, terms, booked, out);
+        let finite = self.write_forces(displacement, velocity, terms, balanced, out);
         if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
             return Err(fault);
         }

@@ -318,10 +318,10 @@ where
 
     /// Whether a batch had energy bookkeeping at the previous step.
     #[inline(always)]
-    fn was_booked(&self, batch: usize) -> bool {
+    fn was_balanced(&self, batch: usize) -> bool {
         let rates = self.rates.as_ref();
         let bookkeeping = rates.and_then(|rates| rates.bookkeeping.as_ref());
-        bookkeeping.is_some_and(|bookkeeping| bookkeeping.previous.booked[batch])
+        bookkeeping.is_some_and(|bookkeeping| bookkeeping.previous.balanced[batch])
     }
 
     /// Forces, summaries and energy bookkeeping of a batch with its changes of stress.
@@ -366,7 +366,7 @@ where
         let by_law = !matches!(response, Response::Elastic);
         let points = match response {
             Response::LawWithEnergies(energies) => Some(energies),
-            Response::Elastic if self.was_booked(index) => Some(None),
+            Response::Elastic if self.was_balanced(index) => Some(None),
             Response::Elastic | Response::Law => None,
         };
         let energy = match &points {
@@ -405,7 +405,7 @@ where
                 let (previous, sums) = (&mut bookkeeping.previous, &mut *bookkeeping.sums);
                 let numbers = 6 * P * L::WIDTH;
                 let before = &mut previous.stresses[index * numbers..(index + 1) * numbers];
-                let enters = !core::mem::replace(&mut previous.booked[index], by_law);
+                let enters = !core::mem::replace(&mut previous.balanced[index], by_law);
                 if enters {
                     // The step began under Hooke's law.
                     let strains = self.kernel.strains(geometry, &modes);

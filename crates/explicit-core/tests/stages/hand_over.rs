@@ -78,7 +78,7 @@ fn stillness(model: &mut Model, steps: u64) -> Stillness {
 /// the others, whose elements have seven digits, points on the yield surface flow by rounding: below
 /// 1e-6 m/s and 1e-6 m.
 #[test]
-fn a_body_that_is_handed_over_stands_still() {
+fn a_body_that_is_handed_over_does_not_move() {
     let mesh = block();
     let yielding = |precision| Model::builder(&mesh).elements("ground", weak("ground", precision));
     let state = at_rest(&mesh, yielding(Precision::F64), 1.0e-5);

@@ -25,7 +25,7 @@ fn pillar() -> (Mesh, [Vec<u32>; 2]) {
     (mesh, halves)
 }
 
-/// The plastic strain that the pillar shows at most, and its section forces at some heights, while it stands
+/// The plastic strain that the pillar shows at most, and its section forces at some heights, while it is in equilibrium
 /// still after its stages.
 fn at_rest(factory: impl Fn() -> Box<dyn BlockFactory>, heights: &[f64]) -> (f64, Vec<[f64; 9]>) {
     let (mesh, halves) = pillar();

@@ -84,7 +84,7 @@ mod tests {
 
     /// Numbers that touch are separated at their signs, but not at signs of exponents.
     #[test]
-    fn glued_numbers_are_told_apart() {
+    fn numbers_without_a_separator_are_separated() {
         let parts = fixed_width("  .123E-02-.456E-03 7.0D+01-8");
         let texts: Vec<&str> = parts.iter().map(|part| part.1).collect();
         assert_eq!(texts, [".123E-02", "-.456E-03", "7.0D+01", "-8"]);

@@ -194,7 +194,7 @@ fn increments_do_not_matter() {
             assert!((a - b).abs() < 1e-8);
         }
     }
-    let lasting = SofteningPlasticity::new(SofteningPlasticityParameters {
+    let residual = SofteningPlasticity::new(SofteningPlasticityParameters {
         residual_strength: 1.0,
         ..*softening(10.0).parameters()
     })
@@ -204,7 +204,7 @@ fn increments_do_not_matter() {
     for _ in 0..200 {
         let strain = Strain(random.six().map(|x| 2.0e-3 * x));
         let stresses = [
-            lasting.stress_change(&LawInput::new(strain, &[0.0; 11]), &mut [0.0; 11]),
+            residual.stress_change(&LawInput::new(strain, &[0.0; 11]), &mut [0.0; 11]),
             perfect.stress_change(&LawInput::new(strain, &[0.0; 8]), &mut [0.0; 8]),
         ];
         assert_eq!(stresses[0], stresses[1]);

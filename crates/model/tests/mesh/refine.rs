@@ -35,7 +35,7 @@ fn parts_fill_the_whole_and_hang_together() {
             assert_eq!(last, 8 * stride + tag);
         }
         assert_eq!(fine.check_connected().unwrap().parts, 1);
-        // A hanging node would leave sides inside the body without neighbours.
+        // A node on a side or edge of a neighbour would leave sides inside the body without neighbours.
         assert_eq!(
             fine.boundary_facets().len(),
             4 * mesh.boundary_facets().len()

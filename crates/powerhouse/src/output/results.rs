@@ -241,8 +241,8 @@ impl Recordings {
             bolts: None,
             present: present.map(<[bool]>::to_vec),
         };
-        let (history, mut in_vain) = histories(plan, mesh, present, state_variables)?;
-        remarks.append(&mut in_vain);
+        let (history, mut without_state) = histories(plan, mesh, present, state_variables)?;
+        remarks.append(&mut without_state);
         if !history.is_empty() {
             recordings.histories = Some(history.recording());
             observers.push(Box::new(history));
@@ -484,8 +484,9 @@ fn histories(
     };
     let history = builder.build_with(mesh, variables).map_err(model)?;
     let places = plan.state.places.iter().zip(asked.into_inner());
-    let in_vain = places.filter(|(_, element)| state_variables.of_element(*element).is_empty());
-    let remarks = in_vain.map(|(request, element)| Remark::NoState {
+    let without_state =
+        places.filter(|(_, element)| state_variables.of_element(*element).is_empty());
+    let remarks = without_state.map(|(request, element)| Remark::NoState {
         name: request.name.clone(),
         element: mesh.element_tags()[element as usize],
     });

@@ -357,7 +357,7 @@ fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), 
     for (part, table) in parts.iter().zip(&file.parts) {
         let elements = names.elements(&table.set)?;
         let kinds = elements.iter().map(|&element| names.mesh.kind(element));
-        if let (Some(kernel), Some(at)) = (part.idle_kernel(kinds), &table.kernel) {
+        if let (Some(kernel), Some(at)) = (part.unused_kernel(kinds), &table.kernel) {
             let (set, kernel) = (part.set.clone(), kernel.name().into());
             return Err(Fault::refused(
                 at.span(),

@@ -54,7 +54,7 @@ impl Scene {
                 warning: warning.clone(),
             }));
             let kinds = self.by_kind(part)?;
-            if let Some(kernel) = part.idle_kernel(kinds.iter().map(|(kind, _)| *kind)) {
+            if let Some(kernel) = part.unused_kernel(kinds.iter().map(|(kind, _)| *kind)) {
                 return Err(Error::UnusedKernel {
                     set: part.set.clone(),
                     kernel: kernel.name().into(),
@@ -113,9 +113,9 @@ impl Scene {
             });
         }
         let loads = stages.iter().flat_map(|stage| &stage.loads);
-        for lasting in self.loads.iter().chain(loads) {
-            if self.is_there(lasting, stage) {
-                builder = builder.load(lasting.load.held(held_at));
+        for staged in self.loads.iter().chain(loads) {
+            if self.is_applied(staged, stage) {
+                builder = builder.load(staged.load.held(held_at));
             }
         }
         let weights = stages.iter().flat_map(|stage| &stage.weights);
@@ -126,8 +126,8 @@ impl Scene {
     }
 
     /// Returns whether a load is not yet removed in a stage, or in the dynamic run.
-    fn is_there(&self, lasting: &StagedLoad, stage: Option<usize>) -> bool {
-        let Some(name) = &lasting.removed_in else {
+    fn is_applied(&self, staged: &StagedLoad, stage: Option<usize>) -> bool {
+        let Some(name) = &staged.removed_in else {
             return true;
         };
         let removal = self.stages.iter().position(|stage| stage.name == *name);

@@ -90,11 +90,11 @@ impl Scene {
             let names = behind
                 .iter()
                 .map(|&part| format!("'{}'", self.parts[part].set));
-            let stands = |facets: &[Facet]| {
+            let borders = |facets: &[Facet]| {
                 let mut parts = facets.iter().map(|facet| owner[facet.element as usize]);
                 parts.any(|part| part.is_some_and(|part| behind.contains(&part)))
             };
-            let before = faces.iter().filter(|(_, facets)| stands(facets));
+            let before = faces.iter().filter(|(_, facets)| borders(facets));
             let before: Vec<&str> = before.map(|(face, _)| *face).collect();
             let names: Vec<String> = names.collect();
             told.push(format!("{} ({})", names.join(" and "), before.join(", ")));

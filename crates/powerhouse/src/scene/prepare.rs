@@ -223,7 +223,7 @@ impl Scene {
         if let Some(field) = field {
             self.check_field(field, &site)?;
         }
-        remarks.extend(self.doubts_around(&facets, &site)?);
+        remarks.extend(self.boundary_remarks(&facets, &site)?);
         let layer = self.region_layer(&site, present);
         let layer = layer.map_err(|error| match error {
             Error::Region(_) => SceneSpans::put_at(&self.source, self.places.region.clone(), error),

@@ -144,10 +144,10 @@ impl Scene {
         let output = &self.output;
         // Motion, stress and state variables at one location have one name and one plot.
         let mut results: BTreeSet<&str> = output.histories.iter().map(|h| &*h.name).collect();
-        results.extend(output.stresses.iter().map(|wish| &*wish.name));
-        results.extend(output.state.places.iter().map(|wish| &*wish.name));
-        let relative = output.relative.iter().map(|wish| &*wish.name);
-        let cuts = output.cuts.iter().map(|wish| &*wish.cut.name);
+        results.extend(output.stresses.iter().map(|request| &*request.name));
+        results.extend(output.state.places.iter().map(|request| &*request.name));
+        let relative = output.relative.iter().map(|request| &*request.name);
+        let cuts = output.cuts.iter().map(|request| &*request.cut.name);
         let mut named: Vec<(NamedThing, &str)> = (results.into_iter().chain(relative).chain(cuts))
             .map(|name| (NamedThing::Result, name))
             .collect();

@@ -124,7 +124,7 @@ impl Scene {
 
     /// Warnings about the surroundings of the body: damped or nonlinear rims, open sides, a free surface that is not that
     /// of the field.
-    pub(super) fn doubts_around(
+    pub(super) fn boundary_remarks(
         &self,
         faces: &[(&str, &[Facet])],
         site: &BoundarySite,

@@ -101,7 +101,7 @@ fn flat_damping_of_a_file_is_that_of_rust() {
 
 /// The cost of flat damping is reported before a run and agrees with the stable step.
 #[test]
-fn the_cost_of_flat_damping_is_told() {
+fn the_cost_of_flat_damping_is_reported() {
     let step = |damping| {
         let mut simulation = damped(elastic(), damping).prepare().unwrap();
         let step = simulation.stable_step().unwrap().step;

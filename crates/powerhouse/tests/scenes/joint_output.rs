@@ -20,8 +20,8 @@ fn half(low: f64, high: f64) -> JointZone {
 
 /// Every key of a joint history gives the request of the Rust interface.
 #[test]
-fn wishes() {
-    let folder = folder("joint-wishes");
+fn requests() {
+    let folder = folder("joint-requests");
     let near = |within| JointZone::Near {
         position: Vec3::new(150.0, 150.0, -150.0),
         within,
@@ -88,8 +88,8 @@ fn wishes() {
         // The joint history is part of the plan.
         let text = format!("{JOINT}\n{history}{keys}\n");
         let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
-        let wish = JointRequest::new("p", "bedding", zone, quantities);
-        assert_eq!(scene.output().joints, [wish], "{keys}");
+        let request = JointRequest::new("p", "bedding", zone, quantities);
+        assert_eq!(scene.output().joints, [request], "{keys}");
         scene
             .prepare()
             .unwrap_or_else(|error| panic!("{keys}: {error}"));
@@ -98,7 +98,7 @@ fn wishes() {
 
 /// A plan with a joint or zone that does not exist is an error before the run.
 #[test]
-fn wishes_for_nothing_are_refused() {
+fn requests_without_pairs_are_refused() {
     let prepared = |joint: &str, zone: JointZone| {
         let (mesh, bedding) = twin(&halves());
         let plan = OutputPlan::default().joint("p", joint, zone, JointQuantities::ALL);
@@ -126,7 +126,7 @@ fn wishes_for_nothing_are_refused() {
 /// The columns of a single pair agree with its record, those of two halves add up to the whole, and the outcomes contain
 /// the times of first slip and crack; all is in the files.
 #[test]
-fn columns_say_what_becomes_of_the_pairs() {
+fn columns_hold_the_contact_states_of_the_pairs() {
     let (mesh, joint) = twin(&halves());
     let pairs = joint.surface.pairs.clone();
     let mut plan = OutputPlan::default()

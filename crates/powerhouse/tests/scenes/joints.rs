@@ -218,7 +218,7 @@ fn all_laws_of_joints_can_be_named() {
 /// Slip that is large compared with the edges of the joint has a warning after the run and in its summary; small slip has
 /// none.
 #[test]
-fn large_slip_is_told() {
+fn large_slip_is_warned_of() {
     let folder = folder("joint-slip");
     let runs = |displacement: f64| {
         let text = CUBE.replacen(PART, JOINT, 1);

@@ -9,7 +9,7 @@ const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity
 /// Strengths that follow from other parameters are compared with the given ones; hardening before the peak has a
 /// warning.
 #[test]
-fn implied_strengths_are_told() {
+fn implied_strengths_are_reported() {
     let variants = Variants::new("laws-implied");
     let mass = "law = \"hoek-brown\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750\nintact_strength = 6e7\nintact_constant = 12\nstrength_index = 55\n";
     let told = |keys: &str| -> Vec<String> {

@@ -38,7 +38,7 @@ fn cracking() -> Material {
 /// With plasticity and damage the energy balance closes to rounding, plastic and damage energies never decrease, recovered
 /// energy has its own column, and the integration error of a step decreases with the step.
 #[test]
-fn energies_of_plastic_flow_and_damage_are_told() {
+fn energies_of_plastic_flow_and_damage_are_reported() {
     let energies = |share: f64| {
         let scene = cube_scene_made_of(cube(), &["rock"], &cracking());
         let mut plan = scene.output().clone();
@@ -74,7 +74,7 @@ fn energies_of_plastic_flow_and_damage_are_told() {
 /// History variables of laws are recorded in histories, envelopes and snapshots by name, and the summary contains the
 /// largest damage and its location; from a file and from Rust.
 #[test]
-fn what_laws_remember_is_recorded() {
+fn history_variables_are_recorded() {
     let variants = Variants::new("laws-state");
     let keys = "law = \"plastic-damage\"\npreset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\ntension = { rate = 2e4 }\ncompression = { rate = 5e3 }\nresidual_stiffness = 0.01\n";
     let text = CUBE.replacen(ELASTIC, keys, 1)
@@ -152,7 +152,7 @@ fn nodes_have_no_state() {
 /// A state history of an element without history variables has a warning with its name; one of an element with history
 /// variables has none.
 #[test]
-fn state_that_nothing_remembers_is_told() {
+fn a_state_request_without_history_variables_is_reported() {
     let variants = Variants::new("laws-no-state");
     let wanted = "quantities = [\"displacement\", \"state\"]\n";
     let remarks = |law: &str| -> Vec<String> {

@@ -435,7 +435,7 @@ fn elements_that_snap_back_are_refused() {
 
 /// Inconsistent material parameters, and plastic rock along an absorbing face, have warnings.
 #[test]
-fn doubts_are_told() {
+fn warnings_are_reported() {
     let variants = Variants::new("laws-warnings");
     let scene = variants.read(ELASTIC, "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n");
     let simulation = scene.unwrap().prepare().unwrap();

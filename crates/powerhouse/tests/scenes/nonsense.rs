@@ -682,7 +682,7 @@ fn fault_of_file(variants: &Variants, old: &str, new: &str) -> String {
 
 /// Nodes without elements and elements without physical group in the mesh file are reported.
 #[test]
-fn what_a_mesh_leaves_out_is_told() {
+fn unused_nodes_of_a_mesh_are_reported() {
     let variants = Variants::new("left-out");
     let path = variants.0.0.join("loose.msh");
     let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"rock\"\n$EndPhysicalNames\n$Nodes\n6\n1 0 0 0\n2 9 0 0\n3 0 9 0\n4 0 0 9\n5 0 0 -9\n6 5 5 5\n$EndNodes\n$Elements\n3\n1 4 2 1 1 1 2 3 4\n2 4 2 0 2 1 3 2 5\n3 15 2 0 3 6\n$EndElements\n";

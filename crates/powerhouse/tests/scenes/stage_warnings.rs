@@ -127,7 +127,7 @@ fn found(text: &str) -> (Results, Vec<Remark>) {
 /// An in-situ stress that is not in equilibrium with gravity has a warning with the unbalanced force over the load; one in
 /// equilibrium, and a first stage with excavation, have none.
 #[test]
-fn a_stress_that_contradicts_gravity_is_told() {
+fn a_stress_that_contradicts_gravity_is_warned_of() {
     let share_of = |text: &str| {
         let (results, warnings) = found(text);
         let told = warnings.iter().find_map(|warning| match warning {
@@ -164,7 +164,7 @@ fn a_stress_that_contradicts_gravity_is_told() {
 /// Accelerations with too long sampling intervals have warnings, in histories and envelopes; those with sufficient ones
 /// have none.
 #[test]
-fn rare_samples_are_told() {
+fn rare_samples_are_warned_of() {
     let push = "[[load]]\nkind = \"nodal\"\nset = \"top\"\nforce = [1e4, 0, 0]\nfunction = { kind = \"ricker\", frequency = 10, delay = 0.15 }\n";
     for (every, rare) in [(0.002, false), (0.006, false), (0.06, true)] {
         let text = [&ground(), push].concat().replacen(

@@ -294,7 +294,7 @@ fn stages_of_a_file_are_those_of_rust() {
 /// After stages with excavation, lining, bolts, a load and a seam the body does not move when its supports become
 /// absorbing faces without input; its stress is that of the ground. The same holds for a seam through periodic sides.
 #[test]
-fn a_staged_body_without_input_stands_still() {
+fn a_staged_body_without_input_does_not_move() {
     let mesh = mesh();
     let folder = folder(&mesh);
     let seam = r#"
@@ -391,7 +391,7 @@ fn seen(scene: Scene) -> (Vec<Seen>, Results) {
 /// The result of a stage contains the in-situ stress, the active elements and the bolts; elements that are first cast in
 /// a stage are inactive before.
 #[test]
-fn stages_are_shown_as_they_come_to_rest() {
+fn stages_are_shown_as_they_reach_equilibrium() {
     let mesh = mesh();
     let field = StressField {
         surface: 12.0,
@@ -456,7 +456,7 @@ fn a_stage_without_rest_is_named() {
     let text = [MATERIALS, floating].concat();
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let Err(Error::Scene(fault)) = simulation.run(RunHooks::default()) else {
-        panic!("a body without supports came to rest")
+        panic!("a body without supports reached equilibrium")
     };
     let line = text
         .lines()

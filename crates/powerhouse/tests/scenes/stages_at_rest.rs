@@ -63,7 +63,7 @@ impl StageSink for Raise {
         self.0.store(true, Ordering::Relaxed);
     }
     fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
-        panic!("{} has come to rest", stage.report.name)
+        panic!("{} has reached static equilibrium", stage.report.name)
     }
 }
 

@@ -222,7 +222,7 @@ fn composed_scenes_are_guarded_too() {
 
 /// A side that is neither absorbing nor supported has a warning with its area; a supported one has none.
 #[test]
-fn a_forgotten_side_is_told() {
+fn a_forgotten_side_is_warned_of() {
     let open = scene_of(
         wave(vertical(WaveKind::SV)),
         &["left", "right", "front", "bottom"],

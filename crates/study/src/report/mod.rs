@@ -8,12 +8,12 @@
 //! follow the light or dark scheme of the reader.
 
 mod charts;
-mod doubts;
 mod forces;
 mod fourier;
 mod page;
 mod paper;
 mod repetition;
+mod run_warnings;
 mod single;
 mod spectra;
 mod sweep;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::doubts::RunWarnings;
 use super::page::{Page, Table};
+use super::run_warnings::RunWarnings;
 use super::{read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;

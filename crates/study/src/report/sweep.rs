@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use powerhouse::file_name;
 use powerhouse::io::{TableColumn, read_table};
 
-use super::doubts::RunWarnings;
 use super::page::Page;
+use super::run_warnings::RunWarnings;
 use super::spectra::FloorSpectra;
 use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables};
 use crate::StudyError;

@@ -83,7 +83,7 @@ impl Files {
 }
 
 impl Variant {
-    /// What the change saves of the scene as it stands; nothing if either run has too few steps to be timed.
+    /// The saving by the change against the unchanged scene; `None` if either run has too few steps to be timed.
     ///
     /// # Errors
     /// The change with the reason, if the changed scene is refused.

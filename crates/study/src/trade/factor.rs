@@ -299,8 +299,8 @@ fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
         .as_table()?
         .get(keys::KIND)?
         .as_str()?;
-    let stands = |name: &&str| registry.boundary_without_keys(name).is_some();
-    let added = registry.added_boundary_names().filter(stands);
+    let needs_no_keys = |name: &&str| registry.boundary_without_keys(name).is_some();
+    let added = registry.added_boundary_names().filter(needs_no_keys);
     let dashpots = (!registry
         .added_boundary_names()
         .any(|name| name == keys::VISCOUS))

@@ -20,7 +20,7 @@
 //! With cracking, impact or slip the motion of a scene may depend sensitively on its input: two runs that differ only
 //! by rounding then diverge completely. The error of such a history does not characterise a numerical option. Where
 //! laws or joints have history variables and there are incident waves, the reference is therefore repeated in a
-//! perturbation test, under waves larger by a millionth, far below the accuracy of any record. Histories that change by
+//! perturbation test, under waves of 1 + 1e-6 times the amplitude, far below the accuracy of any record. Histories that change by
 //! more than half of the permitted error (by a hundredth without one) are reported with this change and excluded.
 //!
 //! History variables are measured against at least a tenth of the largest norm of the same variable, since the relative

@@ -12,7 +12,7 @@ use crate::StudyError;
 /// Relative increase of the waves; records are accurate to a thousandth at best.
 pub(super) const PERTURBATION: f64 = 1e-6;
 /// Name of the run of the perturbation test.
-pub(super) const PERTURBED: &str = "reference under waves larger by a millionth";
+pub(super) const PERTURBED: &str = "reference under waves of 1 + 1e-6 times the amplitude";
 /// Suffix of its folder, after the name of that of the reference.
 const FOLDER: &str = "nudged";
 /// Greatest change of a history: over the permitted error, without a permitted error, and, as a lower limit, over the
@@ -255,7 +255,7 @@ mod tests {
         );
     }
 
-    /// Under waves larger by a millionth a steadily yielding block hardly changes; all of its histories count.
+    /// Under waves of 1 + 1e-6 times the amplitude a steadily yielding block hardly changes; all of its histories count.
     #[test]
     fn steady_yielding_is_not_sensitive() {
         let (_folder, mut trade) = trade("steady", YIELDING, None);

@@ -89,7 +89,7 @@ impl TradeCase {
 pub struct SensitiveHistory {
     /// Name of the history, such as `crown [m/s2]`.
     pub history: String,
-    /// Relative L2 change of the history in the reference under waves larger by a millionth.
+    /// Relative L2 change of the history in the reference under waves of 1 + 1e-6 times the amplitude.
     pub change: f64,
 }
 

@@ -52,7 +52,7 @@ struct Beam<M> {
 fn shaken<M: ConstitutiveLaw>(
     beam: Beam<M>,
     steps: u64,
-    booked: bool,
+    balanced: bool,
 ) -> (Vec<u64>, Vec<(&'static str, f64)>) {
     let boxed = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 2.0, 8.0), [4, 4, 16], "rock");
     let shift = |x: &Vec3| Vec3::new((3.0 * x.y).sin(), (2.0 * x.z).cos(), (2.5 * x.x).sin());
@@ -73,7 +73,7 @@ fn shaken<M: ConstitutiveLaw>(
     let rest = vec![Vec3::zeros(); mesh.node_count()];
     model.set_initial(&rest, &velocities).unwrap();
     let mut options = RunOptions::steps(steps).with_step(StepChoice::Unchecked(2e-5));
-    if booked {
+    if balanced {
         options = options.with_energy(EnergyCheck::every(10));
     }
     let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
@@ -89,14 +89,14 @@ fn shaken<M: ConstitutiveLaw>(
 fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
     let mut spent = 0.0_f64;
     for steps in [40, 120, 400] {
-        let of = |booked| {
+        let of = |balanced| {
             let law = law.clone();
             let beam = Beam {
                 kernel,
                 law,
                 damping: stiffness,
             };
-            shaken(beam, steps, booked)
+            shaken(beam, steps, balanced)
         };
         let asking = Beam {
             kernel,
@@ -104,8 +104,12 @@ fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
             damping: stiffness,
         };
         let asked = shaken(asking, steps, true);
-        let (booked, free) = (of(true), of(false));
-        assert!(booked.0 == free.0 && booked.0 == asked.0, "{}", law.name());
+        let (balanced, free) = (of(true), of(false));
+        assert!(
+            balanced.0 == free.0 && balanced.0 == asked.0,
+            "{}",
+            law.name()
+        );
         let column = |energies: &[(&str, f64)], name: &str| {
             energies
                 .iter()
@@ -113,15 +117,15 @@ fn check<M: ConstitutiveLaw>(kernel: SolidKernel, law: &M, stiffness: f64) {
                 .unwrap()
                 .1
         };
-        let initial = column(&booked.1, "initial");
-        for (name, energy) in &booked.1 {
+        let initial = column(&balanced.1, "initial");
+        for (name, energy) in &balanced.1 {
             let other = column(&asked.1, name);
             let off = (energy - other).abs() / initial;
             assert!(off < 1e-13, "{} {name}: {energy} {other}", law.name());
         }
-        let residual = column(&booked.1, "residual").abs() / initial;
+        let residual = column(&balanced.1, "residual").abs() / initial;
         assert!(residual < 1e-12, "{}: {residual}", law.name());
-        spent = column(&booked.1, "plastic") + column(&booked.1, "damage");
+        spent = column(&balanced.1, "plastic") + column(&balanced.1, "damage");
         spent /= initial;
     }
     assert!(spent > 1e-3 && spent < 0.5, "{}: {spent}", law.name());
