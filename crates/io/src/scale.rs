@@ -66,7 +66,7 @@ impl Scale {
             decimals: decimals.max(0) as usize,
         }
     }
-    #[cfg(feature = "pictures")]
+    #[cfg(feature = "plots")]
     /// Position of a number of the data: 0 at the low end, 1 at the high end.
     pub(crate) fn share(&self, value: f64) -> f64 {
         self.share_of_mark(over(value, self.exponent))
