@@ -27,7 +27,7 @@ use super::RunTiming;
 use crate::trade::{Misfit, columns, misfits};
 
 /// Share of a run's wall time that is spent on its window, and least wall time of all windows together.
-const SHARE: f64 = 0.02;
+const SHARE: f64 = 0.015;
 const LEAST: Duration = Duration::from_millis(1200);
 /// Instants at which the incident field is sampled.
 const INSTANTS: usize = 4000;
