@@ -53,7 +53,7 @@ fn errors_of_sweeps_and_reports_have_one_line() {
         ),
         (
             vec!["run", &scene("wang_2019.toml"), "--case", "flat"],
-            "no case 'flat', only sv-00",
+            "no case 'flat'; its cases are: sv-00",
         ),
         (
             vec!["report", &scene("nothing")],
@@ -283,7 +283,7 @@ fn check_warns_by_its_status() {
         "steps, about",
         " memory, at most ",
         "the highest frequency that 'rock' resolves",
-        "warning: the run ends at 1.000 s, before record 'el-centro-ns' at 20.000 s",
+        "warning: the run ends at 1.000 s, before record 'el-centro-ns' ends at 20.000 s",
     ] {
         assert!(printed.contains(passage), "{passage}: {printed}");
     }

@@ -331,7 +331,7 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     /// Checks a width of an element along the normal of a crack (m) before a run; every width is accepted by
     /// default.
     ///
-    /// Engines check the greatest and the least width of all directions ([`Extents::principal`]) of every
+    /// Engines check the greatest and the least width of all directions ([`Extents::principal`](crate::Extents::principal)) of every
     /// element; a law that accepts both accepts all between.
     ///
     /// # Errors

@@ -100,6 +100,6 @@ fn joints_have_warnings() {
         panic!("{found:?}")
     };
     assert_eq!(joint, "bedding");
-    assert!(found[0].to_string().contains("5 pairs"));
+    assert!(found[0].to_string().contains("5 node pairs"));
     assert_eq!(warnings_of(&cut(Tied, |_| {}, &["bottom", "left"])), []);
 }

@@ -651,7 +651,7 @@ fn what_the_model_refuses_has_a_place_too() {
         (
             "[time]",
             "[[support]]\nkind = \"fixed\"\nset = \"left\"\n[[support]]\nkind = \"prescribed\"\nset = \"left\"\ndisplacement = 1\ndirection = §[1, 0, 0]\n[time]",
-            "already held or prescribed",
+            "already fixed or prescribed",
         ),
     ] {
         let (before, after) = new.split_once('§').unwrap();

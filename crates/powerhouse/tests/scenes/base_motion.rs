@@ -166,7 +166,7 @@ fn leads_and_ends_are_said() {
         )),
         "{line}"
     );
-    let short = |line: &&(bool, String)| line.0 && line.1.contains("before record 'r0' at");
+    let short = |line: &&(bool, String)| line.0 && line.1.contains("before record 'r0' ends at");
     assert!(!lines.iter().any(|line| short(&line)), "{lines:?}");
     let lines = said(8.0);
     let line = &lines.iter().find(short).unwrap().1;

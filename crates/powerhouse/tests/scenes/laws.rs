@@ -444,7 +444,7 @@ fn warnings_are_reported() {
     for passage in [
         "part 'rock': the tensile strength of 1.3000e6 Pa is beyond the apex",
         "a uniaxial compressive strength of 4.7167e6 Pa, not the listed 3.5000e7 Pa",
-        "part 'rock' of the law 'mohr-coulomb' touches an absorbing face",
+        "part 'rock' with the law 'mohr-coulomb' touches an absorbing face",
     ] {
         assert!(
             told.iter().any(|t| t.contains(passage)),

@@ -185,12 +185,12 @@ fn magnitudes_beyond_the_usual_are_refused() {
         (
             "poisson = 0.27",
             "poisson = -0.99",
-            "poisson = -0.99 is beyond",
+            "poisson = -0.99 is outside the usual range",
         ),
         (
             "poisson = 0.27",
             "poisson = 0.49999",
-            "poisson = 0.49999 is beyond",
+            "poisson = 0.49999 is outside the usual range",
         ),
         (
             "displacement = 0.01",
@@ -312,7 +312,7 @@ fn what_is_of_no_use_is_refused() {
         (
             "kernel = \"hex8-full\"",
             "rim = 1e300".into(),
-            "rim = 1e300 m is beyond",
+            "rim = 1e300 m is outside the usual range",
         ),
         (
             "at = [150, 150, 0]",
@@ -670,9 +670,9 @@ fn files_are_text_and_have_an_end() {
             .map(|_| ())
             .unwrap_err()
             .to_string();
-        assert!(told.contains("no regular file"), "{told}");
+        assert!(told.contains("is not a regular file"), "{told}");
         let told = fault_of_file(&variants, "cube.msh", device);
-        assert!(told.contains("no regular file"), "{told}");
+        assert!(told.contains("is not a regular file"), "{told}");
     }
 }
 
