@@ -4,5 +4,6 @@ mod bits;
 mod bonded_cavern;
 mod books;
 mod direction;
+mod graded;
 mod joints;
 mod laws;

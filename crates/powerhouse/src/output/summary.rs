@@ -2,7 +2,7 @@
 
 use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use powerhouse_explicit_core::{Ended, StageReport};
-use powerhouse_model::{LimitingTerm, Mesh};
+use powerhouse_model::Mesh;
 use serde::Serialize;
 
 use super::{BoltForces, Results};
