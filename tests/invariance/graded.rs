@@ -108,7 +108,7 @@ fn shaken(
     options.damping.stiffness = 1e-5;
     let mut builder = Model::builder(mesh);
     for (set, material) in parts {
-        builder = builder.elements(set, kernel.factory(set, material, options));
+        builder = builder.elements(set.as_str(), kernel.factory(set, material, options));
     }
     let mut model = builder.threads(1).build().unwrap();
     let velocity = |x: &Vec3| Vec3::new((0.7 * x.z).sin(), 0.3 * (0.4 * x.z).cos(), 0.1 * x.x);
