@@ -143,6 +143,46 @@ impl PointLaw for PointByPoint {
     }
 }
 
+/// Soil without history whose reference strain grows with depth, in one law for the whole column.
+#[derive(Clone)]
+struct Graded {
+    soil: Hyperbolic,
+    /// Growth of the reference strain with depth (1/m), relative to that at the surface.
+    growth: f64,
+}
+
+impl ConstitutiveLaw for Graded {
+    fn name(&self) -> &str {
+        "graded"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.soil.medium
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &[]
+    }
+    // Without it there is no position.
+    fn uses_location(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+        let [.., xy, yz, zx] = input.strain.0;
+        let strain = xy.mul_add(xy, yz.mul_add(yz, zx * zx)).sqrt();
+        let [_, _, z] = input.position();
+        let one = z.constant(1.0);
+        let relative = one - z * z.constant(self.growth);
+        let reference = relative * z.constant(self.soil.reference_strain);
+        let share = reference / (reference + strain);
+        let (lambda, shear) = (self.soil.medium.lambda(), self.soil.medium.shear());
+        let mut stress = Stress::elastic(xy.constant(lambda), xy.constant(shear), &input.strain);
+        for shear in &mut stress.0[3..] {
+            *shear = share * *shear;
+        }
+        stress
+    }
+}
+
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 const DEPTH: f64 = 40.0;
@@ -214,6 +254,25 @@ fn figures() -> Outcome<Figures> {
         strong,
         "a strong wave arrives late and changed",
     );
+
+    // A reference strain that grows with depth: between elastic and uniformly soft soil.
+    let graded = |growth: f64| {
+        Material::new(Graded {
+            soil: Hyperbolic {
+                medium: soil,
+                reference_strain: 1e-3,
+            },
+            growth,
+        })
+    };
+    let uniform = surface_motion(softening(), 0.05)?;
+    let same = difference(&uniform, &surface_motion(graded(0.0), 0.05)?);
+    figures.at_most("own_law.graded.uniform", same, 1e-9);
+    let stiffer = difference(
+        &surface_motion(elastic(), 0.05)?,
+        &surface_motion(graded(1.0), 0.05)?,
+    );
+    figures.at_most("own_law.graded.over_uniform", stiffer / strong, 0.9);
 
     let law = || {
         SofteningSoil(Hyperbolic {

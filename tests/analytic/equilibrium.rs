@@ -191,7 +191,7 @@ fn unsupported_bodies_are_errors() {
     );
     let pin = ground.face_nodes("bottom")[0];
     let (_, _, motion) = refused(ground.free().support(Support::fixed(vec![pin])));
-    assert!(motion.starts_with("turn about"), "{motion}");
+    assert!(motion.starts_with("rotate about"), "{motion}");
 }
 
 /// A quarter of a ring around a hole: inner radius 1 m, elements growing outwards, one layer.

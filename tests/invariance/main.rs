@@ -4,5 +4,6 @@ mod bits;
 mod bonded_cavern;
 mod direction;
 mod energy_balance;
+mod graded;
 mod joints;
 mod laws;

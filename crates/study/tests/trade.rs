@@ -465,7 +465,7 @@ fn a_level_that_fails_is_left_out() {
         report
             .failed
             .iter()
-            .all(|(_, why)| why.contains("energy ledger"))
+            .all(|(_, why)| why.contains("energy balance"))
     );
     let named = |factor: &Factor| factor.name == "precision";
     let precision = report.factors.iter().position(named).unwrap();
@@ -506,7 +506,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
         panic!("{:?}", report.failed);
     };
     assert_eq!(name, "statics a hundredth");
-    assert!(why.contains("out of balance"), "{why}");
+    assert!(why.contains("unbalanced forces"), "{why}");
     // A study that continues from the reference computes the stages of its second run with the same tolerance.
     let folders = std::fs::read_dir(folder.0.join("out")).unwrap();
     let nudged = folders.map(|entry| entry.unwrap().path());

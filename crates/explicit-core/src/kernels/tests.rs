@@ -1,4 +1,4 @@
-//! What every kernel must do, on distorted elements.
+//! Properties of every kernel, on distorted elements.
 
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 use powerhouse_model::{ElasticMedium, ElementKernel, Geometry, Mat3, Strain, Stress, Vec3};
@@ -171,6 +171,20 @@ fn mean_gradients(corners: &[Vec3; 8]) -> (f64, [Vec3; 8], [f64; 8]) {
     )
 }
 
+/// Corners of a regular element with `N` nodes, away from the origin; edges along the axes.
+fn affine<const N: usize>() -> [Vec3; N] {
+    let kind = match N {
+        8 => ElementKind::Hex8,
+        6 => ElementKind::Wedge6,
+        _ => ElementKind::Tet4,
+    };
+    let corners = kind.natural_corners();
+    core::array::from_fn(|a| {
+        let natural = Vec3::from(corners[a]);
+        natural.component_mul(&Vec3::new(1.5, 0.8, 2.0)) + Vec3::new(3.0, -2.0, 5.0)
+    })
+}
+
 macro_rules! kernel_tests {
     ($module:ident, $kernel:expr, $corners:expr, $nodes:literal, $points:literal) => {
         mod $module {
@@ -217,6 +231,34 @@ macro_rules! kernel_tests {
                     let exact = stress * gradient;
                     let error = (Vec3::from(forces[a]) - exact).norm();
                     assert!(error < 1e-11 * stress.norm(), "{error}");
+                }
+            }
+
+            /// The positions of the integration points, weighted by their volumes, have the mean of the corners
+            /// of a parallelepiped or tetrahedron, its centroid; and where an element has several points, a
+            /// shear strain that grows linearly has at each point the value of its position.
+            #[test]
+            fn points_are_where_strains_are_taken() {
+                let regular = Element::new::<$points>($kernel, affine::<$nodes>());
+                let positions = regular.kernel.point_positions(&regular.corners);
+                let volumes = regular.kernel.volumes(regular.geometry());
+                let volume: f64 = volumes.iter().sum();
+                let mut centroid = Vec3::zeros();
+                for (position, share) in positions.iter().zip(volumes) {
+                    centroid += position * (share / volume);
+                }
+                let mean = regular.corners.iter().sum::<Vec3>() / $nodes as f64;
+                assert!((centroid - mean).norm() < 1e-13, "{centroid} {mean}");
+                if $points > 1 {
+                    let nodal = regular.nodal(|x| Vec3::new(0.0, x.x * x.z, 0.0));
+                    for (strain, position) in
+                        regular.strains::<$points>(&nodal).iter().zip(positions)
+                    {
+                        assert!(
+                            (strain.0[3] - position.z).abs() < 1e-13,
+                            "{strain:?} {position}"
+                        );
+                    }
                 }
             }
 

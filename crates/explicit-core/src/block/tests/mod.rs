@@ -2,6 +2,7 @@
 
 mod elastic;
 mod invariance;
+mod location;
 mod remaining;
 mod state;
 
