@@ -13,7 +13,9 @@ const SAFETY: f64 = 0.98;
 pub struct StableStep {
     /// Stable step (s): 0.98 of the stability limit of the assembled model with damping.
     pub step: f64,
-    /// Stability limit of the assembled model without damping (s), `2 / w` with the highest frequency `w` (rad/s).
+    /// Stability limit of central differences for the undamped assembled elastic model (s), `2 / w` with the highest
+    /// angular frequency `w` (rad/s): joints open, boundary impedances left out. If the Lanczos method did not converge,
+    /// `w` is at least the highest frequency of a single element.
     pub assembled_limit: f64,
     /// Least stability bound of a single element, damping included (s); infinite if the blocks
     /// report no element bounds.

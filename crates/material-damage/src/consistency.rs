@@ -230,7 +230,7 @@ fn of_compression(surface: &impl YieldSurface, listed: Option<f64>) -> Option<Fi
 }
 
 impl Finding {
-    /// Unusual value of an elastic medium, if there is one.
+    /// Finding of near incompressibility: Poisson's ratio above 0.49; `None` for other media.
     pub fn of_medium(medium: &ElasticMedium) -> Option<Self> {
         let poisson = medium.poisson;
         (poisson > NEARLY_INCOMPRESSIBLE).then_some(Self::NearlyIncompressible { poisson })

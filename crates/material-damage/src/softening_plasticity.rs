@@ -39,7 +39,8 @@ pub struct SofteningPlasticityParameters<S> {
     pub surface: S,
     /// Rate at which its strength falls.
     pub fall: StrengthFall,
-    /// Residual strength ratio `q` (1), 0.001 to 1.
+    /// Residual strength ratio `q` (1), 0.001 to 1: share of all strengths of the surface (cohesion and cut-off of
+    /// Mohr-Coulomb) that is left after complete softening; 1 for no softening.
     pub residual_strength: f64,
 }
 

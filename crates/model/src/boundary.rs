@@ -38,7 +38,7 @@ pub struct SiteNode {
 /// Geometry, ground and incident field from which an absorbing boundary is built.
 #[non_exhaustive]
 pub struct BoundarySite<'a> {
-    /// Names of the faces of the boundary.
+    /// Names of the absorbing faces, to which `SiteFace::face` is an index; in scenes their facet sets.
     pub faces: Vec<String>,
     /// Nodes with their tributary areas, each node once.
     pub nodes: Vec<SiteNode>,

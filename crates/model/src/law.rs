@@ -183,7 +183,8 @@ impl<L: Lane> RemainingStiffness<L> {
         self.hourglass = share;
         self
     }
-    /// The same with an increment of plastic strain, components xx yy zz xy yz zx, engineering shears.
+    /// The same with the plastic strain increment of the step, which stiffness damping leaves out: components xx yy zz
+    /// xy yz zx, engineering shears.
     #[inline(always)]
     #[must_use]
     pub fn with_plastic_strain_increment(mut self, increment: [L; 6]) -> Self {

@@ -78,7 +78,8 @@ pub struct DampingCost {
     pub deviation: f64,
     /// Wave speeds at the lowest and highest frequency of the band, over that of the material.
     pub speeds: [f64; 2],
-    /// Static stiffness, as in construction stages, over that of the material.
+    /// Ratio of the relaxed (static) modulus to the material's modulus, which holds at the reference frequency (1); it
+    /// acts in construction stages.
     pub static_stiffness: f64,
     /// Stable step of an element over that without damping.
     pub step: f64,

@@ -189,7 +189,7 @@ fn read(path: &Path) -> Result<Arc<SceneText>, Error> {
 }
 
 impl PointPath {
-    /// Reads a path from a file.
+    /// Reads the strain and stress path (loading path) of a single-point test from a TOML file.
     ///
     /// # Errors
     /// File that cannot be read, or a fault in it with line and column.

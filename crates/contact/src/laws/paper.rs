@@ -15,7 +15,7 @@ pub struct PaperParameters {
     pub tensile_strength: f64,
     /// Static friction coefficient `mu_s`; the paper gives none.
     pub static_friction: f64,
-    /// Dynamic friction coefficient `mu_d`, at most `mu_s`; the paper gives none.
+    /// Dynamic friction coefficient `mu_d` (1), at most `mu_s`; Wang, Chen & Xiao (2019) give no value.
     pub dynamic_friction: f64,
 }
 

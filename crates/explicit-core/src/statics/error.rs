@@ -84,7 +84,7 @@ pub enum StaticError {
         /// Cause of the failure.
         reason: String,
     },
-    /// Tied nodes with different prescribed motions.
+    /// Different prescribed motions of nodes that a static solution connects: by a tie, or as a pair of a closed joint.
     #[error("node {node} is tied to a node with another prescribed motion")]
     TiedMotions {
         /// Number of the node.

@@ -101,7 +101,8 @@ pub struct SceneFile {
     /// in the run.
     #[serde(rename = "support", default)]
     pub supports: Vec<At<Support>>,
-    /// Loads: gravity, pressures, tractions and nodal forces, in all stages and in the run.
+    /// Loads: gravity, pressures, water pressures, tractions and nodal forces, in force from the first stage on and in
+    /// the run, unless `removed_in` names the stage that removes them.
     #[serde(rename = "load", default)]
     pub loads: Vec<At<Load>>,
     /// In-situ stress of the ground before the first construction stage; zero by default.
@@ -127,8 +128,9 @@ pub struct SceneFile {
     /// Output requests: histories, section forces, envelopes, snapshots and their intervals.
     #[serde(default)]
     pub output: Output,
-    /// Tolerance of the free-field check: the largest permitted relative L2 error of the velocity. If given, a
-    /// run first computes the scene's box without the structure and stops above this error. No check by default.
+    /// Tolerance of the free-field check: largest permitted relative L2 error of velocity, computed against incident
+    /// field, at the middle of the top and at the scatterer. Before the scene, `powerhouse run` and sweeps run a box of
+    /// the mesh's extent, without structure and damping, and stop above this error. No check by default.
     pub self_check: Option<At<Positive>>,
     /// Cases of a sweep: variants of the scene, each with the keys that it changes. A run of the scene itself
     /// ignores them.

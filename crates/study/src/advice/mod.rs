@@ -135,7 +135,9 @@ pub struct BoundaryAdvice {
     pub farther: Option<FartherFaces>,
     /// Numbers of elements of the substitute model and of its extended reference; `None` if nothing scatters.
     pub model: Option<[usize; 2]>,
-    /// Highest frequency (Hz) that the substitute model resolves.
+    /// Highest frequency of the prediction (Hz): under waves that of the scene's motion, or the highest that the
+    /// substitute model resolves if that is lower; under loads the shear wave speed over the scatterer's radius; without
+    /// a scatterer over the least distance of a face.
     pub highest: f64,
     /// Boundaries of the scene's registry that are no candidates, and why.
     pub left_out: Vec<LeftOut>,

@@ -189,7 +189,7 @@ pub struct FormatError {
 }
 
 impl FormatError {
-    /// Whether the error is unknown or above the documented one.
+    /// Whether the error of the number format in this scene is unknown, or above its documented error.
     #[must_use]
     pub fn needs_warning(&self) -> bool {
         let share = self.error.share;

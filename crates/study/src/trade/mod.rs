@@ -229,7 +229,7 @@ impl Trade {
         self.mesh_error = true;
         self
     }
-    /// Counts all histories, including those with sensitive dependence on the input, without the perturbation test.
+    /// Includes all histories in the errors, also those with sensitive dependence on the input: no perturbation test.
     #[must_use]
     pub fn with_every_history(mut self) -> Self {
         self.perturbation = None;
