@@ -25,8 +25,8 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use powerhouse::boundary::Viscous;
-use powerhouse::engine::Support;
 use powerhouse::engine::observe::Motion;
+use powerhouse::engine::{AnyLaw, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{
     ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh, PointLaw,
@@ -119,27 +119,6 @@ impl ConstitutiveLaw for SofteningSoil {
         let (before, after) = (self.left(input.history[0]), self.left(new_history[0]));
         let stored = after.mul_add(sheared, normal);
         Some(LawEnergy::stored(stored).with_damage(sheared * (before - after)))
-    }
-}
-
-/// The same law one point at a time, as a law for one integration point.
-struct PointByPoint(SofteningSoil);
-
-impl PointLaw for PointByPoint {
-    fn name(&self) -> &str {
-        "point by point"
-    }
-    fn medium(&self) -> ElasticMedium {
-        ConstitutiveLaw::medium(&self.0)
-    }
-    fn history(&self) -> &[HistoryVariable] {
-        &HISTORY
-    }
-    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
-        ConstitutiveLaw::stress_change(&self.0, input, new_history)
-    }
-    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
-        ConstitutiveLaw::energy(&self.0, input, new_history)
     }
 }
 
@@ -281,7 +260,7 @@ fn figures() -> Outcome<Figures> {
         })
     };
     let wide = shake(Material::new(law()), 0.05)?;
-    let narrow = shake(Material::from_point_law(PointByPoint(law())), 0.05)?;
+    let narrow = shake(Material::from_point_law(AnyLaw::new(law())), 0.05)?;
     let column = |results: &Results, name: &str| -> Outcome<Vec<f64>> {
         let column = results.histories.column(name).ok_or("no column")?;
         Ok(column.values.clone())

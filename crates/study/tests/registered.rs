@@ -1,20 +1,22 @@
 //! What a program registers, laws, boundaries and kernels, is known to every study of a scene.
 
-use std::path::PathBuf;
+mod block;
+
 use std::sync::Arc;
 
 use powerhouse::boundary::Viscous;
 use powerhouse::engine::Hex8Full;
-use powerhouse::io::write_gmsh;
 use powerhouse::model::{
-    AbsorbingBoundary, BoundaryParts, BoundarySite, ElasticMedium, HistoryVariable, LawInput, Mesh,
-    ModelError, PointLaw, Stress, Vec3,
+    AbsorbingBoundary, BoundaryParts, BoundarySite, ElasticMedium, HistoryVariable, LawInput,
+    ModelError, PointLaw, Stress,
 };
 use powerhouse::{Kernel, Material, Registry, Scene};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::sweep::Sweep;
 use powerhouse_study::trade::{Goal, NoProgress, Trade};
 use powerhouse_study::{advise_boundary, check, registry, sweep};
+
+use block::Folder;
 
 /// Soil whose shear modulus falls with the shear strain (Hardin & Drnevich 1972).
 #[derive(Clone)]
@@ -119,33 +121,9 @@ at = [60, 60, 60]
 quantities = ["displacement"]
 "#;
 
-struct Folder(PathBuf);
-
 impl Folder {
-    fn new(name: &str, scene: &str) -> Self {
-        let name = format!("powerhouse-registered-{name}-{}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        let size = Vec3::repeat(120.0);
-        let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 4, 4], "rock").unwrap();
-        write_gmsh(path.join("mesh.msh"), &mesh).unwrap();
-        std::fs::write(path.join("scene.toml"), scene).unwrap();
-        Self(path)
-    }
-    fn scene(&self) -> PathBuf {
-        self.0.join("scene.toml")
-    }
-    fn out(&self) -> Option<PathBuf> {
-        Some(self.0.join("out"))
-    }
     fn read(&self) -> Scene {
         Scene::from_file_with(self.scene(), &own()).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
@@ -153,8 +131,8 @@ impl Drop for Folder {
 /// run again when the version of the registry changes, and not before.
 #[test]
 fn a_registered_law_is_swept() {
-    let folder = Folder::new("sweep", &format!("{SCENE}[[case]]\nname = \"whole\"\n"));
-    assert!(Sweep::of_file(folder.scene(), folder.out()).is_err());
+    let folder = Folder::new("sweep", &format!("{SCENE}[[case]]\nname = \"whole\"\n"), 4);
+    assert!(Sweep::of_file(folder.scene(), Some(folder.out())).is_err());
     /// Counts the cases that were finished before.
     #[derive(Default)]
     struct Kept(usize);
@@ -164,7 +142,7 @@ fn a_registered_law_is_swept() {
         }
     }
     let kept = |registry: &Registry| {
-        let sweep = Sweep::of_file_with(folder.scene(), folder.out(), registry).unwrap();
+        let sweep = Sweep::of_file_with(folder.scene(), Some(folder.out()), registry).unwrap();
         let mut watch = Kept::default();
         let outcomes = sweep.run(None, &mut watch).unwrap();
         assert_eq!(outcomes.len(), 1);
@@ -180,8 +158,8 @@ fn a_registered_law_is_swept() {
 /// registered law, and are run.
 #[test]
 fn registered_parts_are_traded() {
-    let folder = Folder::new("trade", SCENE);
-    let trade = Trade::of_file_with(folder.scene(), folder.out(), &own()).unwrap();
+    let folder = Folder::new("trade", SCENE, 4);
+    let trade = Trade::of_file_with(folder.scene(), Some(folder.out()), &own()).unwrap();
     let mut trade = (trade.window(0.2).only(&["boundary", "kernel"]).unwrap()).with_every_history();
     let levels = |name: &str| -> Vec<String> {
         let mut factors = trade.factors().iter();
@@ -224,7 +202,7 @@ fn registered_parts_are_traded() {
 /// named with the reason.
 #[test]
 fn savings_know_registered_laws() {
-    let mixed = Folder::new("mixed", &format!("precision = \"mixed\"\n{SCENE}"));
+    let mixed = Folder::new("mixed", &format!("precision = \"mixed\"\n{SCENE}"), 4);
     let format = FormatError::of(&mixed.read()).unwrap().unwrap();
     let known = format.error.share.or(format.error.least);
     assert!(known.is_some_and(|error| error < 0.1), "{format:?}");
@@ -232,7 +210,7 @@ fn savings_know_registered_laws() {
     // Flat damping in series with a law for one point is not possible.
     let damping = "damping = { kind = \"rayleigh\", ratio = 0.01, frequencies = [1, 10] }\n";
     let damped = SCENE.replace("[[wave]]", &format!("{damping}[[wave]]"));
-    let damped = Folder::new("damped", &damped);
+    let damped = Folder::new("damped", &damped, 4);
     let report = check(damped.read()).unwrap();
     let refused: Vec<&Change> = report
         .refused
@@ -250,7 +228,7 @@ fn savings_know_registered_laws() {
 /// A registered boundary that does without keys is a candidate of advice; others are left out with the reason.
 #[test]
 fn a_registered_boundary_is_a_candidate() {
-    let folder = Folder::new("advice", SCENE);
+    let folder = Folder::new("advice", SCENE, 4);
     let advice = advise_boundary(&folder.read(), 0.05).unwrap();
     let mut candidates = advice.candidates.iter();
     let found = candidates.find(|candidate| candidate.kind.name() == "dashpots");

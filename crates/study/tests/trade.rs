@@ -1,6 +1,8 @@
 //! Trade studies: factors, runs, files, reuse of earlier runs.
 
-use std::path::{Path, PathBuf};
+mod block;
+
+use std::path::Path;
 use std::time::Duration;
 
 use powerhouse::io::write_gmsh;
@@ -10,6 +12,8 @@ use powerhouse_study::trade::{
     Factor, Goal, NoProgress, Quantity, Reference, Trade, TradeCase, TradeWatch,
 };
 use powerhouse_study::{StudyError, registry};
+
+use block::Folder;
 
 /// A block of ground under a wave.
 const SCENE: &str = r#"
@@ -43,30 +47,9 @@ at = [60, 60, 120]
 quantities = ["displacement", "velocity"]
 "#;
 
-struct Folder(PathBuf);
-
 impl Folder {
-    fn new(name: &str, scene: &str) -> Self {
-        let name = format!("powerhouse-trade-{name}-{}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        let size = Vec3::repeat(120.0);
-        let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [8, 8, 8], "rock").unwrap();
-        write_gmsh(path.join("mesh.msh"), &mesh).unwrap();
-        std::fs::write(path.join("scene.toml"), scene).unwrap();
-        Self(path)
-    }
-    fn scene(&self) -> PathBuf {
-        self.0.join("scene.toml")
-    }
     fn trade(&self) -> Trade {
-        Trade::of_file(self.scene(), Some(self.0.join("out"))).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        Trade::of_file(self.scene(), Some(self.out())).unwrap()
     }
 }
 
@@ -125,7 +108,7 @@ fn difference(scene: &Path, reference: &Path) -> f64 {
 /// nothing again. The written scene has the predicted error in a whole run.
 #[test]
 fn the_scene_of_a_trade_keeps_its_promise() {
-    let folder = Folder::new("error", SCENE);
+    let folder = Folder::new("error", SCENE, 8);
     let mut trade = folder.trade();
     let names: Vec<&str> = trade.factors().iter().map(|factor| factor.name).collect();
     assert_eq!(
@@ -204,7 +187,7 @@ fn the_scene_of_a_trade_keeps_its_promise() {
 /// well; less ground has a smaller error. A field of another medium has no closed form.
 #[test]
 fn ground_without_a_structure_has_a_closed_form() {
-    let folder = Folder::new("closed", SCENE);
+    let folder = Folder::new("closed", SCENE, 8);
     let trade = folder
         .trade()
         .window(0.2)
@@ -237,7 +220,7 @@ fn ground_without_a_structure_has_a_closed_form() {
         "material = \"rock\"\n[[wave]]",
         "material = \"rock\"\ndamping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 10] }\nrim = 0\n[[wave]]",
     );
-    let folder = Folder::new("damped", &damped);
+    let folder = Folder::new("damped", &damped, 8);
     let mut trade = folder
         .trade()
         .window(0.01)
@@ -276,10 +259,10 @@ fn disturbed_ground_has_no_closed_form() {
             "fixed",
         ),
     ] {
-        let folder = Folder::new(name, &format!("{SCENE}{section}"));
+        let folder = Folder::new(name, &format!("{SCENE}{section}"), 8);
         assert!(refused(&folder).contains(reason), "{name}");
     }
-    let hollow = Folder::new("hollow", SCENE);
+    let hollow = Folder::new("hollow", SCENE, 8);
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(120.0), [8, 8, 8], "rock").unwrap();
     let (low, high) = (Vec3::new(40.0, -1.0, 40.0), Vec3::new(80.0, 121.0, 80.0));
     let taken = mesh.elements_in_box(&low, &high);
@@ -294,7 +277,7 @@ fn disturbed_ground_has_no_closed_form() {
 /// of the compared quantities. Unknown factors and missing histories are errors before a run.
 #[test]
 fn all_combinations_of_some_factors_are_run() {
-    let folder = Folder::new("every", SCENE);
+    let folder = Folder::new("every", SCENE, 8);
     let trade = || folder.trade().window(0.2);
     let every = || trade().only(&["kernel", "precision"]).unwrap().exhaustive();
     let mut watch = Counted::default();
@@ -356,7 +339,7 @@ fn all_combinations_of_some_factors_are_run() {
     assert_eq!(report.reference_error, None);
     let stress = "quantities = [\"displacement\", \"stress\"]";
     let with_stress = SCENE.replace("quantities = [\"displacement\", \"velocity\"]", stress);
-    let of_stress = Folder::new("stress", &with_stress);
+    let of_stress = Folder::new("stress", &with_stress, 8);
     let closed = of_stress.trade().with_reference(Reference::ClosedForm);
     let mut closed = closed.comparing(&[Quantity::Stress]).unwrap();
     let refused = closed.run(Goal::Front, None, &mut NoProgress).unwrap_err();
@@ -417,7 +400,7 @@ fn ground_stays_where_it_is_needed() {
             0,
         ),
     ] {
-        let folder = Folder::new(&format!("ground-{name}"), &scene);
+        let folder = Folder::new(&format!("ground-{name}"), &scene, 8);
         let trade = folder.trade();
         let ground = trade
             .factors()
@@ -426,7 +409,7 @@ fn ground_stays_where_it_is_needed() {
         let levels = ground.map_or(0, |factor| factor.levels.len() - 1);
         assert_eq!(levels, left, "{name}");
     }
-    let folder = Folder::new("loaded", &load("top"));
+    let folder = Folder::new("loaded", &load("top"), 8);
     let mut trade = folder.trade().window(0.1).with_mesh_error();
     let refused = trade.run(Goal::Front, None, &mut NoProgress).unwrap_err();
     assert!(
@@ -450,7 +433,7 @@ fn a_level_that_fails_is_left_out() {
         "title = \"block\"",
         "title = \"block\"\nenergy_residual = 1e-9",
     );
-    let folder = Folder::new("failing", &strict);
+    let folder = Folder::new("failing", &strict, 8);
     let report = folder
         .trade()
         .run(Goal::Front, None, &mut NoProgress)
@@ -487,7 +470,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     let weak = "law = \"mohr-coulomb\"\ncohesion = 1e6\nfriction = 30\ndilation = 0";
     let staged = SCENE.replace("[[wave]]", stage);
     let staged = staged.replace("law = \"elastic\"", weak);
-    let folder = Folder::new("unreached", &staged);
+    let folder = Folder::new("unreached", &staged, 8);
     let run = || {
         let trade = folder.trade().window(0.3);
         let mut trade = trade.only(&["statics", "input"]).unwrap();
@@ -508,7 +491,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
     assert_eq!(name, "statics a hundredth");
     assert!(why.contains("unbalanced forces"), "{why}");
     // A study that continues from the reference computes the stages of its second run with the same tolerance.
-    let folders = std::fs::read_dir(folder.0.join("out")).unwrap();
+    let folders = std::fs::read_dir(folder.out()).unwrap();
     let nudged = folders.map(|entry| entry.unwrap().path());
     let mut nudged = nudged.filter(|path| path.to_string_lossy().ends_with("-nudged"));
     std::fs::remove_dir_all(nudged.next().unwrap()).unwrap();
@@ -519,7 +502,7 @@ load = [{ kind = "pressure", set = "top", pressure = 3.4815e6 }]
 #[test]
 fn a_failed_reference_is_reported_at_once() {
     let floating = "[[stage]]\nname = \"nothing\"\ntolerance = 0.02\n[[wave]]";
-    let folder = Folder::new("floating", &SCENE.replace("[[wave]]", floating));
+    let folder = Folder::new("floating", &SCENE.replace("[[wave]]", floating), 8);
     let mut watch = Failures::default();
     let mut trade = folder.trade().only(&["statics"]).unwrap();
     let error = trade.run(Goal::Front, None, &mut watch).err().unwrap();
@@ -541,7 +524,7 @@ impl TradeWatch for Failures {
 #[test]
 fn a_scene_without_histories_is_an_error() {
     let bare = SCENE.split("[[output.history]]").next().unwrap();
-    let folder = Folder::new("bare", bare);
+    let folder = Folder::new("bare", bare, 8);
     let refused = Trade::of_file(folder.scene(), None).err().unwrap();
     assert!(matches!(refused, StudyError::NoHistories), "{refused}");
 }

@@ -10,7 +10,7 @@ use super::{Fault, Problem};
 /// Text of a scene and its path.
 #[derive(Debug)]
 pub struct SceneText {
-    /// Path of the file, or a placeholder for a scene that was given as text.
+    /// Path of the file; of a scene that was given as text, the path that it was given under.
     pub path: PathBuf,
     /// Text of the scene.
     pub text: String,

@@ -1,5 +1,7 @@
 //! Factors of a trade study: numerical options of a scene, as edits of its file.
 
+use core::iter;
+
 use powerhouse::engine::{SolidKernel, StaticOptions};
 use powerhouse::model::ElementKind;
 use powerhouse::{Scene, keys};
@@ -299,13 +301,10 @@ fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
         .as_table()?
         .get(keys::KIND)?
         .as_str()?;
-    let needs_no_keys = |name: &&str| registry.boundary_without_keys(name).is_some();
-    let added = registry.added_boundary_names().filter(needs_no_keys);
-    let dashpots = (!registry
-        .added_boundary_names()
-        .any(|name| name == keys::VISCOUS))
-    .then_some(keys::VISCOUS);
-    let others = dashpots.into_iter().chain(added);
+    let added = registry.added_boundary_names();
+    let others = iter::once(keys::VISCOUS)
+        .chain(added.filter(|name| *name != keys::VISCOUS))
+        .filter(|name| registry.boundary_without_keys(name).is_some());
     let level = |kind: &str| {
         let takes = registry.boundary_keys(kind).unwrap_or_default();
         let kind = kind.to_owned();

@@ -1,9 +1,9 @@
 //! Locations of integration points, for laws with properties that vary in space.
 
-use powerhouse_model::{ElementKernel, PointAdapter, PointLaw};
+use powerhouse_model::{ElementKernel, PointAdapter};
 
 use super::*;
-use crate::{Hex8Full, Tet4, Wedge6};
+use crate::{AnyLaw, Hex8Full, Tet4, Wedge6};
 
 /// Isotropic damage with a stiffness and a threshold that vary in space: `d = k / (k + threshold)` by the
 /// largest norm `k` of the strain so far, with a modulus of 100 times the threshold times that of the medium.
@@ -76,27 +76,6 @@ impl ConstitutiveLaw for Graded {
         let lambda = any.constant(self.medium.lambda());
         let shear = any.constant(self.medium.shear());
         Stress::elastic(lambda, shear, &input.strain) * share
-    }
-}
-
-/// The same law as a law for one integration point.
-struct AtPoint(Graded);
-
-impl PointLaw for AtPoint {
-    fn name(&self) -> &str {
-        "graded"
-    }
-    fn medium(&self) -> ElasticMedium {
-        self.0.medium
-    }
-    fn history(&self) -> &[HistoryVariable] {
-        ConstitutiveLaw::history(&self.0)
-    }
-    fn uses_location(&self) -> bool {
-        ConstitutiveLaw::uses_location(&self.0)
-    }
-    fn stress_change(&self, input: &LawInput<f64>, new: &mut [f64]) -> Stress {
-        ConstitutiveLaw::stress_change(&self.0, input, new)
     }
 }
 
@@ -210,7 +189,7 @@ fn a_graded_law_has_the_bits_of_many_uniform_ones() {
             ] {
                 let expected = bits(expected);
                 let graded = law(threshold);
-                let point = PointAdapter::new(AtPoint(graded.clone()));
+                let point = PointAdapter::new(AnyLaw::new(graded.clone()));
                 let mut in_lanes = Fixture::of(mesh.clone(), kernel, graded, options);
                 let mut at_points = Fixture::of(mesh.clone(), kernel, point, options);
                 let name = kernel.name();
