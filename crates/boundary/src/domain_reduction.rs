@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ElementBlock, FieldMotion, IncidentField, Mesh,
-    ModelError, NodalLoad, Numbering, Operator, Vec3,
+    ModelError, NodalLoad, Operator, Vec3,
 };
 
 use crate::BoundaryError;
@@ -61,7 +61,7 @@ impl ReductionLayer {
     }
 
     /// Layer around the region `inside` (mesh indices of its elements). The block holds exactly the
-    /// layer's [`elements`](Self::elements); the numbering is the one the block was made with.
+    /// layer's [`elements`](Self::elements).
     ///
     /// # Errors
     /// [`BoundaryError::Layer`] if the block holds other elements, or if the layer has none.
@@ -72,7 +72,6 @@ impl ReductionLayer {
         mesh: &Mesh,
         inside: &[u32],
         block: &dyn ElementBlock,
-        numbering: &Numbering,
     ) -> Result<Self, BoundaryError> {
         let expected = Self::elements(mesh, inside);
         let mut found = block.elements().to_vec();
@@ -87,9 +86,9 @@ impl ReductionLayer {
         let index = |node: u32| nodes.partition_point(|&other| other < node) as u32;
         let on_region = nodes_on(mesh, inside);
         let mut couplings = Vec::with_capacity(expected.len());
-        block.each_matrix(Operator::Elastic, &mut |numbers, matrix| {
-            let of_mesh: Vec<u32> = (numbers.iter())
-                .map(|&number| numbering.mesh_of[number as usize])
+        block.each_matrix(Operator::Elastic, &mut |local, matrix| {
+            let of_mesh: Vec<u32> = (local.iter())
+                .map(|&local| block.nodes()[local as usize])
                 .collect();
             let (inner, outer): (Vec<usize>, Vec<usize>) =
                 (0..of_mesh.len()).partition(|&corner| on_region[of_mesh[corner] as usize]);

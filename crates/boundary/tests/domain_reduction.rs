@@ -4,20 +4,23 @@ use powerhouse_boundary::{BoundaryError, DomainReduction, InputMode, ReductionLa
 use powerhouse_model::{
     AbsorbingBoundary, BlockContext, BlockEnergy, BoundarySite, ElasticMedium, ElementBlock,
     ElementFault, FieldMotion, FieldSampler, FrequencyBound, HistoryField, IncidentField, Mat3,
-    Mesh, ModelError, NodalView, NodalViewMut, Numbering, Operator, Quad, Stress, Vec3,
+    Mesh, ModelError, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
 };
 
 /// Springs between every two nodes of each element, `k n n^T` along the line between them, times a
-/// number of the pair; the engine's numbers run against the mesh's.
+/// number of the pair; the block's order of nodes runs against the mesh's.
 struct Truss {
     elements: Vec<u32>,
     nodes: Vec<u32>,
-    /// Engine numbers and matrix of each element.
+    /// Indices of the nodes in the block and matrix of each element.
     matrices: Vec<(Vec<u32>, Vec<f64>)>,
 }
 
 impl Truss {
-    fn new(mesh: &Mesh, elements: &[u32], numbering: &Numbering) -> Self {
+    fn new(mesh: &Mesh, elements: &[u32]) -> Self {
+        let mut of_block = mesh.nodes_of_elements(elements);
+        of_block.reverse();
+        let index = |node: &u32| of_block.iter().position(|other| other == node).unwrap() as u32;
         let mut matrices = Vec::new();
         for &element in elements {
             let nodes = mesh.nodes_of(element);
@@ -40,30 +43,20 @@ impl Truss {
                     }
                 }
             }
-            let numbers = nodes.iter().map(|&node| numbering.engine_of[node as usize]);
-            matrices.push((numbers.collect::<Vec<u32>>(), matrix));
+            matrices.push((nodes.iter().map(index).collect::<Vec<u32>>(), matrix));
         }
-        let mut nodes: Vec<u32> = matrices
-            .iter()
-            .flat_map(|(n, _)| n.iter().copied())
-            .collect();
-        nodes.sort_unstable();
-        nodes.dedup();
         Self {
             elements: elements.to_vec(),
-            nodes,
+            nodes: of_block,
             matrices,
         }
     }
 
     /// Its forces on the nodes of the mesh under a motion of them.
-    fn forces(&self, numbering: &Numbering, motion: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
-        let mut forces = vec![Vec3::zeros(); numbering.mesh_of.len()];
+    fn forces(&self, count: usize, motion: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+        let mut forces = vec![Vec3::zeros(); count];
         for (numbers, matrix) in &self.matrices {
-            let nodes: Vec<u32> = numbers
-                .iter()
-                .map(|&n| numbering.mesh_of[n as usize])
-                .collect();
+            let nodes: Vec<u32> = numbers.iter().map(|&n| self.nodes[n as usize]).collect();
             for (row, value) in matrix.chunks(3 * nodes.len()).enumerate() {
                 let force: f64 = value
                     .iter()
@@ -93,13 +86,12 @@ impl ElementBlock for Truss {
     }
     fn commit(&mut self) {}
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
-        let place = |number: u32| self.nodes.partition_point(|&n| n < number);
         let mut sums = vec![Vec3::zeros(); self.nodes.len()];
         for (numbers, matrix) in &self.matrices {
             for (row, values) in matrix.chunks(3 * numbers.len()).enumerate() {
                 for (column, k) in values.iter().enumerate() {
                     let u = x.vector(numbers[column / 3] as usize)[column % 3];
-                    sums[place(numbers[row / 3])][row % 3] += k * u;
+                    sums[numbers[row / 3] as usize][row % 3] += k * u;
                 }
             }
         }
@@ -189,14 +181,12 @@ fn rock() -> ElasticMedium {
     ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap()
 }
 
-/// A block of 7 x 6 x 5 bricks, a region that reaches its top, and numbers that run backwards.
-fn ground() -> (Mesh, Vec<u32>, Numbering) {
+/// A block of 7 x 6 x 5 bricks, and a region that reaches its top.
+fn ground() -> (Mesh, Vec<u32>) {
     let size = Vec3::new(7.0, 6.0, 5.0);
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [7, 6, 5], "rock").unwrap();
     let inside = mesh.elements_in_box(&Vec3::new(2.0, 2.0, 3.0), &Vec3::new(5.0, 4.0, 5.0));
-    let backwards: Vec<u32> = (0..mesh.node_count() as u32).rev().collect();
-    let numbering = Numbering::new(backwards.clone(), backwards);
-    (mesh, inside, numbering)
+    (mesh, inside)
 }
 
 /// The layer is one element thick, corners included, and the effective forces are
@@ -204,12 +194,12 @@ fn ground() -> (Mesh, Vec<u32>, Numbering) {
 /// boundary outside gets no input.
 #[test]
 fn effective_forces_come_from_the_split_layer() {
-    let (mesh, inside, numbering) = ground();
+    let (mesh, inside) = ground();
     let elements = ReductionLayer::elements(&mesh, &inside);
     // The region has 3 x 2 x 2 bricks, with its layer 5 x 4 x 3, open at the top.
     assert_eq!(elements.len(), 60 - 12);
-    let truss = Truss::new(&mesh, &elements, &numbering);
-    let layer = ReductionLayer::new(&mesh, &inside, &truss, &numbering).unwrap();
+    let truss = Truss::new(&mesh, &elements);
+    let layer = ReductionLayer::new(&mesh, &inside, &truss).unwrap();
     assert_eq!(layer.nodes(), mesh.nodes_of_elements(&elements));
 
     let bottom = [("bottom", mesh.facet_set("bottom").unwrap())];
@@ -236,7 +226,7 @@ fn effective_forces_come_from_the_split_layer() {
     let on_region = mesh.nodes_of_elements(&inside);
     let is_inner = |node: u32| on_region.binary_search(&node).is_ok();
     let of_side = |inner: bool| {
-        truss.forces(&numbering, |node| match is_inner(node) == inner {
+        truss.forces(mesh.node_count(), |node| match is_inner(node) == inner {
             true => skew(&mesh.positions()[node as usize], time),
             false => Vec3::zeros(),
         })
@@ -257,10 +247,10 @@ fn effective_forces_come_from_the_split_layer() {
 /// Without a field nothing is loaded.
 #[test]
 fn no_field_means_no_forces() {
-    let (mesh, inside, numbering) = ground();
+    let (mesh, inside) = ground();
     let elements = ReductionLayer::elements(&mesh, &inside);
-    let truss = Truss::new(&mesh, &elements, &numbering);
-    let layer = ReductionLayer::new(&mesh, &inside, &truss, &numbering).unwrap();
+    let truss = Truss::new(&mesh, &elements);
+    let layer = ReductionLayer::new(&mesh, &inside, &truss).unwrap();
     let site = BoundarySite::from_mesh(&mesh, &[], |_| rock(), Vec3::zeros(), None);
     let parts = DomainReduction::new(layer, Viscous::default()).build(&site);
     assert!(parts.unwrap().loads.is_empty());
@@ -269,17 +259,17 @@ fn no_field_means_no_forces() {
 /// A block of other elements, and a region without anything around it, are refused.
 #[test]
 fn a_block_that_is_not_the_layer_is_refused() {
-    let (mesh, inside, numbering) = ground();
+    let (mesh, inside) = ground();
     let mut elements = ReductionLayer::elements(&mesh, &inside);
     elements.pop();
-    let truss = Truss::new(&mesh, &elements, &numbering);
-    let refused = ReductionLayer::new(&mesh, &inside, &truss, &numbering).unwrap_err();
+    let truss = Truss::new(&mesh, &elements);
+    let refused = ReductionLayer::new(&mesh, &inside, &truss).unwrap_err();
     let expected = BoundaryError::Layer {
         expected: 48,
         found: 47,
     };
     assert_eq!(refused, expected);
     let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
-    let nothing = Truss::new(&mesh, &[], &numbering);
-    assert!(ReductionLayer::new(&mesh, &all, &nothing, &numbering).is_err());
+    let nothing = Truss::new(&mesh, &[]);
+    assert!(ReductionLayer::new(&mesh, &all, &nothing).is_err());
 }

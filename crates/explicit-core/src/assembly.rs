@@ -1,6 +1,6 @@
 //! Factories of element blocks, and their options.
 
-use powerhouse_model::{ElementBlock, ElementKind, Mesh, ModelError, Numbering};
+use powerhouse_model::{ElementBlock, ElementKind, Mesh, ModelError};
 
 /// Number format of nodal values and element arithmetic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,10 +57,7 @@ pub struct BlockPart<'a> {
     pub mesh: &'a Mesh,
     /// Mesh indices of the part's elements, in the order of computation.
     pub elements: &'a [u32],
-    /// Engine numbering of all nodes.
-    pub numbering: &'a Numbering,
-    /// Engine numbers of the part's nodes: owned nodes first, in rising
-    /// order, then those owned by other blocks. Forces are written in this order.
+    /// Mesh indices of the nodes of these elements, each once. The nodal vectors of the block are in this order.
     pub nodes: &'a [u32],
     /// Whether element arithmetic is in double precision regardless of the options.
     pub double: bool,
@@ -68,16 +65,10 @@ pub struct BlockPart<'a> {
 
 impl<'a> BlockPart<'a> {
     /// A part of given elements and nodes, for engines and tests.
-    pub fn new(
-        mesh: &'a Mesh,
-        elements: &'a [u32],
-        numbering: &'a Numbering,
-        nodes: &'a [u32],
-    ) -> Self {
+    pub fn new(mesh: &'a Mesh, elements: &'a [u32], nodes: &'a [u32]) -> Self {
         Self {
             mesh,
             elements,
-            numbering,
             nodes,
             double: false,
         }

@@ -1,9 +1,8 @@
 //! Share of hourglass resistance in the internal work of an element set.
 
-use powerhouse_model::{BlockContext, BlockEnergy, StepTime};
+use powerhouse_model::BlockEnergy;
 
 use crate::Model;
-use crate::nodes::{Storage, with_nodes};
 
 /// Share of the largest internal work of all sets below which the work of a set is rounding.
 const ROUNDING: f64 = 1.0e-9;
@@ -58,19 +57,7 @@ impl HourglassShare {
 impl Model {
     /// Stored hourglass and internal energy of each set at the present time.
     pub(crate) fn hourglass_shares(&self) -> Vec<HourglassShare> {
-        let of_blocks: Vec<BlockEnergy> = with_nodes!(&self.nodes, arrays => {
-            let when = StepTime {
-                number: self.number,
-                time: self.time,
-                step: 0.0,
-            };
-            let context = BlockContext::new(
-                when,
-                Storage::view(&arrays.displacement),
-                Storage::view(&arrays.velocity),
-            );
-            self.blocks.iter().map(|block| block.energy(&context)).collect()
-        });
+        let of_blocks = self.block_energies(0.0, false);
         let mut sums: Vec<(&str, BlockEnergy)> = Vec::new();
         for (block, energy) in self.blocks.iter().zip(of_blocks) {
             match sums.iter_mut().find(|(label, _)| *label == block.label()) {

@@ -140,6 +140,7 @@ mod spectrum;
 mod stable_step;
 mod stage;
 mod statics;
+mod subdomain;
 mod support;
 mod view;
 
@@ -152,6 +153,7 @@ pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
 pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};
 pub use model::{ElementChoice, Model, ModelBuilder};
+pub use partition::{Partition, PartitionBlock};
 pub use periodic::PeriodicPairs;
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice, run,

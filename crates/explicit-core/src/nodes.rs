@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::gather::{CHUNK, Gather, SlotTable};
 use crate::groups::GroupMotion;
 use crate::roller_nodes::hold;
+use crate::subdomain::BlockCopies;
 
 /// Number format of nodal values.
 pub(crate) trait Storage:
@@ -20,10 +21,12 @@ pub(crate) trait Storage:
     fn within(self, limit: Self) -> bool;
     /// Largest finite number of the format, the largest bound that excludes infinity.
     const MOST: f64;
+    /// Buffers for displacements of a block, and for velocities in this format.
+    fn copies(buffers: &mut BlockCopies) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>);
 }
 
 macro_rules! storage {
-    ($float:ty, $variant:ident) => {
+    ($float:ty, $variant:ident, $buffer:ident) => {
         impl Storage for $float {
             fn view(values: &[Quad<Self>]) -> NodalView<'_> {
                 NodalView::$variant(values)
@@ -36,13 +39,16 @@ macro_rules! storage {
                 self.abs() <= limit
             }
             const MOST: f64 = <$float>::MAX as f64;
+            fn copies(buffers: &mut BlockCopies) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>) {
+                (&mut buffers.displacement, &mut buffers.$buffer)
+            }
         }
     };
 }
-storage!(f64, F64);
-storage!(f32, F32);
+storage!(f64, F64, double);
+storage!(f32, F32, single);
 
-/// Nodal arrays in one number format, in engine numbering.
+/// Nodal arrays in one number format, by local node number.
 pub(crate) struct NodalArrays<S: Storage> {
     /// Displacement (m) at the present time, in double precision whatever the format: it is a sum over all
     /// steps, and strains are small differences of it.

@@ -37,8 +37,8 @@ impl Incidence {
     }
 }
 
-/// Nodes in reverse Cuthill-McKee order (Cuthill & McKee 1969, George 1971): mesh indices, first
-/// engine node first. Ties are broken by the mesh index, so the order depends on the mesh alone.
+/// Nodes in reverse Cuthill-McKee order (Cuthill & McKee 1969, George 1971), as mesh indices. Ties are broken
+/// by the user's number of the node, so that the order of nodes and elements in the mesh file does not matter.
 pub(crate) fn reverse_cuthill_mckee(mesh: &Mesh, incidence: &Incidence) -> Vec<u32> {
     let count = mesh.node_count();
     let mut search = Search {
@@ -53,7 +53,7 @@ pub(crate) fn reverse_cuthill_mckee(mesh: &Mesh, incidence: &Incidence) -> Vec<u
     let mut numbered = vec![false; count];
     let mut order = Vec::with_capacity(count);
     let mut by_degree: Vec<u32> = (0..count as u32).collect();
-    by_degree.sort_by_key(|&node| (search.degree[node as usize], node));
+    by_degree.sort_by_key(|&node| search.key(node));
     for &seed in &by_degree {
         if numbered[seed as usize] {
             continue;
@@ -78,6 +78,12 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Number of elements at a node, and the user's number of the node.
+    fn key(&self, node: u32) -> (u32, u64) {
+        let tags = self.mesh.node_tags();
+        (self.degree[node as usize], tags[node as usize])
+    }
+
     /// Breadth-first order from a node, neighbours by rising degree; the depth and the start of
     /// the last level.
     fn levels(&mut self, start: u32) -> (Vec<u32>, usize, usize) {
@@ -101,8 +107,7 @@ impl Search<'_> {
                     }
                 }
             }
-            let degree = &self.degree;
-            order[first..].sort_by_key(|&node| (degree[node as usize], node));
+            order[first..].sort_by_key(|&node| self.key(node));
             next += 1;
         }
         (order, depth, level)
@@ -116,7 +121,7 @@ impl Search<'_> {
             let candidate = order[level..]
                 .iter()
                 .copied()
-                .min_by_key(|&node| (self.degree[node as usize], node))
+                .min_by_key(|&node| self.key(node))
                 .unwrap_or(start);
             let (next_order, next_depth, next_level) = self.levels(candidate);
             if next_depth <= depth {

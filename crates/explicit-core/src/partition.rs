@@ -1,84 +1,198 @@
-//! Partition of element sets into blocks, and numbering of nodes so that each block owns a contiguous range.
+//! Partition of the elements of a mesh into blocks.
 
-use powerhouse_model::{Mesh, Numbering, Vec3};
+use powerhouse_model::{Mesh, Vec3};
 
 use crate::EngineError;
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
-/// A part of the partition: the elements and nodes of one block.
-pub(crate) struct Part {
-    /// Index of the element set.
-    pub(crate) set: usize,
+/// Elements and nodes of one block of a [`Partition`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct PartitionBlock {
+    /// Index of the element set among those that were divided.
+    pub set: usize,
+    /// Level of local time stepping: the block takes steps of `dt / 2^level`. Zero for all blocks at present.
+    pub level: u8,
     /// Mesh indices of its elements in the order of computation.
-    pub(crate) elements: Vec<u32>,
-    /// Engine numbers of its nodes: owned ones first, rising, then the others, rising.
-    pub(crate) nodes: Vec<u32>,
+    pub elements: Vec<u32>,
+    /// Mesh indices of its nodes: first those that it owns, then those that it borrows from other blocks.
+    pub nodes: Vec<u32>,
+    /// Number of nodes that it owns.
+    pub owned: usize,
 }
 
-/// Node numbering and partition of a mesh into blocks.
-pub(crate) struct Partition {
-    pub(crate) numbering: Numbering,
-    pub(crate) parts: Vec<Part>,
-    /// Engine numbers of nodes whose elements are all absent.
-    pub(crate) orphans: Vec<u32>,
+impl PartitionBlock {
+    /// Nodes (mesh indices) that belong to this block: it is the first block that has them.
+    pub fn owned_nodes(&self) -> &[u32] {
+        &self.nodes[..self.owned]
+    }
+    /// Nodes (mesh indices) that belong to blocks before this one, and orphan nodes in the last block.
+    pub fn borrowed_nodes(&self) -> &[u32] {
+        &self.nodes[self.owned..]
+    }
+    /// Relative cost of a step: the number of elements.
+    pub fn cost(&self) -> f64 {
+        self.elements.len() as f64
+    }
 }
 
-/// Divides element sets into parts of at most `size` elements, and numbers the nodes.
+/// Partition of the elements of a mesh into blocks, in the global order of the blocks.
 ///
-/// A set is bisected across its longest extent until its parts are small: compact parts share few
-/// nodes with others, and each shared node costs a slot. Within a part, elements and nodes are in
-/// reverse Cuthill-McKee order, so that the elements of a SIMD batch are neighbours. A node
-/// is owned by the first part that has it, and nodes are numbered part by part, so a part owns
-/// a contiguous range. Nodes whose elements are all absent belong to the last part. Nothing here depends
-/// on the number of threads.
-pub(crate) fn partition(
-    mesh: &Mesh,
-    labels: &[&str],
-    sets: &[&[u32]],
-    absent: &[bool],
-    size: usize,
-) -> Result<Partition, EngineError> {
-    check_cover(mesh, labels, sets, absent)?;
-    let order = reverse_cuthill_mckee(mesh, &Incidence::of(mesh));
-    let mut rank = vec![0u32; order.len()];
-    for (i, &node) in order.iter().enumerate() {
-        rank[node as usize] = i as u32;
+/// It is a function of mesh, element sets and block size alone: neither the number of threads nor the order of
+/// nodes and elements in the mesh file changes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Partition {
+    /// The blocks. The forces at a node are summed in this order.
+    pub blocks: Vec<PartitionBlock>,
+    /// Orphan nodes (mesh indices): all their elements are absent. They are the last nodes of the last block.
+    pub orphans: Vec<u32>,
+    /// Nodes (mesh indices) without any element.
+    pub unused: Vec<u32>,
+}
+
+/// Element sets to be divided into blocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ElementSets<'a> {
+    /// Names of the sets, for errors.
+    pub(crate) labels: &'a [&'a str],
+    /// Mesh indices of the elements of each set.
+    pub(crate) elements: &'a [&'a [u32]],
+    /// Whether each element of the mesh is absent.
+    pub(crate) absent: &'a [bool],
+}
+
+impl Partition {
+    /// Divides element sets into blocks of at most `size` elements.
+    ///
+    /// A set is bisected across its longest extent until its blocks are small: compact blocks share few
+    /// nodes with others, and each shared node costs a slot. Within a block, elements and nodes are in
+    /// reverse Cuthill-McKee order, so that the elements of a SIMD batch are neighbours. A node
+    /// is owned by the first block that has it.
+    pub(crate) fn new(mesh: &Mesh, sets: ElementSets, size: usize) -> Result<Self, EngineError> {
+        check_cover(mesh, sets.labels, sets.elements, sets.absent)?;
+        let order = reverse_cuthill_mckee(mesh, &Incidence::of(mesh));
+        let mut rank = vec![0u32; order.len()];
+        for (i, &node) in order.iter().enumerate() {
+            rank[node as usize] = i as u32;
+        }
+        let key = |element: u32| {
+            let ranks = mesh.nodes_of(element).iter().map(|&n| rank[n as usize]);
+            ranks.fold((u32::MAX, 0), |(low, high), r| (low.min(r), high.max(r)))
+        };
+        let mut blocks: Vec<((u32, u32), PartitionBlock)> = Vec::new();
+        for (set, elements) in sets.elements.iter().enumerate() {
+            let mut sorted: Vec<SortedElement> = (elements.iter())
+                .map(|&element| SortedElement {
+                    centroid: mesh.centroid(element),
+                    key: key(element),
+                    tag: mesh.element_tags()[element as usize],
+                    element,
+                })
+                .collect();
+            bisect(&mut sorted, elements.len().div_ceil(size), &mut |block| {
+                block.sort_unstable_by_key(|entry| (entry.key, entry.tag));
+                blocks.push((
+                    block[0].key,
+                    PartitionBlock {
+                        set,
+                        level: 0,
+                        elements: block.iter().map(|entry| entry.element).collect(),
+                        nodes: Vec::new(),
+                        owned: 0,
+                    },
+                ));
+            });
+        }
+        blocks.sort_by_key(|(first, block)| (block.level, *first, block.set));
+        let blocks = blocks.into_iter().map(|(_, block)| block).collect();
+        let mut partition = Self {
+            blocks,
+            orphans: Vec::new(),
+            unused: Vec::new(),
+        };
+        partition.assign_nodes(mesh, &rank, sets.absent);
+        Ok(partition)
     }
-    let key = |element: u32| {
-        let ranks = mesh.nodes_of(element).iter().map(|&n| rank[n as usize]);
-        ranks.fold((u32::MAX, 0), |(low, high), r| (low.min(r), high.max(r)))
-    };
-    let mut parts: Vec<((u32, u32), Part)> = Vec::new();
-    for (set, elements) in sets.iter().enumerate() {
-        let mut sorted: Vec<SortedElement> = (elements.iter())
-            .map(|&element| SortedElement {
-                centroid: mesh.centroid(element),
-                key: key(element),
-                element,
-            })
+
+    /// Assigns the nodes of the mesh to the blocks.
+    fn assign_nodes(&mut self, mesh: &Mesh, rank: &[u32], absent: &[bool]) {
+        const FREE: u32 = u32::MAX;
+        // Position of each node in the order of owners.
+        let mut position = vec![FREE; mesh.node_count()];
+        let mut next = 0;
+        for block in &mut self.blocks {
+            let elements = block.elements.iter();
+            let mut touched: Vec<u32> = elements
+                .flat_map(|&element| mesh.nodes_of(element).iter().copied())
+                .collect();
+            touched.sort_unstable_by_key(|&node| rank[node as usize]);
+            touched.dedup();
+            let (owned, mut borrowed): (Vec<u32>, Vec<u32>) =
+                (touched.into_iter()).partition(|&node| position[node as usize] == FREE);
+            for &node in &owned {
+                position[node as usize] = next;
+                next += 1;
+            }
+            borrowed.sort_unstable_by_key(|&node| position[node as usize]);
+            block.owned = owned.len();
+            block.nodes = owned;
+            block.nodes.extend(borrowed);
+        }
+        let mut had = vec![false; mesh.node_count()];
+        for (element, _) in absent.iter().enumerate().filter(|(_, absent)| **absent) {
+            for &node in mesh.nodes_of(element as u32) {
+                had[node as usize] = true;
+            }
+        }
+        // In an order that does not depend on the order of nodes in the file.
+        let mut without: Vec<u32> = (0..mesh.node_count() as u32)
+            .filter(|&node| position[node as usize] == FREE)
             .collect();
-        bisect(&mut sorted, elements.len().div_ceil(size), &mut |part| {
-            part.sort_unstable_by_key(|entry| (entry.key, entry.element));
-            let elements = part.iter().map(|entry| entry.element).collect();
-            let nodes = Vec::new();
-            parts.push((
-                part[0].key,
-                Part {
-                    set,
-                    elements,
-                    nodes,
-                },
-            ));
-        });
+        without.sort_by_key(|&node| mesh.node_tags()[node as usize]);
+        (self.orphans, self.unused) = without.into_iter().partition(|&node| had[node as usize]);
+        if let Some(last) = self.blocks.last_mut() {
+            last.nodes.extend_from_slice(&self.orphans);
+        }
     }
-    parts.sort_by_key(|(first, part)| (*first, part.set));
-    let mut parts: Vec<Part> = parts.into_iter().map(|(_, part)| part).collect();
-    let (numbering, orphans) = number_by_owner(mesh, &rank, absent, &mut parts);
-    Ok(Partition {
-        numbering,
-        parts,
-        orphans,
-    })
+
+    /// A 64-bit fingerprint of the partition: a hash of the user's numbers of elements and nodes of all blocks, in
+    /// order. Equal for equal partitions of meshes that differ in the order of nodes and elements alone.
+    pub fn fingerprint(&self, mesh: &Mesh) -> u64 {
+        let mut hash = Fnv::new();
+        for block in &self.blocks {
+            hash.add(block.set as u64);
+            hash.add(u64::from(block.level));
+            hash.add(block.elements.len() as u64);
+            for &element in &block.elements {
+                hash.add(mesh.element_tags()[element as usize]);
+            }
+            hash.add(block.owned as u64);
+            hash.add(block.nodes.len() as u64);
+            for &node in &block.nodes {
+                hash.add(mesh.node_tags()[node as usize]);
+            }
+        }
+        hash.value
+    }
+}
+
+/// The hash FNV-1a of 64 bits (Fowler, Noll & Vo): the same on every machine and in every version.
+struct Fnv {
+    value: u64,
+}
+
+impl Fnv {
+    fn new() -> Self {
+        Self {
+            value: 0xcbf2_9ce4_8422_2325,
+        }
+    }
+    fn add(&mut self, number: u64) {
+        for byte in number.to_le_bytes() {
+            self.value = (self.value ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
 }
 
 /// An element with its sort keys.
@@ -87,6 +201,8 @@ struct SortedElement {
     centroid: Vec3,
     /// Least and greatest rank of its nodes.
     key: (u32, u32),
+    /// The user's number.
+    tag: u64,
     element: u32,
 }
 
@@ -112,9 +228,7 @@ fn bisect(
     let middle = elements.len() * half / parts;
     elements.select_nth_unstable_by(middle, |a, b| {
         let along = a.centroid[axis].total_cmp(&b.centroid[axis]);
-        along
-            .then(a.key.cmp(&b.key))
-            .then(a.element.cmp(&b.element))
+        along.then(a.key.cmp(&b.key)).then(a.tag.cmp(&b.tag))
     });
     let (left, right) = elements.split_at_mut(middle);
     bisect(left, half, emit);
@@ -166,61 +280,94 @@ fn check_cover(
     }
 }
 
-/// Node numbering, and engine numbers of orphan nodes (all their elements are absent).
-fn number_by_owner(
-    mesh: &Mesh,
-    rank: &[u32],
-    absent: &[bool],
-    parts: &mut [Part],
-) -> (Numbering, Vec<u32>) {
-    const FREE: u32 = u32::MAX;
-    let mut numbering = Numbering::new(
-        vec![FREE; mesh.node_count()],
-        Vec::with_capacity(mesh.node_count()),
-    );
-    for part in parts.iter_mut() {
-        let mut touched: Vec<u32> = part
-            .elements
-            .iter()
-            .flat_map(|&e| mesh.nodes_of(e).iter().copied())
-            .collect();
-        touched.sort_unstable_by_key(|&n| rank[n as usize]);
-        touched.dedup();
-        let mut borrowed = Vec::new();
-        for node in touched {
-            let engine = &mut numbering.engine_of[node as usize];
-            if *engine == FREE {
-                *engine = numbering.mesh_of.len() as u32;
-                numbering.mesh_of.push(node);
-                part.nodes.push(*engine);
-            } else {
-                borrowed.push(*engine);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use powerhouse_model::ElementKind;
+
+    /// A distorted box of bricks in two sets, with nodes and elements written in an order of their own.
+    fn body(shuffle: impl Fn(usize, usize) -> usize) -> Mesh {
+        let mut builder = Mesh::builder();
+        let (nx, ny, nz) = (5_u64, 4_u64, 3_u64);
+        let tag = |i: u64, j: u64, k: u64| 1 + i + (nx + 1) * (j + (ny + 1) * k);
+        let nodes = ((nx + 1) * (ny + 1) * (nz + 1)) as usize;
+        for n in 0..nodes {
+            let n = shuffle(n, nodes) as u64;
+            let (i, j, k) = (
+                n % (nx + 1),
+                n / (nx + 1) % (ny + 1),
+                n / ((nx + 1) * (ny + 1)),
+            );
+            let bend = 0.05 * ((i * j + k) % 3) as f64;
+            builder.node(n + 1, Vec3::new(i as f64 + bend, j as f64, k as f64));
+        }
+        let elements = (nx * ny * nz) as usize;
+        for e in 0..elements {
+            let e = shuffle(e, elements) as u64;
+            let (i, j, k) = (e % nx, e / nx % ny, e / (nx * ny));
+            let ring =
+                |k| [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| tag(i, j, k));
+            let corners = [ring(k), ring(k + 1)].concat();
+            let set = if k == 0 { "base" } else { "rock" };
+            builder.element(e + 1, ElementKind::Hex8, &corners, &[set]);
+        }
+        builder.build().unwrap()
+    }
+
+    fn divided(mesh: &Mesh, size: usize) -> Partition {
+        let lists = ["base", "rock"].map(|set| mesh.element_set(set).unwrap());
+        let sets = ElementSets {
+            labels: &["base", "rock"],
+            elements: &lists,
+            absent: &vec![false; mesh.element_count()],
+        };
+        Partition::new(mesh, sets, size).unwrap()
+    }
+
+    /// Every element belongs to one block, every node to one owner before all blocks that borrow it, and blocks
+    /// keep to their size.
+    #[test]
+    fn elements_and_nodes_belong_to_one_block() {
+        for size in [1, 7, 1000] {
+            let mesh = body(|n, _| n);
+            let partition = divided(&mesh, size);
+            let mut elements = vec![0; mesh.element_count()];
+            let mut owner = vec![None; mesh.node_count()];
+            for (index, block) in partition.blocks.iter().enumerate() {
+                assert!(block.elements.len() <= size && block.cost() > 0.0);
+                for &element in &block.elements {
+                    elements[element as usize] += 1;
+                    for node in mesh.nodes_of(element) {
+                        assert!(block.nodes.contains(node));
+                    }
+                }
+                for &node in block.owned_nodes() {
+                    assert_eq!(owner[node as usize].replace(index), None);
+                }
+                for &node in block.borrowed_nodes() {
+                    assert!(owner[node as usize].is_some_and(|owner| owner < index));
+                }
             }
-        }
-        borrowed.sort_unstable();
-        part.nodes.append(&mut borrowed);
-    }
-    // Nodes without elements come last; those that never had any are refused later for want of
-    // mass.
-    let mut had = vec![false; mesh.node_count()];
-    for (element, _) in absent.iter().enumerate().filter(|(_, absent)| **absent) {
-        for &node in mesh.nodes_of(element as u32) {
-            had[node as usize] = true;
+            assert!(elements.iter().all(|&count| count == 1));
+            assert!(owner.iter().all(Option::is_some));
         }
     }
-    let mut orphans = Vec::new();
-    for node in 0..mesh.node_count() {
-        if numbering.engine_of[node] == FREE {
-            let engine = numbering.mesh_of.len() as u32;
-            numbering.engine_of[node] = engine;
-            numbering.mesh_of.push(node as u32);
-            if had[node] {
-                orphans.push(engine);
+
+    /// The partition depends on the body, not on the order in which a file lists its nodes and elements.
+    #[test]
+    fn the_order_of_a_file_changes_no_block() {
+        let mesh = body(|n, _| n);
+        let others = [
+            body(|n, count| count - 1 - n),
+            body(|n, count| (n * 7 + 3) % count),
+        ];
+        for size in [4, 13, 1000] {
+            let fingerprint = divided(&mesh, size).fingerprint(&mesh);
+            for other in &others {
+                assert_eq!(divided(other, size).fingerprint(other), fingerprint);
             }
+            let smaller = divided(&mesh, size / 3).fingerprint(&mesh);
+            assert!(size == 1000 || smaller != fingerprint);
         }
     }
-    if let Some(last) = parts.last_mut() {
-        last.nodes.extend_from_slice(&orphans);
-    }
-    (numbering, orphans)
 }

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use crate::Model;
 use crate::applied::split;
-use crate::gather::SlotTable;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
+use crate::subdomain::Subdomain;
 
 /// Relative error bound of the highest eigenvalue at which the Lanczos method stops.
 const TOLERANCE: f64 = 5e-3;
@@ -117,7 +117,7 @@ impl Model {
             let lead = &mut vector[group.members[0] as usize];
             *lead = group.condition.free(*lead);
         }
-        for &orphan in &self.orphans {
+        for &orphan in &self.subdomain.orphans {
             let group = self.group_of[orphan as usize];
             let tied = group.is_some_and(|g| self.groups.groups[g as usize].mass > 0.0);
             if !tied {
@@ -163,29 +163,30 @@ impl Model {
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
-        let (blocks, lengths, slots) = (&self.blocks, &self.lengths, &self.slots);
+        let (blocks, subdomain) = (&self.blocks, &self.subdomain);
         with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, blocks, lengths, slots, vector, weight)
+            product(arrays, subdomain, blocks, vector, weight)
         })
     }
 }
 
 fn product<S: Storage>(
     arrays: &mut NodalArrays<S>,
+    subdomain: &Subdomain,
     blocks: &[Box<dyn ElementBlock>],
-    lengths: &[usize],
-    slots: &SlotTable,
     vector: &[Vec3],
     weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
 ) -> Vec<Vec3> {
     let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();
-    let buffers = split(&mut arrays.forces, lengths);
+    let buffers = split(&mut arrays.forces, &subdomain.lengths);
     blocks
         .par_iter()
         .zip(buffers)
+        .enumerate()
         .with_max_len(1)
-        .for_each(|(block, buffer)| {
-            block.apply(Operator::Elastic, S::view(&values), S::view_mut(buffer));
+        .for_each(|(index, (block, buffer))| {
+            let own = subdomain.values(index, &values);
+            block.apply(Operator::Elastic, S::view(&own), S::view_mut(buffer));
             let weight = S::from_f64(weight(block.as_ref()));
             for force in buffer.iter_mut().flat_map(|quad| &mut quad.values) {
                 *force = *force * weight;
@@ -193,7 +194,7 @@ fn product<S: Storage>(
         });
     (0..vector.len())
         .into_par_iter()
-        .map(|node| arrays.internal(slots, node))
+        .map(|node| arrays.internal(&subdomain.slots, node))
         .collect()
 }
 

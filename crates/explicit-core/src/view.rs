@@ -2,16 +2,18 @@
 
 use std::cell::OnceCell;
 
-use powerhouse_model::{ElementBlock, JointView, StepView, Stress, Vec3};
+use powerhouse_model::{JointView, NodalView, Quad, StepView, Stress, Vec3};
 
 use crate::Model;
-use crate::nodes::{Storage, with_nodes};
+use crate::nodes::with_nodes;
 
 /// Read access to a model between its velocity and displacement update; values are computed on demand.
 pub(crate) struct View<'a> {
     model: &'a Model,
     step: f64,
     energies: &'a [(&'static str, f64)],
+    /// Displacements (m) of the nodes of each block, copied at the first access.
+    displacements: Vec<OnceCell<Vec<Quad<f64>>>>,
     /// Mean element stresses of each block, computed at the first access.
     stresses: Vec<OnceCell<Vec<Stress>>>,
 }
@@ -22,8 +24,14 @@ impl<'a> View<'a> {
             model,
             step,
             energies,
+            displacements: vec![OnceCell::new(); model.blocks.len()],
             stresses: vec![OnceCell::new(); model.blocks.len()],
         }
+    }
+
+    /// Displacement (m) of the nodes of a block, in the block's order.
+    fn displacement_of_block(&self, block: usize) -> &[Quad<f64>] {
+        self.displacements[block].get_or_init(|| self.model.displacement_of_block(block))
     }
 }
 
@@ -54,14 +62,15 @@ impl StepView for View<'_> {
     }
     fn stress(&self, element: u32) -> Stress {
         let model = self.model;
-        let Some(&(block, index)) = model.block_of_element.get(element as usize) else {
+        let Some(&(block, index)) = model.subdomain.block_of_element.get(element as usize) else {
             return Stress::default();
         };
         let Some(known) = self.stresses.get(block as usize) else {
             return Stress::default();
         };
+        let block = block as usize;
         let stresses =
-            known.get_or_init(|| model.stresses_of(model.blocks[block as usize].as_ref()));
+            known.get_or_init(|| model.stresses_of(block, self.displacement_of_block(block)));
         let change = stresses[index as usize];
         match model.initial_stress.get(element as usize) {
             Some(initial) => Stress(core::array::from_fn(|i| initial.0[i] + change.0[i])),
@@ -70,24 +79,27 @@ impl StepView for View<'_> {
     }
     fn element_forces(&self, element: u32, out: &mut [Vec3]) -> bool {
         let model = self.model;
-        let of_block = model.block_of_element.get(element as usize);
-        let known = of_block
-            .and_then(|&(block, index)| Some((model.blocks.get(block as usize)?, index as usize)));
-        let Some((block, index)) = known else {
+        let of_block = model.subdomain.block_of_element.get(element as usize);
+        let known = of_block.filter(|(block, _)| (*block as usize) < model.blocks.len());
+        let Some(&(block, index)) = known else {
             out.fill(Vec3::zeros());
             return true;
         };
         let initial = model.initial_stress.get(element as usize);
         let initial = initial.copied().unwrap_or_default();
-        with_nodes!(&model.nodes, arrays => {
-            block.element_forces(index, Storage::view(&arrays.displacement), &initial, out)
-        })
+        let (block, index) = (block as usize, index as usize);
+        let displacement = NodalView::F64(self.displacement_of_block(block));
+        model.blocks[block].element_forces(index, displacement, &initial, out)
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies
     }
     fn history(&self, element: u32, variable: &str) -> Option<f64> {
-        let &(block, index) = self.model.block_of_element.get(element as usize)?;
+        let &(block, index) = self
+            .model
+            .subdomain
+            .block_of_element
+            .get(element as usize)?;
         let block = self.model.blocks.get(block as usize)?;
         block.shown_history(index as usize, variable)
     }
@@ -103,15 +115,15 @@ impl StepView for View<'_> {
 }
 
 impl Model {
-    /// Mean stress change (Pa) of each element of a block against its initial stress.
-    pub(crate) fn stresses_of(&self, block: &dyn ElementBlock) -> Vec<Stress> {
+    /// Mean stress change (Pa) of each element of a block against its initial stress, at a displacement (m) of the
+    /// block's nodes.
+    pub(crate) fn stresses_of(&self, block: usize, displacement: &[Quad<f64>]) -> Vec<Stress> {
+        let block = &self.blocks[block];
         let mut out = vec![Stress::default(); block.elements().len()];
-        with_nodes!(&self.nodes, arrays => {
-            block.add_stress(Storage::view(&arrays.displacement), &mut out);
-        });
+        block.add_stress(NodalView::F64(displacement), &mut out);
         out
     }
-    /// Velocities (m/s) of an engine node half a step before and after the present time, between
+    /// Velocities (m/s) of a local node half a step before and after the present time, between
     /// kick and drift.
     pub(crate) fn velocities_around(&self, node: usize) -> (Vec3, Vec3) {
         match self.groups.if_kicked(self.group_of[node]) {
@@ -120,7 +132,7 @@ impl Model {
                 self.groups.motion.next[group as usize],
             ),
             None => with_nodes!(&self.nodes, arrays => {
-                (arrays.velocity[node].to_vector(), arrays.next_velocity(&self.slots, &self.groups.motion, node))
+                (arrays.velocity[node].to_vector(), arrays.next_velocity(&self.subdomain.slots, &self.groups.motion, node))
             }),
         }
     }

@@ -146,7 +146,7 @@ struct Tail {
 
 impl Tail {
     fn write(&self, x: NodalView, out: NodalViewMut) {
-        let stretch = x.vector(self.nodes[1] as usize).x - x.vector(self.nodes[0] as usize).x;
+        let stretch = x.vector(1).x - x.vector(0).x;
         let force = Vec3::x() * (self.stiffness * stretch);
         if let NodalViewMut::F64(out) = out {
             out[0] = Quad::from_vector(&-force);
@@ -226,15 +226,10 @@ fn additional_blocks_extend_the_body() {
         let to = if from < 7 { 7 } else { from + 1 };
         ExtraBlock {
             nodes: vec![Vec3::new(at, 0.0, 0.0)],
-            build: Box::new(move |numbering| {
-                Box::new(Tail {
-                    nodes: vec![
-                        numbering.engine_of[from as usize],
-                        numbering.engine_of[to as usize],
-                    ],
-                    stiffness: young,
-                    mass: density,
-                })
+            block: Box::new(Tail {
+                nodes: vec![from, to],
+                stiffness: young,
+                mass: density,
             }),
         }
     };
@@ -246,12 +241,10 @@ fn additional_blocks_extend_the_body() {
         let left = BoundaryParts::default()
             .with_blocks(vec![ExtraBlock {
                 nodes: vec![Vec3::new(-1.0, 0.0, 0.0)],
-                build: Box::new(move |numbering| {
-                    Box::new(Tail {
-                        nodes: vec![numbering.engine_of[7], numbering.engine_of[0]],
-                        stiffness: young,
-                        mass: density,
-                    })
+                block: Box::new(Tail {
+                    nodes: vec![7, 0],
+                    stiffness: young,
+                    mass: density,
                 }),
             }])
             .with_loads(vec![Box::new(force(7))]);

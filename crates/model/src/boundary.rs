@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::{
-    ElasticMedium, ElementBlock, Facet, IncidentField, Mat3, Mesh, ModelError, NodalLoad,
-    Numbering, Vec3,
+    ElasticMedium, ElementBlock, Facet, IncidentField, Mat3, Mesh, ModelError, NodalLoad, Vec3,
 };
 
 /// Tributary area of a boundary node on one face, for one medium and one normal direction.
@@ -159,15 +158,13 @@ impl NodalImpedance {
     }
 }
 
-/// A function that builds an element block from the engine's node numbering.
-pub type BuildBlock = Box<dyn FnOnce(&Numbering) -> Box<dyn ElementBlock> + Send>;
-
 /// An element block of a boundary with additional nodes, such as an absorbing layer.
 pub struct ExtraBlock {
-    /// Positions of the additional nodes (m); they are numbered after those of the mesh.
+    /// Positions of the additional nodes (m). The additional nodes of all blocks of a boundary are numbered after those
+    /// of the mesh, in the order of the blocks.
     pub nodes: Vec<Vec3>,
-    /// Builds the block after the engine has numbered the nodes.
-    pub build: BuildBlock,
+    /// The block, with nodes of the mesh and additional nodes.
+    pub block: Box<dyn ElementBlock>,
 }
 
 /// Springs, dashpots, input forces and additional elements of an absorbing boundary, which the engine

@@ -153,9 +153,9 @@ pub enum HistoryUpdate {
     InPlace,
 }
 
-/// Input of a block of elements at a time step: motion of the nodes, and what the step requires.
+/// Input of a block of elements at a time step: motion of the block's nodes, and what the step requires.
 ///
-/// Fields may be added.
+/// Nodal values are those of the block alone, in the order of [`ElementBlock::nodes`]. Fields may be added.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct BlockContext<'a> {
@@ -165,9 +165,10 @@ pub struct BlockContext<'a> {
     pub number: u64,
     /// Length of the step (s); zero for static forces.
     pub step: f64,
-    /// Displacement (m), engine numbering.
+    /// Displacement (m) of the block's nodes.
     pub displacement: NodalView<'a>,
-    /// Velocity half a step before `time` (m/s), engine numbering.
+    /// Velocity half a step before `time` (m/s) of the block's nodes; empty where the block does not
+    /// [read it](ElementBlock::reads_velocity).
     pub velocity: NodalView<'a>,
     /// Addition to the stiffness damping coefficient of every block (s); negative in the paper's
     /// one-sided scheme.
@@ -359,29 +360,13 @@ impl ElementFault {
     }
 }
 
-/// Node numbering of an engine: the maps between mesh indices and engine numbers.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct Numbering {
-    /// Engine number of each mesh node, and of additional nodes after them.
-    pub engine_of: Vec<u32>,
-    /// Mesh index of each engine node.
-    pub mesh_of: Vec<u32>,
-}
-
-impl Numbering {
-    /// A numbering from the engine number of each mesh node and the mesh index of each engine node.
-    pub fn new(engine_of: Vec<u32>, mesh_of: Vec<u32>) -> Self {
-        Self { engine_of, mesh_of }
-    }
-}
-
 /// Block of elements of one set with one kernel, one law and one lane type, behind one virtual call per
 /// step.
 ///
 /// A block is also the unit of parallel work: an engine splits a large set into blocks and computes them
-/// in parallel. A block reads nodes in engine numbering and writes the forces of its own nodes, so that
-/// their sum has a fixed order for any number of threads.
+/// in parallel. A block knows its own nodes alone, by their order in [`nodes`](Self::nodes): every nodal
+/// vector that it reads or writes has one entry per node in this order. The engine copies values to the block
+/// and sums the forces of all blocks at each node in a fixed order, for any number of threads.
 ///
 /// A massless spring between one node and the ground:
 /// ```
@@ -397,7 +382,7 @@ impl Numbering {
 ///     }
 ///     fn commit(&mut self) {}
 ///     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
-///         let force = x.vector(self.nodes[0] as usize) * self.stiffness;
+///         let force = x.vector(0) * self.stiffness;
 ///         match out {
 ///             NodalViewMut::F64(out) => out[0] = Quad::from_vector(&force),
 ///             NodalViewMut::F32(out) => out[0] = Quad::from_vector(&force),
@@ -413,7 +398,7 @@ impl Numbering {
 ///     fn set_initial_stress(&mut self, _stress: &[Stress]) {}
 ///     fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
 ///     fn energy(&self, context: &BlockContext) -> BlockEnergy {
-///         let u = context.displacement.vector(self.nodes[0] as usize);
+///         let u = context.displacement.vector(0);
 ///         BlockEnergy::elastic(0.5 * self.stiffness * u.norm_squared())
 ///     }
 ///     fn history(&self) -> Vec<HistoryField> { Vec::new() }
@@ -425,19 +410,13 @@ pub trait ElementBlock: Send + Sync {
     fn label(&self) -> &str;
     /// Mesh indices of the elements, in the block's order.
     fn elements(&self) -> &[u32];
-    /// Engine numbers of the nodes of the elements; forces are written in this order.
+    /// Mesh indices of the block's nodes, each once; additional nodes of a boundary follow those of the mesh, in the
+    /// order in which the boundary lists them. Nodal vectors of the block are in this order.
     fn nodes(&self) -> &[u32];
-    /// Level of local time stepping: the block steps with `dt / 2^level`.
-    ///
-    /// Zero by default, which is a block that takes the common step. No engine here uses other levels.
-    fn level(&self) -> u8 {
-        0
-    }
-    /// Rank or device that computes the block.
-    ///
-    /// Zero by default, which is the only rank of a run in one process. No engine here uses others.
-    fn owner(&self) -> u32 {
-        0
+    /// Whether [`forces`](Self::forces) reads velocities, with an addition to the stiffness damping coefficient (s)
+    /// and with or without energy bookkeeping. If not, the velocity of the context may be empty. True by default.
+    fn reads_velocity(&self, _damping_shift: f64, _ledger: bool) -> bool {
+        true
     }
     /// Writes the internal forces (N) of every node of the block, stiffness damping included, and computes
     /// new history variables without committing them.
@@ -449,37 +428,37 @@ pub trait ElementBlock: Send + Sync {
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault>;
     /// Commits the history variables of the last [`forces`](Self::forces).
     fn commit(&mut self);
-    /// Writes the product of a stiffness operator and a nodal vector, for every node of the block.
+    /// Writes the product of a stiffness operator and a nodal vector, both in the order of
+    /// [`nodes`](Self::nodes).
     fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut);
     /// Adds the nodal 3 x 3 diagonal blocks of a stiffness operator (N/m), in the order of
     /// [`nodes`](Self::nodes).
     fn diagonal(&self, operator: Operator, out: &mut [Mat3]);
-    /// Calls a function with every element stiffness matrix of an operator: engine numbers of the nodes that
-    /// the matrix couples, and its entries (N/m), row by row, three rows and three columns per node.
+    /// Calls a function with every element stiffness matrix of an operator: indices in [`nodes`](Self::nodes) of
+    /// the nodes that the matrix couples, and its entries (N/m), row by row, three rows and three columns per node.
     ///
     /// By default there is one matrix for all nodes of the block, each column from
     /// [`apply`](Self::apply): right for a few nodes, expensive for many.
     fn each_matrix(&self, operator: Operator, visit: &mut dyn FnMut(&[u32], &[f64])) {
-        let nodes = self.nodes();
-        let count = nodes.iter().max().map_or(0, |&most| most as usize + 1);
+        let count = self.nodes().len();
         let mut unit = vec![Quad::<f64>::default(); count];
-        let mut forces = vec![Quad::<f64>::default(); nodes.len()];
-        let size = 3 * nodes.len();
+        let mut forces = unit.clone();
+        let size = 3 * count;
         let mut matrix = vec![0.0; size * size];
         for column in 0..size {
-            let node = nodes[column / 3] as usize;
-            unit[node].values[column % 3] = 1.0;
+            unit[column / 3].values[column % 3] = 1.0;
             self.apply(
                 operator,
                 NodalView::F64(&unit),
                 NodalViewMut::F64(&mut forces),
             );
-            unit[node].values[column % 3] = 0.0;
+            unit[column / 3].values[column % 3] = 0.0;
             for row in 0..size {
                 matrix[row * size + column] = forces[row / 3].values[row % 3];
             }
         }
-        visit(nodes, &matrix);
+        let every: Vec<u32> = (0..count as u32).collect();
+        visit(&every, &matrix);
     }
     /// Adds the lumped masses of the nodes (kg), in the order of [`nodes`](Self::nodes).
     fn add_mass(&self, out: &mut [f64]);
@@ -491,7 +470,7 @@ pub trait ElementBlock: Send + Sync {
     fn mass_damping(&self) -> f64;
     /// Activates and deactivates elements, in the order of [`elements`](Self::elements).
     fn set_active(&mut self, active: &[bool]);
-    /// Sets the reference displacement (m, engine numbering), from which strain and hourglass deformation
+    /// Sets the reference displacement (m) of the block's nodes, from which strain and hourglass deformation
     /// are measured: elements that are cast later are free of stress in the deformed body.
     fn set_reference_displacement(&mut self, displacement: NodalView);
     /// Sets the initial stress (Pa) of each element, in the order of [`elements`](Self::elements).
@@ -503,14 +482,14 @@ pub trait ElementBlock: Send + Sync {
     /// and boundary elements; a block with initial stress must override it, or the initial stress is not
     /// in equilibrium.
     fn add_forces_of(&self, _stress: &[Stress], _out: &mut [Vec3]) {}
-    /// Adds the mean change of stress (Pa) over the volume of each element at a displacement (m), from the
-    /// committed history variables, in the order of [`elements`](Self::elements).
+    /// Adds the mean change of stress (Pa) over the volume of each element at a displacement (m) of the block's nodes,
+    /// from the committed history variables, in the order of [`elements`](Self::elements).
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]);
     /// Writes the internal forces (N) of one element, given by its index in [`elements`](Self::elements), at
     /// its nodes in the mesh's order; returns whether they were written.
     ///
-    /// They are the forces of an initial stress (Pa) and of the change of stress at a displacement (m) from
-    /// the committed history variables, and hourglass forces, without stiffness damping. By default nothing
+    /// They are the forces of an initial stress (Pa) and of the change of stress at a displacement (m) of the block's
+    /// nodes from the committed history variables, and hourglass forces, without stiffness damping. By default nothing
     /// is written and the result is false, which says that the block has no forces per element: section
     /// forces leave its elements out.
     fn element_forces(

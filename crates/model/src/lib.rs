@@ -41,15 +41,14 @@ mod step_time;
 mod tensor;
 
 pub use boundary::{
-    AbsorbingBoundary, BoundaryParts, BoundarySite, BuildBlock, ExtraBlock, NodalImpedance,
-    SiteFace, SiteNode,
+    AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
-    HistoryUpdate, LimitingTerm, Numbering, Operator,
+    HistoryUpdate, LimitingTerm, Operator,
 };
 pub use engine::{
     Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Observer,

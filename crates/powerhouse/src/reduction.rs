@@ -2,7 +2,7 @@
 
 use powerhouse_boundary::{BoundaryError, ReductionLayer};
 use powerhouse_explicit_core::{BlockOptions, BlockPart};
-use powerhouse_model::{Mesh, ModelError, Numbering};
+use powerhouse_model::{Mesh, ModelError};
 
 use crate::{Error, Kernel, Part};
 
@@ -30,11 +30,9 @@ pub fn reduction_layer(mesh: &Mesh, inside: &[u32], part: &Part) -> Result<Reduc
             kind: mesh.kind(element).name(),
         });
     };
-    let numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
-    let numbering = Numbering::new(numbers.clone(), numbers);
     let nodes = mesh.nodes_of_elements(&elements);
     let factory = kernel.factory(&part.set, &part.material.elastic(), BlockOptions::default());
-    let block = factory.build(&BlockPart::new(mesh, &elements, &numbering, &nodes))?;
-    let layer = ReductionLayer::new(mesh, inside, block.as_ref(), &numbering);
+    let block = factory.build(&BlockPart::new(mesh, &elements, &nodes))?;
+    let layer = ReductionLayer::new(mesh, inside, block.as_ref());
     Ok(layer.map_err(ModelError::from)?)
 }

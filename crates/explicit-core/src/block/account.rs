@@ -7,7 +7,7 @@ use super::numbers::AlignedNumbers;
 use super::operations::Energy;
 use super::survey::each_lane;
 use super::transfer::NodeScalar;
-use super::{Block, by_local_index};
+use super::{Block, in_double};
 use crate::lanes::{BatchLane, BatchScalar};
 
 /// Energy bookkeeping of a block: accumulated energies, and the state at the last step.
@@ -204,7 +204,7 @@ where
         let follows = context.number > 0 && account.number == Some(context.number - 1);
 
         if damping != 0.0 {
-            let velocity = by_local_index(&self.nodes.numbers, context.velocity);
+            let velocity = in_double(context.velocity);
             let continues = follows && account.velocity.len() == velocity.len();
             let mut energy = 0.0;
             if self.is_linear() {

@@ -27,8 +27,7 @@ where
         self.geometry_of(element, &mut numbers);
         let geometry = Geometry::<f64>::new((), &numbers);
         let nodal = self.connectivity.as_slice()[element].map(|local| {
-            let node = self.nodes.numbers[local as usize];
-            let now = displacement.vector(node as usize);
+            let now = displacement.vector(local as usize);
             let from = self.reference.as_ref();
             let from = from.map_or(Vec3::zeros(), |from| from[local as usize].to_vector());
             (now - from).into()

@@ -18,7 +18,7 @@ use super::locations::Locations;
 use super::memory::Connectivity;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
-use super::transfer::{BlockNodes, Locals, NodeScalar};
+use super::transfer::NodeScalar;
 use crate::lanes::{Arrangement, Lanes};
 use crate::{BlockFactory, BlockOptions, BlockPart, ElementExtent, EngineError, Precision};
 
@@ -197,7 +197,7 @@ where
             lanes,
             arrangement,
             elements: part.elements.to_vec(),
-            nodes: BlockNodes::new(part.nodes.to_vec()),
+            nodes: part.nodes.to_vec(),
             connectivity: Connectivity::new(connectivity),
             geometry,
             extents,
@@ -211,7 +211,7 @@ where
             reference: None,
             initial: AlignedNumbers::zeros(0),
             history: History::new(variables, P, batches),
-            locals: Locals::default(),
+            static_displacement: Vec::new(),
             account: Account::default(),
             law: LawForms::new(law),
         })
@@ -258,9 +258,8 @@ where
             let nodes = part.mesh.nodes_of(element);
             let mut local = [0; N];
             for a in 0..N {
-                let number = part.numbering.engine_of[nodes[a] as usize];
                 local[a] = *local_of
-                    .get(&number)
+                    .get(&nodes[a])
                     .ok_or_else(|| EngineError::UnlistedNode {
                         element: tag,
                         set: self.label.to_string(),

@@ -96,6 +96,12 @@ where
         Extents(core::array::from_fn(|i| numbers[index(i)].to_f64()))
     }
 
+    /// Displacement (m) of a node, by its index in the block, at the last static forces; zero before.
+    fn last_static_displacement(&self, node: usize) -> Vec3 {
+        let value = self.static_displacement.get(node);
+        value.map_or_else(Vec3::zeros, |value| value.to_vector())
+    }
+
     /// Stiffness at each integration point of an element for an operator, and hourglass modulus (Pa).
     fn stiffness(
         &self,
@@ -109,7 +115,7 @@ where
             _ => return ([elastic; P], self.moduli.hourglass),
         };
         let nodal = self.connectivity.as_slice()[element]
-            .map(|local| self.locals.displacement(local as usize).into());
+            .map(|local| self.last_static_displacement(local as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
         let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
         let stiffness = self.at_points(element, &strains, |input, new| match operator {
@@ -208,11 +214,7 @@ where
                     matrix[row * size + column] = forces[row / 3][row % 3];
                 }
             }
-            let nodes = self.connectivity.as_slice()[element];
-            visit(
-                &nodes.map(|local| self.nodes.numbers[local as usize]),
-                &matrix,
-            );
+            visit(&self.connectivity.as_slice()[element], &matrix);
         });
     }
 

@@ -42,16 +42,16 @@ use memory::Connectivity;
 use numbers::AlignedNumbers;
 use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates};
 use survey::Summary;
-use transfer::{BlockNodes, Locals, NodeScalar, copy_nodes};
+use transfer::NodeScalar;
 
 pub use any_law::AnyLaw;
 pub use factory::solid;
 pub(crate) use factory::{coordinate_rounding, of_any_law};
 
 thread_local! {
-    /// Nodal values of a block during a step: one buffer per thread, which stays in its cache from block to
-    /// block.
-    static SCRATCH: Cell<Locals> = const { Cell::new(Locals::NONE) };
+    /// Displacements from which a block computes, where they are not those of the step: one buffer per thread, which
+    /// stays in its cache from block to block.
+    static SCRATCH: Cell<Vec<Quad<f64>>> = const { Cell::new(Vec::new()) };
     /// Buffers between kernels and laws, likewise.
     static EXCHANGES: Cell<Exchanges> = Cell::default();
 }
@@ -67,7 +67,8 @@ struct Block<K, S, const N: usize, const P: usize> {
     arrangement: Arrangement,
     /// Mesh indices of the elements.
     elements: Vec<u32>,
-    nodes: BlockNodes,
+    /// Mesh indices of the nodes.
+    nodes: Vec<u32>,
     /// Local node indices of each element, whole batches.
     connectivity: Connectivity<N>,
     geometry: AlignedNumbers<S>,
@@ -86,8 +87,9 @@ struct Block<K, S, const N: usize, const P: usize> {
     /// Initial stresses (Pa); empty if there are none.
     initial: AlignedNumbers<S>,
     history: History<S>,
-    /// Displacement of the last static forces, on which secant and tangent stiffness depend.
-    locals: Locals,
+    /// Displacement (m) of the last static forces since the reference, on which secant and tangent stiffness
+    /// depend; empty before.
+    static_displacement: Vec<Quad<f64>>,
     account: Account<S>,
 }
 
@@ -162,28 +164,34 @@ where
         out.fill(Quad::default());
         // Only static states are linearised: the displacement of a dynamic step is not stored.
         let stores = !self.is_linear() && !self.law.is_stepping();
-        let mut locals = if stores {
-            core::mem::take(&mut self.locals)
-        } else {
-            SCRATCH.take()
-        };
-        let (local, rates) = A::local(&mut locals);
-        copy_nodes(displacement, &self.nodes, local);
-        if needs_velocity {
-            copy_nodes(velocity, &self.nodes, rates);
+        let adds_velocity = self.is_linear() && damped;
+        let mut changed = Vec::new();
+        if stores || adds_velocity || self.reference.is_some() {
+            changed = if stores {
+                core::mem::take(&mut self.static_displacement)
+            } else {
+                SCRATCH.take()
+            };
+            changed.clear();
+            changed.extend_from_slice(displacement);
         }
-        if self.is_linear() && damped {
-            for (value, &rate) in local.iter_mut().zip(&*rates) {
+        if adds_velocity {
+            for (value, &rate) in changed.iter_mut().zip(velocity) {
                 *value = sum(*value, rate, damping);
             }
         }
         if let Some(reference) = &self.reference {
-            for (value, &from) in local.iter_mut().zip(reference) {
+            for (value, &from) in changed.iter_mut().zip(reference) {
                 *value = difference(*value, from);
             }
         }
+        let nodes = if changed.is_empty() {
+            displacement
+        } else {
+            &changed
+        };
         let finite = if self.is_linear() {
-            self.elastic(local, Some(out), None)
+            self.elastic(nodes, Some(out), None)
         } else {
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
@@ -195,19 +203,19 @@ where
             });
             let rates = needs_velocity.then_some(Rates {
                 step,
-                velocity: rates,
+                velocity,
                 damping,
                 bookkeeping,
             });
             let access = HistoryAccess::Write(&mut history);
-            let finite = self.material(local, access, rates, Some(out), None);
+            let finite = self.material(nodes, access, rates, Some(out), None);
             (self.account, self.history) = (account, history);
             finite
         };
         if stores {
-            self.locals = locals;
-        } else {
-            SCRATCH.set(locals);
+            self.static_displacement = changed;
+        } else if !changed.is_empty() {
+            SCRATCH.set(changed);
         }
         finite
     }
@@ -266,7 +274,7 @@ where
 
     /// Displacement relative to the reference, by local node index.
     fn since_reference(&self, displacement: NodalView) -> Vec<Quad<f64>> {
-        let mut local = by_local_index(&self.nodes.numbers, displacement);
+        let mut local = in_double(displacement);
         if let Some(reference) = &self.reference {
             for (value, &from) in local.iter_mut().zip(reference) {
                 *value = difference(*value, from);
@@ -297,11 +305,14 @@ where
     /// The first element of which a nodal value or the stress is not finite.
     fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
         let displacement = self.since_reference(context.displacement);
-        let velocity = by_local_index(&self.nodes.numbers, context.velocity);
+        let velocity = in_double(context.velocity);
         let survey = self.survey(&displacement);
+        // Velocities that the block does not read may be missing.
         let finite = |values: &[Quad<f64>], local: u32| {
-            let vector = values[local as usize].to_vector();
-            vector.iter().all(|component| component.is_finite())
+            values.get(local as usize).is_none_or(|value| {
+                let vector = value.to_vector();
+                vector.iter().all(|component| component.is_finite())
+            })
         };
         let reason = |element: usize| {
             let nodes = &self.connectivity.as_slice()[element];
@@ -372,18 +383,13 @@ where
                     *out = Quad::from_vector(&sum.to_vector());
                 }
             } else {
-                let numbers = self.nodes.numbers.iter();
-                let local = numbers.map(|&node| Quad::from_vector(&x[node as usize].to_vector()));
-                self.elastic(&local.collect::<Vec<_>>(), Some(out), None);
+                self.elastic(&doubled(x), Some(out), None);
             }
             return;
         }
         self.each_element(operator, |element, forces| {
             let nodes = &self.connectivity.as_slice()[element];
-            let nodal = nodes.map(|local| {
-                let node = self.nodes.numbers[local as usize];
-                x[node as usize].to_vector().into()
-            });
+            let nodal = nodes.map(|local| x[local as usize].to_vector().into());
             for (&local, force) in nodes.iter().zip(forces(&nodal)) {
                 let sum = &mut out[local as usize];
                 *sum = Quad::from_vector(&(sum.to_vector() + Vec3::from(force)));
@@ -410,10 +416,12 @@ fn difference(a: Quad<f64>, b: Quad<f64>) -> Quad<f64> {
     Quad::from_vector(&(a.to_vector() - b.to_vector()))
 }
 
-/// Nodal values by local node index.
-fn by_local_index(nodes: &[u32], view: NodalView) -> Vec<Quad<f64>> {
-    let values = nodes.iter().map(|&node| view.vector(node as usize));
-    values.map(|value| Quad::from_vector(&value)).collect()
+/// Nodal values of a view in double precision.
+fn in_double(view: NodalView) -> Vec<Quad<f64>> {
+    match view {
+        NodalView::F64(values) => values.to_vec(),
+        NodalView::F32(values) => doubled(values),
+    }
 }
 
 /// Panic message of an engine that passes velocities and forces in different storage.
@@ -431,7 +439,11 @@ where
         &self.elements
     }
     fn nodes(&self) -> &[u32] {
-        &self.nodes.numbers
+        &self.nodes
+    }
+    fn reads_velocity(&self, damping_shift: f64, ledger: bool) -> bool {
+        let damped = self.damping.stiffness + damping_shift != 0.0;
+        damped || (ledger && !self.is_linear())
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         let converted;
@@ -495,7 +507,7 @@ where
         self.account.restart();
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
-        self.reference = Some(by_local_index(&self.nodes.numbers, displacement));
+        self.reference = Some(in_double(displacement));
         self.account.restart();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {

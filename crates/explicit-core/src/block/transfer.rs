@@ -1,6 +1,6 @@
 //! Gather of nodal values into lanes, and scatter of forces to nodes.
 
-use powerhouse_model::{Quad, Scalar, Vec3};
+use powerhouse_model::{Quad, Scalar};
 
 use super::batches::Batch;
 use super::exchange::{Exchange, Exchanges};
@@ -73,85 +73,21 @@ pub(super) fn scatter<A, L, const N: usize>(
     }
 }
 
-/// Nodal values of a block by local node index, so that its elements read a small contiguous piece of memory.
-#[derive(Debug, Default)]
-pub(super) struct Locals {
-    /// Displacement since the reference (m).
-    pub(super) displacement: Vec<Quad<f64>>,
-    /// Velocity (m/s) in either storage.
-    double: Vec<Quad<f64>>,
-    single: Vec<Quad<f32>>,
-}
-
 /// Scalar type of nodal velocities and forces, and of the arithmetic of elements.
 pub(super) trait NodeScalar: BatchScalar {
-    /// Local displacements, and local velocities in this scalar type.
-    fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>);
     /// The exchange buffers in this scalar type.
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<Self>;
 }
 
 impl NodeScalar for f64 {
-    fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<f64>>) {
-        (&mut locals.displacement, &mut locals.double)
-    }
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<f64> {
         &mut exchanges.double
     }
 }
 
 impl NodeScalar for f32 {
-    fn local(locals: &mut Locals) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<f32>>) {
-        (&mut locals.displacement, &mut locals.single)
-    }
     fn exchange(exchanges: &mut Exchanges) -> &mut Exchange<f32> {
         &mut exchanges.single
-    }
-}
-
-impl Locals {
-    /// No values.
-    pub(super) const NONE: Self = Self {
-        displacement: Vec::new(),
-        double: Vec::new(),
-        single: Vec::new(),
-    };
-    /// The last displacement of a node (m) by local index, zero if there is none.
-    pub(super) fn displacement(&self, node: usize) -> Vec3 {
-        let value = self.displacement.get(node);
-        value.map_or_else(Vec3::zeros, |value| value.to_vector())
-    }
-}
-
-/// Copies the values of the nodes of a block; its first run of successive numbers as a whole.
-pub(super) fn copy_nodes<A: BatchScalar>(
-    nodes: &[Quad<A>],
-    of: &BlockNodes,
-    to: &mut Vec<Quad<A>>,
-) {
-    to.clear();
-    to.extend_from_slice(&nodes[of.run.clone()]);
-    let rest = &of.numbers[of.run.len()..];
-    to.extend(rest.iter().map(|&node| nodes[node as usize]));
-}
-
-/// Engine numbers of the nodes of a block, by local node index.
-#[derive(Debug)]
-pub(super) struct BlockNodes {
-    /// Engine numbers of all nodes.
-    pub(super) numbers: Vec<u32>,
-    /// The longest run of successive numbers at the start.
-    run: core::ops::Range<usize>,
-}
-
-impl BlockNodes {
-    pub(super) fn new(numbers: Vec<u32>) -> Self {
-        let first = numbers.first().map_or(0, |&number| number as usize);
-        let run = (first..)
-            .zip(&numbers)
-            .take_while(|&(n, &number)| n == number as usize);
-        let run = first..first + run.count();
-        Self { numbers, run }
     }
 }
 

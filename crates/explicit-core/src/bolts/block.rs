@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound, HistoryField, Mat3,
-    NodalView, NodalViewMut, Numbering, Operator, Quad, Stress, Vec3,
+    NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
 };
 
 use super::BoltSet;
@@ -48,6 +48,7 @@ enum Failure {
 /// Element block of all bolts of a set.
 pub(super) struct BoltBlock {
     name: Arc<str>,
+    /// Mesh indices of the nodes of the host elements, in rising order.
     nodes: Vec<u32>,
     bolts: Vec<Bolt>,
     workspace: Workspace,
@@ -77,17 +78,13 @@ impl Workspace {
 }
 
 impl BoltBlock {
-    pub(super) fn new(set: &BoltSet, numbering: &Numbering) -> Self {
-        let engine = |node: &u32| numbering.engine_of[*node as usize];
+    pub(super) fn new(set: &BoltSet) -> Self {
         let points = set.bolts.iter().flat_map(|bolt| &bolt.segments);
         let hosts = points.flat_map(|segment| &segment.ends);
-        let mut nodes: Vec<u32> = hosts.flat_map(|end| end.nodes.iter().map(engine)).collect();
+        let mut nodes: Vec<u32> = hosts.flat_map(|end| end.nodes.iter().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let index = |node: u32| {
-            let engine = engine(&node);
-            nodes.partition_point(|&other| other < engine) as u32
-        };
+        let index = |node: u32| nodes.partition_point(|&other| other < node) as u32;
         let bolts = set.bolts.iter().zip(set.bars());
         let bolts = bolts
             .map(|(bolt, bar)| {
@@ -114,13 +111,12 @@ impl BoltBlock {
         }
     }
 
-    /// Sums the internal forces (N) of all bolts for displacements (m) of engine nodes.
+    /// Sums the internal forces (N) of all bolts for displacements (m) of the block's nodes.
     fn resist(&mut self, displacement: impl Fn(u32) -> Vec3) -> Result<(), ElementFault> {
         let workspace = &mut self.workspace;
         workspace.clear(self.nodes.len());
-        let value = |index: u32| displacement(self.nodes[index as usize]);
         for (index, bolt) in self.bolts.iter_mut().enumerate() {
-            bolt.resist(value, workspace).map_err(|failure| {
+            bolt.resist(&displacement, workspace).map_err(|failure| {
                 let (segment, reason) = match failure {
                     Failure::NotFinite(segment) => (
                         segment,
@@ -274,6 +270,9 @@ impl ElementBlock for BoltBlock {
     fn nodes(&self) -> &[u32] {
         &self.nodes
     }
+    fn reads_velocity(&self, _damping_shift: f64, _ledger: bool) -> bool {
+        false
+    }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         match context.displacement {
             NodalView::F64(u) => self.resist(|node| u[node as usize].to_vector())?,
@@ -298,7 +297,7 @@ impl ElementBlock for BoltBlock {
             forces,
             ..
         } = &mut workspace;
-        let value = |index: u32| x.vector(self.nodes[index as usize] as usize);
+        let value = |index: u32| x.vector(index as usize);
         for bolt in &self.bolts {
             bolt.interpolation.axial(value, line, moved);
             forces.clear();
@@ -337,10 +336,7 @@ impl ElementBlock for BoltBlock {
                 }
                 first += 3;
             });
-            let nodes: Vec<u32> = (indices.iter())
-                .map(|&index| self.nodes[index as usize])
-                .collect();
-            show(&nodes, &matrix);
+            show(indices, &matrix);
         }
     }
     fn add_mass(&self, _out: &mut [f64]) {}
@@ -355,7 +351,7 @@ impl ElementBlock for BoltBlock {
     }
     fn set_active(&mut self, _active: &[bool]) {}
     fn set_reference_displacement(&mut self, displacement: NodalView) {
-        let value = |index: u32| displacement.vector(self.nodes[index as usize] as usize);
+        let value = |index: u32| displacement.vector(index as usize);
         for bolt in &mut self.bolts {
             let mut reference = Vec::new();
             let line = &mut self.workspace.line;

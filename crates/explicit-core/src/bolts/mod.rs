@@ -8,7 +8,7 @@ mod pattern;
 
 use std::sync::Arc;
 
-use powerhouse_model::{BuildBlock, Mesh, ParameterError, Vec3};
+use powerhouse_model::{ElementBlock, Mesh, ParameterError, Vec3};
 
 use crate::EngineError;
 use bar::Bar;
@@ -222,10 +222,9 @@ impl BoltSet {
         })
     }
 
-    /// Builder of the element block of these bolts, for [`ModelBuilder::embed`](crate::ModelBuilder::embed).
-    pub fn block(&self) -> BuildBlock {
-        let set = self.clone();
-        Box::new(move |numbering| Box::new(BoltBlock::new(&set, numbering)))
+    /// The element block of these bolts, for [`ModelBuilder::embed`](crate::ModelBuilder::embed).
+    pub fn block(&self) -> Box<dyn ElementBlock> {
+        Box::new(BoltBlock::new(self))
     }
 
     /// Axial forces (N, tension positive) of all segments in a state, bolt by bolt; none if the state

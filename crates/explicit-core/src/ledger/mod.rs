@@ -8,12 +8,12 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, StepTime, Vec3,
+    BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, NodalView, Quad, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
 use crate::groups::Groups;
-use crate::nodes::{Storage, with_nodes};
+use crate::nodes::with_nodes;
 use crate::{HourglassShare, Model, Precision};
 use sum::Sum;
 use work::{MidStep, NodalWork};
@@ -190,18 +190,13 @@ impl Model {
             return;
         }
         let work: Vec<f64> = with_nodes!(&self.nodes, arrays => {
-            let mut start = 0;
-            let buffers: Vec<_> = (self.blocks.iter().zip(&self.lengths))
-                .map(|(block, &length)| {
-                    let buffer = &arrays.forces[start..start + length];
-                    start += length;
-                    (block, buffer)
-                })
-                .collect();
-            buffers
-                .par_iter()
-                .map(|(block, buffer)| {
-                    let power = block.nodes().iter().zip(*buffer).map(|(&node, force)| {
+            let subdomain = &self.subdomain;
+            (0..self.blocks.len())
+                .into_par_iter()
+                .map(|block| {
+                    let nodes = subdomain.nodes_of(block).iter();
+                    let forces = subdomain.forces_of(block, &arrays.forces);
+                    let power = nodes.zip(forces).map(|(&node, force)| {
                         force.to_vector().dot(&arrays.velocity[node as usize].to_vector())
                     });
                     power.sum::<f64>() * 0.5 * step
@@ -213,22 +208,28 @@ impl Model {
         }
     }
 
+    /// Energies (J) of each block at the present displacement; with `ledger` in a model with an energy ledger.
+    pub(crate) fn block_energies(&self, step: f64, ledger: bool) -> Vec<BlockEnergy> {
+        let when = StepTime {
+            number: self.number,
+            time: self.time,
+            step,
+        };
+        let displacement: &[Quad<f64>] = with_nodes!(&self.nodes, arrays => &arrays.displacement);
+        let subdomain = &self.subdomain;
+        (self.blocks.par_iter().enumerate())
+            .map(|(index, block)| {
+                let displacement = subdomain.values(index, displacement);
+                let velocity = NodalView::F64(&[]);
+                let context = BlockContext::new(when, NodalView::F64(&displacement), velocity);
+                block.energy(&context.with_ledger(ledger))
+            })
+            .collect()
+    }
+
     /// Energies of the elements of each set at the present time.
     fn set_energies(&self, ledger: &Ledger, step: f64) -> Vec<BlockEnergy> {
-        let of_blocks: Vec<BlockEnergy> = with_nodes!(&self.nodes, arrays => {
-            let when = StepTime {
-                number: self.number,
-                time: self.time,
-                step,
-            };
-            let context = BlockContext::new(
-                when,
-                Storage::view(&arrays.displacement),
-                Storage::view(&arrays.velocity),
-            )
-            .with_ledger(true);
-            self.blocks.par_iter().map(|block| block.energy(&context)).collect()
-        });
+        let of_blocks = self.block_energies(step, true);
         let mut of_sets = vec![BlockEnergy::default(); ledger.sets.len()];
         for (&set, energy) in ledger.set_of_block.iter().zip(of_blocks) {
             of_sets[set] += energy;

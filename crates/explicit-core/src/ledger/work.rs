@@ -49,8 +49,8 @@ impl Model {
     pub(super) fn present(&self, step: f64) -> MidStep<'_> {
         MidStep {
             nodes: &self.nodes,
-            slots: &self.slots,
-            gather: &self.gather,
+            slots: &self.subdomain.slots,
+            gather: &self.subdomain.gather,
             groups: &self.groups,
             group_of: &self.group_of,
             sums: &self.loads.sums,

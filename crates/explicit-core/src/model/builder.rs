@@ -4,19 +4,19 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use powerhouse_model::{
-    BoundaryParts, BuildBlock, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad,
-    Numbering, State, TimeFunction, Vec3,
+    BoundaryParts, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad, State,
+    TimeFunction, Vec3,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
-use super::solids::{Solids, blocks_of_elements, build_blocks};
+use super::solids::{Solids, build_blocks};
 use super::start::InitialState;
 use super::{BoundConstraint, Model};
 use crate::applied::AppliedLoads;
-use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::loads::Weight;
 use crate::nodes::{NodalArrays, Nodes};
+use crate::subdomain::{Numbering, Subdomain};
 use crate::{BlockFactory, EngineError, PeriodicPairs, Precision, Prescribed, Support};
 
 /// A selection of elements: a named set, or mesh indices.
@@ -60,7 +60,7 @@ pub struct ModelBuilder<'a> {
     weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
     boundaries: Vec<BoundaryParts>,
     constraints: Vec<Box<dyn Constraint>>,
-    embedded: Vec<BuildBlock>,
+    embedded: Vec<Box<dyn ElementBlock>>,
     start: InitialState,
     threads: Option<usize>,
     stop: Option<Arc<AtomicBool>>,
@@ -148,12 +148,12 @@ impl<'a> ModelBuilder<'a> {
         self
     }
     /// Adds an embedded block: elements that act on nodes of the mesh, such as
-    /// [bolts](crate::BoltSet::block), built after the nodes are numbered. Its history variables have names of their
+    /// [bolts](crate::BoltSet::block). Its history variables have names of their
     /// own, under which a state stores them. If the initial state has no such variables, the block is installed at the
     /// present displacement, without force but for its pretension.
     #[must_use]
-    pub fn embed(mut self, build: BuildBlock) -> Self {
-        self.embedded.push(build);
+    pub fn embed(mut self, block: Box<dyn ElementBlock>) -> Self {
+        self.embedded.push(block);
         self
     }
     /// Sets the number of threads, 1 to 4096, by default all of the machine; the results are bitwise the same.
@@ -195,20 +195,27 @@ impl<'a> ModelBuilder<'a> {
             share.clamp(*BLOCK_SIZES.start(), *BLOCK_SIZES.end())
         });
         let Solids {
-            mut numbering,
+            partition,
             mut blocks,
-            orphans,
         } = build_blocks(mesh, &self.sets, &self.start, block_size)?;
-        let block_of_element = blocks_of_elements(mesh, &blocks);
+        let mut numbering = Numbering::of(&partition, mesh);
+        let orphans: Vec<u32> = (partition.orphans.iter())
+            .map(|&node| numbering.local_of[node as usize])
+            .collect();
         let embedded_from = blocks.len();
-        let embedded = self.embedded.into_iter();
-        blocks.extend(embedded.map(|build| build(&numbering)));
+        blocks.extend(self.embedded);
         let boundary_from = blocks.len();
+        let mut nodes_of_blocks: Vec<Vec<u32>> = (blocks.iter())
+            .map(|block| block_nodes(block.as_ref(), &numbering.local_of))
+            .collect::<Result<_, _>>()?;
         let mut boundary_loads = Vec::new();
         let mut impedance = Vec::new();
         for parts in self.boundaries {
-            let (numbers, extra) = build_extra(&mut numbering, mesh.node_count(), parts.blocks);
-            blocks.extend(extra);
+            let numbers = number_extra(&mut numbering, mesh.node_count(), &parts.blocks);
+            for extra in parts.blocks {
+                nodes_of_blocks.push(block_nodes(extra.block.as_ref(), &numbers)?);
+                blocks.push(extra.block);
+            }
             for item in parts.impedance {
                 let node = engine_node("a boundary", item.node, &numbers)?;
                 if orphans.binary_search(&node).is_err() {
@@ -219,11 +226,12 @@ impl<'a> ModelBuilder<'a> {
                 boundary_loads.push(with_engine_nodes(load, &numbers, mesh)?);
             }
         }
-        let node_count = numbering.mesh_of.len();
-        let slots = slot_table(&blocks, node_count)?;
-        let (mass, mass_damping) = lumped(mesh, &numbering, &blocks, &orphans)?;
+        let (mass, mass_damping) = lumped(&blocks, &nodes_of_blocks, numbering.mesh_of.len());
+        check_masses(mesh, &numbering, &mass, &orphans)?;
+        let subdomain = Subdomain::new(mesh, numbering, orphans, &blocks, nodes_of_blocks);
+        let node_count = subdomain.node_count();
 
-        let numbers = numbering.engine_of[..mesh.node_count()].to_vec();
+        let numbers = subdomain.numbering.local_of[..mesh.node_count()].to_vec();
         let mut loads = Vec::new();
         for load in self.loads {
             loads.push(with_engine_nodes(load, &numbers, mesh)?);
@@ -236,7 +244,7 @@ impl<'a> ModelBuilder<'a> {
         let own_loads = loads.len();
         loads.append(&mut boundary_loads);
 
-        let mut plan = GroupPlan::new(mesh, &numbering, node_count);
+        let mut plan = GroupPlan::new(mesh, &subdomain.numbering, node_count);
         for pairs in &self.periodic {
             plan.tie(pairs)?;
         }
@@ -251,24 +259,30 @@ impl<'a> ModelBuilder<'a> {
         }
         let constrained = plan.constrain(&self.constraints)?;
         let (groups, group_of) = plan.finish(&mass, &mass_damping, &constrained);
-        let groups = Groups::new(groups, &constrained.concat(), &slots);
+        let groups = Groups::new(groups, &constrained.concat(), &subdomain.slots);
         let constraints = bind(self.constraints, constrained);
 
         let kicked = groups.kicked_of(&group_of);
         let loads = AppliedLoads::new(loads, own_loads, &kicked, groups.kicked());
         let with_external = loads.sums.on_plain_nodes();
         let nodes = if precision == Precision::F32 {
-            Nodes::F32(NodalArrays::new(node_count, slots.len(), with_external))
+            Nodes::F32(NodalArrays::new(
+                node_count,
+                subdomain.slots.len(),
+                with_external,
+            ))
         } else {
-            Nodes::F64(NodalArrays::new(node_count, slots.len(), with_external))
+            Nodes::F64(NodalArrays::new(
+                node_count,
+                subdomain.slots.len(),
+                with_external,
+            ))
         };
         let mut model = Model {
             mesh: mesh.clone(),
-            lengths: blocks.iter().map(|block| block.nodes().len()).collect(),
-            gather: Gather::new(&slots),
-            numbering,
+            partition,
+            subdomain,
             blocks,
-            slots,
             nodes,
             mass,
             mass_damping,
@@ -282,7 +296,6 @@ impl<'a> ModelBuilder<'a> {
                 .collect(),
             constraints,
             initial_stress: Vec::new(),
-            orphans,
             absent: Vec::new(),
             casts: Vec::new(),
             stage_start: Vec::new(),
@@ -296,7 +309,6 @@ impl<'a> ModelBuilder<'a> {
             precision,
             speed_limit: f64::MAX,
             fault: None,
-            block_of_element,
             spectrum: None,
             pool,
             stop: self.stop,
@@ -344,23 +356,31 @@ fn start_threads(threads: usize) -> Result<Arc<rayon::ThreadPool>, EngineError> 
         .map_err(|_| refused)
 }
 
-/// Numbers the additional nodes of one boundary and builds its blocks. In the numbering passed to them
-/// and in the boundary's other parts, the additional nodes follow those of the mesh.
-fn build_extra(
+/// Numbers the additional nodes of the blocks of one boundary; returns the local numbers of the nodes of the mesh and
+/// of these additional ones, which follow them in the boundary's own numbering.
+fn number_extra(
     numbering: &mut Numbering,
     mesh_nodes: usize,
-    blocks: Vec<powerhouse_model::ExtraBlock>,
-) -> (Vec<u32>, Vec<Box<dyn ElementBlock>>) {
-    let mut passed = Numbering::new(numbering.engine_of[..mesh_nodes].to_vec(), Vec::new());
+    blocks: &[powerhouse_model::ExtraBlock],
+) -> Vec<u32> {
+    let mut numbers = numbering.local_of[..mesh_nodes].to_vec();
     for _ in blocks.iter().flat_map(|block| &block.nodes) {
-        let engine = numbering.mesh_of.len() as u32;
-        passed.engine_of.push(engine);
-        numbering.mesh_of.push(numbering.engine_of.len() as u32);
-        numbering.engine_of.push(engine);
+        let index = numbering.append();
+        numbers.push(numbering.local_of[index as usize]);
     }
-    passed.mesh_of = numbering.mesh_of.clone();
-    let built = blocks.into_iter().map(|b| (b.build)(&passed)).collect();
-    (passed.engine_of, built)
+    numbers
+}
+
+/// Local numbers of the nodes of a block, which names them by the index in `numbers`.
+fn block_nodes(block: &dyn ElementBlock, numbers: &[u32]) -> Result<Vec<u32>, EngineError> {
+    let local = |&node: &u32| {
+        let found = numbers.get(node as usize).copied();
+        found.ok_or_else(|| EngineError::BlockNode {
+            set: block.label().into(),
+            node,
+        })
+    };
+    block.nodes().iter().map(local).collect()
 }
 
 fn with_engine_nodes(
@@ -373,55 +393,44 @@ fn with_engine_nodes(
     Ok((load, nodes))
 }
 
-fn slot_table(
-    blocks: &[Box<dyn ElementBlock>],
-    node_count: usize,
-) -> Result<SlotTable, EngineError> {
-    for block in blocks {
-        let outside = block.nodes().iter().find(|&&n| n as usize >= node_count);
-        if let Some(&node) = outside {
-            return Err(EngineError::BlockNode {
-                set: block.label().into(),
-                node,
-            });
-        }
-    }
-    Ok(SlotTable::new(
-        node_count,
-        blocks.iter().map(|block| block.nodes()),
-    ))
-}
-
-/// Mass (kg) and mass damping (kg/s, empty if there is none) of every engine node.
+/// Mass (kg) and mass damping (kg/s, empty if there is none) of every local node, from blocks and the local numbers of
+/// their nodes.
 fn lumped(
-    mesh: &Mesh,
-    numbering: &Numbering,
     blocks: &[Box<dyn ElementBlock>],
-    orphans: &[u32],
-) -> Result<(Vec<f64>, Vec<f64>), EngineError> {
-    let count = numbering.mesh_of.len();
+    nodes_of_blocks: &[Vec<u32>],
+    count: usize,
+) -> (Vec<f64>, Vec<f64>) {
     let (mut mass, mut damping) = (vec![0.0; count], vec![0.0; count]);
-    for block in blocks {
-        let mut of_block = vec![0.0; block.nodes().len()];
+    for (block, nodes) in blocks.iter().zip(nodes_of_blocks) {
+        let mut of_block = vec![0.0; nodes.len()];
         block.add_mass(&mut of_block);
-        for (&node, m) in block.nodes().iter().zip(of_block) {
+        for (&node, m) in nodes.iter().zip(of_block) {
             mass[node as usize] += m;
             damping[node as usize] += m * block.mass_damping();
         }
     }
-    let without = |node: &usize| !(mass[*node].is_finite() && mass[*node] > 0.0);
-    let mut without = (0..count).filter(without);
-    let fault = without.find(|&node| orphans.binary_search(&(node as u32)).is_err());
-    if let Some(node) = fault {
-        return Err(EngineError::NodeWithoutMass {
-            node: tag(mesh, numbering.mesh_of[node]),
-            mass: mass[node],
-        });
-    }
     if damping.iter().all(|&c| c == 0.0) {
         damping.clear();
     }
-    Ok((mass, damping))
+    (mass, damping)
+}
+
+/// Refuses nodes without mass that are no orphans.
+fn check_masses(
+    mesh: &Mesh,
+    numbering: &Numbering,
+    mass: &[f64],
+    orphans: &[u32],
+) -> Result<(), EngineError> {
+    let without = |node: &usize| !(mass[*node].is_finite() && mass[*node] > 0.0);
+    let mut without = (0..mass.len()).filter(without);
+    match without.find(|&node| orphans.binary_search(&(node as u32)).is_err()) {
+        None => Ok(()),
+        Some(node) => Err(EngineError::NodeWithoutMass {
+            node: tag(mesh, numbering.mesh_of[node]),
+            mass: mass[node],
+        }),
+    }
 }
 
 /// Assigns the constraints their groups, which are the first ones.

@@ -9,27 +9,65 @@ use rayon::prelude::*;
 use super::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Nodes, Storage, with_nodes};
+use crate::subdomain::{NodalMotion, Subdomain};
+
+/// Terms of a force evaluation of all blocks.
+#[derive(Clone, Copy)]
+pub(crate) struct BlockTerms {
+    pub(crate) when: StepTime,
+    pub(crate) terms: ForceTerms,
+    /// Whether blocks keep account of their energies.
+    pub(crate) ledger: bool,
+    /// Whether the history variables of the last step are committed first, while the block is in the cache.
+    pub(crate) commit: bool,
+}
+
+impl BlockTerms {
+    /// Terms of static forces with a length of step (s), which viscoelastic laws depend on.
+    pub(crate) fn of_statics(when: StepTime) -> Self {
+        Self {
+            when,
+            terms: ForceTerms::PLAIN,
+            ledger: false,
+            commit: false,
+        }
+    }
+}
 
 /// Computes the forces of all blocks, each into its buffer; returns the set and fault of the first block that fails.
-///
-/// With `commit` the history variables of the last step are committed first, while the
-/// block is in the cache.
 pub(crate) fn block_forces<S: Storage>(
+    subdomain: &Subdomain,
     blocks: &mut [Box<dyn ElementBlock>],
-    buffers: Vec<&mut [Quad<S>]>,
-    context: &BlockContext,
-    commit: bool,
+    motion: NodalMotion<S>,
+    forces: &mut [Quad<S>],
+    evaluation: BlockTerms,
 ) -> Option<(String, ElementFault)> {
+    let BlockTerms {
+        when,
+        terms,
+        ledger,
+        commit,
+    } = evaluation;
     blocks
         .par_iter_mut()
-        .zip(buffers)
+        .zip(split(forces, &subdomain.lengths))
+        .enumerate()
         .with_max_len(1)
-        .find_map_first(|(block, buffer)| {
+        .find_map_first(|(index, (block, buffer))| {
             if commit {
                 block.commit();
             }
-            let fault = block.forces(context, Storage::view_mut(buffer)).err()?;
-            Some((block.label().to_string(), fault))
+            let reads_velocity = block.reads_velocity(terms.damping_shift, ledger);
+            let computed =
+                subdomain.with_copies(index, motion, reads_velocity, |displacement, velocity| {
+                    let context =
+                        BlockContext::new(when, Storage::view(displacement), S::view(velocity))
+                            .with_damping_shift(terms.damping_shift)
+                            .with_ledger(ledger)
+                            .with_history_update(terms.history_update);
+                    block.forces(&context, S::view_mut(buffer))
+                });
+            Some((block.label().to_string(), computed.err()?))
         })
 }
 
@@ -117,7 +155,7 @@ impl Model {
             nodes,
             blocks,
             loads,
-            lengths,
+            subdomain,
             time,
             number,
             ledger,
@@ -130,17 +168,10 @@ impl Model {
         };
         let fault = with_nodes!(nodes, arrays => {
             let NodalArrays { displacement, velocity, forces, external, .. } = arrays;
-            let context = BlockContext::new(
-                when,
-                Storage::view(displacement),
-                Storage::view(velocity),
-            )
-            .with_damping_shift(terms.damping_shift)
-            .with_ledger(ledger.is_some())
-            .with_history_update(terms.history_update);
-            let buffers = split(forces, lengths);
+            let motion = NodalMotion { displacement, velocity };
+            let evaluation = BlockTerms { when, terms, ledger: ledger.is_some(), commit };
             let (fault, ()) = rayon::join(
-                || block_forces(blocks, buffers, &context, commit),
+                || block_forces(subdomain, blocks, motion, forces, evaluation),
                 || loads.evaluate(when.time),
             );
             loads.sums.write_plain(external);
@@ -194,7 +225,7 @@ impl Model {
     fn predict(&mut self, step: f64) {
         let end = self.time + step;
         let motions: Vec<f64> = self.prescribed.iter().map(|f| f.value(end)).collect();
-        let (groups, slots, sums) = (&mut self.groups, &self.slots, &self.loads.sums);
+        let (groups, slots, sums) = (&mut self.groups, &self.subdomain.slots, &self.loads.sums);
         with_nodes!(&self.nodes, arrays => {
             groups.kick(arrays, slots, |group| sums.on_group(group), step);
             groups.prescribe(&motions, |node| arrays.displacement[node].to_vector(), step);
@@ -236,7 +267,11 @@ impl Model {
     }
 
     fn advance<const DRIFT: bool>(&mut self, step: f64) {
-        let (gather, motion, limit) = (&self.gather, &self.groups.motion, self.speed_limit);
+        let (gather, motion, limit) = (
+            &self.subdomain.gather,
+            &self.groups.motion,
+            self.speed_limit,
+        );
         let sound = with_nodes!(&mut self.nodes, arrays => {
             arrays.advance::<DRIFT>(gather, motion, step, limit)
         });

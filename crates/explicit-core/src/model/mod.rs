@@ -12,19 +12,20 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Numbering, RunError, TimeFunction, Vec3,
+    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, RunError, TimeFunction, Vec3,
 };
 
 use crate::Precision;
 use crate::applied::AppliedLoads;
-use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::ledger::Ledger;
 use crate::nodes::Nodes;
+use crate::partition::Partition;
 use crate::stable_step::Spectrum;
+use crate::subdomain::Subdomain;
 
 pub use builder::{ElementChoice, ModelBuilder};
-pub(crate) use dynamics::{block_forces, least_mass};
+pub(crate) use dynamics::{BlockTerms, block_forces, least_mass};
 
 /// A constraint with the node groups on which it acts.
 pub(crate) struct BoundConstraint {
@@ -53,12 +54,10 @@ impl BoundConstraint {
 /// [`Dynamics`](powerhouse_model::Dynamics).
 pub struct Model {
     pub(crate) mesh: Mesh,
-    pub(crate) numbering: Numbering,
+    partition: Partition,
+    pub(crate) subdomain: Subdomain,
+    /// The element blocks: those of the partition, in order, then embedded blocks, then those of boundaries.
     pub(crate) blocks: Vec<Box<dyn ElementBlock>>,
-    /// Number of nodes of each block, the length of its force buffer.
-    pub(crate) lengths: Vec<usize>,
-    pub(crate) slots: SlotTable,
-    pub(crate) gather: Gather,
     pub(crate) nodes: Nodes,
     /// Lumped mass of each engine node (kg).
     pub(crate) mass: Vec<f64>,
@@ -71,8 +70,6 @@ pub struct Model {
     prescribed: Vec<Box<dyn TimeFunction>>,
     pub(crate) constraints: Vec<BoundConstraint>,
     pub(crate) initial_stress: Vec<powerhouse_model::Stress>,
-    /// Orphan nodes: engine nodes whose elements are all absent, in rising order.
-    pub(crate) orphans: Vec<u32>,
     /// Mesh indices of inactive elements (excavated, or yet to be cast).
     absent: Vec<u32>,
     /// Elements cast in the course of the stages, with their reference configurations.
@@ -98,8 +95,6 @@ pub struct Model {
     pub(crate) speed_limit: f64,
     /// Divergence found by the last pass over the nodes.
     pub(crate) fault: Option<RunError>,
-    /// Block of each mesh element, and index in the block.
-    pub(crate) block_of_element: Vec<(u32, u32)>,
     /// Highest frequency and damping, once computed.
     pub(crate) spectrum: Option<Spectrum>,
     pool: Option<Arc<rayon::ThreadPool>>,
@@ -147,9 +142,13 @@ impl Model {
     pub fn block_count(&self) -> usize {
         self.blocks.len()
     }
+    /// Partition of the active elements of the mesh into blocks.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
 
     pub(crate) fn engine(&self, node: u32) -> usize {
-        self.numbering.engine_of[node as usize] as usize
+        self.subdomain.numbering.local_of[node as usize] as usize
     }
 
     /// The values of the prescribed motions at the present time (m).

@@ -8,7 +8,7 @@ use powerhouse_model::{
 };
 
 use super::Model;
-use crate::nodes::{Storage, with_nodes};
+use crate::nodes::with_nodes;
 use crate::{EngineError, Precision};
 
 impl Model {
@@ -29,17 +29,21 @@ impl Model {
     pub(crate) fn displacement_of(&self, node: usize) -> Vec3 {
         with_nodes!(&self.nodes, arrays => arrays.displacement[node].to_vector())
     }
-    /// Displacement (m) of every node, in the engine's numbering.
+    /// Displacement (m) of every local node.
     pub(crate) fn displacements(&self) -> Vec<Vec3> {
         let nodes = 0..self.mass.len();
         nodes.map(|node| self.displacement_of(node)).collect()
     }
+    /// Displacement (m) of the nodes of a block, in the block's order.
+    pub(crate) fn displacement_of_block(&self, block: usize) -> Vec<Quad<f64>> {
+        with_nodes!(&self.nodes, arrays => self.subdomain.values(block, &arrays.displacement))
+    }
     pub(crate) fn velocity_of(&self, node: usize) -> Vec3 {
         with_nodes!(&self.nodes, arrays => arrays.velocity[node].to_vector())
     }
-    /// The user's number of an engine node; an additional node has its index.
+    /// The user's number of a local node; an additional node has its index.
     pub(crate) fn node_tag(&self, node: usize) -> u64 {
-        let index = self.numbering.mesh_of[node];
+        let index = self.subdomain.numbering.mesh_of[node];
         let tags = self.mesh.node_tags();
         tags.get(index as usize)
             .copied()
@@ -57,10 +61,10 @@ impl Model {
 impl Model {
     /// Of the elements at a node, the number and set of the one with the highest frequency bound.
     pub(crate) fn element_at(&self, node: usize) -> (u64, String) {
-        let mesh_node = self.numbering.mesh_of[node];
+        let mesh_node = self.subdomain.numbering.mesh_of[node];
         let mut worst = (f64::NEG_INFINITY, 0, String::new());
-        for block in &self.blocks {
-            if !block.nodes().contains(&(node as u32)) {
+        for (index, block) in self.blocks.iter().enumerate() {
+            if !self.subdomain.nodes_of(index).contains(&(node as u32)) {
                 continue;
             }
             for bound in block.frequency_bounds() {
@@ -101,7 +105,7 @@ impl Model {
             .iter()
             .enumerate()
             .map(|(node, &v)| {
-                let engine = self.numbering.engine_of.get(node);
+                let engine = self.subdomain.numbering.local_of.get(node);
                 let group = engine.and_then(|&engine| self.group_of[engine as usize]);
                 group.map_or(v, |g| self.groups.groups[g as usize].condition.released(v))
             })
@@ -125,15 +129,15 @@ impl Model {
         self.check_ties(velocity)?;
         self.complete_kick();
         self.groups.motion.invalidate();
-        let engine_of = &self.numbering.engine_of;
+        let local_of = &self.subdomain.numbering.local_of;
         let roller_nodes = &self.groups.motion.roller_nodes;
         with_nodes!(&mut self.nodes, arrays => {
             arrays.displacement.fill(Quad::default());
             arrays.velocity.fill(Quad::default());
-            for (&engine, u) in engine_of.iter().zip(displacement) {
+            for (&engine, u) in local_of.iter().zip(displacement) {
                 arrays.displacement[engine as usize] = Quad::from_vector(u);
             }
-            for (&engine, v) in engine_of.iter().zip(velocity) {
+            for (&engine, v) in local_of.iter().zip(velocity) {
                 arrays.velocity[engine as usize] = Quad::from_vector(v);
             }
             roller_nodes.stop(&mut arrays.velocity);
@@ -143,7 +147,7 @@ impl Model {
 
     fn check_ties(&self, velocity: &[Vec3]) -> Result<(), EngineError> {
         let of = |engine: u32| {
-            let index = self.numbering.mesh_of[engine as usize] as usize;
+            let index = self.subdomain.numbering.mesh_of[engine as usize] as usize;
             velocity.get(index).copied().unwrap_or_default()
         };
         for group in &self.groups.groups {
@@ -165,7 +169,7 @@ impl Model {
     /// strained relative to it, and observers receive displacements relative to it.
     pub fn begin_stage(&mut self) {
         self.complete_kick();
-        let engines = self.numbering.engine_of.iter();
+        let engines = self.subdomain.numbering.local_of.iter();
         let start = engines
             .map(|&engine| self.displacement_of(engine as usize))
             .collect();
@@ -176,18 +180,19 @@ impl Model {
     fn put_stage_start(&mut self, start: Vec<Vec3>) {
         let of = |node: u32| start.get(node as usize).copied().unwrap_or_default();
         for (group, origin) in self.groups.groups.iter().zip(&mut self.groups.origin) {
-            *origin = of(self.numbering.mesh_of[group.members[0] as usize]);
+            *origin = of(self.subdomain.numbering.mesh_of[group.members[0] as usize]);
         }
         let moves = |node: &u32| of(*node) != Vec3::zeros();
         if self.embedded.end < self.blocks.len() {
-            let reference: Vec<Quad<f64>> = (self.numbering.mesh_of.iter())
+            let reference: Vec<Quad<f64>> = (self.subdomain.numbering.mesh_of.iter())
                 .map(|&node| Quad::from_vector(&of(node)))
                 .collect();
-            for block in &mut self.blocks[self.embedded.end..] {
-                block.set_reference_displacement(NodalView::F64(&reference));
+            for index in self.embedded.end..self.blocks.len() {
+                let own = self.subdomain.values(index, &reference);
+                self.blocks[index].set_reference_displacement(NodalView::F64(&own));
             }
         }
-        self.stage_start = if self.numbering.mesh_of.iter().any(moves) {
+        self.stage_start = if self.subdomain.numbering.mesh_of.iter().any(moves) {
             start
         } else {
             Vec::new()
@@ -198,8 +203,8 @@ impl Model {
     /// variables; zero in absent elements.
     pub fn stress_changes(&self) -> Vec<Stress> {
         let mut all = vec![Stress::default(); self.mesh.element_count()];
-        for block in &self.blocks {
-            let own = self.stresses_of(block.as_ref());
+        for (index, block) in self.blocks.iter().enumerate() {
+            let own = self.stresses_of(index, &self.displacement_of_block(index));
             for (&element, stress) in block.elements().iter().zip(own) {
                 if let Some(entry) = all.get_mut(element as usize) {
                     *entry = stress;
@@ -219,8 +224,8 @@ impl Model {
     pub fn state(&mut self) -> State {
         self.complete_kick();
         self.commit();
-        let engine_of = &self.numbering.engine_of;
-        let engines = || engine_of.iter().map(|&engine| engine as usize);
+        let local_of = &self.subdomain.numbering.local_of;
+        let engines = || local_of.iter().map(|&engine| engine as usize);
         let carried = self.loads.carried();
         let mut forces = Vec::new();
         if carried.iter().any(|force| *force != Vec3::zeros()) {
@@ -271,7 +276,13 @@ impl Model {
         let mut carried = Vec::new();
         if !state.carried_forces.is_empty() {
             carried = vec![Vec3::zeros(); self.mass.len()];
-            for (&engine, force) in self.numbering.engine_of.iter().zip(&state.carried_forces) {
+            for (&engine, force) in self
+                .subdomain
+                .numbering
+                .local_of
+                .iter()
+                .zip(&state.carried_forces)
+            {
                 carried[engine as usize] = *force;
             }
         }
@@ -332,12 +343,10 @@ impl Model {
     }
     /// Sets the reference configuration of embedded blocks to the present displacement.
     pub(super) fn install(&mut self) {
-        let blocks = &mut self.blocks[self.embedded.clone()];
-        with_nodes!(&self.nodes, arrays => {
-            for block in blocks {
-                block.set_reference_displacement(Storage::view(&arrays.displacement));
-            }
-        });
+        for index in self.embedded.clone() {
+            let own = self.displacement_of_block(index);
+            self.blocks[index].set_reference_displacement(NodalView::F64(&own));
+        }
     }
 
     /// Sets the carried forces (N, engine numbering; none if empty), applied in addition to the loads.

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::{Constraint, Mat3, Mesh, NodalImpedance, Numbering};
+use powerhouse_model::{Constraint, Mat3, Mesh, NodalImpedance};
 
 use crate::groups::NodeGroup;
+use crate::subdomain::Numbering;
 use crate::support::unit;
 use crate::{EngineError, PeriodicPairs, Prescribed, Support};
 
@@ -64,7 +65,7 @@ impl<'a> GroupPlan<'a> {
         }
     }
     fn numbers(&self) -> &'a [u32] {
-        &self.numbering.engine_of[..self.mesh.node_count()]
+        &self.numbering.local_of[..self.mesh.node_count()]
     }
     fn tag_of(&self, engine: u32) -> u64 {
         tag(self.mesh, self.numbering.mesh_of[engine as usize])

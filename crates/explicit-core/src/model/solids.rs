@@ -8,12 +8,12 @@
 //! `n` steps its oscillations have grown as the root of `n`: relative to a slow motion the error of
 //! acceleration grows as `w` to the power 1.5 and stays in the element and its neighbours.
 
-use powerhouse_model::{ElementBlock, Mesh, ModelError, NodalView, Numbering};
+use powerhouse_model::{ElementBlock, Mesh, ModelError, NodalView};
 use rayon::prelude::*;
 
 use super::builder::ElementSet;
 use super::start::{ElementSubset, InitialState};
-use crate::partition::partition;
+use crate::partition::{ElementSets, Partition};
 use crate::{BlockPart, EngineError, Precision};
 
 /// Multiple of the volume mean of natural frequencies in sets of single precision above which an element is computed
@@ -21,15 +21,13 @@ use crate::{BlockPart, EngineError, Precision};
 const STIFF: f64 = 2.0;
 const MOST_STIFF: f64 = 0.1;
 
-/// Node numbering and element blocks of the mesh.
+/// Partition of the mesh, and an element block for each of its blocks.
 pub(super) struct Solids {
-    pub(super) numbering: Numbering,
+    pub(super) partition: Partition,
     pub(super) blocks: Vec<Box<dyn ElementBlock>>,
-    /// Orphan nodes (all their elements are absent), in rising order.
-    pub(super) orphans: Vec<u32>,
 }
 
-/// Numbers the nodes and builds the blocks.
+/// Divides the elements and builds the blocks.
 pub(super) fn build_blocks(
     mesh: &Mesh,
     sets: &[ElementSet],
@@ -47,7 +45,7 @@ pub(super) fn build_blocks(
     build_subsets(mesh, (sets, &subsets), (start, &absent), block_size)
 }
 
-/// Numbers the nodes and builds the blocks of some element subsets.
+/// Divides some element subsets and builds their blocks.
 fn build_subsets(
     mesh: &Mesh,
     (sets, subsets): (&[ElementSet], &[ElementSubset]),
@@ -57,7 +55,12 @@ fn build_subsets(
     let lists: Vec<&[u32]> = subsets.iter().map(|subset| &*subset.elements).collect();
     let factory = |subset: usize| sets[subsets[subset].set].1.as_ref();
     let labels: Vec<&str> = (0..subsets.len()).map(|i| factory(i).label()).collect();
-    let division = partition(mesh, &labels, &lists, absent, block_size)?;
+    let sets_of_elements = ElementSets {
+        labels: &labels,
+        elements: &lists,
+        absent,
+    };
+    let partition = Partition::new(mesh, sets_of_elements, block_size)?;
     for (subset, elements) in lists.iter().enumerate() {
         let factory = factory(subset);
         let other = elements.iter().find(|&&e| mesh.kind(e) != factory.kind());
@@ -71,29 +74,21 @@ fn build_subsets(
             .into());
         }
     }
-    let engine_of = &division.numbering.engine_of;
-    let references: Vec<_> = subsets
-        .iter()
-        .map(|subset| subset.cast.map(|cast| start.reference(cast, engine_of)))
-        .collect();
-    let blocks: Result<Vec<_>, ModelError> = division
-        .parts
-        .par_iter()
-        .map(|part| {
-            let (elements, nodes) = (&part.elements, &part.nodes);
-            let part_of_mesh = BlockPart::new(mesh, elements, &division.numbering, nodes)
-                .in_double(subsets[part.set].double);
-            let mut block = factory(part.set).build(&part_of_mesh)?;
-            if let Some(reference) = &references[part.set] {
-                block.set_reference_displacement(NodalView::F64(reference));
+    let blocks: Result<Vec<_>, ModelError> = (partition.blocks.par_iter())
+        .map(|block| {
+            let subset = &subsets[block.set];
+            let part = BlockPart::new(mesh, &block.elements, &block.nodes).in_double(subset.double);
+            let mut built = factory(block.set).build(&part)?;
+            if let Some(cast) = subset.cast {
+                let reference = start.reference(cast, &block.nodes);
+                built.set_reference_displacement(NodalView::F64(&reference));
             }
-            Ok(block)
+            Ok(built)
         })
         .collect();
     Ok(Solids {
         blocks: blocks?,
-        numbering: division.numbering,
-        orphans: division.orphans,
+        partition,
     })
 }
 
@@ -163,17 +158,4 @@ fn with_double_precision<'a>(
         }
     }
     divided
-}
-
-/// Block of each mesh element, and its index in the block; `u32::MAX` as block of absent elements.
-pub(super) fn blocks_of_elements(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
-    let mut found = vec![(u32::MAX, 0); mesh.element_count()];
-    for (b, block) in blocks.iter().enumerate() {
-        for (index, &element) in block.elements().iter().enumerate() {
-            if let Some(entry) = found.get_mut(element as usize) {
-                *entry = (b as u32, index as u32);
-            }
-        }
-    }
-    found
 }

@@ -90,15 +90,14 @@ impl InitialState {
         Ok(subsets)
     }
 
-    /// Reference displacement (m) of a cast, at which its elements are free of stress, in the engine's numbering.
-    pub(super) fn reference(&self, cast: usize, engine_of: &[u32]) -> Vec<Quad<f64>> {
-        let mut reference = vec![Quad::default(); engine_of.len()];
+    /// Reference displacement (m) of a cast at some nodes (mesh indices), at which its elements are free of stress.
+    pub(super) fn reference(&self, cast: usize, nodes: &[u32]) -> Vec<Quad<f64>> {
         let cast = self.state.as_ref().and_then(|state| state.casts.get(cast));
         let moved = cast.map_or(&[][..], |cast| &cast.displacement);
-        for (&engine, u) in engine_of.iter().zip(moved) {
-            reference[engine as usize] = Quad::from_vector(u);
-        }
-        reference
+        let of = |&node: &u32| moved.get(node as usize).copied().unwrap_or_default();
+        (nodes.iter())
+            .map(|node| Quad::from_vector(&of(node)))
+            .collect()
     }
 }
 
@@ -112,22 +111,23 @@ fn beyond(name: &str, element: u32) -> EngineError {
 }
 
 impl Model {
-    /// Internal nodal forces (N, engine numbering) of the initial stress: the integral of
+    /// Internal nodal forces (N, by local node) of the initial stress: the integral of
     /// `B^T sigma_0` over the active elements.
     pub(crate) fn forces_of_initial_stress(&self) -> Vec<Vec3> {
         let mut forces = vec![Vec3::zeros(); self.mass.len()];
         if self.initial_stress.is_empty() {
             return forces;
         }
-        for block in &self.blocks {
+        for (index, block) in self.blocks.iter().enumerate() {
             let of_block = block.elements().iter();
             let stresses: Vec<_> = of_block
                 .map(|&e| self.initial_stress.get(e as usize).copied())
                 .map(Option::unwrap_or_default)
                 .collect();
-            let mut own = vec![Vec3::zeros(); block.nodes().len()];
+            let nodes = self.subdomain.nodes_of(index);
+            let mut own = vec![Vec3::zeros(); nodes.len()];
             block.add_forces_of(&stresses, &mut own);
-            for (&node, force) in block.nodes().iter().zip(own) {
+            for (&node, force) in nodes.iter().zip(own) {
                 forces[node as usize] += force;
             }
         }

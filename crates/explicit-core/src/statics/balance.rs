@@ -1,14 +1,14 @@
 //! Forces that balance a body in static equilibrium, and the transition to a dynamic stage.
 
-use powerhouse_model::{BlockContext, Quad, StepTime, Vec3};
+use powerhouse_model::{Quad, StepTime, Vec3};
 use rayon::prelude::*;
 
 use super::StaticError;
 use crate::Model;
-use crate::applied::split;
-use crate::model::block_forces;
-use crate::nodes::{Storage, with_nodes};
+use crate::model::{BlockTerms, block_forces};
+use crate::nodes::with_nodes;
 use crate::spectrum::norm;
+use crate::subdomain::NodalMotion;
 
 /// Report of the transition from a static to a dynamic stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -121,7 +121,7 @@ impl Model {
                 forces[*node as usize] = share - of_group(&initial, *node);
             }
         }
-        for &orphan in &self.orphans {
+        for &orphan in &self.subdomain.orphans {
             forces[orphan as usize] = Vec3::zeros();
         }
         Ok((forces, size))
@@ -145,14 +145,12 @@ impl Model {
 
     /// The last forces (N) of each block.
     fn force_buffers(&self) -> Vec<Vec<Vec3>> {
-        let mut start = 0;
         with_nodes!(&self.nodes, arrays => {
-            let own = |&length: &usize| {
-                let buffer = &arrays.forces[start..start + length];
-                start += length;
-                buffer.iter().map(|force| force.to_vector()).collect()
+            let own = |block| {
+                let forces = self.subdomain.forces_of(block, &arrays.forces).iter();
+                forces.map(|force| force.to_vector()).collect()
             };
-            self.lengths.iter().map(own).collect()
+            (0..self.blocks.len()).map(own).collect()
         })
     }
 
@@ -164,14 +162,14 @@ impl Model {
             time: self.time,
             step,
         };
-        let (blocks, lengths) = (&mut self.blocks, &self.lengths);
+        let (blocks, subdomain) = (&mut self.blocks, &self.subdomain);
         let fault = with_nodes!(&mut self.nodes, arrays => {
-            let context = BlockContext::new(
-                when,
-                Storage::view(&arrays.displacement),
-                Storage::view(&arrays.velocity),
-            );
-            block_forces(blocks, split(&mut arrays.forces, lengths), &context, false)
+            let motion = NodalMotion {
+                displacement: &arrays.displacement,
+                velocity: &arrays.velocity,
+            };
+            let evaluation = BlockTerms::of_statics(when);
+            block_forces(subdomain, blocks, motion, &mut arrays.forces, evaluation)
         });
         match fault {
             None => Ok(()),
@@ -185,7 +183,7 @@ impl Model {
 
     /// The last internal forces (N) by engine node.
     pub(super) fn internal_forces(&self) -> Vec<Vec3> {
-        let (slots, count) = (&self.slots, self.mass.len());
+        let (slots, count) = (&self.subdomain.slots, self.mass.len());
         with_nodes!(&self.nodes, arrays => {
             (0..count).into_par_iter().map(|node| arrays.internal(slots, node)).collect()
         })

@@ -71,7 +71,7 @@ impl Model {
         mut join: impl FnMut(u32, u32),
     ) {
         for pair in self.connected_pairs(which) {
-            let [a, b] = pair.map(|node| self.numbering.mesh_of[node as usize]);
+            let [a, b] = pair.map(|node| self.subdomain.numbering.mesh_of[node as usize]);
             join(a, b);
         }
     }

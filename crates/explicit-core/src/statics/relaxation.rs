@@ -33,9 +33,8 @@ impl Relaxation {
     pub(super) fn new(system: &System, most_steps: u32) -> Self {
         let blocks = system.blocks();
         let of_block = |index: usize| {
-            let block = &blocks[index];
             let mut rows: Vec<(u32, Vec3)> = Vec::new();
-            block.each_matrix(Operator::Elastic, &mut |nodes, matrix| {
+            blocks.each_matrix(index, Operator::Elastic, |nodes, matrix| {
                 let size = 3 * nodes.len();
                 for (a, &node) in nodes.iter().enumerate() {
                     let row = |i: usize| &matrix[(3 * a + i) * size..(3 * a + i + 1) * size];
@@ -45,7 +44,7 @@ impl Relaxation {
             });
             rows
         };
-        let rows: Vec<_> = (0..blocks.len()).into_par_iter().map(of_block).collect();
+        let rows: Vec<_> = (0..blocks.count()).into_par_iter().map(of_block).collect();
         let mut stiffness = vec![Vec3::zeros(); system.node_count()];
         for (node, row) in rows.into_iter().flatten() {
             stiffness[node as usize] += row;

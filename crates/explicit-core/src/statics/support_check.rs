@@ -37,7 +37,7 @@ impl Model {
             }
         }
         self.each_connected_pair(connected, |a, b| parts.join(a, b));
-        let of_mesh = |engine: u32| self.numbering.mesh_of[engine as usize];
+        let of_mesh = |engine: u32| self.subdomain.numbering.mesh_of[engine as usize];
         let known = |node: u32| (node as usize) < count;
         for group in &self.groups.groups {
             let lead = of_mesh(group.members[0]);
@@ -82,7 +82,7 @@ impl Model {
 
         let mut first_of = std::collections::BTreeMap::<u32, (u32, usize)>::new();
         for element in 0..self.mesh.element_count() as u32 {
-            let (block, _) = self.block_of_element[element as usize];
+            let (block, _) = self.subdomain.block_of_element[element as usize];
             if block as usize >= self.blocks.len() {
                 continue;
             }
@@ -96,7 +96,7 @@ impl Model {
             if eigen.eigenvalues[least] > FREE * eigen.eigenvalues.max() {
                 continue;
             }
-            let (block, _) = self.block_of_element[element as usize];
+            let (block, _) = self.subdomain.block_of_element[element as usize];
             let set = self.blocks.get(block as usize);
             return Err(StaticError::Floating {
                 element: self.element_tag(element),

@@ -10,10 +10,11 @@ use crate::Model;
 use crate::groups::NodeGroup;
 use crate::nodes::{Storage, with_nodes};
 use crate::spectrum::norm;
+use crate::subdomain::Subdomain;
 
 /// The static equilibrium equations of a model, with the inverse nodal diagonals of its elastic operator.
 ///
-/// Vectors have an entry per node, in the engine's numbering. In a reduced vector the entry of a group's lead node
+/// Vectors have an entry per node, by local node. In a reduced vector the entry of a group's lead node
 /// holds the free components of the group, and the entries of the other members are zero.
 pub(super) struct System<'a> {
     model: &'a mut Model,
@@ -32,15 +33,15 @@ impl<'a> System<'a> {
         model.groups.motion.invalidate();
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
         let mut diagonal = vec![Mat3::zeros(); model.mass.len()];
-        let of_blocks = model.blocks.par_iter().map(|block| {
-            let mut own = vec![Mat3::zeros(); block.nodes().len()];
+        let of_blocks = model.blocks.par_iter().enumerate().map(|(index, block)| {
+            let mut own = vec![Mat3::zeros(); model.subdomain.nodes_of(index).len()];
             block.diagonal(Operator::Elastic, &mut own);
             own
         });
         let of_blocks: Vec<Vec<Mat3>> = of_blocks.collect();
         refuse_without_stiffness(model, &of_blocks)?;
-        for (block, own) in model.blocks.iter().zip(of_blocks) {
-            for (&node, own) in block.nodes().iter().zip(own) {
+        for (index, own) in of_blocks.into_iter().enumerate() {
+            for (&node, own) in model.subdomain.nodes_of(index).iter().zip(own) {
                 diagonal[node as usize] += own;
             }
         }
@@ -213,7 +214,7 @@ impl<'a> System<'a> {
     /// Reduces a vector: sums the members of each group into its lead node, restricts the sum to the free directions,
     /// and sets the entries of orphan nodes to zero.
     fn reduce(&self, vector: &mut [Vec3]) {
-        for &orphan in &self.model.orphans {
+        for &orphan in &self.model.subdomain.orphans {
             vector[orphan as usize] = Vec3::zeros();
         }
         for group in &self.groups {
@@ -258,13 +259,16 @@ impl<'a> System<'a> {
         let (low, high) = mesh.bounding_box();
         let middle = 0.5 * (low + high);
         let of = |&node: &u32| mesh.positions().get(node as usize).copied();
-        let nodes = self.model.numbering.mesh_of.iter();
+        let nodes = self.model.subdomain.numbering.mesh_of.iter();
         nodes.map(|node| of(node).unwrap_or(middle)).collect()
     }
 
-    /// The element blocks.
-    pub(super) fn blocks(&self) -> &[Box<dyn ElementBlock>] {
-        &self.model.blocks
+    /// The element blocks, with the local numbers of their nodes.
+    pub(super) fn blocks(&self) -> Blocks<'_> {
+        Blocks {
+            subdomain: &self.model.subdomain,
+            blocks: &self.model.blocks,
+        }
     }
 
     /// The node groups in use.
@@ -322,11 +326,42 @@ impl<'a> System<'a> {
     }
 }
 
+/// Element blocks with the local numbers of their nodes; shared among threads.
+#[derive(Clone, Copy)]
+pub(super) struct Blocks<'a> {
+    subdomain: &'a Subdomain,
+    blocks: &'a [Box<dyn ElementBlock>],
+}
+
+impl Blocks<'_> {
+    /// Number of blocks.
+    pub(super) fn count(self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Calls a function with every element stiffness matrix of an operator of a block: local numbers of its nodes, and
+    /// its entries (N/m), row by row.
+    pub(super) fn each_matrix(
+        self,
+        block: usize,
+        operator: Operator,
+        mut visit: impl FnMut(&[u32], &[f64]),
+    ) {
+        let of_block = self.subdomain.nodes_of(block);
+        let mut nodes = Vec::new();
+        self.blocks[block].each_matrix(operator, &mut |own, matrix| {
+            nodes.clear();
+            nodes.extend(own.iter().map(|&own| of_block[own as usize]));
+            visit(&nodes, matrix);
+        });
+    }
+}
+
 /// Refuses sets whose elements give a node less stiffness than the rounding of the stiffest.
 fn refuse_without_stiffness(model: &Model, of_blocks: &[Vec<Mat3>]) -> Result<(), StaticError> {
     let all = of_blocks.iter().flatten().map(Mat3::trace);
     let most = all.fold(0.0, f64::max);
-    for (block, own) in model.blocks.iter().zip(of_blocks) {
+    for (index, (block, own)) in model.blocks.iter().zip(of_blocks).enumerate() {
         if block.elements().is_empty() {
             continue;
         }
@@ -335,7 +370,7 @@ fn refuse_without_stiffness(model: &Model, of_blocks: &[Vec<Mat3>]) -> Result<()
             let stiff = own.trace() > f64::EPSILON * most;
             model.mass[**node as usize] > 0.0 && !stiff
         };
-        let mut nodes = block.nodes().iter().zip(own);
+        let mut nodes = model.subdomain.nodes_of(index).iter().zip(own);
         if let Some((&node, _)) = nodes.find(without) {
             return Err(StaticError::NoStiffness {
                 node: model.node_tag(node as usize),

@@ -7,7 +7,7 @@ use powerhouse_explicit_core::{
 };
 use powerhouse_model::{
     Cadence, ConstitutiveLaw, ElasticMedium, ElementBlock, ElementKernel, HistoryVariable, Lane,
-    LawInput, Mesh, NodalView, NodalViewMut, Numbering, Operator, Quad, Stress, Vec3,
+    LawInput, Mesh, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
 };
 
 use crate::Fields;
@@ -101,9 +101,8 @@ impl Body {
 
     pub(crate) fn of(mesh: Mesh, factory: &dyn BlockFactory, medium: ElasticMedium) -> Self {
         let every: Vec<u32> = (0..mesh.node_count() as u32).collect();
-        let numbering = Numbering::new(every.clone(), every.clone());
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
-        let part = BlockPart::new(&mesh, &elements, &numbering, &every);
+        let part = BlockPart::new(&mesh, &elements, &every);
         let block = factory.build(&part).unwrap();
         Self {
             mesh,

@@ -39,9 +39,7 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> BlockFactory for Pl
             let mut numbers = vec![0.0; self.kernel.geometry_len()];
             self.kernel.geometry(&corners, &mut numbers);
             geometries.push(numbers);
-            places.push(core::array::from_fn(|a| {
-                place_of[&part.numbering.engine_of[nodes[a] as usize]]
-            }));
+            places.push(core::array::from_fn(|a| place_of[&nodes[a]]));
         }
         Ok(Box::new(PlainBlock::<K, N, P> {
             kernel: self.kernel.clone(),

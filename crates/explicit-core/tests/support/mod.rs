@@ -66,10 +66,7 @@ impl BlockFactory for Links {
             viscous: Vec::new(),
             dissipated: 0.0,
         };
-        let local = |mesh_node: u32| {
-            let engine = part.numbering.engine_of[mesh_node as usize];
-            part.nodes.iter().position(|&n| n == engine).unwrap()
-        };
+        let local = |mesh_node: u32| part.nodes.iter().position(|&n| n == mesh_node).unwrap();
         for &element in part.elements {
             let nodes = part.mesh.nodes_of(element);
             let x: Vec<Vec3> = nodes
@@ -132,7 +129,7 @@ struct LinkBlock {
 
 impl LinkBlock {
     fn stretch(&self, link: &Link, x: &NodalView) -> f64 {
-        let [a, b] = link.ends.map(|end| x.vector(self.nodes[end] as usize));
+        let [a, b] = link.ends.map(|end| x.vector(end));
         link.direction.dot(&(b - a))
     }
     fn write(&self, tensions: &[f64], out: NodalViewMut) {
@@ -344,8 +341,7 @@ pub(crate) fn dense_limit(
 ) -> f64 {
     let count = mesh.node_count();
     let nodes: Vec<u32> = (0..count as u32).collect();
-    let numbering = powerhouse_model::Numbering::new(nodes.clone(), nodes.clone());
-    let part = BlockPart::new(mesh, elements, &numbering, &nodes);
+    let part = BlockPart::new(mesh, elements, &nodes);
     let block = factory.build(&part).unwrap();
     let mut mass = vec![0.0; count];
     block.add_mass(&mut mass);

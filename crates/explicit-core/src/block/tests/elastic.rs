@@ -11,7 +11,7 @@ fn patch_test_on_distorted_meshes() {
         let u = fixture.field(|x| GRADIENT * x * 1e-3);
         let forces = fixture.forces(&u, &zeros(u.len()));
         let scale = largest(&forces);
-        for (force, &mesh_node) in forces.iter().zip(&fixture.numbering.mesh_of) {
+        for (force, &mesh_node) in forces.iter().zip(fixture.block.nodes()) {
             let x = fixture.mesh.positions()[mesh_node as usize];
             if (0..3).all(|i| x[i] > 0.1 && x[i] < 5.9) {
                 assert!(force.norm() < 1e-13 * scale, "{} {force}", kernel.name());
@@ -171,10 +171,8 @@ fn stiffness_damping_works_on_the_velocity() {
 #[test]
 fn unsuitable_parts_are_refused() {
     let build = |mesh: &Mesh, nodes: &[u32]| {
-        let identity: Vec<u32> = (0..mesh.node_count() as u32).collect();
-        let numbering = Numbering::new(identity.clone(), identity);
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
-        let part = BlockPart::new(mesh, &elements, &numbering, nodes);
+        let part = BlockPart::new(mesh, &elements, nodes);
         let factory = solid(
             "rock",
             Hex8OnePoint::DEFAULT,
@@ -215,7 +213,7 @@ fn a_fault_names_its_element() {
             |fault: &ElementFault, mesh: &Mesh| mesh.nodes_of(fault.element).contains(&node);
         for bad in [f64::NAN, f64::INFINITY] {
             let mut broken = rest.clone();
-            broken[fixture.numbering.engine_of[node as usize] as usize].values[1] = bad;
+            broken[fixture.place(node)].values[1] = bad;
             for (u, v) in [(&broken, &rest), (&rest, &broken)] {
                 let context =
                     BlockContext::new(when(0, 1e-4), NodalView::F64(u), NodalView::F64(v));

@@ -101,7 +101,7 @@ fn equal_shapes_leave_no_trace() {
                 .collect();
             let mut forces = fixture.forces(&u, &rest);
             for node in touched {
-                let place = fixture.numbering.engine_of[node as usize] as usize;
+                let place = fixture.place(node);
                 forces[place] = Vec3::zeros();
                 masses[place] = 0.0;
             }

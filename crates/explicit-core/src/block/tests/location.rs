@@ -129,17 +129,14 @@ fn element_by_element(
 ) -> Vec<f64> {
     let count = mesh.node_count() as u32;
     let backwards: Vec<u32> = (0..count).rev().collect();
-    let numbering = Numbering::new(backwards.clone(), backwards);
-    let nodes: Vec<u32> = (0..count).collect();
     let (mut sums, mut histories) = (Vec::new(), Vec::new());
     for element in 0..mesh.element_count() as u32 {
         let law = law(Threshold::Uniform(threshold(element)));
         let part_elements = [element];
-        let part = BlockPart::new(mesh, &part_elements, &numbering, &nodes);
+        let part = BlockPart::new(mesh, &part_elements, &backwards);
         let block = kernel.factory("rock", law, options).build(&part).unwrap();
         let mut fixture = Fixture {
             mesh: mesh.clone(),
-            numbering: numbering.clone(),
             block,
         };
         let mut own = numbers(&mut fixture, "one element");
@@ -266,12 +263,11 @@ fn every_point_has_its_own_position() {
                 let options = options(Precision::F64, lanes, 0.0);
                 let elements: Vec<u32> = (0..mesh.element_count() as u32).rev().collect();
                 let nodes: Vec<u32> = (0..mesh.node_count() as u32).collect();
-                let numbering = Numbering::new(nodes.clone(), nodes.clone());
-                let part = BlockPart::new(&mesh, &elements, &numbering, &nodes);
+
+                let part = BlockPart::new(&mesh, &elements, &nodes);
                 let factory = solid("rock", kernel.clone(), Recorded(rock()), options);
                 let mut fixture = Fixture {
                     mesh: mesh.clone(),
-                    numbering: numbering.clone(),
                     block: factory.build(&part).unwrap(),
                 };
                 let rest = zeros(nodes.len());

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
     BlockContext, ConstitutiveLaw, ElasticMedium, ElementBlock, ElementFault, ElementKind,
     HistoryUpdate, HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalScalar, NodalView,
-    NodalViewMut, Numbering, Operator, Quad, RemainingStiffness, StepTime, Strain, Stress, Vec3,
+    NodalViewMut, Operator, Quad, RemainingStiffness, StepTime, Strain, Stress, Vec3,
 };
 
 use crate::{
@@ -149,10 +149,9 @@ fn distorted(kind: ElementKind, cells: [usize; 3]) -> Mesh {
     moved.unwrap()
 }
 
-/// A block of a whole mesh, its nodes numbered backwards.
+/// A block of a whole mesh, whose nodes are in the reverse order of the mesh.
 struct Fixture {
     mesh: Mesh,
-    numbering: Numbering,
     block: Box<dyn ElementBlock>,
 }
 
@@ -166,24 +165,22 @@ impl Fixture {
         law: M,
         options: BlockOptions,
     ) -> Self {
-        let count = mesh.node_count() as u32;
-        let backwards: Vec<u32> = (0..count).rev().collect();
-        let numbering = Numbering::new(backwards.clone(), backwards);
+        let backwards: Vec<u32> = (0..mesh.node_count() as u32).rev().collect();
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
-        let nodes: Vec<u32> = (0..count).collect();
-        let part = BlockPart::new(&mesh, &elements, &numbering, &nodes);
+        let part = BlockPart::new(&mesh, &elements, &backwards);
         let block = kernel.factory("rock", law, options).build(&part).unwrap();
-        Self {
-            mesh,
-            numbering,
-            block,
-        }
+        Self { mesh, block }
     }
-    /// A nodal field in engine numbering.
+    /// Index of a mesh node among the nodes of the block.
+    fn place(&self, node: u32) -> usize {
+        let mut nodes = self.block.nodes().iter();
+        nodes.position(|&other| other == node).unwrap()
+    }
+    /// A nodal field in the order of the block's nodes.
     fn field<A: NodalScalar>(&self, mut value: impl FnMut(&Vec3) -> Vec3) -> Vec<Quad<A>> {
         let positions = self.mesh.positions();
         let of = |&node: &u32| Quad::from_vector(&value(&positions[node as usize]));
-        self.numbering.mesh_of.iter().map(of).collect()
+        self.block.nodes().iter().map(of).collect()
     }
     fn noise(&self, seed: u64, amplitude: f64) -> Vec<Quad<f64>> {
         let mut noise = Noise(seed);

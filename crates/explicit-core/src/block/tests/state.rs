@@ -355,7 +355,7 @@ fn forces_of_elements_add_up_to_those_of_the_block() {
                             .element_forces(place, view, &initial[place], &mut forces);
                     assert!(known && (place != off || largest(&forces) == 0.0));
                     for (&node, force) in nodes.iter().zip(&forces) {
-                        sums[fixture.numbering.engine_of[node as usize] as usize] += force;
+                        sums[fixture.place(node)] += force;
                     }
                 }
                 for (sum, expected_force) in sums.iter().zip(&expected) {

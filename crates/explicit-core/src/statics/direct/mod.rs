@@ -35,7 +35,7 @@ pub(super) struct Factor {
 impl Factor {
     /// Symbolic factorisation; no values yet.
     pub(super) fn new(system: &System) -> Result<Self, StaticError> {
-        let pattern = Pattern::new(system.blocks(), system.freedoms(), &system.positions());
+        let pattern = Pattern::new(system);
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
@@ -75,7 +75,7 @@ impl Factor {
             reserved.map_err(|_| missing(size_of::<f64>() * count))?;
             self.values.resize(count, 0.0);
         }
-        let entries = (self.pattern).assemble(system.blocks(), operator, system.groups());
+        let entries = (self.pattern).assemble(system, operator);
         let parallel = Par::rayon(PARALLELISM);
         let request =
             (self.symbolic).factorize_numeric_llt_scratch::<f64>(parallel, Default::default());

@@ -1,10 +1,10 @@
 //! Assembly of the sparse stiffness matrix.
 
-use powerhouse_model::{ElementBlock, Mat3, Operator, Vec3};
+use powerhouse_model::{Mat3, Operator, Vec3};
 
 use super::dissection::{self, Neighbours};
-use crate::groups::NodeGroup;
 use crate::statics::freedoms::DegreesOfFreedom;
+use crate::statics::system::System;
 
 /// Index of a node without unknowns.
 const NONE: u32 = u32::MAX;
@@ -30,18 +30,15 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern of blocks with nodes at positions (m).
-    pub(super) fn new(
-        blocks: &[Box<dyn ElementBlock>],
-        freedoms: DegreesOfFreedom,
-        positions: &[Vec3],
-    ) -> Self {
+    /// The pattern of the equations of a system.
+    pub(super) fn new(system: &System) -> Self {
+        let (freedoms, positions) = (system.freedoms(), system.positions());
         let leads = freedoms.leads();
         let mut index_of = vec![NONE; positions.len()];
         for (index, &lead) in leads.iter().enumerate() {
             index_of[lead as usize] = index as u32;
         }
-        let neighbours = neighbours(blocks, &freedoms, &index_of, leads.len());
+        let neighbours = neighbours(system, &freedoms, &index_of, leads.len());
         let of_leads: Vec<Vec3> = (leads.iter())
             .map(|&lead| positions[lead as usize])
             .collect();
@@ -115,22 +112,18 @@ impl Pattern {
 
     /// Assembles the symmetric part of the operator of all blocks and the springs of groups (N/m) into the
     /// entries of the pattern.
-    pub(super) fn assemble(
-        &self,
-        blocks: &[Box<dyn ElementBlock>],
-        operator: Operator,
-        groups: &[NodeGroup],
-    ) -> Vec<f64> {
+    pub(super) fn assemble(&self, system: &System, operator: Operator) -> Vec<f64> {
         let mut values = vec![0.0; self.indices.len()];
-        for group in groups {
+        for group in system.groups() {
             if let Some(lead) = self.freedoms.lead(group.members[0]) {
                 let index = self.index_of[lead as usize];
                 self.add(&mut values, (index, index), &group.spring);
             }
         }
         let mut indices = Vec::new();
-        for block in blocks {
-            block.each_matrix(operator, &mut |nodes, matrix| {
+        let blocks = system.blocks();
+        for block in 0..blocks.count() {
+            blocks.each_matrix(block, operator, |nodes, matrix| {
                 indices.clear();
                 let leads = nodes.iter().map(|&node| self.freedoms.lead(node));
                 indices.extend(leads.map(|lead| lead.map(|lead| self.index_of[lead as usize])));
@@ -202,15 +195,16 @@ impl Pattern {
 
 /// Adjacency of lead nodes that share an element, by index; each is its own neighbour, too.
 fn neighbours(
-    blocks: &[Box<dyn ElementBlock>],
+    system: &System,
     freedoms: &DegreesOfFreedom,
     index_of: &[u32],
     count: usize,
 ) -> Neighbours {
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); count];
     let mut indices = Vec::new();
-    for block in blocks {
-        block.each_matrix(Operator::Elastic, &mut |nodes, _| {
+    let blocks = system.blocks();
+    for block in 0..blocks.count() {
+        blocks.each_matrix(block, Operator::Elastic, |nodes, _| {
             indices.clear();
             let leads = nodes.iter().filter_map(|&node| freedoms.lead(node));
             indices.extend(leads.map(|lead| index_of[lead as usize]));

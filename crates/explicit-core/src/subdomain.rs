@@ -1,0 +1,200 @@
+//! The subdomain that a model computes: its blocks, its nodes with local numbers, and the tables that connect them.
+
+use core::ops::Range;
+use std::cell::Cell;
+
+use powerhouse_model::{ElementBlock, Mesh, Quad};
+
+use crate::gather::{Gather, SlotTable};
+use crate::nodes::Storage;
+use crate::partition::Partition;
+
+/// Local node numbers: maps between mesh indices and the numbers of the nodes in the nodal arrays.
+///
+/// Mesh indices of additional nodes of boundaries follow those of the mesh.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Numbering {
+    /// Local number of each mesh node.
+    pub(crate) local_of: Vec<u32>,
+    /// Mesh index of each local node.
+    pub(crate) mesh_of: Vec<u32>,
+}
+
+impl Numbering {
+    /// Numbers the nodes block by block, so that each block owns a range of them; nodes without active
+    /// elements come last.
+    pub(crate) fn of(partition: &Partition, mesh: &Mesh) -> Self {
+        let owned = partition
+            .blocks
+            .iter()
+            .flat_map(|block| block.owned_nodes());
+        let last = partition.orphans.iter().chain(&partition.unused);
+        let mesh_of: Vec<u32> = owned.chain(last).copied().collect();
+        let mut local_of = vec![0; mesh.node_count()];
+        for (local, &node) in mesh_of.iter().enumerate() {
+            local_of[node as usize] = local as u32;
+        }
+        Self { local_of, mesh_of }
+    }
+
+    /// Appends an additional node; returns its mesh index.
+    pub(crate) fn append(&mut self) -> u32 {
+        let (index, local) = (self.local_of.len() as u32, self.mesh_of.len() as u32);
+        self.local_of.push(local);
+        self.mesh_of.push(index);
+        index
+    }
+}
+
+/// Nodes of a subdomain and their relation to its blocks.
+///
+/// Blocks know their own nodes alone; this is the one place that knows where these are in the nodal arrays, and to which
+/// entry (slot) of the force buffers a block writes the force of a node.
+pub(crate) struct Subdomain {
+    /// The numbers of the nodes.
+    pub(crate) numbering: Numbering,
+    /// Local numbers of the nodes of all blocks, block by block: the node of each slot.
+    nodes: Vec<u32>,
+    /// Slots of each block.
+    ranges: Vec<Range<usize>>,
+    /// Length of the run of successive local numbers at the start of each block's nodes.
+    runs: Vec<usize>,
+    /// Number of slots of each block, the length of its force buffer.
+    pub(crate) lengths: Vec<usize>,
+    /// Slots of each node in the order of summation.
+    pub(crate) slots: SlotTable,
+    /// The same for passes over all nodes.
+    pub(crate) gather: Gather,
+    /// Local numbers of orphan nodes, in rising order.
+    pub(crate) orphans: Vec<u32>,
+    /// Block of each mesh element, and index in the block; `u32::MAX` as block of absent elements.
+    pub(crate) block_of_element: Vec<(u32, u32)>,
+}
+
+impl Subdomain {
+    /// The subdomain of blocks, of which each has its nodes (local numbers) in a list.
+    pub(crate) fn new(
+        mesh: &Mesh,
+        numbering: Numbering,
+        orphans: Vec<u32>,
+        blocks: &[Box<dyn ElementBlock>],
+        nodes: Vec<Vec<u32>>,
+    ) -> Self {
+        let count = numbering.mesh_of.len();
+        let slots = SlotTable::new(count, nodes.iter().map(|nodes| &**nodes));
+        let lengths: Vec<usize> = nodes.iter().map(Vec::len).collect();
+        let mut end = 0;
+        let ranges = lengths.iter().map(|&length| {
+            end += length;
+            end - length..end
+        });
+        Self {
+            ranges: ranges.collect(),
+            runs: nodes.iter().map(|nodes| run(nodes)).collect(),
+            lengths,
+            gather: Gather::new(&slots),
+            slots,
+            nodes: nodes.concat(),
+            orphans,
+            block_of_element: blocks_of_elements(mesh, blocks),
+            numbering,
+        }
+    }
+
+    /// Number of nodes.
+    pub(crate) fn node_count(&self) -> usize {
+        self.numbering.mesh_of.len()
+    }
+
+    /// Local numbers of the nodes of a block, in the block's order.
+    pub(crate) fn nodes_of(&self, block: usize) -> &[u32] {
+        &self.nodes[self.ranges[block].clone()]
+    }
+
+    /// The forces that a block wrote, in the block's order, of all forces.
+    pub(crate) fn forces_of<'f, A>(&self, block: usize, forces: &'f [A]) -> &'f [A] {
+        &forces[self.ranges[block].clone()]
+    }
+
+    /// Copies the values of the nodes of a block from a nodal array, in the block's order.
+    pub(crate) fn copy<A: Copy>(&self, block: usize, from: &[A], to: &mut Vec<A>) {
+        let nodes = self.nodes_of(block);
+        to.clear();
+        let Some(&first) = nodes.first() else {
+            return;
+        };
+        let (first, run) = (first as usize, self.runs[block]);
+        to.extend_from_slice(&from[first..first + run]);
+        to.extend(nodes[run..].iter().map(|&node| from[node as usize]));
+    }
+
+    /// The values of the nodes of a block, in the block's order.
+    pub(crate) fn values<A: Copy>(&self, block: usize, from: &[A]) -> Vec<A> {
+        let mut values = Vec::new();
+        self.copy(block, from, &mut values);
+        values
+    }
+}
+
+/// Length of the run of successive numbers at the start of a list.
+fn run(nodes: &[u32]) -> usize {
+    let first = nodes.first().copied().unwrap_or(0);
+    let successive = (first..).zip(nodes).take_while(|&(n, &node)| n == node);
+    successive.count()
+}
+
+/// Block of each mesh element, and its index in the block; `u32::MAX` as block of absent elements.
+fn blocks_of_elements(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
+    let mut found = vec![(u32::MAX, 0); mesh.element_count()];
+    for (b, block) in blocks.iter().enumerate() {
+        for (index, &element) in block.elements().iter().enumerate() {
+            if let Some(entry) = found.get_mut(element as usize) {
+                *entry = (b as u32, index as u32);
+            }
+        }
+    }
+    found
+}
+
+/// Copies of nodal values for one block: one set of buffers per thread, which stays in its cache from block to block.
+#[derive(Default)]
+pub(crate) struct BlockCopies {
+    pub(crate) displacement: Vec<Quad<f64>>,
+    pub(crate) double: Vec<Quad<f64>>,
+    pub(crate) single: Vec<Quad<f32>>,
+}
+
+thread_local! {
+    static COPIES: Cell<BlockCopies> = Cell::default();
+}
+
+/// Nodal motion from which blocks compute.
+#[derive(Clone, Copy)]
+pub(crate) struct NodalMotion<'a, S: Storage> {
+    /// Displacement (m) of each local node.
+    pub(crate) displacement: &'a [Quad<f64>],
+    /// Velocity (m/s) of each local node.
+    pub(crate) velocity: &'a [Quad<S>],
+}
+
+impl Subdomain {
+    /// Calls a function with copies of the displacement, and of the velocity if the block reads it, of a block's nodes.
+    pub(crate) fn with_copies<S: Storage, R>(
+        &self,
+        block: usize,
+        motion: NodalMotion<S>,
+        reads_velocity: bool,
+        work: impl FnOnce(&[Quad<f64>], &[Quad<S>]) -> R,
+    ) -> R {
+        let mut copies = COPIES.take();
+        let (displacement, velocity) = S::copies(&mut copies);
+        self.copy(block, motion.displacement, displacement);
+        velocity.clear();
+        if reads_velocity {
+            self.copy(block, motion.velocity, velocity);
+        }
+        let result = work(displacement, velocity);
+        COPIES.set(copies);
+        result
+    }
+}
