@@ -17,9 +17,7 @@ pub enum Topic {
     Sections,
     /// Joint results.
     Joints,
-    /// Bolt forces.
-    Bolts,
-    /// Energy balance.
+    /// Energy balance: work of hourglass resistance.
     Energy,
     /// The run as a whole.
     Run,

@@ -244,7 +244,7 @@ pub enum Remark {
         /// Description of the inconsistency.
         warning: String,
     },
-    /// Implausible value or combination in a scene.
+    /// Warning about an implausible value or combination in a scene, or the fact [`SceneRemark::MeshFile`].
     Scene(SceneRemark),
 }
 
@@ -261,6 +261,7 @@ impl Remark {
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
+            Self::Hourglass { .. } => Topic::Energy,
             Self::NoState { .. }
             | Self::Undersampled { .. }
             | Self::SparseEnvelope { .. }
