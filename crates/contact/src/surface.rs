@@ -48,7 +48,8 @@ impl SurfaceOptions {
     }
 }
 
-/// Facet of a joint with the pairs at its corners.
+/// Facet of a joint with the pairs at its corners, for drawing results on the joint and for its edge lengths; areas and
+/// tractions belong to the [pairs](JointSurface::pairs).
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFacet {
     /// The facet as a face of an element of the first side.

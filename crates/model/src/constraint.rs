@@ -97,6 +97,9 @@ impl core::ops::AddAssign for ConstraintWork {
 
 /// Condition on the motion of some nodes, enforced by correcting predicted velocities.
 ///
+/// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step and
+/// may change velocities by `step * inverse_mass * force` only.
+///
 /// ```
 /// use powerhouse_model::{Constraint, ConstraintWork, PredictedMotion, RunError, Vec3};
 /// /// Holds nodes in place.

@@ -107,7 +107,8 @@ impl JointPair {
         }
     }
     /// Pair of several facets, given the sum of their vector areas (m2, along their outward normals) and
-    /// the sum of their areas (m2): its normal is the direction of the first.
+    /// the sum of their areas (m2): its normal is the direction of the summed vector area, its projected area the
+    /// length of that sum.
     pub fn of_facets(nodes: [u32; 2], vector_area: Vec3, area: f64) -> Self {
         /// Relative loss of a sum of facets in one plane by rounding.
         const ROUNDING: f64 = 1e-9;
@@ -239,7 +240,7 @@ pub struct JointView<'a> {
     pub history: &'a [f64],
     /// Greatest number of sweeps in a step so far that connected pairs took; zero where one pass did.
     pub most_sweeps: u32,
-    /// Largest relative change of motion in the last sweep of such a solution.
+    /// Largest relative change of motion in the last sweep over connected pairs, of all steps so far (1).
     pub worst_residual: f64,
 }
 

@@ -169,14 +169,14 @@ impl<L: Lane> RemainingStiffness<L> {
             plastic_strain_increment: [zero; 6],
         }
     }
-    /// The same with a share of the stiffness that damage leaves, from 0 to 1.
+    /// The same with the share of the stiffness that damage leaves, `1 - D`, set to `share`, 0 to 1.
     #[inline(always)]
     #[must_use]
     pub fn with_undamaged(mut self, share: L) -> Self {
         self.undamaged = share;
         self
     }
-    /// The same with a share of the hourglass stiffness, from 0 to 1.
+    /// The same with the share with which the hourglass stiffness acts set to `share`, 0 to 1.
     #[inline(always)]
     #[must_use]
     pub fn with_hourglass(mut self, share: L) -> Self {

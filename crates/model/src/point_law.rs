@@ -28,7 +28,8 @@ use crate::{
 pub trait PointLaw: Send + Sync {
     /// The law's name in reports.
     fn name(&self) -> &str;
-    /// The elastic medium of the undamaged material.
+    /// The elastic medium of the undamaged material, as [`ConstitutiveLaw::medium`]: mass, stable step, stiffness
+    /// damping and hourglass stiffness follow from it; of a stiffness that varies in space the stiffest.
     fn medium(&self) -> ElasticMedium;
     /// The history variables of an integration point, all zero at the start.
     fn history(&self) -> &[HistoryVariable];

@@ -4,15 +4,18 @@ use core::fmt;
 
 use crate::magnitude::Magnitude;
 
-/// Implausible value or combination in a scene that can be computed nevertheless.
+/// Warning about an implausible value or combination in a scene that can be computed nevertheless, or the fact
+/// [`MeshFile`](Self::MeshFile).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneRemark {
     /// Quantity outside its usual range, in a scene that allows such quantities.
     Magnitude(Magnitude),
-    /// Body under gravity without supports, boundary springs or stages, which falls freely.
+    /// Warning: bodies under gravity that nothing restrains along it (no support, prescribed motion or boundary spring
+    /// with a component along gravity), in a scene without stages, user constraints and boundary elements: they fall
+    /// freely. Parts that share nodes, joints or periodic pairs are one body.
     UnsupportedBody {
-        /// Element sets of the body's parts.
+        /// Element sets of the parts with an element in such a body.
         sets: Vec<String>,
     },
     /// Gravity applied suddenly at the start of the run, without a stage in which the body reaches static equilibrium.

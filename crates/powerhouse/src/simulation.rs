@@ -42,8 +42,9 @@ pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
 pub struct RunHooks<'a> {
     /// Progress callback, called after every step.
     pub progress: Option<ProgressHook<'a>>,
-    /// Cancellation flag: raised from outside, it ends the run after one more step; the results are complete
-    /// up to there.
+    /// Cancellation flag, raised from outside. During the dynamic run it ends the run after one more step, with
+    /// complete results up to there ([`Ended::Stopped`](crate::engine::Ended::Stopped)); during a construction stage it
+    /// ends the run with [`Error::Interrupted`], without results.
     pub stop: Option<Arc<AtomicBool>>,
     /// Receiver of the snapshots that the scene requests.
     pub snapshots: Option<Box<dyn SnapshotSink>>,
@@ -292,8 +293,10 @@ impl Simulation {
     /// The results of the scene's run, construction stages first.
     ///
     /// # Errors
-    /// A stage that does not reach static equilibrium; a step above the stable one; [`Error::Failed`] with the
-    /// results until then for whatever ended the run before its time.
+    /// A stage that does not reach static equilibrium; [`Error::Interrupted`] if the cancellation flag was raised before
+    /// or during a stage; [`Error::ForeignBody`] for an equilibrated body of another mesh or with other inactive
+    /// elements; a step above the stable one; [`Error::Failed`] with the results until then for whatever ended the run
+    /// before its time.
     pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
         let step = self.step()?;

@@ -58,13 +58,14 @@ pub enum Warning {
         /// Highest frequency (Hz) that the part resolves.
         frequency: f64,
     },
-    /// A node pair of a joint with a distance above 5 % of the shortest edge.
+    /// A joint whose worst node pair is farther apart than 5 % of the shortest edge of its facets; other pairs may exceed
+    /// this too.
     Mismatch {
         /// Name of the joint.
         joint: String,
-        /// Distance between the nodes of the pair (m).
+        /// Largest distance between the nodes of a pair (m).
         distance: f64,
-        /// User numbers of the two nodes.
+        /// Numbers of the nodes of this pair in the mesh file.
         nodes: [u64; 2],
         /// Shortest edge of the facets of the joint (m).
         edge: f64,

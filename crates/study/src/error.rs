@@ -203,7 +203,8 @@ pub enum StudyError {
         /// Name of the side of the box.
         face: &'static str,
     },
-    /// An absorbing face that does not lie on a side of the box.
+    /// An absorbing face with a facet whose centroid is on no side of the bounding box of the mesh, which the free-field
+    /// check needs.
     #[error(
         "the free-field check needs absorbing faces on the sides of a box: '{face}' lies on none of them"
     )]

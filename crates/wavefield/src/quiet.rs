@@ -28,8 +28,8 @@ impl StartLevel {
 pub struct QuietStartLimits {
     /// Displacement and velocity at the start over their peaks (1), 1e-12 to 0.5.
     pub threshold: f64,
-    /// Greatest permitted delay of the wave (s), at most 1000; the search evaluates all points once for
-    /// every four steps of the signal in it.
+    /// Greatest permitted delay of the wave (s), 0 to 1000. The cost of the search is proportional to it: the field is
+    /// evaluated at all points at every fourth step of the signal, or less often for long signals, over this time.
     pub most_padding: f64,
     /// Least width of the taper (s). A wider one retains more of the forerunner, and needs about
     /// twice `ln(1 / threshold)` of its width as delay.

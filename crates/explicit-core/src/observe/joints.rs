@@ -26,9 +26,11 @@ pub struct JointTable {
     pub history: Vec<f64>,
     /// Extreme tractions at the observed steps.
     pub tractions: TractionPeaks,
-    /// Greatest number of sweeps that connected pairs took in a step.
+    /// Greatest number of sweeps that a group of connected pairs took in a step, of all joints with which it is
+    /// computed; zero where one pass sufficed.
     pub most_sweeps: u32,
-    /// Largest relative change of motion in the last sweep of their solution.
+    /// Largest relative change of motion in the last sweep over a group of connected pairs, of all steps and of all
+    /// joints with which it is computed (1).
     pub worst_residual: f64,
 }
 

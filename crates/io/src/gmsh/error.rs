@@ -160,7 +160,9 @@ pub enum GmshFault {
         /// Content of the file.
         found: String,
     },
-    /// The section ends before expected content.
+    /// Expected content is missing: a complete section of a text file ends before what its counts state, or a binary
+    /// file ends within a section or before its byte order mark. A text file that is cut off within a section is
+    /// [`NotEnded`](Self::NotEnded), a count too large for the rest of its section [`Count`](Self::Count).
     #[error("the section ends where {what} is expected")]
     Truncated {
         /// Expected content.

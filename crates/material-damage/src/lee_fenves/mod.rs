@@ -41,8 +41,10 @@ pub struct LeeFenvesParameters {
     /// Ratio `K_c` of the surface's radius on the tensile meridian to that on the compressive one (1),
     /// 0.55 to 1; concrete: 2/3.
     pub meridian_ratio: f64,
-    /// Dilation angle psi in the plane of mean and equivalent stress (degrees), from 1 to the greatest
-    /// without generation of energy; concrete: 36.
+    /// Dilation angle psi in the plane of mean and equivalent stress (degrees), from 1 to the greatest at which flow
+    /// generates no energy, `atan(sqrt(3) min(s, sqrt(3) / 2))` with `s = (3 A + g) / (sqrt(3) + 2 g / sqrt(3))`, where
+    /// `A` and `g` follow from `biaxial_ratio` and `meridian_ratio` as in the yield function; greater angles are
+    /// rejected. Concrete: 36, with the ratios of concrete above at most 48.3.
     pub dilation: f64,
     /// Fracture energy in tension, per area of crack (N/m).
     pub tension_energy: f64,

@@ -190,7 +190,8 @@ pub struct StagePart {
     pub material: At<String>,
 }
 
-/// Support of a construction stage, in force until the dynamic run starts.
+/// Support of a construction stage, in force in later stages too, until the dynamic run starts; then its reactions are
+/// kept as nodal forces, so that the body remains in equilibrium.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StagingError {
-    /// Name of two stages.
+    /// Two stages have the same name.
     #[error("another stage has the same name")]
     SameName,
     /// Element set that does not exist.

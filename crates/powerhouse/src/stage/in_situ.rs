@@ -136,7 +136,7 @@ pub enum InSituError {
         /// Description of the fault.
         what: &'static str,
     },
-    /// Elements without row.
+    /// Elements of the mesh without a row: every element needs one, also those that are cast later.
     #[error(
         "{}: {count} elements of the mesh have no stress, element {element} the first",
         file.display()

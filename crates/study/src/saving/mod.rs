@@ -63,7 +63,8 @@ pub enum Change {
     FlatDamping,
     /// A time step equal to the stable step, without a safety factor.
     WholeStep,
-    /// Half of the body, cut at a plane of symmetry of body and waves.
+    /// Half of the body, cut at the middle of the mesh, where mesh, element sets, absorbing faces and waves are
+    /// symmetric; loads, supports and bolts are not examined and must be symmetric too.
     Half {
         /// Normal of the plane.
         axis: Axis,

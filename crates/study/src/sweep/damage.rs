@@ -11,7 +11,8 @@ pub(super) const DAMAGED: f64 = 0.1;
 /// Damage above which an element is severely damaged, over the greatest damage of the structure.
 const SEVERE: f64 = 0.5;
 
-/// Damage of an element set of the structure at the end of a case; shares refer to its volume.
+/// Greatest damage over the dynamic run of the elements of a set of the structure, where construction stages have left
+/// damage included; shares refer to the volume of the set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartDamage {
     /// Name of the element set.

@@ -48,7 +48,8 @@ pub struct CaseOutcome {
     /// Covered share of its records; `None` without records.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub coverage: Option<Coverage>,
-    /// Number of time steps.
+    /// Number of time steps that the dynamic run took; construction stages have none, iterations of a dynamic
+    /// relaxation are not counted.
     pub steps: u64,
     /// Time step (s).
     pub step: f64,
