@@ -166,13 +166,14 @@ pub struct JointRecord {
     /// Tangential displacement of the second side at which the pair sticks (m, along both tangents); none
     /// before its first step.
     pub anchor: Option<[f64; 2]>,
-    /// Time of the first slip (s).
+    /// Time at the start of the first step in which the pair slipped (s); `None` if it never did.
     pub first_slip: Option<f64>,
-    /// Time of the first opening (s).
+    /// Time at the start of the first step in which the pair was open (s), as from the start with an initial gap; `None`
+    /// if it never was.
     pub first_crack: Option<f64>,
     /// Energy dissipated by friction so far (J), less the work of dilation against the pressure.
     pub friction: f64,
-    /// Energy dissipated in the step in which the bond broke (J).
+    /// Energy dissipated in the step in which the bond broke (J); zero while it holds.
     pub bond_energy: f64,
     /// Kinetic energy lost so far by impact of the sides (J).
     pub impact: f64,

@@ -17,7 +17,7 @@ pub struct Magnitude {
     pub name: String,
     /// Value (SI unit).
     pub value: f64,
-    /// UsualRange range (SI unit); zero is also permitted for a quantity that may vanish.
+    /// Usual range: lowest and highest value (SI unit); zero is also permitted for a quantity that may vanish.
     pub usual: [f64; 2],
     /// SI unit.
     pub unit: &'static str,

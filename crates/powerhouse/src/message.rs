@@ -36,9 +36,9 @@ pub struct Message {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RunNotes {
-    /// Remarks of the composition of the scene.
+    /// Remarks of the composition of the scene ([`Simulation::remarks`](crate::Simulation::remarks)).
     pub remarks: Vec<Remark>,
-    /// Further warnings, such as those of a check.
+    /// Further warnings, such as those of a check; warnings of the results are added when files are written.
     pub warnings: Vec<Message>,
 }
 
@@ -48,7 +48,7 @@ impl RunNotes {
         let warnings = Vec::new();
         Self { remarks, warnings }
     }
-    /// The same with warnings that were found otherwise.
+    /// The same with these further [warnings](Self::warnings), in place of those it had.
     #[must_use]
     pub fn with_warnings(mut self, warnings: Vec<Message>) -> Self {
         self.warnings = warnings;
