@@ -17,7 +17,7 @@ pub struct VariedFigure {
 }
 
 impl VariedFigure {
-    /// Relative change from the base case; `None` if the base value is zero.
+    /// Relative change from the base case, the difference over the base value (1); `None` if that is zero.
     pub fn change(&self) -> Option<f64> {
         (self.base != 0.0).then(|| (self.here - self.base) / self.base.abs())
     }

@@ -74,7 +74,8 @@ pub struct Candidate {
     pub kind: BoundaryKind,
     /// Predicted relative error of the motion, as the [module](self) defines it.
     pub predicted: f64,
-    /// Estimated time (ns) per absorbing node and step, with the input of the incident waves.
+    /// Estimated wall time (ns) per absorbing node and step, with the input of the incident waves: a sum of measured
+    /// constants, not timed on the present machine.
     pub nanoseconds: f64,
     /// Estimated time of all absorbing nodes over that of an elastic step of all elements.
     pub share_of_step: f64,

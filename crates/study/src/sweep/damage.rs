@@ -19,7 +19,7 @@ pub struct PartDamage {
     pub name: String,
     /// Volume of the set (m3).
     pub volume: f64,
-    /// Mean damage over the volume, from 0 to 1.
+    /// Mean over the volume of the greatest damage, from 0 to 1.
     pub mean: f64,
     /// Greatest damage of an element, from 0 to 1.
     pub greatest: f64,
@@ -31,7 +31,7 @@ pub struct PartDamage {
     pub compression: f64,
     /// Share of the volume damaged by both tension and compression or shear.
     pub both: f64,
-    /// Share of the volume with more than half of the greatest damage of the structure.
+    /// Share of the volume with more than half of the greatest damage of the set `structure`.
     pub severe: f64,
     /// Share of that severely damaged volume in which tensile damage exceeds compressive damage.
     pub severe_tension: f64,
