@@ -90,7 +90,7 @@ pub enum Change {
         set: String,
         /// Number of the element with the least bound in the mesh file.
         element: u64,
-        /// Number of elements of this set that would have to be larger.
+        /// Number of elements with similar bounds.
         count: usize,
         /// Factor on their size from which on they no longer limit the step.
         times: f64,
