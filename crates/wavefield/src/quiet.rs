@@ -37,7 +37,7 @@ pub struct QuietStartLimits {
 }
 
 impl Default for QuietStartLimits {
-    /// Threshold 1e-4 of the peak, at most 20 s of padding, the narrowest taper.
+    /// Threshold 1e-4 of the peak, at most 20 s of delay, the narrowest taper.
     fn default() -> Self {
         Self {
             threshold: 1e-4,
@@ -52,7 +52,7 @@ impl Default for QuietStartLimits {
 pub struct QuietStart {
     /// Delay of the wave (s).
     pub padding: f64,
-    /// Motion at the start over the peak.
+    /// Motion of the delayed and tapered field at the start over its peak.
     pub level: StartLevel,
     /// Largest displacement that the taper removed from the field, over the peak (1); zero without a
     /// taper.
