@@ -383,6 +383,9 @@ impl Numbering {
 /// in parallel. A block reads nodes in engine numbering and writes the forces of its own nodes, so that
 /// their sum has a fixed order for any number of threads.
 ///
+/// In a run [`forces`](Self::forces) is called once in every step, after a [`commit`](Self::commit) of the step before;
+/// static solutions call it with trial displacements any number of times between two commits.
+///
 /// A massless spring between one node and the ground:
 /// ```
 /// use powerhouse_model::*;

@@ -196,7 +196,8 @@ impl<L: Lane> RemainingStiffness<L> {
 /// A constitutive law, generic over the lane: a pure map from strain and committed history variables to
 /// stress and new history variables.
 ///
-/// The law never commits: the caller decides whether the new history variables become the committed ones,
+/// The law is evaluated at every integration point and step, from several threads at once, and keeps nothing itself. It
+/// never commits: the caller decides whether the new history variables become the committed ones,
 /// so that a static solver can evaluate a trial strain and discard it. The law returns the *change* of
 /// stress against [`LawInput::initial`], so that an initial stress of megapascals does not round away the
 /// stress of a small wave, in single precision least of all.
