@@ -40,10 +40,10 @@ pub enum StepChoice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EnergyCheck {
-    /// Number of steps between two readings.
+    /// Number of steps between two readings, 1 or above; the last step is read too.
     pub every: u64,
-    /// Largest permitted residual, relative to the largest stored energy or external work so far; by default 1e-7
-    /// in double precision, 1e-4 in mixed, 1e-2 in single.
+    /// Largest permitted residual, relative to the largest stored energy or external work so far (1), above which the run
+    /// fails; `None` for the default, 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
     pub limit: Option<f64>,
     /// Whether each element set has its own balance, so that an error names the set that causes it; otherwise
     /// the error names the set whose energy changed most.
@@ -153,9 +153,9 @@ pub struct Progress {
 pub enum Ended {
     /// All planned steps were done.
     Completed,
-    /// The observer of this name returned [`Flow::Stop`].
+    /// The observer of this name returned [`Flow::Stop`]; the output is complete up to that step.
     Observer(String),
-    /// The cancellation flag was set.
+    /// The cancellation flag was set; the output is complete up to the step after it.
     Stopped,
     /// An error with this message ended the run; only in the report of a [`RunFailure`].
     Failed(String),
@@ -167,7 +167,7 @@ pub enum Ended {
 pub struct RunReport {
     /// Number of steps done in this run.
     pub steps: u64,
-    /// Time step (s).
+    /// Length of a time step (s).
     pub step: f64,
     /// Time of the displacement at the end (s).
     pub time: f64,
@@ -177,7 +177,8 @@ pub struct RunReport {
     pub ended: Ended,
     /// Last reading of the energy balance (J), by column; empty if there was none.
     pub energies: Vec<(&'static str, f64)>,
-    /// Largest residual of the energy balance, relative to the largest stored energy or external work until then.
+    /// Largest absolute residual of the energy balance at its readings, relative to the largest stored energy or external
+    /// work until then (1); zero without readings.
     pub energy_residual: f64,
     /// Hourglass and internal work of each element set: the maxima over the readings of the energy balance; without
     /// readings the stored energies at the end.

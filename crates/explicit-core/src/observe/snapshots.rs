@@ -57,7 +57,7 @@ pub struct Snapshot<'a> {
 /// }
 /// ```
 pub trait SnapshotSink: Send {
-    /// Processes a snapshot.
+    /// Processes a snapshot, which is valid during the call; the run waits for its return.
     ///
     /// # Errors
     /// Any error, which ends the run.
