@@ -59,13 +59,13 @@ impl EnergyCheck {
             by_set: true,
         }
     }
-    /// The same with a largest permitted residual over the largest energy held or put in so far.
+    /// The same with a largest permitted residual over the largest energy stored or put in so far (1).
     #[must_use]
     pub fn with_limit(mut self, limit: f64) -> Self {
         self.limit = Some(limit);
         self
     }
-    /// The same with or without a balance of each set.
+    /// The same, with a balance of each element set if `by_set` is true.
     #[must_use]
     pub fn with_by_set(mut self, by_set: bool) -> Self {
         self.by_set = by_set;
@@ -110,25 +110,25 @@ impl RunOptions {
             stop: None,
         }
     }
-    /// The same options with another choice of the time step.
+    /// The same options with another choice of the time step: stable, or given (s).
     #[must_use]
     pub fn with_step(mut self, step: StepChoice) -> Self {
         self.step = step;
         self
     }
-    /// The same options with a bound on each component of velocity (m/s).
+    /// The same options with a bound on each component of velocity (m/s), above which the run fails as diverged.
     #[must_use]
     pub fn with_speed_limit(mut self, limit: f64) -> Self {
         self.speed_limit = Some(limit);
         self
     }
-    /// The same options with a check of the energy balance.
+    /// The same options with a check of the energy balance, whose failure ends the run.
     #[must_use]
     pub fn with_energy(mut self, check: EnergyCheck) -> Self {
         self.energy = Some(check);
         self
     }
-    /// The same options with a cancellation flag.
+    /// The same options with a cancellation flag ([`stop`](Self::stop)).
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);

@@ -197,7 +197,7 @@ impl BoundaryParts {
         self.loads.extend(loads);
         self
     }
-    /// The same with these additional elements.
+    /// The same with these additional element blocks added.
     #[must_use]
     pub fn with_blocks(mut self, blocks: impl IntoIterator<Item = ExtraBlock>) -> Self {
         self.blocks.extend(blocks);

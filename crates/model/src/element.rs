@@ -194,7 +194,7 @@ impl<'a> BlockContext<'a> {
             history_update: HistoryUpdate::Buffered,
         }
     }
-    /// The same context with another storage of new history variables.
+    /// The same context with new history variables stored as `update` says.
     #[must_use]
     pub fn with_history_update(mut self, update: HistoryUpdate) -> Self {
         self.history_update = update;
@@ -206,7 +206,7 @@ impl<'a> BlockContext<'a> {
         self.damping_shift = shift;
         self
     }
-    /// The same context with or without energy bookkeeping.
+    /// The same context; blocks account for their energies in this step if `ledger` is true.
     #[must_use]
     pub fn with_ledger(mut self, ledger: bool) -> Self {
         self.ledger = ledger;

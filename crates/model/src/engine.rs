@@ -191,19 +191,19 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// The same with or without accelerations.
+    /// The same, with accelerations read if `read` is true.
     #[must_use]
     pub fn with_acceleration(mut self, read: bool) -> Self {
         self.acceleration = read;
         self
     }
-    /// The same with or without element stresses.
+    /// The same, with element stresses read if `read` is true.
     #[must_use]
     pub fn with_stress(mut self, read: bool) -> Self {
         self.stress = read;
         self
     }
-    /// The same with or without the energy ledger.
+    /// The same, with the energies of the energy balance read if `read` is true.
     #[must_use]
     pub fn with_energy(mut self, read: bool) -> Self {
         self.energy = read;

@@ -119,7 +119,7 @@ impl JointPair {
             ..Self::new(nodes, vector_area, area)
         }
     }
-    /// The same pair at a position (m).
+    /// The same pair at a position in the undeformed mesh (m).
     #[must_use]
     pub fn with_position(self, position: Vec3) -> Self {
         Self { position, ..self }
@@ -273,7 +273,8 @@ impl<'a> JointView<'a> {
             ..self
         }
     }
-    /// The same view with the greatest number of sweeps and the largest residual of connected pairs.
+    /// The same view with the [greatest number of sweeps](Self::most_sweeps) and the
+    /// [largest residual](Self::worst_residual) of connected pairs.
     #[must_use]
     pub fn with_effort(self, most_sweeps: u32, worst_residual: f64) -> Self {
         Self {

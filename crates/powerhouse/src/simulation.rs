@@ -59,25 +59,25 @@ pub struct RunHooks<'a> {
 }
 
 impl<'a> RunHooks<'a> {
-    /// Sets the progress callback.
+    /// Sets the [progress callback](Self::progress), called with the steps done and planned and the present time.
     #[must_use]
     pub fn with_progress(mut self, progress: impl FnMut(Progress) + Send + 'a) -> Self {
         self.progress = Some(Box::new(progress));
         self
     }
-    /// Sets the cancellation flag.
+    /// Sets the [cancellation flag](Self::stop); to end the run, another thread or the progress callback sets it to true.
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
         self
     }
-    /// Sets the receiver of snapshots.
+    /// Sets the [receiver](Self::snapshots) of the snapshots that the scene requests.
     #[must_use]
     pub fn with_snapshots(mut self, sink: Box<dyn SnapshotSink>) -> Self {
         self.snapshots = Some(sink);
         self
     }
-    /// Sets the receiver of construction stages.
+    /// Sets the [receiver](Self::stages) of the progress and the state of construction stages.
     #[must_use]
     pub fn with_stages(mut self, sink: Box<dyn StageSink + 'a>) -> Self {
         self.stages = Some(sink);
@@ -89,7 +89,7 @@ impl<'a> RunHooks<'a> {
         self.equilibrated_body = Some(body);
         self
     }
-    /// Adds an observer.
+    /// Adds an observer of the dynamic run.
     #[must_use]
     pub fn with_observer(mut self, observer: impl Observer + 'static) -> Self {
         self.observers.push(Box::new(observer));

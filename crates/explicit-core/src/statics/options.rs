@@ -94,7 +94,7 @@ impl Default for StaticOptions {
 }
 
 impl StaticOptions {
-    /// The same options with another method.
+    /// The same options with another solution method ([`method`](Self::method)).
     #[must_use]
     pub fn with_method(mut self, method: StaticMethod) -> Self {
         self.method = method;

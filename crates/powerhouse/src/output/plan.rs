@@ -122,7 +122,7 @@ impl EnvelopeRequest {
         self.motion = motion;
         self
     }
-    /// The same with or without principal stresses.
+    /// The same with or without the greatest and least principal stresses of the elements.
     #[must_use]
     pub fn with_stress(mut self, stress: bool) -> Self {
         self.stress = stress;
@@ -210,7 +210,7 @@ pub struct StateRequest {
 }
 
 impl StateRequest {
-    /// The same with the variables of an element against time.
+    /// The same with the history variables of an element against time added.
     #[must_use]
     pub fn with_place(mut self, place: StressRequest) -> Self {
         self.places.push(place);

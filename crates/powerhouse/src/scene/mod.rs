@@ -246,13 +246,13 @@ impl Scene {
         self.waves.clear();
         self
     }
-    /// Sets the absorbing boundary.
+    /// Sets the absorbing boundary: condition, faces, scatterer and region.
     #[must_use]
     pub fn with_boundary(mut self, boundary: Boundary) -> Self {
         self.boundary = Some(boundary);
         self
     }
-    /// Adds a support: nodes that are held in some or all directions.
+    /// Adds a support: nodes that are held in some or all directions, in all stages and in the run.
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
@@ -271,7 +271,8 @@ impl Scene {
         self.periodic.push(pairs);
         self
     }
-    /// Adds nodes with a prescribed motion, a displacement along one direction as a function of time.
+    /// Adds nodes with a prescribed motion, a displacement along one direction as a function of time; in stages its value
+    /// at the start of the run.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed.into());
@@ -356,7 +357,7 @@ impl Scene {
         self.step = step;
         self
     }
-    /// Sets the time integration scheme.
+    /// Sets the time integration scheme of the dynamic run, such as `Leapfrog` (the default) or `OneSided`.
     #[must_use]
     pub fn with_integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
         self.integrator = Box::new(integrator);
@@ -381,7 +382,7 @@ impl Scene {
         self.threads = Some(threads);
         self
     }
-    /// Sets the output requests.
+    /// Sets the output requests, in place of all earlier ones.
     #[must_use]
     pub fn with_output(mut self, output: OutputPlan) -> Self {
         self.output = output;
