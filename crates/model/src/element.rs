@@ -231,15 +231,15 @@ pub enum Operator {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BlockEnergy {
-    /// Stored (recoverable) strain energy.
+    /// Stored (recoverable) strain energy (J) of the present state.
     pub elastic: f64,
-    /// Energy stored by hourglass forces, and lost where their stiffness fell with that of the law.
+    /// Energy (J) stored by hourglass forces, and lost where their stiffness fell with that of the law.
     pub hourglass: f64,
-    /// Energy dissipated by plastic flow, accumulated.
+    /// Energy dissipated by plastic flow (J), accumulated over the steps with energy bookkeeping.
     pub plastic: f64,
-    /// Energy dissipated by damage, accumulated.
+    /// Energy dissipated by damage (J), accumulated alike.
     pub damage: f64,
-    /// Energy of stiffness that closing cracks regain, accumulated; not positive.
+    /// Energy of stiffness that closing cracks regain (J), accumulated alike; not positive.
     pub recovery: f64,
     /// Error of the integration of the law in time, accumulated: work of stresses beyond the energies
     /// that their laws account for.
@@ -247,9 +247,9 @@ pub struct BlockEnergy {
     /// The plastic flow of a step counts with the stress at its end, its work with the mean stress. The
     /// error falls with the step.
     pub integration: f64,
-    /// Energy dissipated by stiffness damping, accumulated.
+    /// Energy dissipated by stiffness damping (J), accumulated alike.
     pub damping: f64,
-    /// Energy dissipated and stored by relaxation mechanisms, accumulated.
+    /// Energy dissipated and stored by relaxation mechanisms (J), accumulated alike.
     pub relaxation: f64,
 }
 
