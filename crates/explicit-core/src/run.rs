@@ -16,7 +16,7 @@ use crate::{HourglassShare, Model, Precision, StableStep};
 pub enum Length {
     /// Duration (s); the last output state is the first one at or past this time after the start of the run.
     Seconds(f64),
-    /// Number of time steps.
+    /// Number of time steps; the last output state is that at the start of the last one.
     Steps(u64),
 }
 

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IoError {
-    /// The operating system returned an error.
+    /// The operating system returned an error when a file or folder was opened, read or written.
     #[error("{}: {source}", file.display())]
     File {
         /// Path of the file.

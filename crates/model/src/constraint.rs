@@ -98,7 +98,8 @@ impl core::ops::AddAssign for ConstraintWork {
 /// Condition on the motion of some nodes, enforced by correcting predicted velocities.
 ///
 /// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step, and
-/// in every iteration of a dynamic relaxation; it may change velocities by `step * inverse_mass * force` only.
+/// by static solutions, of dynamic relaxation in every iteration; it may change velocities by
+/// `step * inverse_mass * force` only.
 ///
 /// ```
 /// use powerhouse_model::{Constraint, ConstraintWork, PredictedMotion, RunError, Vec3};

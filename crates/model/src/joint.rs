@@ -5,24 +5,24 @@ use crate::{HistoryVariable, Vec3};
 /// Contact state of a node pair: sticking, sliding or open.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContactState {
-    /// In contact without relative motion.
+    /// Stick: in contact without relative motion.
     #[default]
     Stick,
-    /// In contact with slip.
+    /// Slide: in contact with slip in the step.
     Slide,
-    /// Not in contact.
+    /// Open: not in contact.
     Open,
 }
 
 /// Bond of a node pair: never there, intact or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bond {
-    /// There has never been a bond.
+    /// There has never been a bond since the joint was made or last re-initialised.
     #[default]
     Never,
     /// The bond holds.
     Intact,
-    /// The bond broke, for good.
+    /// The bond broke; it stays broken unless the joint is re-initialised.
     Broken,
 }
 
@@ -31,7 +31,7 @@ pub enum Bond {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct JointState {
-    /// Contact state in the last step.
+    /// Contact state in the last step; at the start that of the law, or open with an initial gap.
     pub contact: ContactState,
     /// State of the bond.
     pub bond: Bond,

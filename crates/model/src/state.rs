@@ -32,7 +32,7 @@ pub struct Cast {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct State {
-    /// Time (s).
+    /// Present time (s), that of the displacement; construction stages have time zero.
     pub time: f64,
     /// Number of time steps taken.
     pub step: u64,

@@ -36,7 +36,7 @@ pub enum Error {
         /// Cause.
         source: std::io::Error,
     },
-    /// File that cannot be written.
+    /// Result file or equilibrated body that cannot be written.
     #[error(transparent)]
     Write(#[from] powerhouse_io::IoError),
     /// Results folder that cannot hold the files of a run, or lost them.
@@ -86,7 +86,8 @@ pub enum Error {
         /// Number of such nodes.
         count: usize,
     },
-    /// Free field without effect on the model: a body at rest has no absorbing boundary, or the boundary has no input.
+    /// Free field without effect on the model: a scene that starts at rest has no absorbing boundary, or its boundary has
+    /// no input.
     #[error("the field '{field}' has no effect: {reason}")]
     UnusedField {
         /// Name of the field.
@@ -118,7 +119,7 @@ pub enum Error {
         /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Absorbing facet inside the body.
+    /// Absorbing facet inside the body: a side between two elements.
     #[error("the absorbing face '{face}' has a facet inside the body at element {element}")]
     InnerFacet {
         /// Facet set of the face.
@@ -126,10 +127,11 @@ pub enum Error {
         /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Invalid domain reduction region.
+    /// Region of a domain reduction that is invalid, found by [`Scene::prepare`](crate::Scene::prepare).
     #[error(transparent)]
     Region(#[from] RegionError),
-    /// Symmetry plane about which the model or its waves are not symmetric.
+    /// Symmetry plane that is invalid, or about which the model or its waves are not symmetric, found by
+    /// [`Scene::prepare`](crate::Scene::prepare).
     #[error(transparent)]
     Mirror(#[from] MirrorError),
     /// Kernel given for a part that has no element of the kernel's kind.
@@ -243,7 +245,7 @@ pub enum Error {
     /// Initial motion of the free field in a scene without free field.
     #[error("the run cannot start from the motion of the free field: the scene has no field")]
     NoField,
-    /// Parameter outside its permitted range.
+    /// Parameter of a scene or of one of its components outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// Invalid mesh, or name of a set that does not exist.

@@ -13,13 +13,13 @@ pub enum Topic {
     Input,
     /// Histories and envelopes of motion, stress and state variables.
     Histories,
-    /// Section forces.
+    /// Section forces and moments.
     Sections,
-    /// Joint results.
+    /// Joints: slip, opening, tractions, and their node pairs.
     Joints,
     /// Energy balance: work of hourglass resistance.
     Energy,
-    /// The run as a whole.
+    /// The run as a whole: mesh, materials, boundary, stages, and all that concerns no single group of results.
     Run,
 }
 

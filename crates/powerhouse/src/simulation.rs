@@ -140,7 +140,7 @@ impl Simulation {
     pub fn output(&self) -> &OutputPlan {
         &self.plan
     }
-    /// The sides of the joints, by name.
+    /// Node pairs and facets of each joint, with the name of the joint.
     pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
         self.recordings.joint_surfaces()
     }
@@ -173,7 +173,7 @@ impl Simulation {
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }
-    /// Duration of the run (s).
+    /// Duration of the dynamic run (s).
     pub fn duration(&self) -> f64 {
         self.duration
     }

@@ -28,7 +28,7 @@ pub struct FreeFieldReport {
     /// Computed duration (s): from the start of the run until 90 % of the squared velocity of the run at the surface have
     /// passed.
     pub window: f64,
-    /// Errors at the compared points without damping.
+    /// Errors at the compared points in the box without damping.
     pub points: Vec<PointError>,
     /// Errors with the damping and the rim of the part behind the absorbing faces; `None` if it is undamped. No limit
     /// applies to them, since the free field has no damping.
@@ -206,7 +206,7 @@ impl FreeFieldCheck {
         })
     }
 
-    /// Duration that is computed (s).
+    /// Duration (s) that [`run`](Self::run) computes, at most that of the scene.
     pub fn window(&self) -> f64 {
         self.window
     }

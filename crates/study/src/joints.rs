@@ -18,7 +18,7 @@ pub struct JointOverview {
     pub law: String,
     /// Number of node pairs.
     pub pairs: usize,
-    /// Area of the joint (m2).
+    /// Area of the joint (m2), the sum of the areas of its pairs.
     pub area: f64,
     /// Largest distance between the nodes of a pair (m).
     pub worst_gap: f64,

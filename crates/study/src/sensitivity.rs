@@ -10,9 +10,9 @@ use crate::sweep::{CaseOutcome, Peak};
 pub struct VariedFigure {
     /// Name of the result, with its unit.
     pub name: String,
-    /// Value in the base case.
+    /// Value in the base case, in the unit that [`name`](Self::name) states.
     pub base: f64,
-    /// Value in the varied case.
+    /// Value in the varied case, in the same unit.
     pub here: f64,
 }
 

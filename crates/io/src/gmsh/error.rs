@@ -12,7 +12,7 @@ use crate::IoError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GmshError {
-    /// The operating system returned an error.
+    /// The operating system returned an error when the file was read or written.
     #[error(transparent)]
     File(#[from] IoError),
     /// The content of a file that was read is invalid.

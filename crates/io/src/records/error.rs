@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// The operating system returned an error.
+    /// The operating system returned an error when a file or folder was opened, read or written.
     #[error("{}: {source}", file.display())]
     File {
         /// Path of the file.
@@ -34,7 +34,7 @@ pub enum RecordError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RecordFault {
-    /// A text is not a number.
+    /// A text in the place of a number is not a number.
     #[error("{text:?} is not a number")]
     NotANumber {
         /// Text of the file.
@@ -49,7 +49,7 @@ pub enum RecordFault {
     /// The file has nothing but white space.
     #[error("the file is empty")]
     Empty,
-    /// The file has another format.
+    /// The file has another known format, not that of an accelerogram.
     #[error("this is {found}, not an accelerogram: PEER AT2, or one or two columns of numbers")]
     Foreign {
         /// Probable format of the file.

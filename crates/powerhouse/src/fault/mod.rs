@@ -64,7 +64,7 @@ pub enum Problem {
         /// Defined names of this kind.
         available: Vec<String>,
     },
-    /// Name that is defined twice.
+    /// Name that is defined twice for objects of one kind.
     #[error("the {what} '{name}' is defined twice")]
     Duplicate {
         /// Kind of the named object.
@@ -86,7 +86,7 @@ pub enum Problem {
         /// The key of the list.
         list: String,
     },
-    /// Quantity outside its usual range.
+    /// Quantity outside its usual range, in a scene that does not allow such quantities (`allow = ["magnitudes"]`).
     #[error(transparent)]
     Magnitude(Magnitude),
     /// Text that is not encoded in UTF-8.

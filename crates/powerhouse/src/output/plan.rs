@@ -12,7 +12,7 @@ use crate::JointZone;
 pub struct HistoryRequest {
     /// Name of its columns in results.
     pub name: String,
-    /// A node, a set of nodes or a point.
+    /// Location: a node, a set of nodes (the mean of their motion) or a point.
     pub place: Place,
     /// Displacement, velocity, acceleration.
     pub motion: Motion,
@@ -98,7 +98,7 @@ impl SectionRequest {
 pub struct EnvelopeRequest {
     /// Displacement, velocity, acceleration.
     pub motion: Motion,
-    /// Whether principal stresses are tracked.
+    /// Whether the greatest and least principal stress of each element are recorded.
     pub stress: bool,
     /// Element sets whose elements and nodes are recorded; all elements if none is named.
     pub sets: Vec<String>,
@@ -251,15 +251,15 @@ pub struct OutputPlan {
     /// Time between samples of histories, relative displacements, section forces, joints and bolts (s); 0.005 by default.
     /// First and last step are recorded in any case.
     pub every: f64,
-    /// Motions against time.
+    /// Requests for motions at locations against time.
     pub histories: Vec<HistoryRequest>,
-    /// Stresses of elements against time.
+    /// Requests for mean stresses of elements against time.
     pub stresses: Vec<StressRequest>,
-    /// Relative displacements against time.
+    /// Requests for relative displacements against time.
     pub relative: Vec<RelativeRequest>,
-    /// Section forces against time.
+    /// Requests for section forces against time.
     pub cuts: Vec<SectionRequest>,
-    /// Joints, or parts of them, beside what is recorded of every joint as a whole.
+    /// Requests for joints, or zones of them, beside what is recorded of every joint as a whole.
     pub joints: Vec<JointRequest>,
     /// Time between samples of the energy balance (s); without one it is not recorded, and a check of its residual reads
     /// it every hundredth of the duration.
@@ -269,7 +269,7 @@ pub struct OutputPlan {
     /// Request for snapshots of the whole body, if any; the run needs a receiver
     /// ([`RunHooks::snapshots`](crate::RunHooks::snapshots)).
     pub snapshots: Option<SnapshotRequest>,
-    /// History variables of laws.
+    /// Request for history variables of laws.
     pub state: StateRequest,
 }
 

@@ -50,9 +50,9 @@ pub struct Results {
     pub wall_time: Duration,
     /// Motions, mean element stresses, history variables and relative displacements against time.
     pub histories: HistoryTable,
-    /// Section forces against time.
+    /// Section forces, moments, and both per metre of width, against time, each column with its unit.
     pub sections: HistoryTable,
-    /// Geometry of the sections: area, centroid, axes.
+    /// Geometry of the sections, in the order of their requests: area, centroid, axes.
     pub section_geometry: Vec<SectionGeometry>,
     /// Columns of the energy balance (J) against time.
     pub energies: HistoryTable,

@@ -59,7 +59,7 @@ pub struct Mirror {
     pub nodes: Vec<u32>,
     /// Normal of the plane, a nonzero vector of any length.
     pub normal: Vec3,
-    /// Parity of the motion.
+    /// Parity of the motion about the plane.
     pub parity: Parity,
 }
 
@@ -87,7 +87,7 @@ pub enum MirrorError {
     /// Symmetry plane without nodes or normal.
     #[error("a plane of symmetry needs nodes and a normal")]
     Nothing,
-    /// Node that is not on the plane.
+    /// Node of the symmetry plane that is not on the plane through its first node.
     #[error("node {node} lies {distance:.3e} m off the plane of symmetry")]
     OffPlane {
         /// Number of the node in the mesh file.
@@ -101,7 +101,7 @@ pub enum MirrorError {
         /// Number of a node on the smaller side in the mesh file.
         node: u64,
     },
-    /// Absorbing face in the plane.
+    /// Absorbing face with a facet in the plane.
     #[error("the absorbing face '{face}' lies in the plane of symmetry")]
     Absorbs {
         /// Facet set of the face.

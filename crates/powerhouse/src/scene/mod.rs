@@ -441,7 +441,7 @@ impl Scene {
     pub fn plane_waves(&self) -> &[PlaneWave] {
         &self.waves
     }
-    /// The absorbing boundary.
+    /// The absorbing boundary; none for a body without.
     pub fn boundary(&self) -> Option<&Boundary> {
         self.boundary.as_ref()
     }
@@ -469,7 +469,7 @@ impl Scene {
     pub fn integrator(&self) -> &dyn TimeIntegrator {
         self.integrator.as_ref()
     }
-    /// Residual of the energy balance at which the run stops.
+    /// Largest permitted residual of the energy balance, above which the run fails.
     pub fn energy_residual(&self) -> ResidualLimit {
         self.residual
     }
@@ -481,7 +481,7 @@ impl Scene {
     pub fn bolts(&self) -> &[SceneBolts] {
         &self.bolts
     }
-    /// Symmetry planes.
+    /// Symmetry planes, at which half of the body is modelled.
     pub fn mirrors(&self) -> &[Mirror] {
         &self.mirrors
     }

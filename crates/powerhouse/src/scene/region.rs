@@ -11,7 +11,7 @@ use crate::{Damping, Error, Remark, reduction_layer};
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RegionError {
-    /// Region in a scene without waves.
+    /// Region in a scene without an incident field.
     #[error("the region is for waves that enter around it, but the scene has no wave")]
     NoField,
     /// Region without a layer of elements around it: it is empty or covers the whole body.

@@ -100,13 +100,14 @@ pub struct FartherFaces {
     pub predicted: f64,
 }
 
-/// A registered boundary that is no candidate.
+/// A boundary of a program's registry that is not compared by advice.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LeftOut {
-    /// Its name in the registry.
+    /// Name of the boundary in the registry.
     pub name: String,
-    /// Why it is none.
+    /// Reason in words: it needs keys, has elements of its own, does not hold a body that its boundary must hold, or the
+    /// error with which it was refused.
     pub reason: String,
 }
 

@@ -12,7 +12,7 @@ use crate::price::ParetoPoint;
 /// Goal of a trade study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// The Pareto front, without a choice.
+    /// The Pareto front of cost and error; no run is chosen.
     Front,
     /// The cheapest run whose relative error, with that of the reference added, is at most this.
     Error(f64),
