@@ -10,7 +10,8 @@ pub enum BoundaryError {
     /// A parameter is outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A face is too near to the scatterer, or behind it, for a spring of finite stiffness.
+    /// A face is too near to the scatterer, or behind it, for a spring of finite stiffness, when a viscous-spring boundary
+    /// is built without given distances.
     #[error(
         "face '{face}' is {distance:.3e} m from the scatterer, less than {least:.3e} m: the stiffness \
          of springs is undefined; use rollers or periodic pairs where the structure runs through a face, \
@@ -24,7 +25,7 @@ pub enum BoundaryError {
         /// Least permitted distance (m).
         least: f64,
     },
-    /// The site has no face of the given name.
+    /// The site has no face of a name in [`InputMode::IncidentOnly`](crate::InputMode::IncidentOnly).
     #[error("the boundary has no face '{name}'; it has {}", available.join(", "))]
     NoSuchFace {
         /// Name that was given.
@@ -32,7 +33,8 @@ pub enum BoundaryError {
         /// Names of the site's faces.
         available: Vec<String>,
     },
-    /// A block's elements are not those of the layer around the region.
+    /// The elements of the block that [`ReductionLayer::new`](crate::ReductionLayer::new) receives are not those of the
+    /// layer around the region, or the layer has none.
     #[error(
         "the layer around the region has {expected} elements; its block has {found} elements that are not the same"
     )]
@@ -42,7 +44,8 @@ pub enum BoundaryError {
         /// Number of elements of the block.
         found: usize,
     },
-    /// Incident-only input is requested of a field whose incident part is not available.
+    /// Input of the incident wave alone is requested of a field that cannot separate it
+    /// ([`InputMode::IncidentOnly`](crate::InputMode::IncidentOnly)).
     #[error(
         "the field '{field}' cannot be separated into its incident wave and the waves that the surface reflects"
     )]

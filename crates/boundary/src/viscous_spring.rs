@@ -86,7 +86,7 @@ pub enum Spreading {
 /// normal, or that of the axis nearest to the normal if one is given.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViscousSpring {
-    /// Parameters of the faces across x, y and z, in this order.
+    /// Parameters of the faces whose normals are nearest to x, y and z, in this order.
     pub axes: [AxisParameters; 3],
     /// Geometrical spreading of the scattered waves.
     pub spreading: Spreading,

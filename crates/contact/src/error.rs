@@ -8,13 +8,13 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ContactError {
-    /// Pairing tolerance that is not a positive length.
+    /// Tolerance of [`pair_nodes`](crate::pair_nodes) that is not a positive length.
     #[error("the pairing tolerance {tolerance} m is not a positive length")]
     Tolerance {
         /// The tolerance (m).
         tolerance: f64,
     },
-    /// Node without a partner on the other side.
+    /// Node without a partner on the other side, in [`pair_nodes`](crate::pair_nodes).
     #[error(
         "node {node} has no partner within {tolerance:.3e} m on the other side of the joint; \
          the nearest node, {nearest}, is {distance:.3e} m away"
@@ -29,7 +29,7 @@ pub enum ContactError {
         /// The permitted distance (m).
         tolerance: f64,
     },
-    /// Node with more than one partner.
+    /// Node with more than one partner within the tolerance, in [`pair_nodes`](crate::pair_nodes).
     #[error(
         "node {node} has two partners within {tolerance:.3e} m on the other side of the joint: \
          {first} and {second}"
@@ -44,7 +44,8 @@ pub enum ContactError {
         /// The permitted distance (m).
         tolerance: f64,
     },
-    /// Facet without a partner on the other side; of several that with the farthest nearest facet.
+    /// Facet without a partner on the other side, in [`JointSurface::between`](crate::JointSurface::between); of several
+    /// that with the farthest nearest facet.
     #[error(
         "a facet of element {element} has no partner within {tolerance:.3e} m on the other side of \
          the joint; the nearest, of element {nearest}, has its centre {distance:.3e} m away"
@@ -59,10 +60,10 @@ pub enum ContactError {
         /// The permitted distance of corners (m).
         tolerance: f64,
     },
-    /// Side, or list of pairs, without nodes.
+    /// Side without nodes or facets, or joint without pairs, as where both sides have all nodes in common.
     #[error("the joint has no pairs")]
     Empty,
-    /// Pair whose directions are no unit vectors at right angles, or whose area is not positive.
+    /// Pair of a new joint whose directions are no unit vectors at right angles, or whose area is not positive.
     #[error(
         "the pair of the nodes with indices {first} and {second} (area {area} m2) needs a positive \
          area and unit vectors at right angles"
@@ -75,7 +76,7 @@ pub enum ContactError {
         /// The area (m2).
         area: f64,
     },
-    /// Preload that the law does not admit.
+    /// Preload that the law does not admit, or across a gap, in [`Joint::with_preload`](crate::Joint::with_preload).
     #[error(
         "the law does not admit the initial traction of the pair of the nodes with indices {first} \
          and {second}: {normal:.4e} Pa across the joint (positive in tension), {shear:.4e} Pa along \
@@ -91,7 +92,8 @@ pub enum ContactError {
         /// Shear traction (Pa).
         shear: f64,
     },
-    /// Initial gap that is negative, or at a pair with a bond that cannot be removed or a preload.
+    /// Initial gap that is negative or not finite, or at a pair with a preload or a law that bears tension, in
+    /// [`Joint::with_gaps`](crate::Joint::with_gaps).
     #[error(
         "the pair of the nodes with indices {first} and {second} cannot have an initial gap of {gap} \
          m: it must not be negative, nor bonded or preloaded across"
@@ -104,7 +106,8 @@ pub enum ContactError {
         /// The gap (m).
         gap: f64,
     },
-    /// Pair without a bond that could be removed.
+    /// Pair without a bond that could be removed, in [`Joint::without_bond`](crate::Joint::without_bond): it has none, or
+    /// its law bears tension without one.
     #[error(
         "the pair of the nodes with indices {first} and {second} has no bond that could be removed"
     )]
@@ -114,13 +117,13 @@ pub enum ContactError {
         /// Mesh index of the other.
         second: u32,
     },
-    /// Name of two joints.
+    /// Two joints with one name, in [`Joint::join`](crate::Joint::join).
     #[error("two joints are named '{name}'")]
     SameName {
         /// The name.
         name: String,
     },
-    /// Pair of a node with itself.
+    /// Pair of a node with itself, in a new joint or new ties.
     #[error("the node with index {node} is paired with itself")]
     SelfPair {
         /// Mesh index of the node.

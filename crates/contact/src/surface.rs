@@ -10,9 +10,9 @@ use crate::pairing::neighbours;
 /// Options for making node pairs of the facets of two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceOptions {
-    /// Largest distance between the nodes of a pair (m).
+    /// Largest permitted distance between the nodes of a pair (m), above 0.
     pub tolerance: f64,
-    /// Largest angle (rad) between the normals of facets that count as one smooth patch.
+    /// Largest angle (rad) between the normals of facets that count as one smooth patch, 0 to a right angle.
     ///
     /// An averaged normal tilts every facet by half the angle between neighbours, so that a share
     /// `sin(angle/2)` of the pressure acts along the facet; a pair for each facet lets neither be
@@ -48,7 +48,8 @@ impl SurfaceOptions {
     }
 }
 
-/// Facet of a joint with the pairs at its corners.
+/// Facet of a joint with the pairs at its corners, for drawing results on the joint and for its edge lengths; areas and
+/// tractions belong to the [pairs](JointSurface::pairs).
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFacet {
     /// The facet as a face of an element of the first side.
@@ -69,7 +70,7 @@ pub struct JointSurface {
     pub facets: Vec<JointFacet>,
     /// Largest distance between the nodes of a pair (m).
     pub worst_gap: f64,
-    /// Numbers of those nodes in the mesh file.
+    /// Numbers of the nodes of that pair in the mesh file.
     pub worst_nodes: [u64; 2],
 }
 

@@ -108,7 +108,7 @@ pub trait BlockFactory: Send + Sync {
     fn kind(&self) -> ElementKind;
     /// Options of all blocks.
     fn options(&self) -> BlockOptions;
-    /// Builds one block.
+    /// Builds one block, once for each part of the set; parts are built in parallel.
     ///
     /// # Errors
     /// If the shape of an element is invalid for the kernel or law, with the user's number of the element.

@@ -3,8 +3,10 @@
 use powerhouse_model::{ModelError, ParameterError};
 use thiserror::Error;
 
-/// An invalid model, refused before the run. Nodes and elements are named by the user's
-/// numbers.
+/// An invalid model, refused before the run. Nodes and elements are named by the user's numbers.
+///
+/// Where no other operation is named, [`ModelBuilder::build`](crate::ModelBuilder::build) returns it, as the source of a
+/// [`ModelError::Refused`].
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EngineError {
@@ -35,7 +37,7 @@ pub enum EngineError {
         /// Number of such elements.
         count: usize,
     },
-    /// An element of a kind that the kernel of its set does not support.
+    /// An element of a set of another kind than that of the kernel of the set.
     #[error("element {element} of set '{set}' is a {found}; its kernel takes {expected}")]
     ElementKind {
         /// Number of the element.
@@ -87,7 +89,7 @@ pub enum EngineError {
         /// The lumped mass (kg).
         mass: f64,
     },
-    /// A block part whose node list lacks a node of one of its elements.
+    /// A [block part](crate::BlockPart) whose node list lacks a node of one of its elements.
     #[error(
         "element {element} of set '{set}' uses node {node}, which its block part does not list"
     )]
@@ -99,7 +101,7 @@ pub enum EngineError {
         /// Number of the node.
         node: u64,
     },
-    /// Element sets with nodes in different precision.
+    /// Element sets of which some store nodal values in double precision, others in single precision.
     #[error(
         "set '{first}' stores nodal values in double precision, set '{second}' in single precision"
     )]
@@ -117,7 +119,7 @@ pub enum EngineError {
         /// Engine number of the node.
         node: u32,
     },
-    /// A node without positive mass.
+    /// A node without positive, finite mass.
     #[error("node {node} has mass {mass} kg; every node needs a positive, finite mass")]
     NodeWithoutMass {
         /// Number of the node.
@@ -163,7 +165,8 @@ pub enum EngineError {
         /// Number of the node.
         node: u64,
     },
-    /// A load on both sides of a face: a pressure cancels, a traction counts twice.
+    /// A load on both sides of a face, in the constructors of [`FacePressure`](crate::FacePressure) and
+    /// [`FaceTraction`](crate::FaceTraction): a pressure cancels, a traction counts twice.
     #[error(
         "the loaded facets include both sides of the face between elements {element} and {other}"
     )]
@@ -191,7 +194,8 @@ pub enum EngineError {
         /// Name of the second constraint.
         second: String,
     },
-    /// Two faces whose nodes do not match as periodic pairs.
+    /// Two faces whose nodes do not match as periodic pairs, in
+    /// [`PeriodicPairs::by_translation`](crate::PeriodicPairs::by_translation).
     #[error(
         "periodic faces of {from} and {to} nodes do not match: node {node} lies {distance:.3e} m from its partner (tolerance {tolerance:.1e} m)"
     )]
@@ -207,7 +211,7 @@ pub enum EngineError {
         /// Largest permitted distance (m).
         tolerance: f64,
     },
-    /// Tied nodes with different initial velocities.
+    /// Tied nodes with different initial velocities, where a motion or state is [set](crate::Model::set_initial).
     #[error("node {node} is tied to node {partner} but has another initial velocity")]
     TiedVelocity {
         /// Number of the node.
@@ -215,7 +219,8 @@ pub enum EngineError {
         /// Number of the node to which it is tied.
         partner: u64,
     },
-    /// A state or initial motion of the wrong length, or with numbers that are not finite.
+    /// A state or initial motion that is [set](crate::Model::set_state), of the wrong length or with numbers that are not
+    /// finite.
     #[error(
         "the {what} has {found} entries instead of {expected}, or holds a number that is not finite"
     )]
@@ -227,7 +232,8 @@ pub enum EngineError {
         /// Number of entries required.
         expected: usize,
     },
-    /// An initial motion whose forces would underflow or overflow in single precision.
+    /// An initial motion that is [set](crate::Model::set_initial) and whose forces would underflow or overflow in single
+    /// precision.
     #[error(
         "the largest component {largest:.3e} of the initial {what} is outside [{least:e}, {most:e}]: forces would leave the range of single precision"
     )]
@@ -236,12 +242,13 @@ pub enum EngineError {
         what: &'static str,
         /// The largest component (m or m/s).
         largest: f64,
-        /// Least permitted value of the largest component, unless it is zero; 0 with loads or prescribed motion.
+        /// Least permitted value of the largest component (m or m/s), unless it is zero; 0 with loads or prescribed
+        /// motion.
         least: f64,
-        /// Greatest permitted component.
+        /// Greatest permitted component (m or m/s).
         most: f64,
     },
-    /// A joint of the state that the model lacks, or has with another number of pairs.
+    /// A joint of a state that is [set](crate::Model::set_state) and that the model lacks, or has with other pairs.
     #[error("the state has a joint '{name}' of {pairs} pairs, which the model does not have")]
     UnknownJoint {
         /// Name of the joint.
@@ -249,7 +256,7 @@ pub enum EngineError {
         /// Number of its pairs in the state.
         pairs: usize,
     },
-    /// A state whose absent or cast elements differ from those of the model.
+    /// A state that is [set](crate::Model::set_state) and whose absent or cast elements differ from those of the model.
     #[error("the absent or cast elements of the state differ from those of the model")]
     OtherElements,
     /// A number of threads outside 1 to 4096, or one that the operating system cannot start.

@@ -16,7 +16,7 @@ use crate::{HourglassShare, Model, Precision, StableStep};
 pub enum Length {
     /// Duration (s); the last output state is the first one at or past this time after the start of the run.
     Seconds(f64),
-    /// Number of time steps.
+    /// Number of time steps; the last output state is that at the start of the last one.
     Steps(u64),
 }
 
@@ -40,10 +40,10 @@ pub enum StepChoice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EnergyCheck {
-    /// Number of steps between two readings.
+    /// Number of steps between two readings, 1 or above; the last step is read too.
     pub every: u64,
-    /// Largest permitted residual, relative to the largest stored energy or external work so far; by default 1e-7
-    /// in double precision, 1e-4 in mixed, 1e-2 in single.
+    /// Largest permitted residual, relative to the largest stored energy or external work so far (1), above which the run
+    /// fails; `None` for the default, 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
     pub limit: Option<f64>,
     /// Whether each element set has its own balance, so that an error names the set that causes it; otherwise
     /// the error names the set whose energy changed most.
@@ -59,13 +59,13 @@ impl EnergyCheck {
             by_set: true,
         }
     }
-    /// The same with a largest permitted residual over the largest energy held or put in so far.
+    /// The same with a largest permitted residual over the largest energy stored or put in so far (1).
     #[must_use]
     pub fn with_limit(mut self, limit: f64) -> Self {
         self.limit = Some(limit);
         self
     }
-    /// The same with or without a balance of each set.
+    /// The same, with a balance of each element set if `by_set` is true.
     #[must_use]
     pub fn with_by_set(mut self, by_set: bool) -> Self {
         self.by_set = by_set;
@@ -110,25 +110,25 @@ impl RunOptions {
             stop: None,
         }
     }
-    /// The same options with another choice of the time step.
+    /// The same options with another choice of the time step: stable, or given (s).
     #[must_use]
     pub fn with_step(mut self, step: StepChoice) -> Self {
         self.step = step;
         self
     }
-    /// The same options with a bound on each component of velocity (m/s).
+    /// The same options with a bound on each component of velocity (m/s), above which the run fails as diverged.
     #[must_use]
     pub fn with_speed_limit(mut self, limit: f64) -> Self {
         self.speed_limit = Some(limit);
         self
     }
-    /// The same options with a check of the energy balance.
+    /// The same options with a check of the energy balance, whose failure ends the run.
     #[must_use]
     pub fn with_energy(mut self, check: EnergyCheck) -> Self {
         self.energy = Some(check);
         self
     }
-    /// The same options with a cancellation flag.
+    /// The same options with a cancellation flag ([`stop`](Self::stop)).
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
@@ -153,9 +153,9 @@ pub struct Progress {
 pub enum Ended {
     /// All planned steps were done.
     Completed,
-    /// The observer of this name returned [`Flow::Stop`].
+    /// The observer of this name returned [`Flow::Stop`]; the output is complete up to that step.
     Observer(String),
-    /// The cancellation flag was set.
+    /// The cancellation flag was set; the output is complete up to the step after it.
     Stopped,
     /// An error with this message ended the run; only in the report of a [`RunFailure`].
     Failed(String),
@@ -167,7 +167,7 @@ pub enum Ended {
 pub struct RunReport {
     /// Number of steps done in this run.
     pub steps: u64,
-    /// Time step (s).
+    /// Length of a time step (s).
     pub step: f64,
     /// Time of the displacement at the end (s).
     pub time: f64,
@@ -177,7 +177,8 @@ pub struct RunReport {
     pub ended: Ended,
     /// Last reading of the energy balance (J), by column; empty if there was none.
     pub energies: Vec<(&'static str, f64)>,
-    /// Largest residual of the energy balance, relative to the largest stored energy or external work until then.
+    /// Largest absolute residual of the energy balance at its readings, relative to the largest stored energy or external
+    /// work until then (1); zero without readings.
     pub energy_residual: f64,
     /// Hourglass and internal work of each element set: the maxima over the readings of the energy balance; without
     /// readings the stored energies at the end.

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum IoError {
-    /// The operating system returned an error.
+    /// The operating system returned an error when a file or folder was opened, read or written.
     #[error("{}: {source}", file.display())]
     File {
         /// Path of the file.
@@ -16,7 +16,7 @@ pub enum IoError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A number that is to be written is not finite.
+    /// A number that is to be written to a table, plot, picture or VTU file is not finite.
     #[error("{}: '{what}' has the value {value} at index {index}, which is not finite", file.display())]
     NotFinite {
         /// Path of the file.
@@ -28,7 +28,7 @@ pub enum IoError {
         /// Value of the number.
         value: f64,
     },
-    /// A number of an integer field is not an integer of 32 bits.
+    /// A number of an integer field of a VTU file is not an integer of 32 bits.
     #[error("{}: '{what}' has the value {value} at index {index}, which is not a 32-bit integer", file.display())]
     NotWhole {
         /// Path of the file.
@@ -40,7 +40,7 @@ pub enum IoError {
         /// Value of the number.
         value: f64,
     },
-    /// A field or column has the wrong number of values.
+    /// A field or column that is to be written has the wrong number of values.
     #[error("{}: '{what}' has {found} values instead of {expected}", file.display())]
     Length {
         /// Path of the file.
@@ -62,7 +62,7 @@ pub enum IoError {
         /// Number of corners given.
         corners: usize,
     },
-    /// The file format cannot represent a name.
+    /// The name or unit of a column of a table has control characters and cannot be written.
     #[error("{}: the name {name:?} cannot be written", file.display())]
     Name {
         /// Path of the file.
@@ -76,7 +76,7 @@ pub enum IoError {
         /// Path of the file.
         file: PathBuf,
     },
-    /// A setting is outside its permitted range.
+    /// A setting of a picture is outside its permitted range.
     #[error("{}: {source}", file.display())]
     Setting {
         /// Path of the file.
@@ -84,7 +84,7 @@ pub enum IoError {
         /// Name, value and permitted range of the setting.
         source: powerhouse_model::ParameterError,
     },
-    /// A summary cannot be represented as JSON.
+    /// A summary that is to be written cannot be represented as JSON.
     #[cfg(feature = "json")]
     #[error("{}: {source}", file.display())]
     Json {
@@ -93,7 +93,7 @@ pub enum IoError {
         /// Error of the JSON writer.
         source: serde_json::Error,
     },
-    /// A value of a summary is missing or not finite.
+    /// A value of a summary that is to be written is missing (`null`) or not finite.
     #[error("{}: the value at {path} is missing or not finite", file.display())]
     Null {
         /// Path of the file.
@@ -101,7 +101,7 @@ pub enum IoError {
         /// Path of the value in the summary, such as `.peaks[2].value`.
         path: String,
     },
-    /// A line of a table cannot be read.
+    /// A line of a table that is read is not a header with units, or not a row of as many numbers.
     #[error("{}:{line}: {reason}", file.display())]
     Table {
         /// Path of the file.

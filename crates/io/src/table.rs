@@ -130,8 +130,8 @@ fn cells_of(line: &str) -> Vec<String> {
 /// Reads a table that [`write_table`] wrote.
 ///
 /// # Errors
-/// [`IoError::Table`], with the line: a column header without unit, a row with another number of
-/// columns, or a number that cannot be parsed.
+/// [`IoError::File`] for a file that cannot be read; [`IoError::Table`], with the line: an empty file, a column header
+/// without unit, a row with another number of columns, or a number that cannot be parsed.
 pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
     let text = std::fs::read_to_string(file).map_err(IoError::file(file))?;
     let fault = |line: usize, reason: String| IoError::Table {

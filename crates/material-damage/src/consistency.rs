@@ -15,7 +15,7 @@ const NEARLY_INCOMPRESSIBLE: f64 = 0.49;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// The tension cut-off is beyond the apex and has no effect.
+    /// The tension cut-off of a [`MohrCoulomb`] surface is beyond the apex and has no effect.
     InactiveCutOff {
         /// Tensile strength as listed (Pa).
         listed: f64,
@@ -24,36 +24,38 @@ pub enum Finding {
         /// Uniaxial tensile stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// Uniaxial tension yields at another stress than the listed strength, though the cut-off is active.
+    /// The surface has another uniaxial tensile strength than the listed one, by more than 5 %; that of [`MohrCoulomb`] a
+    /// lower one, though its cut-off is active.
     TensileStrength {
         /// Tensile strength as listed (Pa).
         listed: f64,
         /// Uniaxial tensile stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// The surface has another uniaxial compressive strength than the listed one.
+    /// The surface has another uniaxial compressive strength than the listed one, by more than 5 %.
     CompressiveStrength {
         /// Compressive strength as listed (Pa).
         listed: f64,
         /// Uniaxial compressive stress at which the surface yields (Pa).
         in_force: f64,
     },
-    /// The listed cohesion is below the least one that is consistent with the compressive strength.
+    /// The cohesion of a [`TwoSurface`] is below the least one that is consistent with its compressive strength, which
+    /// replaces it.
     Cohesion {
         /// Cohesion as listed (Pa).
         listed: f64,
         /// Cohesion of the surface under confinement (Pa).
         in_force: f64,
     },
-    /// Crushing hardens before its peak: flow over a wide body before localisation dissipates an energy
-    /// that depends on the mesh.
+    /// Crushing of a [`LeeFenves`] law hardens before its peak: flow over a wide body before localisation dissipates an
+    /// energy that depends on the mesh.
     Hardening {
         /// Uniaxial compressive stress at first flow (Pa).
         limit: f64,
         /// Uniaxial compressive strength (Pa).
         strength: f64,
     },
-    /// Poisson's ratio is so near 0.5 that elements lock and the stable step decreases.
+    /// Poisson's ratio is above 0.49, so near 0.5 that elements lock and the stable step decreases.
     NearlyIncompressible {
         /// Poisson's ratio (1).
         poisson: f64,

@@ -26,7 +26,8 @@ pub enum MaterialError {
         /// Least ratio N, `(1 + sin phi) / (1 - sin phi)` (1).
         least: f64,
     },
-    /// The element snaps back: its elastic energy at the peak exceeds the fracture energy.
+    /// The element snaps back: its elastic energy at the peak exceeds the fracture energy. Found by the `check_size` of a
+    /// law, for every element before a run.
     #[error(
         "an element of {size:.4} m snaps back in {}: the fracture energy there suffices for widths up to {largest:.4} m, this one needs more than {:.3} times as much",
         of.name(),
@@ -40,13 +41,14 @@ pub enum MaterialError {
         /// Largest permitted width (m).
         largest: f64,
     },
-    /// The softening is so slow that the stress would rise after first damage.
+    /// The softening of a [`Mazars`](crate::Mazars) law is so slow that the stress would rise after first damage: a given
+    /// rate, or an element narrower than its fracture energy permits.
     #[error("B e0 = {product} is below 1: the stress would rise after first damage")]
     Hardening {
         /// Softening rate times threshold strain, `B e0` (1).
         product: f64,
     },
-    /// A strain, a stress or a history variable is not finite.
+    /// A target, strain, stress or history variable is not finite, on the path of a [`PointDriver`](crate::PointDriver).
     #[error("step {step}: the {what} is not finite")]
     NotFinite {
         /// Step of the path, from 0.
@@ -54,12 +56,12 @@ pub enum MaterialError {
         /// Name of the quantity.
         what: &'static str,
     },
-    /// No strain was found whose stress is the target of the path.
+    /// No strain was found whose stress is the target, as past a peak, on the path of a [`PointDriver`](crate::PointDriver).
     #[error(
         "step {step}: the stress misses its target by {residual} Pa (tolerance {tolerance} Pa)"
     )]
     Unreachable {
-        /// Step of the path, from 0.
+        /// Index of the step since the driver was created, from 0.
         step: usize,
         /// Largest difference from the target (Pa).
         residual: f64,

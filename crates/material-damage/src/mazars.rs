@@ -45,7 +45,7 @@ pub enum MazarsTension {
 pub struct MazarsParameters {
     /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Equivalent strain at first damage `e0` (1).
+    /// Equivalent strain at first damage `e0` (1), 1e-9 to 1.
     pub threshold: f64,
     /// Softening in tension.
     pub tension: MazarsTension,

@@ -67,10 +67,13 @@ pub struct StressReturn<L: Lane> {
 /// [`TwoSurface`](crate::TwoSurface) and [`HoekBrown`](crate::HoekBrown), among others;
 /// [`ElastoPlastic`](crate::ElastoPlastic), [`SofteningPlasticity`](crate::SofteningPlasticity) and
 /// [`PlasticDamage`](crate::PlasticDamage) are laws of a surface.
+///
+/// The methods are called at every integration point and step, from several threads at once: their values depend on
+/// their arguments alone.
 pub trait YieldSurface: Clone + core::fmt::Debug + Send + Sync + 'static {
     /// Name of the elastic-plastic law of this surface.
     fn name(&self) -> &str;
-    /// Elastic medium of the surface.
+    /// Elastic medium in which stresses return to the surface.
     fn medium(&self) -> ElasticMedium;
     /// The same surface with all elastic moduli multiplied by a factor, its strengths unchanged.
     #[must_use]

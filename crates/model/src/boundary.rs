@@ -194,7 +194,7 @@ impl BoundaryParts {
         self.loads.extend(loads);
         self
     }
-    /// The same with these additional elements.
+    /// The same with these additional element blocks added.
     #[must_use]
     pub fn with_blocks(mut self, blocks: impl IntoIterator<Item = ExtraBlock>) -> Self {
         self.blocks.extend(blocks);
@@ -203,6 +203,9 @@ impl BoundaryParts {
 }
 
 /// An absorbing boundary: it transmits outgoing waves and applies the incident field.
+///
+/// It takes no part in the run: [`build`](Self::build) is called once for each model, before its first step, and returns
+/// all that the engine applies. Equal sites must give equal parts: studies build the boundary for sites of their own.
 ///
 /// ```
 /// use powerhouse_model::{AbsorbingBoundary, BoundaryParts, BoundarySite, Mat3, ModelError, NodalImpedance};
@@ -227,7 +230,8 @@ pub trait AbsorbingBoundary: Send + Sync {
     /// Computes the springs, dashpots, loads and additional blocks for a site.
     ///
     /// # Errors
-    /// If the boundary cannot be built for the site, such as with a zero distance from the scatterer.
+    /// If the boundary cannot be built for the site, such as with a zero distance from the scatterer; the model is then
+    /// not built.
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError>;
     /// The boundary as its concrete type, for predictions of its reflections; none by default.
     fn as_any(&self) -> Option<&dyn core::any::Any> {

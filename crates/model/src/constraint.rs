@@ -8,13 +8,13 @@ use crate::{JointHistory, JointView, Mat3, Renewal, RunError, StepTime, Vec3};
 /// `step * inverse_mass * force`, nothing else; the engine then moves the nodes.
 #[non_exhaustive]
 pub struct PredictedMotion<'a> {
-    /// Number of the step.
+    /// Number of the step, from 0.
     pub number: u64,
     /// Time at the start of the step (s).
     pub time: f64,
     /// Length of the step (s).
     pub step: f64,
-    /// Displacement at the start of the step (m).
+    /// Displacement at the start of the step (m), that of construction stages included.
     pub displacement: &'a [Vec3],
     /// Velocity before the step (m/s), half a step before `time`.
     pub previous: &'a [Vec3],
@@ -52,13 +52,13 @@ impl<'a> PredictedMotion<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ConstraintWork {
-    /// Energy dissipated by friction, less the work of dilation against the pressure.
+    /// Energy dissipated by friction in the step (J), less the work of dilation against the pressure.
     pub friction: f64,
-    /// Energy dissipated by breaking bonds.
+    /// Energy dissipated by breaking bonds in the step (J).
     pub bond: f64,
-    /// Kinetic energy lost by impact without rebound.
+    /// Kinetic energy lost by impact without rebound in the step (J).
     pub impact: f64,
-    /// Work that the body does on the outside through the constraint, such as against a preload or a
+    /// Work in the step (J) that the body does on the outside through the constraint, such as against a preload or a
     /// prescribed motion; negative where the outside puts energy in.
     pub external: f64,
 }
@@ -79,7 +79,7 @@ impl ConstraintWork {
     pub const fn with_impact(self, impact: f64) -> Self {
         Self { impact, ..self }
     }
-    /// The same work with an external part (J).
+    /// The same work with the part that the body does on the outside (J).
     #[must_use]
     pub const fn with_external(self, external: f64) -> Self {
         Self { external, ..self }
@@ -96,6 +96,10 @@ impl core::ops::AddAssign for ConstraintWork {
 }
 
 /// Condition on the motion of some nodes, enforced by correcting predicted velocities.
+///
+/// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step, and
+/// by static solutions, of dynamic relaxation in every iteration; it may change velocities by
+/// `step * inverse_mass * force` only.
 ///
 /// ```
 /// use powerhouse_model::{Constraint, ConstraintWork, PredictedMotion, RunError, Vec3};
@@ -119,10 +123,11 @@ pub trait Constraint: Send {
     /// [`nodes`](Self::nodes)). Called before the first step and whenever they change, so that what
     /// depends on them alone is computed once.
     fn prepare(&mut self, _step: f64, _inverse_mass: &[Mat3]) {}
-    /// Corrects the predicted velocities and returns the work of its forces.
+    /// Corrects the predicted velocities and returns the work of its forces in this step, from which the energy balance is
+    /// computed.
     ///
     /// # Errors
-    /// If the condition cannot be met within the constraint's own cap on iterations.
+    /// If the condition cannot be met within the constraint's own cap on iterations; it ends the run.
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
     /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
     /// joints that stick; static solutions take the nodes of such a pair for one. None by default.

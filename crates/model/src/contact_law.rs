@@ -278,7 +278,8 @@ impl<'a> JointResponses<'a> {
 
 /// Contact law of a joint: which tractions it admits, given a trial traction and the pair's state.
 ///
-/// A law is a pure function of its input: it runs without a mesh, and the caller decides whether the new
+/// A law is a pure function of its input, evaluated for every pair at least once in each step, for pairs that are solved
+/// together many times: it runs without a mesh, and the caller decides whether the new
 /// state and history become the committed ones. Tractions are those on the first side (Pa): the
 /// component along its outward normal, positive in tension, and two along tangents. The law must not
 /// prefer a direction in the plane of the tangents.

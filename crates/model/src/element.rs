@@ -195,7 +195,7 @@ impl<'a> BlockContext<'a> {
             history_update: HistoryUpdate::Buffered,
         }
     }
-    /// The same context with another storage of new history variables.
+    /// The same context with new history variables stored as `update` says.
     #[must_use]
     pub fn with_history_update(mut self, update: HistoryUpdate) -> Self {
         self.history_update = update;
@@ -207,7 +207,7 @@ impl<'a> BlockContext<'a> {
         self.damping_shift = shift;
         self
     }
-    /// The same context with or without energy bookkeeping.
+    /// The same context; blocks account for their energies in this step if `ledger` is true.
     #[must_use]
     pub fn with_ledger(mut self, ledger: bool) -> Self {
         self.ledger = ledger;
@@ -232,15 +232,15 @@ pub enum Operator {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BlockEnergy {
-    /// Stored (recoverable) strain energy.
+    /// Stored (recoverable) strain energy (J) of the present state.
     pub elastic: f64,
-    /// Energy stored by hourglass forces, and lost where their stiffness fell with that of the law.
+    /// Energy (J) stored by hourglass forces, and lost where their stiffness fell with that of the law.
     pub hourglass: f64,
-    /// Energy dissipated by plastic flow, accumulated.
+    /// Energy dissipated by plastic flow (J), accumulated over the steps with energy bookkeeping.
     pub plastic: f64,
-    /// Energy dissipated by damage, accumulated.
+    /// Energy dissipated by damage (J), accumulated alike.
     pub damage: f64,
-    /// Energy of stiffness that closing cracks regain, accumulated; not positive.
+    /// Energy of stiffness that closing cracks regain (J), accumulated alike; not positive.
     pub recovery: f64,
     /// Error of the integration of the law in time, accumulated: work of stresses beyond the energies
     /// that their laws account for.
@@ -248,9 +248,9 @@ pub struct BlockEnergy {
     /// The plastic flow of a step counts with the stress at its end, its work with the mean stress. The
     /// error falls with the step.
     pub integration: f64,
-    /// Energy dissipated by stiffness damping, accumulated.
+    /// Energy dissipated by stiffness damping (J), accumulated alike.
     pub damping: f64,
-    /// Energy dissipated and stored by relaxation mechanisms, accumulated.
+    /// Energy dissipated and stored by relaxation mechanisms (J), accumulated alike.
     pub relaxation: f64,
 }
 
@@ -367,6 +367,9 @@ impl ElementFault {
 /// in parallel. A block knows its own nodes alone, by their order in [`nodes`](Self::nodes): every nodal
 /// vector that it reads or writes has one entry per node in this order. The engine copies values to the block
 /// and sums the forces of all blocks at each node in a fixed order, for any number of threads.
+///
+/// In a run [`forces`](Self::forces) is called once in every step, after a [`commit`](Self::commit) of the step before;
+/// static solutions call it with trial displacements any number of times between two commits.
 ///
 /// A massless spring between one node and the ground:
 /// ```

@@ -170,10 +170,11 @@ pub trait TimeIntegrator: Send + Sync {
     /// # Errors
     /// If the step is above the stability limit, or the scheme is unstable under this damping.
     fn check(&self, limits: &FrequencyLimits, step: f64) -> Result<(), RunError>;
-    /// Takes one time step of length `step` (s).
+    /// Takes one time step of length `step` (s): forces, kick and constraints, and at last one
+    /// [`drift`](Dynamics::drift), in which observers are called and time and step number advance.
     ///
     /// # Errors
-    /// A failed operation.
+    /// A failed operation, which ends the run.
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError>;
 }
 
@@ -190,19 +191,19 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// The same with or without accelerations.
+    /// The same, with accelerations read if `read` is true.
     #[must_use]
     pub fn with_acceleration(mut self, read: bool) -> Self {
         self.acceleration = read;
         self
     }
-    /// The same with or without element stresses.
+    /// The same, with element stresses read if `read` is true.
     #[must_use]
     pub fn with_stress(mut self, read: bool) -> Self {
         self.stress = read;
         self
     }
-    /// The same with or without the energy ledger.
+    /// The same, with the energies of the energy balance read if `read` is true.
     #[must_use]
     pub fn with_energy(mut self, read: bool) -> Self {
         self.energy = read;
@@ -275,7 +276,7 @@ pub enum Flow {
 /// }
 /// ```
 pub trait StepView {
-    /// Number of time steps taken.
+    /// Number of time steps taken before this one.
     fn number(&self) -> u64;
     /// Present time (s), that of the displacement.
     fn time(&self) -> f64;
@@ -336,11 +337,12 @@ pub trait StepView {
 pub trait Observer: Send {
     /// Name of the observer in reports.
     fn name(&self) -> &str;
-    /// Fields that the observer reads.
+    /// Fields that the observer reads; the same in every step.
     fn fields(&self) -> Fields;
-    /// Sampling interval; the last step is always observed.
+    /// Sampling interval, the same throughout the run; the last step is always observed.
     fn cadence(&self) -> Cadence;
-    /// Processes the state in a step; returns whether the run continues.
+    /// Processes the state in a step; returns whether the run continues. Observers are called one after the other, with
+    /// the run waiting; if one stops the run, the others receive this step too.
     ///
     /// # Errors
     /// Any error, which fails the run.

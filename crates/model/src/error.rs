@@ -68,14 +68,15 @@ impl ModelError {
     }
 }
 
-/// Failure of a dynamic run.
+/// Failure of a dynamic run. Element and node numbers are those of the mesh file; a step has the number of steps taken
+/// before it.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// A parameter of the run outside its permitted range.
+    /// A parameter of the run outside its permitted range, before the first step.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Divergence: a velocity that is not finite or above the bound.
+    /// Divergence during the run: a velocity that is not finite or above the bound.
     #[error(
         "the motion diverged at step {step} (t = {time:.6e} s): element {element} of set '{set}', \
          speed {speed:.3e} m/s at node {node}"
@@ -85,30 +86,30 @@ pub enum RunError {
         step: u64,
         /// Time (s).
         time: f64,
-        /// The user's number of an element at the fastest node.
+        /// Number of an element at the fastest node.
         element: u64,
         /// Set of that element.
         set: String,
-        /// The user's number of the fastest node.
+        /// Number of the fastest node.
         node: u64,
         /// Speed of that node (m/s), possibly not finite.
         speed: f64,
     },
-    /// A residual of the energy balance above its limit.
+    /// A residual of the energy balance above its limit, at a reading during the run.
     #[error(
         "the residual of the energy balance is {residual:.3e} of the largest energy at step {step} (limit {limit:.1e}), largest in set '{set}'"
     )]
     EnergyResidual {
         /// Number of the step, from 0.
         step: u64,
-        /// Residual over the largest stored energy or external work so far.
+        /// Residual over the largest stored energy or external work so far (1).
         residual: f64,
-        /// Largest permitted residual.
+        /// Largest permitted residual (1).
         limit: f64,
         /// Element set with the largest share of the residual.
         set: String,
     },
-    /// A time step above the stability limit of the scheme.
+    /// A time step that is not positive or is above the stability limit of the scheme, before the first step.
     #[error(
         "a step of {step:.6e} s is above the stable limit {limit:.6e} s of the scheme '{scheme}' ({reason})"
     )]
@@ -122,7 +123,7 @@ pub enum RunError {
         /// Cause of the limit.
         reason: String,
     },
-    /// An integration scheme that is unstable at every step under the damping of the model.
+    /// An integration scheme that is unstable under the damping of the model, before the first step.
     #[error(
         "the scheme '{scheme}' needs stiffness damping of at least {least:.6e} s (half the step); the model has {given:.6e} s"
     )]
@@ -134,10 +135,10 @@ pub enum RunError {
         /// Least stiffness damping coefficient of the model (s).
         given: f64,
     },
-    /// An element whose forces cannot be computed.
+    /// An element whose displacement, velocity, stress or force is not finite, during the run.
     #[error("element {element} of set '{set}' at step {step}: {reason}")]
     Element {
-        /// The user's number of the element.
+        /// Number of the element.
         element: u64,
         /// Set of the element.
         set: String,
@@ -146,7 +147,7 @@ pub enum RunError {
         /// Cause of the failure.
         reason: String,
     },
-    /// A constraint or joint that cannot be satisfied.
+    /// A constraint or joint that cannot be satisfied, during the run.
     #[error("constraint '{name}' at step {step}: {reason}")]
     Constraint {
         /// Name of the constraint.
@@ -156,7 +157,7 @@ pub enum RunError {
         /// Cause of the failure.
         reason: String,
     },
-    /// A failed observer.
+    /// An error of an observer, in a step or when it completed its output.
     #[error("observer '{name}' at step {step}: {source}")]
     Observer {
         /// Name of the observer.

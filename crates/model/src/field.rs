@@ -27,7 +27,8 @@ impl core::ops::AddAssign for FieldMotion {
 /// An incident wave field: the free-field motion of the elastic site without the structure.
 ///
 /// It satisfies the equations of motion in the whole site. Fields superpose: the sum of two incident fields is an
-/// incident field.
+/// incident field. Samplers are prepared any number of times, also by checks before a run, and used from several threads
+/// at any times in any order: the motion depends on point and time alone.
 /// ```
 /// use powerhouse_model::{ElasticMedium, FieldMotion, FieldSampler, IncidentField, ModelError, Vec3};
 /// struct Still(ElasticMedium);
@@ -68,7 +69,7 @@ pub trait FieldSampler: Send + Sync {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Adds the motion of the field at a time (s) to `motion`, in the order of the points.
+    /// Adds the motion of the field at a time (s) to what `motion` holds already, in the order of the points.
     ///
     /// # Panics
     /// May panic if `motion` is shorter than [`len`](Self::len).

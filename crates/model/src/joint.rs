@@ -5,24 +5,24 @@ use crate::{HistoryVariable, Vec3};
 /// Contact state of a node pair: sticking, sliding or open.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContactState {
-    /// In contact without relative motion.
+    /// Stick: in contact without relative motion.
     #[default]
     Stick,
-    /// In contact with slip.
+    /// Slide: in contact with slip in the step.
     Slide,
-    /// Not in contact.
+    /// Open: not in contact.
     Open,
 }
 
 /// Bond of a node pair: never there, intact or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bond {
-    /// There has never been a bond.
+    /// There has never been a bond since the joint was made or last re-initialised.
     #[default]
     Never,
     /// The bond holds.
     Intact,
-    /// The bond broke, for good.
+    /// The bond broke; it stays broken unless the joint is re-initialised.
     Broken,
 }
 
@@ -31,7 +31,7 @@ pub enum Bond {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct JointState {
-    /// Contact state in the last step.
+    /// Contact state in the last step; at the start that of the law, or open with an initial gap.
     pub contact: ContactState,
     /// State of the bond.
     pub bond: Bond,
@@ -107,7 +107,8 @@ impl JointPair {
         }
     }
     /// Pair of several facets, given the sum of their vector areas (m2, along their outward normals) and
-    /// the sum of their areas (m2): its normal is the direction of the first.
+    /// the sum of their areas (m2): its normal is the direction of the summed vector area, its projected area the
+    /// length of that sum.
     pub fn of_facets(nodes: [u32; 2], vector_area: Vec3, area: f64) -> Self {
         /// Relative loss of a sum of facets in one plane by rounding.
         const ROUNDING: f64 = 1e-9;
@@ -118,7 +119,7 @@ impl JointPair {
             ..Self::new(nodes, vector_area, area)
         }
     }
-    /// The same pair at a position (m).
+    /// The same pair at a position in the undeformed mesh (m).
     #[must_use]
     pub fn with_position(self, position: Vec3) -> Self {
         Self { position, ..self }
@@ -165,13 +166,14 @@ pub struct JointRecord {
     /// Tangential displacement of the second side at which the pair sticks (m, along both tangents); none
     /// before its first step.
     pub anchor: Option<[f64; 2]>,
-    /// Time of the first slip (s).
+    /// Time at the start of the first step in which the pair slipped (s); `None` if it never did.
     pub first_slip: Option<f64>,
-    /// Time of the first opening (s).
+    /// Time at the start of the first step in which the pair was open (s), as from the start with an initial gap; `None`
+    /// if it never was.
     pub first_crack: Option<f64>,
     /// Energy dissipated by friction so far (J), less the work of dilation against the pressure.
     pub friction: f64,
-    /// Energy dissipated in the step in which the bond broke (J).
+    /// Energy dissipated in the step in which the bond broke (J); zero while it holds.
     pub bond_energy: f64,
     /// Kinetic energy lost so far by impact of the sides (J).
     pub impact: f64,
@@ -239,7 +241,7 @@ pub struct JointView<'a> {
     pub history: &'a [f64],
     /// Greatest number of sweeps in a step so far that connected pairs took; zero where one pass did.
     pub most_sweeps: u32,
-    /// Largest relative change of motion in the last sweep of such a solution.
+    /// Largest relative change of motion in the last sweep over connected pairs, of all steps so far (1).
     pub worst_residual: f64,
 }
 
@@ -271,7 +273,8 @@ impl<'a> JointView<'a> {
             ..self
         }
     }
-    /// The same view with the greatest number of sweeps and the largest residual of connected pairs.
+    /// The same view with the [greatest number of sweeps](Self::most_sweeps) and the
+    /// [largest residual](Self::worst_residual) of connected pairs.
     #[must_use]
     pub fn with_effort(self, most_sweeps: u32, worst_residual: f64) -> Self {
         Self {

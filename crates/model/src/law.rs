@@ -169,14 +169,14 @@ impl<L: Lane> RemainingStiffness<L> {
             plastic_strain_increment: [zero; 6],
         }
     }
-    /// The same with a share of the stiffness that damage leaves, from 0 to 1.
+    /// The same with the share of the stiffness that damage leaves, `1 - D`, set to `share`, 0 to 1.
     #[inline(always)]
     #[must_use]
     pub fn with_undamaged(mut self, share: L) -> Self {
         self.undamaged = share;
         self
     }
-    /// The same with a share of the hourglass stiffness, from 0 to 1.
+    /// The same with the share with which the hourglass stiffness acts set to `share`, 0 to 1.
     #[inline(always)]
     #[must_use]
     pub fn with_hourglass(mut self, share: L) -> Self {
@@ -196,7 +196,8 @@ impl<L: Lane> RemainingStiffness<L> {
 /// A constitutive law, generic over the lane: a pure map from strain and committed history variables to
 /// stress and new history variables.
 ///
-/// The law never commits: the caller decides whether the new history variables become the committed ones,
+/// The law is evaluated at every integration point and step, from several threads at once, and keeps nothing itself. It
+/// never commits: the caller decides whether the new history variables become the committed ones,
 /// so that a static solver can evaluate a trial strain and discard it. The law returns the *change* of
 /// stress against [`LawInput::initial`], so that an initial stress of megapascals does not round away the
 /// stress of a small wave, in single precision least of all.

@@ -46,7 +46,7 @@ impl<'a, L: Lane> PointLocation<'a, L> {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct LawInput<'a, L: Lane> {
-    /// Total strain since the reference configuration.
+    /// Total strain since the reference configuration (1), engineering shears.
     pub strain: Strain<L>,
     /// Initial stress (Pa), the stress at zero strain.
     pub initial: Stress<L>,
@@ -72,7 +72,7 @@ impl<'a, L: Lane> LawInput<'a, L> {
             location: None,
         }
     }
-    /// The same input with another strain.
+    /// The same input with another total strain (1), engineering shears.
     #[inline(always)]
     #[must_use]
     pub fn with_strain(mut self, strain: Strain<L>) -> Self {
@@ -99,7 +99,7 @@ impl<'a, L: Lane> LawInput<'a, L> {
     pub fn with_size(self, size: L) -> Self {
         self.with_extents(Extents::uniform(size))
     }
-    /// The same input in an element of other widths.
+    /// The same input in an element of other widths by direction (m).
     #[inline(always)]
     #[must_use]
     pub fn with_extents(mut self, extents: Extents<L>) -> Self {

@@ -4,6 +4,8 @@ use crate::{ParameterError, Vec3};
 
 /// A scalar function of time (s).
 ///
+/// It may be evaluated at any time and in any order, from several threads: its values depend on the time alone.
+///
 /// Every `Fn(f64) -> f64` that can be shared between threads implements it.
 /// ```
 /// use powerhouse_model::TimeFunction;
@@ -108,6 +110,10 @@ impl TimeFunction for Table {
 
 /// A load: forces at some nodes as a function of time.
 ///
+/// The engine evaluates it once in every time step, at rising times, as a task in parallel with other loads and with the
+/// elements; the forces of a load that is [constant](Self::is_constant) are kept from the first step. In static solutions
+/// the time does not advance.
+///
 /// ```
 /// use powerhouse_model::{NodalLoad, Vec3};
 /// struct Weight { nodes: Vec<u32> }
@@ -124,7 +130,7 @@ pub trait NodalLoad: Send {
     fn name(&self) -> &str;
     /// Mesh indices of the loaded nodes, each at most once.
     fn nodes(&self) -> &[u32];
-    /// Adds the forces (N) at a time (s), in the order of [`nodes`](Self::nodes).
+    /// Adds the forces (N) at a time (s) to `forces`, in the order of [`nodes`](Self::nodes).
     fn add_forces(&mut self, time: f64, forces: &mut [Vec3]);
     /// Whether the forces are constant in time, so that the engine evaluates them only once; false by default.
     fn is_constant(&self) -> bool {

@@ -10,7 +10,9 @@ use crate::{
 /// A constitutive law for one integration point in double precision, object-safe: the simplest way to
 /// write a law.
 ///
-/// [`PointAdapter`] makes a [`ConstitutiveLaw`] of it, which is evaluated lane by lane and slower.
+/// [`PointAdapter`] makes a [`ConstitutiveLaw`] of it, which is evaluated lane by lane and slower. As there, the law is a
+/// pure function of its input, evaluated at every integration point and step from several threads at once, in static
+/// solutions many times with trial strains; the caller keeps the history variables.
 /// ```
 /// use powerhouse_model::{ElasticMedium, HistoryVariable, LawInput, PointLaw, Stress};
 ///
@@ -28,7 +30,8 @@ use crate::{
 pub trait PointLaw: Send + Sync {
     /// The law's name in reports.
     fn name(&self) -> &str;
-    /// The elastic medium of the undamaged material.
+    /// The elastic medium of the undamaged material, as [`ConstitutiveLaw::medium`]: mass, stable step, stiffness
+    /// damping and hourglass stiffness follow from it; of a stiffness that varies in space the stiffest.
     fn medium(&self) -> ElasticMedium;
     /// The history variables of an integration point, all zero at the start.
     fn history(&self) -> &[HistoryVariable];

@@ -32,7 +32,7 @@ pub struct Cast {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct State {
-    /// Time (s).
+    /// Present time (s), that of the displacement; construction stages have time zero.
     pub time: f64,
     /// Number of time steps taken.
     pub step: u64,
@@ -111,7 +111,7 @@ impl State {
         self
     }
 
-    /// Removes elements from the body (element death), with their initial stress and history variables.
+    /// Removes elements (mesh indices) from the body (element death), with their initial stress and history variables.
     pub fn remove(&mut self, elements: &[u32]) {
         self.absent.extend_from_slice(elements);
         self.absent.sort_unstable();
@@ -119,7 +119,7 @@ impl State {
         self.clear_elements(elements);
     }
 
-    /// Casts elements (element birth), free of stress at the present displacement.
+    /// Casts elements (mesh indices; element birth), free of stress at the present displacement.
     pub fn cast(&mut self, elements: &[u32]) {
         self.clear_elements(elements);
         let present: HashSet<u32> = elements.iter().copied().collect();

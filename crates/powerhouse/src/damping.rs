@@ -74,14 +74,15 @@ impl Damping {
 pub struct DampingCost {
     /// Requested damping ratio and band.
     pub band: DampingBand,
-    /// Largest relative deviation of the damping ratio within the band from the requested one.
+    /// Largest deviation of the damping ratio within the band from the requested one, over the requested one (1).
     pub deviation: f64,
-    /// Wave speeds at the lowest and highest frequency of the band, over that of the material.
+    /// Wave speeds at the lowest and highest frequency of the band, over that of the undamped material (1); P and S waves
+    /// alike.
     pub speeds: [f64; 2],
     /// Ratio of the relaxed (static) modulus to the material's modulus, which holds at the reference frequency (1); it
     /// acts in construction stages.
     pub static_stiffness: f64,
-    /// Stable step of an element over that without damping.
+    /// Stable step of an element with the damping over that without (1), at most 1.
     pub step: f64,
     /// Number of additional history variables per integration point.
     pub variables: usize,

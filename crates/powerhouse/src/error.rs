@@ -19,7 +19,8 @@ pub enum Error {
     /// Fault of a scene file, with line and column.
     #[error(transparent)]
     Scene(Box<SceneFault>),
-    /// Name of a case that the scene file does not have.
+    /// Name of a case that the scene file does not have, requested of
+    /// [`Scene::case_from_file_with`](crate::Scene::case_from_file_with).
     #[error("the scene has no case '{name}'; its cases are: {}", available.join(", "))]
     NoSuchCase {
         /// Requested name.
@@ -27,7 +28,7 @@ pub enum Error {
         /// Names of the scene's cases.
         available: Vec<String>,
     },
-    /// File that cannot be read.
+    /// Input file that cannot be read: scene, loading path, material, or equilibrated body.
     #[error("cannot read {}: {source}", path.display())]
     Read {
         /// Path of the file.
@@ -35,21 +36,23 @@ pub enum Error {
         /// Cause.
         source: std::io::Error,
     },
-    /// File that cannot be written.
+    /// Result file or equilibrated body that cannot be written.
     #[error(transparent)]
     Write(#[from] powerhouse_io::IoError),
     /// Results folder that cannot hold the files of a run, or lost them.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// Element that belongs to no part, or to several.
+    /// Solid element that belongs to no part, or element that belongs to several. Bars without a part are left out of the
+    /// model and no error.
     #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
     PartCount {
         /// Number of the first such element in the mesh file.
         element: u64,
-        /// Number of parts to which it belongs.
+        /// Number of parts to which it belongs: 0, or 2 for several.
         count: usize,
     },
-    /// Element of a kind for which there is no kernel.
+    /// Element of a kind for which neither its part nor the software has a kernel, or element of the layer around a
+    /// region (domain reduction) of another kind than the others.
     #[error("element {element} of part '{set}' is a {kind}, for which there is no kernel")]
     NoKernel {
         /// Number of the element in the mesh file.
@@ -59,19 +62,19 @@ pub enum Error {
         /// Kind of the element.
         kind: &'static str,
     },
-    /// Free field that is not negligible at the start of a body at rest.
+    /// Free field whose displacement or velocity at the start of a body at rest is 2e-4 of its peak or more.
     #[error(
         "the body starts at rest at t = {time} s, but the field '{field}' is at {level:.1e} of its peak then"
     )]
     NotAtRest {
         /// Name of the field.
         field: String,
-        /// Displacement or velocity of the field at the start over its peak.
+        /// Displacement or velocity of the field at the start over its peak, the larger one (1).
         level: f64,
         /// Start time (s).
         time: f64,
     },
-    /// Medium at an absorbing face that differs from that of the free field.
+    /// Elastic medium of the elements at an absorbing face that differs from that of the free field.
     #[error(
         "the medium at node {node} of the absorbing faces differs from that of the field '{field}' ({count} such nodes)"
     )]
@@ -83,16 +86,17 @@ pub enum Error {
         /// Number of such nodes.
         count: usize,
     },
-    /// Free field without effect on the model.
+    /// Free field without effect on the model: a scene that starts at rest has no absorbing boundary, or its boundary has
+    /// no input.
     #[error("the field '{field}' has no effect: {reason}")]
     UnusedField {
         /// Name of the field.
         field: String,
-        /// Reason.
+        /// Reason in words.
         reason: &'static str,
     },
-    /// Quantity outside its usual range, in a scene that does not
-    /// [allow](crate::Scene::allow_magnitudes) such quantities.
+    /// Quantity outside its usual range, found by [`Scene::prepare`](crate::Scene::prepare) in a scene that does not
+    /// [allow](crate::Scene::allow_magnitudes) such quantities; in a scene file it is a [`Problem::Magnitude`].
     #[error("{magnitude}")]
     Magnitude {
         /// Quantity, value and range.
@@ -115,7 +119,7 @@ pub enum Error {
         /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Absorbing facet inside the body.
+    /// Absorbing facet inside the body: a side between two elements.
     #[error("the absorbing face '{face}' has a facet inside the body at element {element}")]
     InnerFacet {
         /// Facet set of the face.
@@ -123,13 +127,14 @@ pub enum Error {
         /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Invalid domain reduction region.
+    /// Region of a domain reduction that is invalid, found by [`Scene::prepare`](crate::Scene::prepare).
     #[error(transparent)]
     Region(#[from] RegionError),
-    /// Symmetry plane about which the model or its waves are not symmetric.
+    /// Symmetry plane that is invalid, or about which the model or its waves are not symmetric, found by
+    /// [`Scene::prepare`](crate::Scene::prepare).
     #[error(transparent)]
     Mirror(#[from] MirrorError),
-    /// Kernel that is not for any element of its part.
+    /// Kernel given for a part that has no element of the kernel's kind.
     #[error("the kernel '{kernel}' is not for any element of part '{set}'")]
     UnusedKernel {
         /// Element set of the part.
@@ -147,7 +152,7 @@ pub enum Error {
         /// Name of the law.
         law: String,
     },
-    /// Rim without elements.
+    /// Rim without elements: no element of the part is near enough to an absorbing face.
     #[error(
         "part '{set}' has a rim, but no element of it touches an absorbing face or is within {width} m of one"
     )]
@@ -157,7 +162,7 @@ pub enum Error {
         /// Width of the rim (m).
         width: f64,
     },
-    /// Invalid initial state of a joint.
+    /// Node pair of a joint with an invalid preload, gap or bond, or geometry.
     #[error("joint '{joint}', nodes {first} and {second}: {source}")]
     Joint {
         /// Name of the joint.
@@ -169,7 +174,7 @@ pub enum Error {
         /// Cause.
         source: ContactError,
     },
-    /// Name of a joint that does not exist.
+    /// Joint of an output request ([`JointRequest`](crate::JointRequest)) that the scene does not have.
     #[error("there is no joint '{name}'")]
     NoSuchJoint {
         /// Requested name.
@@ -202,13 +207,15 @@ pub enum Error {
     /// Construction stage in which static equilibrium was not reached.
     #[error(transparent)]
     Stage(#[from] StageError),
-    /// Failed transfer of the body from its stages to the dynamic run.
+    /// Failed transfer of the body from its stages to the dynamic run, before the first time step: the dynamic model has
+    /// other internal forces than that of the last stage, or a law would relax the static stress.
     #[error("transfer from the stages to the dynamic run: {source}")]
     HandOver {
         /// Cause.
         source: StaticError,
     },
-    /// Equilibrated body that belongs to another scene.
+    /// Equilibrated body that belongs to another scene: it has another number of nodes, or other elements are inactive.
+    /// Bodies with equal numbers and other elements inactive are refused too.
     #[error(
         "the equilibrated body has {found} nodes and {found_absent} inactive elements, but the scene has {expected} and {expected_absent}"
     )]
@@ -228,33 +235,36 @@ pub enum Error {
         /// Path of the file.
         path: PathBuf,
     },
-    /// Run that was cancelled during a construction stage.
+    /// Run that was cancelled before or during a construction stage; it has no results. A run that is cancelled later
+    /// ends without an error.
     #[error("interrupted in stage '{stage}'")]
     Interrupted {
-        /// Name of the stage.
+        /// Name of the stage that was not completed.
         stage: String,
     },
     /// Initial motion of the free field in a scene without free field.
     #[error("the run cannot start from the motion of the free field: the scene has no field")]
     NoField,
-    /// Parameter outside its permitted range.
+    /// Parameter of a scene or of one of its components outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// Invalid mesh, or name of a set that does not exist.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// Component of the model that could not be built.
+    /// Component of the model, such as a boundary, field or element block, that refused its input when it was built.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Run that could not start or continue, such as for an unstable time step.
+    /// Run that was refused before its first step, such as for an unstable time step or an option out of range; also a
+    /// failure while steps are [timed](crate::Simulation::time_steps).
     #[error(transparent)]
     Run(#[from] RunError),
-    /// Run that failed before its end.
+    /// Dynamic run that failed after it had started: divergence, failed element, joint, observer or sink, or an energy
+    /// residual above its limit.
     #[error("{error}")]
     Failed {
         /// Cause.
         error: RunError,
-        /// Results up to the failure.
+        /// Results up to the failure, recorded at the samples until then; stages included.
         results: Box<Results>,
     },
 }

@@ -28,7 +28,7 @@ pub const INCIDENT_ONLY: &str = "incident-only";
 pub const SPEED_RATIO: &str = "b";
 /// Key of `viscous-spring`: distance from the scatterer to all faces, or to those across one axis (m).
 pub const DISTANCE: &str = "distance";
-/// Keys of `viscous-spring`: what differs on the faces across x, y and z.
+/// Keys of `viscous-spring` that hold tables with own `a`, `b` and `distance` for the faces normal to x, y and z.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// Key of `viscous-spring`: how scattered waves spread.
 pub const SPREADING: &str = "spreading";

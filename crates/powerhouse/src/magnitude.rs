@@ -15,11 +15,12 @@ use core::fmt;
 pub struct Magnitude {
     /// Name of the quantity: its key, or a description.
     pub name: String,
-    /// Value (SI unit).
+    /// Value, in [`unit`](Self::unit).
     pub value: f64,
-    /// UsualRange range (SI unit); zero is also permitted for a quantity that may vanish.
+    /// Usual range: lowest and highest value, in [`unit`](Self::unit); zero is also permitted for a quantity that may
+    /// vanish.
     pub usual: [f64; 2],
-    /// SI unit.
+    /// SI unit of value and range.
     pub unit: &'static str,
     /// Unit in which the value was probably given, if it can be identified.
     pub probable_unit: Option<ProbableUnit>,

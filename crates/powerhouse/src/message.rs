@@ -13,15 +13,13 @@ pub enum Topic {
     Input,
     /// Histories and envelopes of motion, stress and state variables.
     Histories,
-    /// Section forces.
+    /// Section forces and moments.
     Sections,
-    /// Joint results.
+    /// Joints: slip, opening, tractions, and their node pairs.
     Joints,
-    /// Bolt forces.
-    Bolts,
-    /// Energy balance.
+    /// Energy balance: work of hourglass resistance.
     Energy,
-    /// The run as a whole.
+    /// The run as a whole: mesh, materials, boundary, stages, and all that concerns no single group of results.
     Run,
 }
 
@@ -38,9 +36,9 @@ pub struct Message {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RunNotes {
-    /// Remarks of the composition of the scene.
+    /// Remarks of the composition of the scene ([`Simulation::remarks`](crate::Simulation::remarks)).
     pub remarks: Vec<Remark>,
-    /// Further warnings, such as those of a check.
+    /// Further warnings, such as those of a check; warnings of the results are added when files are written.
     pub warnings: Vec<Message>,
 }
 
@@ -50,7 +48,7 @@ impl RunNotes {
         let warnings = Vec::new();
         Self { remarks, warnings }
     }
-    /// The same with warnings that were found otherwise.
+    /// The same with these further [warnings](Self::warnings), in place of those it had.
     #[must_use]
     pub fn with_warnings(mut self, warnings: Vec<Message>) -> Self {
         self.warnings = warnings;

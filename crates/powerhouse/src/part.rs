@@ -117,8 +117,8 @@ impl Material {
     pub fn is_linear(&self) -> bool {
         self.law.is_linear()
     }
-    /// The same material with damping in series, for [`Damping::Flat`]; none if damping in series with the law is
-    /// not possible.
+    /// The same material with damping by a relaxation spectrum in series, for [`Damping::Flat`], with the moduli of the
+    /// material at a reference frequency; none if damping in series with the law is not possible.
     ///
     /// # Errors
     /// A reference frequency that is not positive.
@@ -238,7 +238,7 @@ pub struct Part {
     /// Kernel of the elements of its kind; others, and all if it is none, have the default kernel of their
     /// kind.
     pub kernel: Option<Kernel>,
-    /// Damping.
+    /// Damping in the dynamic run; of flat damping the static stiffness holds in construction stages.
     pub damping: Damping,
     /// Width (m) of the elastic buffer zone along absorbing faces, where the part is linear elastic and undamped
     /// as the free field behind them: elements that touch the faces, and those with a node closer than this.
@@ -257,13 +257,13 @@ impl Part {
             rim: None,
         }
     }
-    /// The same with a kernel.
+    /// The same with a kernel for the elements of its kind; others keep the default kernel of theirs.
     #[must_use]
     pub fn with_kernel(mut self, kernel: impl Into<Kernel>) -> Self {
         self.kernel = Some(kernel.into());
         self
     }
-    /// The same with damping.
+    /// The same with this damping in the dynamic run, in place of another one.
     #[must_use]
     pub fn with_damping(mut self, damping: impl Into<Damping>) -> Self {
         self.damping = damping.into();
@@ -276,7 +276,7 @@ impl Part {
         self.rim = Some(width);
         self
     }
-    /// Material in dynamic stages: with flat damping in series, if the part has it.
+    /// Material in the dynamic run: with flat damping in series, if the part has it, else its own.
     ///
     /// # Errors
     /// [`Error::NotInSeries`]; a reference frequency out of range.

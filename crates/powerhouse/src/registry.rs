@@ -148,7 +148,7 @@ impl Registry {
         self.built_in.boundaries.remove(&name);
         self.boundaries.insert(name, Entry::new(build));
     }
-    /// Adds or replaces an element kernel.
+    /// Adds or replaces an element kernel under the name that parts of a scene give.
     pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
         let name = name.into();
         self.built_in.kernels.remove(&name);
@@ -162,8 +162,8 @@ impl Registry {
     {
         self.joint_laws.insert(name.into(), Entry::new(build));
     }
-    /// Adds or replaces a mesh generator. A scene names it in its `[mesh]` table, with its input file; none is built
-    /// in.
+    /// Adds or replaces a mesh generator, which builds a mesh from an input file. A scene names both in its `[mesh]` table
+    /// (`generator`, `file`); none is built in. `generate` is called when a scene is read, with the path of the file.
     pub fn add_mesh_generator<F, E>(&mut self, name: impl Into<String>, generate: F)
     where
         F: Fn(&Path) -> Result<Mesh, E> + Send + Sync + 'static,
@@ -195,7 +195,7 @@ impl Registry {
         let built_in = &self.built_in.kernels;
         self.kernel_names().filter(|name| !built_in.contains(*name))
     }
-    /// The kernel of a name.
+    /// The kernel registered under a name; none if there is none.
     pub fn kernel_named(&self, name: &str) -> Option<&Kernel> {
         self.kernels.get(name)
     }

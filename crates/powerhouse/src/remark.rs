@@ -17,7 +17,7 @@ const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
-    /// Fact: peaks of a processed ground motion record; a warning if its peak is larger than few records ever had.
+    /// Fact: peaks of a processed ground motion record; a warning if its peak acceleration is above 1.5 g.
     Record {
         /// Name of the record.
         name: String,
@@ -26,18 +26,18 @@ pub enum Remark {
         /// Report of the baseline correction, before the record was scaled.
         baseline: Option<BaselineReport>,
     },
-    /// Warning: a record file was read differently from its declaration.
+    /// Warning: a record file was read differently from its declaration, as with another number of samples.
     RecordFile {
         /// Name of the record.
         name: String,
-        /// Difference from the declaration.
+        /// Difference from the declaration, in words.
         warning: String,
     },
-    /// Fact: conversion of a record of another motion to the incident wave.
+    /// Fact: conversion of a record whose convention is not `incident` to the incident wave.
     Conversion {
         /// Name of the wave.
         wave: String,
-        /// Type of the recorded motion.
+        /// Convention of the record: type of the recorded motion.
         convention: &'static str,
         /// Factor, or regularised division by the transfer function.
         conversion: InputConversion,
@@ -47,7 +47,7 @@ pub enum Remark {
     QuietStart {
         /// Delay of all waves (s).
         padding: f64,
-        /// Waves that needed a delay, with the delay that each would need alone.
+        /// Names of the waves that are not below 1e-4 of their peak at the start, with the delay of each alone.
         waves: Vec<(String, QuietStart)>,
     },
     /// Fact: the records of prescribed motions were delayed by the same time, so that the body starts at rest; a
@@ -66,49 +66,51 @@ pub enum Remark {
     RotatedAxis {
         /// Name of the record.
         record: String,
-        /// Convention given in the scene.
+        /// Convention (or component of a within motion) given in the scene.
         convention: &'static str,
-        /// Unambiguous name of the same convention.
+        /// Name in the coordinates of the wave that has the same meaning without this warning.
         clear: &'static str,
         /// Azimuth of the wave (degrees).
         azimuth: f64,
     },
-    /// Warning: the body reaches above the level of a geostatic in-situ stress, where this stress is zero.
+    /// Warning: the body at the start of the first stage reaches above the level of a geostatic in-situ stress, which is
+    /// zero there.
     AboveGround {
-        /// Height of the ground surface (m).
+        /// Height z of the ground surface (m).
         level: f64,
-        /// Greatest height of the body (m).
+        /// Greatest height z of the body (m).
         top: f64,
     },
-    /// Warning: the run ends before 95 % of the Arias intensity of a record has arrived.
+    /// Warning: the run ends before 95 % of the Arias intensity of a record of the waves has arrived.
     TruncatedRecord {
         /// Name of the record.
         name: String,
-        /// Share of the Arias intensity that arrives before the end of the run.
+        /// Share of the Arias intensity that arrives before the end of the run, 0 to 0.95.
         share: f64,
-        /// End of the run (s).
+        /// Time at the end of the run (s).
         run: f64,
-        /// End of the record (s), without the extension by a filter.
+        /// Time at the end of the record (s), its arrival included, without the extension by a filter.
         record: f64,
     },
     /// Warning: a side of the mesh other than its top is neither absorbing nor supported, and reflects waves.
     OpenSide {
-        /// Side, by the name that box meshes have for it.
+        /// Side of the bounding box: `left`, `right` (x), `front`, `back` (y) or `bottom`.
         side: &'static str,
-        /// Free area (m2).
+        /// Area of its free facets (m2).
         area: f64,
     },
     /// Warning: the free field has traction on a free surface of the mesh beside the absorbing faces, because its own
     /// free surface lies elsewhere or does not exist.
     LoadedSurface {
-        /// Largest traction of the field there over the product of shear impedance and peak velocity.
+        /// Largest traction of the field there over the product of shear impedance and peak velocity (1), above 0.01.
         share: f64,
-        /// Point of the largest traction (m).
+        /// Position of the point with the largest traction (m).
         position: Vec3,
     },
-    /// Fact: the scatterer (centre of the structure) was located by default.
+    /// Fact: the scatterer (centre of the structure), from which boundary springs take their distance, has its default
+    /// position.
     Scatterer {
-        /// Default location (m).
+        /// Position of the scatterer (m).
         position: Vec3,
     },
     /// Fact: the free field enters through the layer around a domain reduction region.
@@ -128,7 +130,7 @@ pub enum Remark {
         /// Name of the set.
         set: String,
     },
-    /// Warning: state variables are requested of an element whose law has none.
+    /// Warning: a history requests the history variables of an element whose law has none, and records nothing.
     NoState {
         /// Name of the history.
         name: String,
@@ -146,12 +148,12 @@ pub enum Remark {
         /// Number of cut elements.
         of: usize,
     },
-    /// Warning after the run: slip or opening of a joint is too large for node pairs that are fixed (small-slip
-    /// assumption).
+    /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
+    /// that are fixed (small-slip assumption).
     LargeSlip {
         /// Name of the joint.
         joint: String,
-        /// Largest slip or opening over the shortest edge of the facets.
+        /// Largest accumulated slip or opening of a pair over the shortest edge of the facets (1).
         share: f64,
     },
     /// Fact: a joint is re-initialised in a construction stage or at the start of the run, from where its opening,
@@ -159,17 +161,17 @@ pub enum Remark {
     JointRenewed {
         /// Name of the joint.
         joint: String,
-        /// Name of the stage; `None` for the start of the run.
+        /// Name of the last stage that does so; `None` for the start of the run.
         stage: Option<String>,
-        /// Type of re-initialisation.
+        /// Whether it is grouted, or its tie is removed.
         renewal: Renewal,
     },
-    /// Warning: a damped part touches an absorbing face, although the free field is elastic.
+    /// Warning: a damped part without a rim touches an absorbing face, although the free field is elastic.
     DampedRim {
         /// Element set of the part.
         set: String,
     },
-    /// Warning: a part with a nonlinear law touches an absorbing face, although the free field is elastic.
+    /// Warning: a part with a nonlinear law and no rim touches an absorbing face, although the free field is elastic.
     NonlinearRim {
         /// Element set of the part.
         set: String,
@@ -184,39 +186,39 @@ pub enum Remark {
         /// Name of the law.
         law: String,
     },
-    /// Warning after the run: the work of hourglass resistance is a large share of the internal work of a set.
+    /// Warning after the run: the work of hourglass resistance is above 1 % of the internal work of a set.
     Hourglass {
-        /// Name of the stage; `None` for the run.
+        /// Name of the stage, of several that with the largest share; `None` for the dynamic run.
         stage: Option<String>,
         /// Name of the element set.
         set: String,
-        /// Work of hourglass resistance over the internal work.
+        /// Greatest work of hourglass resistance over the greatest internal work (1).
         share: f64,
     },
-    /// Warning after the stages: the in-situ stress is not in equilibrium with the loads and supports of the first
-    /// stage.
+    /// Warning after the run: the in-situ stress is not in equilibrium with loads and supports of the first stage, by
+    /// more than 5 % of the load; only if that stage neither excavates nor casts.
     Unbalanced {
         /// Name of the first stage.
         stage: String,
-        /// Unbalanced force at the start of the stage over the load.
+        /// Unbalanced force at the start of the stage over the force of the load (1).
         share: f64,
         /// Largest displacement until equilibrium (m).
         displacement: f64,
         /// Number of the node with this displacement in the mesh file.
         node: u64,
     },
-    /// Warning after the run: the sampling interval of an acceleration history is too long for its frequency content
-    /// at the peak.
+    /// Warning after the run: the sampling interval of an acceleration history is too long for its frequencies around its
+    /// peak: fewer than about six samples per period.
     Undersampled {
         /// Name of the history.
         name: String,
-        /// Sampling interval (s).
+        /// Mean sampling interval (s).
         interval: f64,
     },
-    /// Warning after the run: the sampling interval of an acceleration envelope is too long, so that peaks are
-    /// missed.
+    /// Warning after the run: the sampling interval of an acceleration envelope is too long, so that peaks are missed:
+    /// every second sample has less than 0.9 of its greatest acceleration.
     SparseEnvelope {
-        /// Greatest acceleration of every second sample over that of all samples.
+        /// Greatest acceleration of every second sample over that of all samples (1).
         share: f64,
     },
     /// Fact: accuracy and cost of flat damping of a part.
@@ -230,21 +232,21 @@ pub enum Remark {
     Rim {
         /// Element set of the part.
         set: String,
-        /// Width of the rim (m).
+        /// Width of the rim (m); 0 for the elements that touch the faces.
         width: f64,
         /// Number of elements of the rim.
         elements: usize,
         /// Number of elements of the part.
         of: usize,
     },
-    /// Warning: parameters of a material are inconsistent.
+    /// Warning: parameters of a material are inconsistent ([`Material::warnings`](crate::Material::warnings)).
     Material {
         /// Element set of the part.
         set: String,
         /// Description of the inconsistency.
         warning: String,
     },
-    /// Implausible value or combination in a scene.
+    /// Warning about an implausible value or combination in a scene, or the fact [`SceneRemark::MeshFile`].
     Scene(SceneRemark),
 }
 
@@ -261,6 +263,7 @@ impl Remark {
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
+            Self::Hourglass { .. } => Topic::Energy,
             Self::NoState { .. }
             | Self::Undersampled { .. }
             | Self::SparseEnvelope { .. }

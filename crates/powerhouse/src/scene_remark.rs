@@ -4,62 +4,70 @@ use core::fmt;
 
 use crate::magnitude::Magnitude;
 
-/// Implausible value or combination in a scene that can be computed nevertheless.
+/// Warning about an implausible value or combination in a scene that can be computed nevertheless, or the fact
+/// [`MeshFile`](Self::MeshFile).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneRemark {
-    /// Quantity outside its usual range, in a scene that allows such quantities.
+    /// Warning: a quantity is outside its usual range, in a scene that allows such quantities.
     Magnitude(Magnitude),
-    /// Body under gravity without supports, boundary springs or stages, which falls freely.
+    /// Warning: bodies under gravity that nothing restrains along it (no support, prescribed motion or boundary spring
+    /// with a component along gravity), in a scene without stages, user constraints and boundary elements: they fall
+    /// freely. Parts that share nodes, joints or periodic pairs are one body.
     UnsupportedBody {
-        /// Element sets of the body's parts.
+        /// Element sets of the parts with an element in such a body.
         sets: Vec<String>,
     },
-    /// Gravity applied suddenly at the start of the run, without a stage in which the body reaches static equilibrium.
+    /// Warning: gravity acts on a supported body from the start of the run, in a scene without a stage in which the body
+    /// reaches static equilibrium: it oscillates about its equilibrium. Gravity that grows from zero is no warning.
     SuddenGravity,
-    /// Supports that restrain nodes in a direction in which the free field moves.
+    /// Warning: supports restrain nodes in a direction in which the free field moves with more than 1 % of its largest
+    /// velocity during the run, and reflect waves.
     RestrainedField {
-        /// Largest velocity of the field along restrained directions over its largest velocity.
+        /// Largest velocity of the field along restrained directions over its largest velocity (1).
         share: f64,
         /// Number of the node with this velocity in the mesh file.
         node: u64,
     },
-    /// Absorbing face on the free surface of the half-space, where waves should be reflected.
+    /// Warning: an absorbing face has a facet on or above the free surface of the half-space, where waves should be
+    /// reflected.
     AbsorbingSurface {
         /// Facet set of the face.
         face: String,
     },
-    /// Output interval shorter than the time step.
+    /// Warning: the requested sampling interval of an output is shorter than the time step, so that every step is recorded;
+    /// found when the step of the run is determined.
     ShortInterval {
-        /// Kind of output.
+        /// Kind of output: `histories`, `energies`, `envelopes` or `snapshots`.
         what: &'static str,
         /// Requested interval (s).
         interval: f64,
         /// Time step (s).
         step: f64,
     },
-    /// Output interval longer than the run.
+    /// Warning: the requested sampling interval of an output is longer than the run, so that its start and end alone are
+    /// recorded; found when the step of the run is determined.
     LongInterval {
-        /// Kind of output.
+        /// Kind of output: `histories`, `energies`, `envelopes` or `snapshots`.
         what: &'static str,
         /// Requested interval (s).
         interval: f64,
         /// Duration of the run (s).
         duration: f64,
     },
-    /// Number of threads above that of the machine.
+    /// Warning: the requested number of threads is above that of the machine.
     Threads {
         /// Requested number.
         wanted: usize,
         /// Number of the machine, which is used.
         available: usize,
     },
-    /// Rim that covers the whole part.
+    /// Warning: a rim covers the whole part, so that its law or damping acts nowhere.
     WholeRim {
         /// Element set of the part.
         set: String,
     },
-    /// Fact: nodes and elements of the mesh file that were left out of the mesh, or belong to no physical group.
+    /// Fact: the mesh file has nodes and elements that were left out of the mesh, or that belong to no physical group.
     MeshFile {
         /// Number of nodes without elements.
         nodes: usize,

@@ -22,7 +22,7 @@ use crate::{Error, Remark, SceneRemark, SceneText};
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
 const LOOKS_SHARE: f64 = 0.01;
 
-/// Progress callback of a run, called after every step.
+/// Progress callback of a run, called after every time step of the dynamic run, on a thread of the run.
 pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
 
 /// Progress callback, cancellation flag, sinks and further observers of a run.
@@ -40,42 +40,44 @@ pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
 #[derive(Default)]
 #[non_exhaustive]
 pub struct RunHooks<'a> {
-    /// Progress callback, called after every step.
+    /// Progress callback, called after every time step of the dynamic run; stages report to [`stages`](Self::stages).
     pub progress: Option<ProgressHook<'a>>,
-    /// Cancellation flag: raised from outside, it ends the run after one more step; the results are complete
-    /// up to there.
+    /// Cancellation flag, raised from outside. During the dynamic run it ends the run after one more step, with
+    /// complete results up to there ([`Ended::Stopped`](crate::engine::Ended::Stopped)); during a construction stage it
+    /// ends the run with [`Error::Interrupted`], without results.
     pub stop: Option<Arc<AtomicBool>>,
-    /// Receiver of the snapshots that the scene requests.
+    /// Receiver of the snapshots that the scene requests; without it none is taken. An error of it ends the run.
     pub snapshots: Option<Box<dyn SnapshotSink>>,
-    /// Receiver of the progress and the state of each construction stage.
+    /// Receiver of the progress and the state of each construction stage that the run computes; an error of it ends the
+    /// run.
     pub stages: Option<Box<dyn StageSink + 'a>>,
-    /// The body in static equilibrium after the same stages, from an earlier run: the run starts from it and
-    /// computes no stage.
+    /// The body in static equilibrium after the same stages, from [`Simulation::equilibrate`] or a file: the run starts
+    /// from it and computes no stage. Unused in a scene without stages.
     pub equilibrated_body: Option<EquilibratedBody>,
-    /// Observers beside those of the scene's output requests.
+    /// Observers of the dynamic run beside those of the scene's output requests, called after them; one may stop the run.
     pub observers: Vec<Box<dyn Observer>>,
 }
 
 impl<'a> RunHooks<'a> {
-    /// Sets the progress callback.
+    /// Sets the [progress callback](Self::progress), called with the steps done and planned and the present time.
     #[must_use]
     pub fn with_progress(mut self, progress: impl FnMut(Progress) + Send + 'a) -> Self {
         self.progress = Some(Box::new(progress));
         self
     }
-    /// Sets the cancellation flag.
+    /// Sets the [cancellation flag](Self::stop); to end the run, another thread or the progress callback sets it to true.
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
         self
     }
-    /// Sets the receiver of snapshots.
+    /// Sets the [receiver](Self::snapshots) of the snapshots that the scene requests.
     #[must_use]
     pub fn with_snapshots(mut self, sink: Box<dyn SnapshotSink>) -> Self {
         self.snapshots = Some(sink);
         self
     }
-    /// Sets the receiver of construction stages.
+    /// Sets the [receiver](Self::stages) of the progress and the state of construction stages.
     #[must_use]
     pub fn with_stages(mut self, sink: Box<dyn StageSink + 'a>) -> Self {
         self.stages = Some(sink);
@@ -87,7 +89,7 @@ impl<'a> RunHooks<'a> {
         self.equilibrated_body = Some(body);
         self
     }
-    /// Adds an observer.
+    /// Adds an observer of the dynamic run.
     #[must_use]
     pub fn with_observer(mut self, observer: impl Observer + 'static) -> Self {
         self.observers.push(Box::new(observer));
@@ -138,7 +140,7 @@ impl Simulation {
     pub fn output(&self) -> &OutputPlan {
         &self.plan
     }
-    /// The sides of the joints, by name.
+    /// Node pairs and facets of each joint, with the name of the joint.
     pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
         self.recordings.joint_surfaces()
     }
@@ -171,7 +173,7 @@ impl Simulation {
     pub fn remarks(&self) -> &[Remark] {
         &self.remarks
     }
-    /// Duration of the run (s).
+    /// Duration of the dynamic run (s).
     pub fn duration(&self) -> f64 {
         self.duration
     }
@@ -189,7 +191,8 @@ impl Simulation {
         let stable = self.model.stable_step(self.integrator.as_ref());
         stable.map_err(|error| self.spans.put(&self.source, error.into()))
     }
-    /// The time step of the run (s). Intervals of output that are shorter become remarks.
+    /// The time step of the run (s). Requested sampling intervals shorter than it, or longer than the run, become
+    /// [remarks](Self::remarks).
     ///
     /// # Errors
     /// A given step that is above the stable one, or as [`stable_step`](Self::stable_step).
@@ -263,7 +266,7 @@ impl Simulation {
         }
     }
 
-    /// Replaces the scene's step.
+    /// Sets the time step of the run in place of that of the scene; it is checked by [`step`](Self::step) and the run.
     pub fn set_step(&mut self, step: TimeStep) {
         // An error of the step no longer concerns the scene file.
         self.source = None;
@@ -272,9 +275,11 @@ impl Simulation {
 
     /// The body in static equilibrium after the construction stages of the scene; none without stages.
     /// Several runs can start from it: those of scenes that differ in nothing but what makes the body move.
+    /// `stop` is a cancellation flag, `sink` receives the progress and the state of each stage.
     ///
     /// # Errors
-    /// A stage that does not reach static equilibrium.
+    /// A stage that does not reach static equilibrium; [`Error::Interrupted`] if the flag was raised; an error of the
+    /// sink.
     pub fn equilibrate(
         &self,
         stop: Option<&Arc<AtomicBool>>,
@@ -292,8 +297,10 @@ impl Simulation {
     /// The results of the scene's run, construction stages first.
     ///
     /// # Errors
-    /// A stage that does not reach static equilibrium; a step above the stable one; [`Error::Failed`] with the
-    /// results until then for whatever ended the run before its time.
+    /// A stage that does not reach static equilibrium; [`Error::Interrupted`] if the cancellation flag was raised before
+    /// or during a stage; [`Error::ForeignBody`] for an equilibrated body of another mesh or with other inactive
+    /// elements; a step above the stable one; [`Error::Failed`] with the results until then for whatever ended the run
+    /// before its time.
     pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
         let step = self.step()?;
@@ -382,12 +389,12 @@ impl Simulation {
         options.with_energy(check)
     }
 
-    /// Wall time of so many steps with all that is recorded. One step before and one after, at which every
-    /// observer samples, are computed beside and not timed. The model has moved afterwards, and what was
-    /// recorded belongs to no run.
+    /// Wall time of `count` time steps of the dynamic run with all that is recorded, without stages. One step before and
+    /// one after, at which every observer samples, are computed beside and not timed. The model has moved afterwards, and
+    /// what was recorded belongs to no run: a run needs a new simulation.
     ///
     /// # Errors
-    /// As [`run`](Self::run).
+    /// A step above the stable one; [`Error::Run`] for a failure during the steps.
     pub fn time_steps(&mut self, count: u64) -> Result<Duration, Error> {
         let step = self.step()?;
         let options = self.options(RunOptions::steps(count + 2), step);

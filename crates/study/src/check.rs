@@ -23,57 +23,58 @@ const LEAST_JACOBIAN: f64 = 0.2;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A remark with the rank of a warning, from the composition of the scene.
+    /// A [remark](powerhouse::Remark) of the scene's preparation that is a warning.
     Remark(Remark),
-    /// An element with an aspect ratio above 10.
+    /// A mesh with an element of an aspect ratio above 10.
     Aspect {
-        /// Largest aspect ratio of an element: longest over shortest edge.
+        /// Largest aspect ratio of an element of the mesh: longest over shortest edge.
         ratio: f64,
     },
-    /// A badly distorted element: scaled Jacobian below 0.2.
+    /// A mesh with a badly distorted element: scaled Jacobian below 0.2.
     Distorted {
-        /// User number of the element.
+        /// Number of the most distorted element in the mesh file.
         element: u64,
         /// Least scaled Jacobian of the element.
         scaled_jacobian: f64,
     },
-    /// A mesh of several parts that share no nodes.
+    /// A mesh of more pieces without common nodes than the joints of the scene explain, each of which may divide it once.
     Disconnected {
-        /// Number of parts.
+        /// Number of pieces.
         parts: usize,
     },
-    /// Four-node tetrahedra, which are too stiff in bending and lock in isochoric flow.
+    /// A part with four-node tetrahedra, which are too stiff in bending and lock in isochoric flow.
     Tetrahedra {
         /// Element set of the part.
         set: String,
     },
-    /// A motion with more than 1 % of its energy above the frequency that a part resolves.
+    /// A motion with more than 1 % of the energy of its acceleration at frequencies that a part does not resolve.
     Unresolved {
-        /// Description of the motion: the incident field, or a record if there is no field.
+        /// Description of the motion: the incident motion at the surface, or, without a field, each record.
         motion: String,
         /// Element set of the part.
         set: String,
-        /// Share of the energy of acceleration above the resolved frequency.
+        /// Share of the energy of acceleration at the resolved frequency and above, 0.01 to 1.
         share: f64,
-        /// Highest frequency (Hz) that the part resolves.
+        /// Highest frequency (Hz) that the part resolves ([`Resolution`]).
         frequency: f64,
     },
-    /// A node pair of a joint with a distance above 5 % of the shortest edge.
+    /// A joint whose worst node pair is farther apart than 5 % of the shortest edge of its facets; other pairs may exceed
+    /// this too.
     Mismatch {
         /// Name of the joint.
         joint: String,
-        /// Distance between the nodes of the pair (m).
+        /// Largest distance between the nodes of a pair (m).
         distance: f64,
-        /// User numbers of the two nodes.
+        /// Numbers of the nodes of this pair in the mesh file.
         nodes: [u64; 2],
         /// Shortest edge of the facets of the joint (m).
         edge: f64,
     },
-    /// A joint with node pairs on absorbing faces; the free field has no joint there.
+    /// A joint, other than a tie, with node pairs on absorbing faces; the free field has no joint there.
     JointAtBoundary {
         /// Name of the joint.
         joint: String,
-        /// Number of its node pairs on absorbing faces.
+        /// Number of its node pairs with a node on an absorbing face.
         pairs: usize,
     },
     /// An incident field that does not move the surface within the duration of the run.
@@ -81,7 +82,7 @@ pub enum Warning {
         /// Duration of the run (s).
         duration: f64,
     },
-    /// A number format whose error is unknown or above its documented value.
+    /// A number format whose error in this scene is unknown or above its documented value; found by [`check()`] alone.
     Format(FormatError),
     /// A scene without excitation: no incident field, load, weight or prescribed motion.
     NoExcitation,
@@ -181,19 +182,19 @@ pub struct CheckReport {
     pub joints: Vec<JointOverview>,
     /// Construction stages before the run.
     pub stages: Vec<StageOverview>,
-    /// Stable time step and the element that limits it.
+    /// Stable time step of the dynamic model and the element that limits it.
     pub stable: StableStep,
-    /// Predicted cost of a run.
+    /// Predicted cost of the run, its stages and its free-field check.
     pub cost: Cost,
-    /// Remarks of the composition of the scene.
+    /// All remarks of the scene's preparation, facts and warnings.
     pub remarks: Vec<Remark>,
-    /// Warnings about the accuracy of the results.
+    /// Warnings about the accuracy of the results, including the remarks that are warnings.
     pub warnings: Vec<Warning>,
     /// Error of the scene's number format against double precision; `None` for double precision.
     pub format: Option<FormatError>,
-    /// The at most three changes that save most wall time, the best first.
+    /// The at most three changes that save most wall time, a tenth at least each, the best first.
     pub savings: Vec<Saving>,
-    /// Changes with which the scene is refused, and why.
+    /// Changes that could save as much, but with which the scene is refused, and why.
     pub refused: Vec<RefusedChange>,
 }
 

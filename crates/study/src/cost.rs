@@ -13,17 +13,18 @@ use crate::{StaticCost, StudyError};
 /// Predicted cost of a run: steps, wall time, memory and size of its files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
-    /// Number of time steps.
+    /// Number of time steps of the dynamic run.
     pub steps: u64,
-    /// Time step (s).
+    /// Time step of the dynamic run (s).
     pub step: f64,
-    /// Wall time of the steps with their recording, extrapolated from some timed steps; writing of files excluded.
+    /// Wall time of the dynamic run with its recording, extrapolated from some timed steps; stages, free-field check and
+    /// writing of files excluded.
     pub wall_time: Duration,
     /// Predicted cost of the construction stages before the run; `None` without stages.
     pub stages: Option<StaticCost>,
     /// Predicted wall time of the free-field check before the run; `None` if the scene does not request one.
     pub self_check: Option<Duration>,
-    /// Predicted memory (bytes), within a third; tables of waves past the critical angle excluded.
+    /// Predicted peak memory of the dynamic run (bytes), within a third; tables of waves past the critical angle excluded.
     pub memory: u64,
     /// Upper bound of the size of the result files (bytes).
     pub output: u64,

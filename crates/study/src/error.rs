@@ -9,24 +9,25 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// Error of the scene or of its run.
+    /// Error of the scene or of its run, where it concerns no case of a sweep.
     #[error(transparent)]
     Scene(#[from] powerhouse::Error),
     /// A parameter outside its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A mesh that cannot be built.
+    /// A mesh that cannot be built, or a set that it does not have.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A file that cannot be read.
+    /// A file that cannot be read, or a folder of a trade study that cannot be created.
     #[error("cannot read {}: {source}", file.display())]
     Read {
-        /// Path of the file.
+        /// Path of the file or folder.
         file: PathBuf,
         /// Cause.
         source: std::io::Error,
     },
-    /// A bay file or scene file that is not valid TOML or has unknown keys.
+    /// A bay file that is not valid TOML or has unknown keys, or a scene file of a trade study or sweep that is not valid
+    /// TOML.
     #[error("{}: {source}", file.display())]
     BayFile {
         /// Path of the file.
@@ -54,24 +55,25 @@ pub enum StudyError {
         /// Path of the folder.
         folder: PathBuf,
     },
-    /// A scene without recorded histories, by which runs are compared.
+    /// A trade study without histories by which runs are compared: the scene records none, or no quantity is requested.
     #[error(
         "the scene records no history by which runs can be compared: add at least one [[output.history]]"
     )]
     NoHistories,
-    /// A quantity for the comparison of runs that the scene does not record.
+    /// A quantity that is requested for the comparison of runs
+    /// ([`Trade::comparing`](crate::trade::Trade::comparing)) and that the scene does not record.
     #[error("the scene records no history of {quantity}, by which runs should be compared")]
     NotRecorded {
         /// Name of the quantity.
         quantity: &'static str,
     },
-    /// A window in which all compared histories are zero, so that errors are undefined.
+    /// A window of a trade study in which all compared histories of the reference are zero, so that errors are undefined.
     #[error("all compared histories are zero within the first {window} s")]
     StillHistories {
         /// Length of the window (s).
         window: f64,
     },
-    /// A scene whose compared histories all depend sensitively on the input.
+    /// A trade study whose perturbation test excludes all compared histories, since they depend sensitively on the input.
     #[error(
         "all compared histories depend sensitively on the input: waves of 1 + 1e-6 times the amplitude change even {history} by \
          {:.1e} %; shorten the window, compare other quantities, or count every history", 100.0 * change
@@ -79,7 +81,7 @@ pub enum StudyError {
     AllHistoriesSensitive {
         /// Name of the history with the least change.
         history: String,
-        /// Relative L2 change of this history.
+        /// Relative L2 change of this history (1).
         change: f64,
     },
     /// A nodal load that would act on more nodes in a refined mesh, so that the refined scene is not equivalent.
@@ -94,7 +96,7 @@ pub enum StudyError {
         /// Number of its nodes in the refined mesh.
         more: usize,
     },
-    /// An unknown factor of a trade study.
+    /// A factor requested of a trade study ([`Trade::only`](crate::trade::Trade::only)) that the scene does not have.
     #[error("the scene has no factor '{name}'; available: {}", available.join(", "))]
     NoSuchFactor {
         /// Requested name.
@@ -102,13 +104,14 @@ pub enum StudyError {
         /// Names of the factors of the scene.
         available: Vec<&'static str>,
     },
-    /// A scene without a closed-form solution.
+    /// A trade study with the incident field as its reference, of a scene whose motion is not that of its incident field,
+    /// or without recorded displacements or velocities.
     #[error("the scene has no closed-form solution: {reason}")]
     NoClosedForm {
-        /// Reason.
+        /// Reason in words.
         reason: &'static str,
     },
-    /// A scene that cannot be written as a TOML file.
+    /// A scene with changed levels of a trade study that cannot be written as TOML.
     #[error("{}: {source}", file.display())]
     Unwritable {
         /// File of the original scene.
@@ -116,7 +119,7 @@ pub enum StudyError {
         /// Cause.
         source: Box<toml::ser::Error>,
     },
-    /// A scene file that was edited while its cases ran.
+    /// A scene file that was edited while the cases of a sweep ran; the sweep ends.
     #[error("{} was edited while its cases ran: the finished cases are those of the earlier version", file.display())]
     Changed {
         /// The file.
@@ -136,10 +139,10 @@ pub enum StudyError {
         /// Given number of elements.
         cells: usize,
     },
-    /// A scene without an absorbing boundary.
+    /// A scene without an absorbing boundary, of which advice is requested.
     #[error("the scene has no absorbing boundary")]
     NoBoundary,
-    /// Absorbing faces only at the bottom or the top.
+    /// Absorbing faces of which none has a horizontal normal, so that advice on boundary or box is not available.
     #[error(
         "the absorbing faces {} lie only below or above: the prediction models an opening between absorbing sides, which this scene does not have",
         .faces.iter().map(|face| format!("'{face}'")).collect::<Vec<_>>().join(", ")
@@ -148,18 +151,19 @@ pub enum StudyError {
         /// Names of the absorbing faces.
         faces: Vec<String>,
     },
-    /// Absorbing faces with several media behind them.
+    /// Absorbing faces with several elastic media behind them, so that advice on boundary or box is not available.
     #[error(
         "several media lie behind the absorbing faces: {media}; the prediction is limited to homogeneous ground"
     )]
     SeveralMedia {
-        /// Parts with their absorbing faces, as text.
+        /// Parts with their absorbing faces, medium by medium, as text.
         media: String,
     },
-    /// An incident field that is not declared as a sum of plane waves.
+    /// An incident field that is not declared as a sum of plane waves
+    /// ([`Scene::with_plane_waves`](powerhouse::Scene::with_plane_waves)), which advice needs.
     #[error("the incident field of the scene is not declared as a sum of plane waves")]
     UnknownField,
-    /// A scene without excitation: no incident field, load, weight or prescribed motion.
+    /// A scene without excitation (no incident field, load, weight or prescribed motion), of which advice is requested.
     #[error("the scene has no excitation: no incident field, load, weight or prescribed motion")]
     NoExcitation,
     /// An absorbing face too near to the scatterer for the substitute model.
@@ -172,7 +176,7 @@ pub enum StudyError {
         /// Least distance (m) for the substitute model.
         least: f64,
     },
-    /// A face that is not plane or is empty, beyond which a mesh should be extended.
+    /// A facet set that is not plane or is empty, beyond which a mesh should be extended ([`grown`](fn@crate::grown)).
     #[error(
         "the face '{face}' is empty or not plane, so that the mesh cannot be extended beyond it"
     )]
@@ -187,23 +191,25 @@ pub enum StudyError {
         counts[1]
     )]
     DifferentTimes {
-        /// Numbers of instants of both runs.
+        /// Numbers of instants of both runs, the reference second.
         counts: [usize; 2],
-        /// Largest difference of corresponding instants (s).
+        /// Largest difference of corresponding instants (s), as many as both runs have.
         apart: f64,
     },
     /// A scene without an incident field, for which no free-field check exists.
     #[error("the scene has no incident field to check")]
     NoField,
-    /// A side of the box that neither absorbs nor is supported as a whole.
+    /// A side of the mesh's bounding box, other than the top, that neither absorbs nor is supported as a whole, which the
+    /// free-field check needs.
     #[error(
         "the free-field check needs a box whose sides absorb or are supported: the {face} of the mesh's box does neither"
     )]
     OpenFace {
-        /// Name of the side of the box.
+        /// Side of the box: `left`, `right` (x), `front`, `back` (y) or `bottom`.
         face: &'static str,
     },
-    /// An absorbing face that does not lie on a side of the box.
+    /// An absorbing face with a facet whose centroid is on no side of the bounding box of the mesh, which the free-field
+    /// check needs.
     #[error(
         "the free-field check needs absorbing faces on the sides of a box: '{face}' lies on none of them"
     )]
@@ -211,23 +217,24 @@ pub enum StudyError {
         /// Name of the face.
         face: String,
     },
-    /// An incident field that does not move the checked points within the duration of the run.
+    /// An incident field that does not move the points of the free-field check, or the surface for advice, within the
+    /// duration of the run.
     #[error("the incident field does not move the surface and the structure within {duration} s")]
     StillField {
         /// Duration of the run (s).
         duration: f64,
     },
-    /// Cancellation of a run from outside.
+    /// Cancellation of a study from outside by its flag; finished cases or runs are kept.
     #[error("interrupted")]
     Interrupted,
-    /// A free-field error above the limit of the scene.
+    /// A free-field error above the limit of the scene: the run does not begin.
     #[error(
         "the relative error {error:.4} of the free field with this mesh, step and boundary is above the scene's self_check = {limit}"
     )]
     TooCoarse {
-        /// Relative L2 error of velocity.
+        /// Largest relative L2 error of velocity at the checked points (1).
         error: f64,
-        /// Permitted relative error.
+        /// Permitted relative error (1).
         limit: f64,
     },
 }

@@ -23,11 +23,12 @@ use crate::sides::transfer_supports;
 pub struct FreeFieldReport {
     /// Numbers of elements of the box along x, y and z.
     pub cells: [usize; 3],
-    /// Time step (s).
+    /// Time step of the check (s).
     pub step: f64,
-    /// Computed duration (s).
+    /// Computed duration (s): from the start of the run until 90 % of the squared velocity of the run at the surface have
+    /// passed.
     pub window: f64,
-    /// Errors at the compared points without damping.
+    /// Errors at the compared points in the box without damping.
     pub points: Vec<PointError>,
     /// Errors with the damping and the rim of the part behind the absorbing faces; `None` if it is undamped. No limit
     /// applies to them, since the free field has no damping.
@@ -62,9 +63,9 @@ pub struct PointError {
     pub name: &'static str,
     /// Position (m).
     pub position: Vec3,
-    /// Relative error of displacement.
+    /// Relative error of displacement (1).
     pub displacement: f64,
-    /// Relative error of velocity, in which high frequencies have more weight.
+    /// Relative error of velocity (1), in which high frequencies have more weight.
     pub velocity: f64,
 }
 
@@ -205,7 +206,7 @@ impl FreeFieldCheck {
         })
     }
 
-    /// Duration that is computed (s).
+    /// Duration (s) that [`run`](Self::run) computes, at most that of the scene.
     pub fn window(&self) -> f64 {
         self.window
     }

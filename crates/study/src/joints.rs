@@ -18,11 +18,11 @@ pub struct JointOverview {
     pub law: String,
     /// Number of node pairs.
     pub pairs: usize,
-    /// Area of the joint (m2).
+    /// Area of the joint (m2), the sum of the areas of its pairs.
     pub area: f64,
     /// Largest distance between the nodes of a pair (m).
     pub worst_gap: f64,
-    /// User numbers of the nodes of that pair.
+    /// Numbers of the nodes of that pair in the mesh file.
     pub worst_nodes: [u64; 2],
     /// Shortest edge of the facets of the joint (m).
     pub shortest_edge: f64,

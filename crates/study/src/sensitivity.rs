@@ -10,14 +10,14 @@ use crate::sweep::{CaseOutcome, Peak};
 pub struct VariedFigure {
     /// Name of the result, with its unit.
     pub name: String,
-    /// Value in the base case.
+    /// Value in the base case, in the unit that [`name`](Self::name) states.
     pub base: f64,
-    /// Value in the varied case.
+    /// Value in the varied case, in the same unit.
     pub here: f64,
 }
 
 impl VariedFigure {
-    /// Relative change from the base case; `None` if the base value is zero.
+    /// Relative change from the base case, the difference over the base value (1); `None` if that is zero.
     pub fn change(&self) -> Option<f64> {
         (self.base != 0.0).then(|| (self.here - self.base) / self.base.abs())
     }

@@ -12,7 +12,7 @@ pub enum WaveError {
     /// A parameter is outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// There are fewer samples than the operation needs.
+    /// There are fewer samples than an operation on a time history needs.
     #[error("{given} samples given, at least {least} needed for {operation}")]
     TooFewSamples {
         /// Operation that needs the samples.
@@ -22,7 +22,7 @@ pub enum WaveError {
         /// Least number of samples.
         least: usize,
     },
-    /// The operation would need more samples than permitted.
+    /// An operation on a time history or signal would need more samples than permitted.
     #[error("{operation} needs {needed} samples, more than the permitted {most}")]
     TooManySamples {
         /// Operation that needs the samples.
@@ -32,7 +32,7 @@ pub enum WaveError {
         /// Greatest permitted number.
         most: usize,
     },
-    /// A sample is not a finite number.
+    /// A sample of acceleration is not a finite number.
     #[error("sample {index} is {value}, not a finite number")]
     SampleNotFinite {
         /// Index of the sample, from 0.
@@ -40,10 +40,12 @@ pub enum WaveError {
         /// Value of the sample.
         value: f64,
     },
-    /// The history is zero throughout, so that it cannot be scaled to a peak.
+    /// The history is zero throughout, so that [`TimeHistory::scaled_to_peak`](crate::TimeHistory::scaled_to_peak) cannot
+    /// scale it.
     #[error("the history is zero throughout and cannot be scaled to a peak")]
     ZeroPeak,
-    /// The velocity at the end of the record is not zero.
+    /// The velocity at the end of the record is above 1 % of its peak, so that it cannot be the signal of a wave
+    /// ([`TimeHistory::into_signal`](crate::TimeHistory::into_signal)).
     #[error(
         "end velocity {velocity:.4e} m/s is above {limit:.4e} m/s, 1 % of the peak velocity; correct the baseline"
     )]
@@ -53,7 +55,8 @@ pub enum WaveError {
         /// Permitted magnitude (m/s).
         limit: f64,
     },
-    /// The displacement at the end of the record differs from the declared one.
+    /// The displacement at the end of the record differs from the declared one by more than 1 % of its peak, so that it
+    /// cannot be the signal of a wave ([`TimeHistory::into_signal`](crate::TimeHistory::into_signal)).
     #[error(
         "end displacement {displacement:.4e} m differs from the declared {declared:.4e} m by more than {limit:.4e} m, 1 % of the peak displacement; correct the baseline or declare it"
     )]
@@ -80,7 +83,7 @@ pub enum WaveError {
     /// A point is above the free surface, where the field is not defined.
     #[error("point {index} at z = {height} m is above the free surface at z = {surface} m")]
     AboveSurface {
-        /// Index of the point.
+        /// Index of the point in the list that was given.
         index: usize,
         /// Height z of the point (m).
         height: f64,
@@ -93,7 +96,8 @@ pub enum WaveError {
         /// Index of the point.
         index: usize,
     },
-    /// The surface coefficient of the recorded component is too small to divide by.
+    /// The surface coefficient of the recorded component is too small to divide by, when a wave is built of a record of
+    /// the surface; or the wave has no motion in the component of a record at a depth.
     #[error(
         "the surface moves by {coefficient:.4} of the incident {kind} wave in {component:?}, less than the permitted {limit}: the incident wave cannot be recovered from this component"
     )]
@@ -102,9 +106,9 @@ pub enum WaveError {
         kind: WaveKind,
         /// Component of the record.
         component: SurfaceComponent,
-        /// Magnitude of the surface coefficient.
+        /// Magnitude of the surface coefficient: surface amplitude per unit incident amplitude (1).
         coefficient: f64,
-        /// Least permitted magnitude.
+        /// Least permitted magnitude (1).
         limit: f64,
     },
     /// The input convention refers to a free surface, but the site is a full space.
@@ -124,7 +128,8 @@ pub enum WaveError {
         /// Displacement after the signal's end (m).
         displacement: f64,
     },
-    /// The motion at the start is above the threshold, even with the greatest permitted padding.
+    /// The motion at the start is above the threshold, even with the greatest permitted padding, in
+    /// [`PlaneWave::with_quiet_start`](crate::PlaneWave::with_quiet_start).
     #[error(
         "with {padding} s of padding the field starts at {level:.3e} of its peak, above the threshold of {threshold:.3e}"
     )]

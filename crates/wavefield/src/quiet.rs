@@ -28,8 +28,8 @@ impl StartLevel {
 pub struct QuietStartLimits {
     /// Displacement and velocity at the start over their peaks (1), 1e-12 to 0.5.
     pub threshold: f64,
-    /// Greatest permitted delay of the wave (s), at most 1000; the search evaluates all points once for
-    /// every four steps of the signal in it.
+    /// Greatest permitted delay of the wave (s), 0 to 1000. The cost of the search is proportional to it: the field is
+    /// evaluated at all points at every fourth step of the signal, or less often for long signals, over this time.
     pub most_padding: f64,
     /// Least width of the taper (s). A wider one retains more of the forerunner, and needs about
     /// twice `ln(1 / threshold)` of its width as delay.
@@ -37,7 +37,7 @@ pub struct QuietStartLimits {
 }
 
 impl Default for QuietStartLimits {
-    /// Threshold 1e-4 of the peak, at most 20 s of padding, the narrowest taper.
+    /// Threshold 1e-4 of the peak, at most 20 s of delay, the narrowest taper.
     fn default() -> Self {
         Self {
             threshold: 1e-4,
@@ -52,7 +52,7 @@ impl Default for QuietStartLimits {
 pub struct QuietStart {
     /// Delay of the wave (s).
     pub padding: f64,
-    /// Motion at the start over the peak.
+    /// Motion of the delayed and tapered field at the start over its peak.
     pub level: StartLevel,
     /// Largest displacement that the taper removed from the field, over the peak (1); zero without a
     /// taper.

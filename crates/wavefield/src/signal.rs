@@ -27,6 +27,9 @@ pub struct SignalSupport {
 
 /// Displacement of a wave, with its derivatives, as a function of time.
 ///
+/// It is evaluated at any times in any order, from several threads: its values depend on the time alone, and velocity and
+/// acceleration are the derivatives of the displacement.
+///
 /// ```
 /// use powerhouse_wavefield::{Signal, SignalMotion, SignalSupport};
 /// /// One swing of 1 mm and 2 s.
@@ -55,7 +58,8 @@ pub trait Signal: Send + Sync {
     fn motion(&self, time: f64) -> SignalMotion;
     /// Time interval and resolution of the motion.
     fn support(&self) -> SignalSupport;
-    /// Computes displacements (m) and velocities (m/s) at many times (s), in one virtual call per batch.
+    /// Computes displacements (m) and velocities (m/s) at many times (s), in one virtual call per batch; an own form must
+    /// give the values of [`motion`](Self::motion).
     ///
     /// # Panics
     /// May panic if the outputs are shorter than `times`.

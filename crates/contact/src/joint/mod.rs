@@ -220,8 +220,8 @@ impl<L: ContactLaw> Joint<L> {
     }
 
     /// Joins several joints to one constraint: joints that share nodes, such as those that meet at a line,
-    /// have to be solved together. Each keeps its name, law and state. With laws of different
-    /// types `L` is `Box<dyn ContactLaw>`.
+    /// have to be solved together, since a node belongs to one constraint of a model. Each keeps its name, law and
+    /// state. With laws of different types `L` is `Box<dyn ContactLaw>`.
     ///
     /// # Errors
     /// [`ContactError::Empty`] for no joints, [`ContactError::SameName`].
@@ -358,7 +358,8 @@ impl<L: ContactLaw> Joint<L> {
     pub fn history_of(&self, pair: usize) -> &[f64] {
         &self.history[Members(&self.members).of(pair).history_of(pair)]
     }
-    /// Number of pairs that are solved in one pass, each by itself; zero until masses are known.
+    /// Number of pairs that are solved in one pass, each by itself; zero until an engine has prepared the joint with the
+    /// masses of its nodes.
     pub fn isolated_count(&self) -> usize {
         self.isolated_count
     }

@@ -14,9 +14,9 @@ pub struct BondedCoulombParameters {
     /// Tensile strength of the bond `ft` (Pa), possibly infinite. More than the envelope's apex
     /// `c / mu_s` is never reached.
     pub tensile_strength: f64,
-    /// Static friction coefficient `mu_s`.
+    /// Static friction coefficient `mu_s` (1), 0 or above.
     pub static_friction: f64,
-    /// Dynamic friction coefficient `mu_d`, at most `mu_s`.
+    /// Dynamic friction coefficient `mu_d` (1), 0 to `mu_s`.
     pub dynamic_friction: f64,
     /// Whether slip breaks the bond. If not, cohesion acts along with friction while the pair
     /// slides, and only a tensile crack breaks it.
@@ -69,7 +69,7 @@ impl BondedCoulomb {
         check_friction(parameters.static_friction, parameters.dynamic_friction)?;
         Ok(Self(parameters))
     }
-    /// Law of Coulomb friction without a bond.
+    /// Law of Coulomb friction without a bond, of a static and a dynamic coefficient (1).
     ///
     /// # Errors
     /// As [`new`](Self::new).

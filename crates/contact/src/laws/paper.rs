@@ -13,7 +13,7 @@ pub struct PaperParameters {
     pub cohesion: f64,
     /// Tensile strength `sigma` (Pa), possibly infinite.
     pub tensile_strength: f64,
-    /// Static friction coefficient `mu_s`; the paper gives none.
+    /// Static friction coefficient `mu_s` (1), 0 or above; Wang, Chen & Xiao (2019) give no value.
     pub static_friction: f64,
     /// Dynamic friction coefficient `mu_d` (1), at most `mu_s`; Wang, Chen & Xiao (2019) give no value.
     pub dynamic_friction: f64,

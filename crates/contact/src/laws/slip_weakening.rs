@@ -9,9 +9,9 @@ use super::{check_friction, opened, shear, with_shear};
 /// Parameters of [`SlipWeakening`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipWeakeningParameters {
-    /// Friction coefficient before any slip, `mu_s`.
+    /// Friction coefficient `mu_s` before any slip (1), 0 or above.
     pub static_friction: f64,
-    /// Friction coefficient after the slip `D_c`, at most `mu_s`.
+    /// Friction coefficient `mu_d` after the slip `D_c` (1), 0 to `mu_s`.
     pub dynamic_friction: f64,
     /// Slip over which friction falls, `D_c` (m).
     pub slip_distance: f64,
@@ -58,7 +58,7 @@ impl SlipWeakening {
     pub fn parameters(&self) -> &SlipWeakeningParameters {
         &self.0
     }
-    /// Friction coefficient after an accumulated slip (m).
+    /// Friction coefficient (1) after an accumulated slip (m).
     #[inline(always)]
     pub fn friction(&self, slip: f64) -> f64 {
         let law = &self.0;

@@ -159,7 +159,8 @@ pub struct BoltSet {
     bolts: Vec<Embedded>,
 }
 
-/// A segment of a bolt within one element.
+/// A segment of a bolt within one element; where [`BoltParameters::longest_segment`] divides the part in an element,
+/// several segments have the same host.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoltSegment {
     /// Mesh index of the host element.

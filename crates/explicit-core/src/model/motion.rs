@@ -320,8 +320,8 @@ impl Model {
         Ok(())
     }
 
-    /// Resets a joint at the present displacement, from which its opening and slip are measured from then
-    /// on; returns whether the model has a joint of that name.
+    /// Resets a joint, by name, at the present displacement, from which its opening and slip are measured from then
+    /// on: grouted or released from a tie. Does nothing and returns false if the model has no joint of that name.
     pub fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
         let mut constraints = core::mem::take(&mut self.constraints);
         let found = constraints.iter_mut().any(|bound| {

@@ -84,7 +84,7 @@ pub enum ObserveError {
         /// Third component.
         z: f64,
     },
-    /// A section plane that intersects none of its elements.
+    /// A section plane that intersects none of its elements, or none with its centroid in the box of the section.
     #[error(
     "the plane of section '{section}' intersects none of its elements{}",
         match .outside {
@@ -98,13 +98,13 @@ pub enum ObserveError {
         /// Whether the plane intersects elements outside the box.
         outside: bool,
     },
-    /// Section forces from an engine without element forces.
+    /// Section forces in a run of an engine without element forces, at the first observed step.
     #[error("section '{section}': the engine does not provide the forces of its elements")]
     NoForces {
         /// Name of the section.
         section: String,
     },
-    /// An energy history in a run without an energy ledger.
+    /// An energy history in a run without an energy ledger, at the first observed step.
     #[error("the run has no energy ledger")]
     NoLedger,
     /// An energy ledger whose columns have changed during the run.
@@ -117,10 +117,10 @@ pub enum ObserveError {
         /// Columns at the first observed step.
         expected: Vec<String>,
     },
-    /// A motion or a stress that is not finite.
+    /// A motion, stress or history variable that is not finite at an observed step; the run fails.
     #[error("{what} of {place} {number} is not finite at t = {time:.6e} s")]
     NotFinite {
-        /// `displacement`, `velocity`, `acceleration` or `stress`.
+        /// `displacement`, `velocity`, `acceleration`, `stress` or the name of a history variable.
         what: &'static str,
         /// `node` or `element`.
         place: &'static str,

@@ -18,7 +18,8 @@ pub struct JointTable {
     pub law: String,
     /// Node pairs.
     pub pairs: Vec<JointPair>,
-    /// Contact states and peak values; slip, peaks, energies and first times are those of the whole run.
+    /// Contact states, peak values and energies, which count every step since the joint's last re-initialisation, not the
+    /// observed steps alone; what earlier stages left is included.
     pub records: Vec<JointRecord>,
     /// History variables of the law.
     pub variables: Vec<HistoryVariable>,
@@ -26,9 +27,11 @@ pub struct JointTable {
     pub history: Vec<f64>,
     /// Extreme tractions at the observed steps.
     pub tractions: TractionPeaks,
-    /// Greatest number of sweeps that connected pairs took in a step.
+    /// Greatest number of sweeps that a group of connected pairs took in a step, of all joints with which it is
+    /// computed; zero where one pass sufficed.
     pub most_sweeps: u32,
-    /// Largest relative change of motion in the last sweep of their solution.
+    /// Largest relative change of motion in the last sweep over a group of connected pairs, of all steps and of all
+    /// joints with which it is computed (1).
     pub worst_residual: f64,
 }
 
@@ -147,27 +150,28 @@ pub struct JointOutcome {
     pub pairs: usize,
     /// Area of the pairs (m2).
     pub area: f64,
-    /// Time of the first slip of any pair (s), and the index of that pair among those of the joint.
+    /// Time of the first slip of any pair (s), and the index of that pair among those of the joint; `None` if none has
+    /// slipped.
     pub first_slip: Option<(f64, usize)>,
-    /// Time of the first opening of any pair (s), and the index of that pair.
+    /// Time at which any pair was first open (s), and the index of that pair; pairs with an initial gap count.
     pub first_crack: Option<(f64, usize)>,
-    /// Share of the area that ever slid.
+    /// Share of the area that ever slid (1).
     pub slipped: f64,
-    /// Share of the area that ever opened.
+    /// Share of the area that was ever open (1).
     pub opened: f64,
-    /// Share of the area that never had a bond.
+    /// Share of the area that never had a bond (1).
     pub never_bonded: f64,
-    /// Share of the area whose bond has broken.
+    /// Share of the area whose bond has broken (1).
     pub broken: f64,
     /// Largest accumulated slip (m), and the index of the first pair that has it.
     pub slip: (f64, usize),
-    /// Largest opening (m), and the index of the first pair that had it.
+    /// Largest opening so far (m), and the index of the first pair that had it.
     pub peak_opening: (f64, usize),
-    /// Energy dissipated by friction (J).
+    /// Energy dissipated by friction so far (J), the sum over the pairs.
     pub friction: f64,
-    /// Energy dissipated by breaking bonds (J).
+    /// Energy dissipated by breaking bonds so far (J), the sum over the pairs.
     pub bond: f64,
-    /// Kinetic energy lost by impact of the sides (J).
+    /// Kinetic energy lost by impact of the sides so far (J), the sum over the pairs.
     pub impact: f64,
 }
 

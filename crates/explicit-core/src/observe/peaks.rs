@@ -31,7 +31,7 @@ pub struct PeakRow {
     pub name: String,
     /// Unit of the value.
     pub unit: &'static str,
-    /// The signed value.
+    /// The value with its sign, in the [unit](Self::unit).
     pub value: f64,
     /// Time of the peak (s).
     pub time: f64,

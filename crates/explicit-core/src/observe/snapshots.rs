@@ -57,7 +57,7 @@ pub struct Snapshot<'a> {
 /// }
 /// ```
 pub trait SnapshotSink: Send {
-    /// Processes a snapshot.
+    /// Processes a snapshot, which is valid during the call; the run waits for its return.
     ///
     /// # Errors
     /// Any error, which ends the run.
@@ -134,7 +134,8 @@ impl Snapshots {
             sink: Box::new(sink),
         })
     }
-    /// The same observer with some history variables of laws.
+    /// The same observer with these history variables of laws, in place of none: element values, zero in elements whose law
+    /// has no such variable.
     #[must_use]
     pub fn with_state(mut self, variables: &[HistoryVariable]) -> Self {
         let variables = variables.iter();

@@ -133,9 +133,9 @@ pub struct StageReport {
     pub cast: usize,
     /// Report of the static solution.
     pub solution: StaticReport,
-    /// Largest displacement of a node in this stage (m), and the node's number.
+    /// Largest displacement of a node from the start to the end of this stage (m), and the node's number.
     pub largest_displacement: (f64, u64),
-    /// Stored hourglass and internal energy of each element set at the end of the stage.
+    /// Stored hourglass and internal energy (J) of each element set at the end of the stage.
     pub hourglass: Vec<HourglassShare>,
 }
 
@@ -143,14 +143,14 @@ pub struct StageReport {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum StageEvent<'a> {
-    /// Progress of the static solution of a stage.
+    /// Progress of the static solution of a stage; many times in a stage.
     Progress {
         /// Name of the stage.
         stage: &'a str,
         /// Progress of its static solution.
         progress: StaticProgress,
     },
-    /// A stage has reached static equilibrium; its results can be written.
+    /// A stage has reached static equilibrium; its results can be written. Once for each stage.
     Equilibrated {
         /// The model in static equilibrium.
         model: &'a Model,
@@ -163,17 +163,17 @@ pub enum StageEvent<'a> {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StageError {
-    /// An element to be excavated that is absent, or to be cast that is active.
+    /// An element to be excavated that is absent, or to be cast that is active and not excavated in the same stage.
     #[error("stage '{stage}': element {element} is to be {what}")]
     Elements {
         /// Name of the stage.
         stage: String,
         /// Number of the element.
         element: u64,
-        /// The intended change and the conflicting state.
+        /// The intended change and the conflicting state, in words.
         what: &'static str,
     },
-    /// A model that cannot be built.
+    /// A model of a stage that cannot be built.
     #[error("stage '{stage}': {source}")]
     Model {
         /// Name of the stage.
@@ -181,7 +181,7 @@ pub enum StageError {
         /// Cause of the failure.
         source: ModelError,
     },
-    /// A body that does not reach static equilibrium.
+    /// A body that does not reach static equilibrium, or whose solution was cancelled ([`StaticError::Interrupted`]).
     #[error("stage '{stage}': {source}")]
     NotEquilibrated {
         /// Name of the stage.

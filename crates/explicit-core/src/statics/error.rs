@@ -10,7 +10,7 @@ pub enum StaticError {
     /// A solution option outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// An unsupported part of the model, which can move as a rigid body.
+    /// An unsupported part of the model, which can move as a rigid body; found before the solution.
     #[error(
         "the connected part with element {element} of set '{set}' ({elements} elements) can {motion} freely"
     )]
@@ -32,7 +32,8 @@ pub enum StaticError {
         /// Set of an element at the node.
         set: String,
     },
-    /// A stiffness matrix that is not positive definite and has no Cholesky factor.
+    /// A stiffness matrix that is not positive definite and has no Cholesky factor, in an increment that may not be halved
+    /// again.
     #[error(
         "the stiffness is not positive definite at node {node} (element {element} of set '{set}'): \
     the material softens there, or the node is not supported"
@@ -76,7 +77,8 @@ pub enum StaticError {
         /// Number of its pairs.
         of: usize,
     },
-    /// A failure of a constraint or joint.
+    /// A failure of a constraint or joint that corrects a motion: in a step of a dynamic relaxation, or when its tractions
+    /// in equilibrium are computed.
     #[error("'{name}': {reason}")]
     Joint {
         /// Name of the constraint.
@@ -90,7 +92,7 @@ pub enum StaticError {
         /// Number of the node.
         node: u64,
     },
-    /// An element whose forces cannot be computed.
+    /// An element whose displacement, stress or force is not finite.
     #[error("element {element} of set '{set}': {reason}")]
     Element {
         /// Number of the element.
@@ -100,21 +102,23 @@ pub enum StaticError {
         /// Cause of the failure.
         reason: String,
     },
-    /// Carried forces that differ from those of the stage before by more than the tolerance.
+    /// Carried forces that differ from those of the stage before by more than the tolerance, in
+    /// [`Model::hand_over`](crate::Model::hand_over).
     #[error(
         "the forces carried over to the dynamic stage differ from those of the stage before by \
         {difference:.3e} of the internal forces (permitted: {tolerance:.1e}), most at node {node}: a load, an \
         element or a bolt is missing or new, or the body was not in static equilibrium"
     )]
     CarriedForcesChanged {
-        /// Norm of the difference over the norm of the internal forces.
+        /// Norm of the difference over the norm of the internal forces (1).
         difference: f64,
-        /// Largest permitted difference, relative to the internal forces.
+        /// Largest permitted difference over the norm of the internal forces (1).
         tolerance: f64,
         /// Number of the node with the largest difference.
         node: u64,
     },
-    /// A viscoelastic law in a set with static stress, which its relaxation mechanisms would dissipate.
+    /// A viscoelastic law in a set with static stress, which its relaxation mechanisms would dissipate, in
+    /// [`Model::hand_over`](crate::Model::hand_over).
     #[error(
         "the law of set '{set}' is viscoelastic: its relaxation would reduce the static stress, which must be \
         given as initial stress of this set"
@@ -123,15 +127,15 @@ pub enum StaticError {
         /// Name of the element set.
         set: String,
     },
-    /// Unbalanced forces above the tolerance after all corrections or steps.
+    /// Unbalanced forces above the tolerance after all corrections or steps of an increment that may not be halved again.
     #[error(
         "the unbalanced forces remain at {residual:.3e} of the load at load factor {share}, largest \
         at node {node} (element {element} of set '{set}'): {advice}"
     )]
     NotConverged {
-        /// Norm of the unbalanced forces over that of the load.
+        /// Norm of the unbalanced forces over that of the load (1).
         residual: f64,
-        /// Load factor, 0 to 1.
+        /// Load factor that was not reached: share of the load, 0 to 1.
         share: f64,
         /// Number of the node with the largest unbalanced force.
         node: u64,
@@ -150,7 +154,7 @@ pub enum StaticError {
         "the linear solver leaves a relative residual of {residual:.3e} after {products} products"
     )]
     LinearSolver {
-        /// Norm of the residual over that of the right-hand side.
+        /// Norm of the residual over that of the right-hand side (1).
         residual: f64,
         /// Number of products of the operator.
         products: u64,

@@ -46,16 +46,16 @@ pub struct StaticReport {
     pub products: u64,
     /// Number of factorisations of the operator; zero without a direct solver.
     pub factorisations: u32,
-    /// Number of entries of the Cholesky factor, eight bytes each.
+    /// Number of entries of the Cholesky factor, eight bytes each; zero without a direct solver.
     pub factor_entries: u64,
-    /// Number of steps of a dynamic relaxation.
+    /// Number of steps of the dynamic relaxation in all increments; zero with the other methods.
     pub steps: u64,
-    /// Norm of the unbalanced forces at the end over that of the load, below the tolerance.
+    /// Norm of the unbalanced forces at the end over that of the load (1), at most the tolerance.
     pub residual: f64,
     /// Norm of the load (N): the largest of the norms of applied forces, forces of the initial stress,
     /// and unbalanced forces at the start.
     pub load: f64,
-    /// Norm of the unbalanced forces at the start over that of the load.
+    /// Norm of the unbalanced forces at the start over that of the load (1).
     pub unbalanced: f64,
 }
 

@@ -94,25 +94,25 @@ impl Default for StaticOptions {
 }
 
 impl StaticOptions {
-    /// The same options with another method.
+    /// The same options with another solution method ([`method`](Self::method)).
     #[must_use]
     pub fn with_method(mut self, method: StaticMethod) -> Self {
         self.method = method;
         self
     }
-    /// The same options with another tolerance.
+    /// The same options with another tolerance of equilibrium ([`tolerance`](Self::tolerance)), 1e-14 to 1.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
         self
     }
-    /// The same options with another number of increments.
+    /// The same options with another number of load increments ([`increments`](Self::increments)), 1 to 1e6.
     #[must_use]
     pub fn with_increments(mut self, increments: u32) -> Self {
         self.increments = increments;
         self
     }
-    /// The same options with another share of the unbalanced forces that is applied.
+    /// The same options with another load relaxation factor ([`release`](Self::release)), 1e-6 to 1.
     #[must_use]
     pub fn with_release(mut self, release: f64) -> Self {
         self.release = release;

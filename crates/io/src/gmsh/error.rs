@@ -12,10 +12,10 @@ use crate::IoError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GmshError {
-    /// The operating system returned an error.
+    /// The operating system returned an error when the file was read or written.
     #[error(transparent)]
     File(#[from] IoError),
-    /// The content of the file is invalid.
+    /// The content of a file that was read is invalid.
     #[error("{}{place}: {fault}", prefix(file))]
     Content {
         /// Path of the file; `None` if the content was parsed from memory.
@@ -122,19 +122,19 @@ pub enum GmshFault {
         /// Mark as a little-endian number.
         found: u32,
     },
-    /// There is text outside of all sections.
+    /// There is text other than white space between two sections or after the last one.
     #[error("'{found}' is outside of all sections")]
     Stray {
         /// Start of the text.
         found: String,
     },
-    /// A section has no end.
+    /// A section has no end (`$End...`), as in a file that is cut off.
     #[error("the section {section} has no end ${}", section.replacen('$', "End", 1))]
     NotEnded {
         /// Name of the section.
         section: String,
     },
-    /// A required section is missing.
+    /// A required section, `$Nodes` or `$Elements`, is missing.
     #[error("the file has no section {section}")]
     Missing {
         /// Name of the section.
@@ -146,27 +146,29 @@ pub enum GmshFault {
         /// Name of the section.
         section: &'static str,
     },
-    /// The nodes have parametric coordinates.
+    /// The nodes have parametric coordinates, by their mark or in a section of their own.
     #[error("nodes with parametric coordinates are not supported (Mesh.SaveParametric = 0)")]
     Parametric,
-    /// The mesh is partitioned among processors.
+    /// The mesh is partitioned among processors: it has sections of partitions, or elements with a number of partitions.
     #[error("the mesh is partitioned, which is not supported; save it without partitions")]
     Partitioned,
-    /// The file has other content than expected.
+    /// A word or number of the file is not what the format has there.
     #[error("{what} is expected here, not '{found}'")]
     Expected {
         /// Expected content.
         what: &'static str,
-        /// Content of the file.
+        /// Start of the content of the file there.
         found: String,
     },
-    /// The section ends before expected content.
+    /// Expected content is missing: a complete section of a text file ends before what its counts state, or a binary
+    /// file ends within a section or before its byte order mark. A text file that is cut off within a section is
+    /// [`NotEnded`](Self::NotEnded), a count too large for the rest of its section [`Count`](Self::Count).
     #[error("the section ends where {what} is expected")]
     Truncated {
         /// Expected content.
         what: &'static str,
     },
-    /// A section has more content than its counts state.
+    /// A section has more content than its counts state, or its end does not follow its last record.
     #[error("'{found}' follows the last {what} that the counts state")]
     Surplus {
         /// Kind of record, such as node or element.
@@ -174,27 +176,28 @@ pub enum GmshFault {
         /// Start of the additional content.
         found: String,
     },
-    /// A count is too large for the size of the file.
+    /// A count of records is too large for the rest of its section, or of the file if it is binary.
     #[error("{count} {what} do not fit into {room} bytes")]
     Count {
         /// Kind of record, such as nodes or elements.
         what: &'static str,
         /// Stated count.
         count: u64,
-        /// Remaining size (bytes).
+        /// Size of the rest (bytes).
         room: usize,
     },
-    /// A stated total differs from the sum of its parts.
+    /// A stated number of physical names, nodes or elements differs from the number found.
     #[error("{stated} {what} are stated, {found} are found")]
     Total {
-        /// Kind of record, such as nodes or elements.
+        /// Kind of record: names, nodes or elements.
         what: &'static str,
-        /// Stated total.
+        /// Number that the file states.
         stated: u64,
-        /// Sum of the parts.
+        /// Number of records in the file.
         found: u64,
     },
-    /// The least and largest number that a section states differ from those of its records.
+    /// The least and largest number of nodes or elements that a section of version 4.1 states differ from those of its
+    /// records.
     #[error("{what} numbers from {} to {} are stated, {} to {} are found", stated.0, stated.1, found.0, found.1)]
     Range {
         /// Kind of record, node or element.
@@ -210,7 +213,7 @@ pub enum GmshFault {
         /// Kind of record, node or element.
         what: &'static str,
     },
-    /// A dimension does not exist, or does not fit the element type.
+    /// The dimension of an entity is not 0 to 3, or not that of the element type of its elements (version 4.1).
     #[error("{what} cannot have dimension {dimension}")]
     Dimension {
         /// Kind of entity, or name of the element type.
@@ -218,7 +221,7 @@ pub enum GmshFault {
         /// Dimension as written in the file.
         dimension: i64,
     },
-    /// An entity occurs twice.
+    /// An entity occurs twice in `$Entities` (version 4.1).
     #[error("the entity of dimension {dimension} and number {entity} occurs twice")]
     RepeatedEntity {
         /// Dimension of the entity.
@@ -226,7 +229,7 @@ pub enum GmshFault {
         /// Number of the entity.
         entity: i32,
     },
-    /// A physical group has two names.
+    /// A physical group has two names in `$PhysicalNames`.
     #[error("the physical group of dimension {dimension} and number {group} has two names")]
     RepeatedGroup {
         /// Dimension of the group.
@@ -234,7 +237,7 @@ pub enum GmshFault {
         /// Number of the group.
         group: i32,
     },
-    /// An element type of the format is not supported.
+    /// An element has a type of the format that is not supported, such as one of second order.
     #[error(
         "element {element} is a {name}, which is not supported; hex8, tet4, wedge6, bar2 and their facets are"
     )]
@@ -250,7 +253,7 @@ pub enum GmshFault {
         /// Type as written in the file.
         number: i64,
     },
-    /// The file has neither solids nor bars.
+    /// The file has neither solids nor bars; bars are lines in a physical group.
     #[error(
         "the file has no solids and no bars, only {facets} facets, {lines} lines and {points} points"
     )]
@@ -270,16 +273,17 @@ pub enum GmshFault {
         /// Number of the node.
         node: u64,
     },
-    /// The mesh is invalid.
+    /// The mesh is invalid, as with an inverted element or a number that occurs twice.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The parser of values returned an error after the scanner had accepted the content.
+    /// The second of two parsers, which reads the values of version 4.1, returned an error although the first had accepted
+    /// the content.
     #[error("the values cannot be read: {reason}")]
     Values {
         /// Error of the parser in words.
         reason: String,
     },
-    /// The parser of values and the scanner disagree.
+    /// The two parsers of a file of version 4.1 have read different records, a fault of the software.
     #[error("two readings of the {what} disagree")]
     Disagreement {
         /// Kind of record.

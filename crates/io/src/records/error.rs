@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// The operating system returned an error.
+    /// The operating system returned an error when a file or folder was opened, read or written.
     #[error("{}: {source}", file.display())]
     File {
         /// Path of the file.
@@ -16,7 +16,7 @@ pub enum RecordError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The content of the file is invalid.
+    /// The content of the file, or a declaration of the caller, is invalid.
     #[error("{}{fault}", position(file.as_deref(), *line, *column))]
     Content {
         /// Path of the file; `None` if the content was parsed from memory.
@@ -34,7 +34,7 @@ pub enum RecordError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RecordFault {
-    /// A text is not a number.
+    /// A text in the place of a number is not a number.
     #[error("{text:?} is not a number")]
     NotANumber {
         /// Text of the file.
@@ -49,7 +49,7 @@ pub enum RecordFault {
     /// The file has nothing but white space.
     #[error("the file is empty")]
     Empty,
-    /// The file has another format.
+    /// The file has another known format, not that of an accelerogram.
     #[error("this is {found}, not an accelerogram: PEER AT2, or one or two columns of numbers")]
     Foreign {
         /// Probable format of the file.
@@ -63,13 +63,13 @@ pub enum RecordFault {
         /// First line of the file.
         text: String,
     },
-    /// The header has no number of samples or no step.
+    /// The header of a PEER AT2 file has no number of samples or no time step.
     #[error("the header declares no {what}")]
     Header {
         /// Missing quantity, `NPTS` or `DT`.
         what: &'static str,
     },
-    /// The number of samples differs from the declared one.
+    /// The number of samples differs from the declared one, under [`CountRule::AsDeclared`](super::CountRule::AsDeclared).
     #[error("the header declares {declared} samples, the file has {found}")]
     Count {
         /// Declared number of samples.
@@ -77,16 +77,16 @@ pub enum RecordFault {
         /// Number of samples in the file.
         found: usize,
     },
-    /// The step is zero, negative or not finite.
+    /// The time step of the file or of the caller is zero, negative or not finite.
     #[error("the time step {value} s is not above zero")]
     Step {
         /// Step (s).
         value: f64,
     },
-    /// Neither the file nor the caller declares the step.
+    /// Neither the file, which has one column, nor the caller declares the time step.
     #[error("one column of numbers needs a declared time step")]
     NoStep,
-    /// The steps of the file and of the caller differ.
+    /// The time steps of the file and of the caller differ by more than rounding.
     #[error("the file's time step is {found} s, the declared one {declared} s")]
     StepConflict {
         /// Step of the file (s).
@@ -119,7 +119,7 @@ pub enum RecordFault {
         /// Expected number in words.
         expected: &'static str,
     },
-    /// The times are not uniform.
+    /// The times of the first column are not uniform to 1 % of a step.
     #[error("time {time} s is not the expected {expected} s: the samples are not uniform")]
     NotUniform {
         /// Time in the file (s).
@@ -133,7 +133,8 @@ pub enum RecordFault {
         /// Number of samples.
         found: usize,
     },
-    /// Components of one station have different steps.
+    /// Components of one station have time steps that differ by more than 1e-6 of the first; from
+    /// [`common_length`](super::common_length).
     #[error("component {component} has the time step {found} s, the first one {expected} s")]
     StepsDiffer {
         /// Index of the component, from 0.

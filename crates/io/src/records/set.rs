@@ -5,9 +5,9 @@ use super::{Record, RecordError, RecordFault};
 /// Treatment of components of unequal length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthRule {
-    /// Truncate all to the shortest.
+    /// All are truncated to the length of the shortest.
     Cut,
-    /// Pad all with zeros to the longest.
+    /// All are padded with zeros at the end to the length of the longest.
     Pad,
 }
 

@@ -30,23 +30,25 @@ const ROOT_3: f64 = 1.732_050_807_568_877_2;
 pub struct LeeFenvesParameters {
     /// Elastic medium.
     pub medium: ElasticMedium,
-    /// Uniaxial tensile strength `f_t` (Pa).
+    /// Uniaxial tensile strength `f_t` (Pa), above 0.
     pub tension_strength: f64,
     /// Uniaxial compressive strength `f_c` (Pa), at least `f_t`.
     pub compression_strength: f64,
-    /// Uniaxial compressive stress at first flow `f_0` (Pa), `f_c / 10` to `f_c`.
+    /// Uniaxial compressive stress at first flow `f_0` (Pa), `f_c / 10` (at least `f_t`) to `f_c`.
     pub compression_limit: f64,
     /// Ratio of equal biaxial to uniaxial compressive strength `b` (1), 1 to 1.5; concrete: 1.16.
     pub biaxial_ratio: f64,
     /// Ratio `K_c` of the surface's radius on the tensile meridian to that on the compressive one (1),
     /// 0.55 to 1; concrete: 2/3.
     pub meridian_ratio: f64,
-    /// Dilation angle psi in the plane of mean and equivalent stress (degrees), from 1 to the greatest
-    /// without generation of energy; concrete: 36.
+    /// Dilation angle psi in the plane of mean and equivalent stress (degrees), from 1 to the greatest at which flow
+    /// generates no energy, `atan(sqrt(3) min(s, sqrt(3) / 2))` with `s = (3 A + g) / (sqrt(3) + 2 g / sqrt(3))`, where
+    /// `A` and `g` follow from `biaxial_ratio` and `meridian_ratio` as in the yield function; greater angles are
+    /// rejected. Concrete: 36, with the ratios of concrete above at most 48.3.
     pub dilation: f64,
-    /// Fracture energy in tension, per area of crack (N/m).
+    /// Fracture energy in tension, per area of crack (N/m), above 0.
     pub tension_energy: f64,
-    /// Fracture energy in compression, per area of crushing band (N/m).
+    /// Fracture energy in compression, per area of crushing band (N/m), above 0.
     pub compression_energy: f64,
     /// Share `r_t` of damage in tensile softening (1), from 0 (all strain is plastic) to 1 (the effective
     /// strength is constant).

@@ -3,10 +3,14 @@
 use thiserror::Error;
 
 /// A fault of a mesh, or a failed operation on a mesh. Nodes and elements are named by the user's numbers (tags).
+///
+/// Faults up to [`NodeCount`](Self::NodeCount), and those of sets and facets, are found when a mesh is built
+/// ([`MeshBuilder::build`](crate::MeshBuilder::build)); those of shapes and nodes without elements by
+/// [`Mesh::check`](crate::Mesh::check).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A mesh without elements.
+    /// A mesh, or a part of one, without elements; for points, without solid elements.
     #[error("the mesh has no elements")]
     Empty,
     /// A node number that is used twice.
@@ -67,7 +71,7 @@ pub enum MeshError {
         /// Number of nodes of this kind.
         expected: usize,
     },
-    /// An inverted or flat element.
+    /// An inverted or flat solid element.
     #[error(
         "element {element} is inverted or flat: its scaled Jacobian at corner node {node} is {scaled_jacobian:.3e}"
     )]
@@ -93,7 +97,7 @@ pub enum MeshError {
         /// Number of such nodes.
         count: usize,
     },
-    /// A mesh of more than one connected component.
+    /// A mesh of more than one connected component, in [`Mesh::check_connected`](crate::Mesh::check_connected).
     #[error(
         "the mesh has {parts} parts that share no nodes; the smaller ones contain element {element} and others"
     )]
@@ -145,7 +149,7 @@ pub enum MeshError {
         /// Number of entities.
         count: usize,
     },
-    /// A facet with a side that its element does not have.
+    /// A facet with a side that its element does not have, in [`Mesh::set_facet_set`](crate::Mesh::set_facet_set).
     #[error(
         "the facet set '{name}' contains side {side} of element {element}, which has {sides} sides"
     )]
@@ -159,7 +163,7 @@ pub enum MeshError {
         /// Number of sides of the element.
         sides: usize,
     },
-    /// An element in both element lists of a split.
+    /// An element in both element lists of [`Mesh::split_between`](crate::Mesh::split_between).
     #[error(
         "element {element} belongs to both element lists between which the mesh is to be split"
     )]
@@ -167,7 +171,7 @@ pub enum MeshError {
         /// Number of the element.
         element: u64,
     },
-    /// Two element lists of a split without common facets.
+    /// Two element lists of [`Mesh::split_between`](crate::Mesh::split_between) without common facets.
     #[error("the two element lists between which the mesh is to be split have no facet in common")]
     NoCommonFacets,
     /// A box without extent along an axis, or with corners that are not finite.
@@ -180,7 +184,7 @@ pub enum MeshError {
         /// The upper coordinate (m).
         high: f64,
     },
-    /// A slicing plane that intersects no solid element.
+    /// A plane of [`Mesh::plane_slice`](crate::Mesh::plane_slice) that intersects no solid element.
     #[error(
         "the plane {axis} = {value} m cuts no element: the mesh extends from {low} to {high} m"
     )]
@@ -194,7 +198,7 @@ pub enum MeshError {
         /// Highest coordinate of the mesh (m).
         high: f64,
     },
-    /// A box that contains the centroid of no solid element.
+    /// A box of [`Mesh::within`](crate::Mesh::within) that contains the centroid of no solid element.
     #[error("no solid element has its centroid between {low:?} and {high:?} m")]
     NothingWithin {
         /// Lower corner of the box (m).
@@ -202,7 +206,7 @@ pub enum MeshError {
         /// Upper corner of the box (m).
         high: [f64; 3],
     },
-    /// A mesh that is not extruded along an axis, as a plane slice requires.
+    /// A mesh that is not extruded along an axis, as [`Mesh::plane_slice`](crate::Mesh::plane_slice) requires.
     #[error(
         "the mesh is not the same all along {axis}: element {element} of the slice does not lie between two planes, or the volume of the slice is {share:.6} times its share by thickness instead of 1"
     )]
@@ -214,13 +218,13 @@ pub enum MeshError {
         /// Ratio of the slice's volume to the mesh's volume, times the mesh's extent over the slice's thickness.
         share: f64,
     },
-    /// A point with a coordinate that is not finite.
+    /// A point to be located with a coordinate that is not finite.
     #[error("the point {point:?} is not finite")]
     PointNotFinite {
         /// Coordinates of the point (m).
         point: [f64; 3],
     },
-    /// A point outside all solid elements by more than the tolerance.
+    /// A point to be located that is outside all elements that may contain it by more than the tolerance.
     #[error(
         "the point {point:?} lies in no element: the nearest is {element}, {distance:.3e} m away (permitted {tolerance:.3e} m)"
     )]

@@ -71,15 +71,15 @@ impl Mesh {
     pub fn builder() -> MeshBuilder {
         MeshBuilder::default()
     }
-    /// Positions of the nodes (m).
+    /// Positions of the nodes (m), in the order of their mesh indices.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
-    /// The user's numbers of the nodes.
+    /// The user's numbers of the nodes, in the order of their mesh indices.
     pub fn node_tags(&self) -> &[u64] {
         &self.node_tags
     }
-    /// The user's numbers of the elements.
+    /// The user's numbers of the elements, in the order of their mesh indices.
     pub fn element_tags(&self) -> &[u64] {
         &self.element_tags
     }

@@ -46,7 +46,7 @@ pub enum Problem {
         /// Permitted choices.
         permitted: Vec<String>,
     },
-    /// Value of a wrong type, or outside its permitted range.
+    /// Value of a wrong type, or outside its permitted range, or two values in the wrong order.
     #[error("found {found}, expected {expected}")]
     Value {
         /// Value in the file.
@@ -64,7 +64,7 @@ pub enum Problem {
         /// Defined names of this kind.
         available: Vec<String>,
     },
-    /// Name that is defined twice.
+    /// Name that is defined twice for objects of one kind.
     #[error("the {what} '{name}' is defined twice")]
     Duplicate {
         /// Kind of the named object.
@@ -86,7 +86,7 @@ pub enum Problem {
         /// The key of the list.
         list: String,
     },
-    /// Quantity outside its usual range.
+    /// Quantity outside its usual range, in a scene that does not allow such quantities (`allow = ["magnitudes"]`).
     #[error(transparent)]
     Magnitude(Magnitude),
     /// Text that is not encoded in UTF-8.
@@ -103,12 +103,12 @@ pub enum Problem {
         /// Number of keys that are given.
         found: usize,
     },
-    /// Element that belongs to no part, or to several.
+    /// Solid element that belongs to no part, or element that belongs to several.
     #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
     PartCount {
         /// Number of the first such element in the mesh file.
         element: u64,
-        /// Number of parts to which it belongs.
+        /// Number of parts to which it belongs: 0, or 2 for several.
         count: usize,
     },
     /// Absorbing faces on several media; the free field needs one medium.

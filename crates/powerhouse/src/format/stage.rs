@@ -113,10 +113,11 @@ pub enum BoltEnd {
 
 /// Construction stage: changes of the model, followed by the computation of static equilibrium.
 ///
-/// Excavated and cast sets, loads, bolts and materials of a stage persist in later stages and in the dynamic
-/// run; a load may name a later stage that removes it. Supports of a stage act until the dynamic run starts: then
-/// their reactions are kept as nodal forces, and absorbing faces take their place. Supports and loads of the scene
-/// itself act in all stages, with their values at the start of the run, and in the run.
+/// Excavated and cast sets, loads and bolts of a stage persist in later stages and in the dynamic run; a load may
+/// name a later stage that removes it. Temporary materials and supports of a stage persist in later stages until the
+/// dynamic run starts: then the reactions of the supports are kept as nodal forces, and absorbing faces take their
+/// place. Supports and loads of the scene itself act in all stages, with their values at the start of the run, and in
+/// the run.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
@@ -190,7 +191,8 @@ pub struct StagePart {
     pub material: At<String>,
 }
 
-/// Support of a construction stage, in force until the dynamic run starts.
+/// Support of a construction stage, in force in later stages too, until the dynamic run starts; then its reactions are
+/// kept as nodal forces, so that the body remains in equilibrium.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]

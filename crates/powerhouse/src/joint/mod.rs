@@ -65,7 +65,8 @@ pub struct SceneJoint {
     pub surface: JointSurface,
     /// Contact law.
     pub law: Arc<dyn ContactLaw>,
-    /// Traction in the static state from which displacements count, if any.
+    /// Traction in the static state from which displacements count, if any; not permitted in a scene with stages, which
+    /// compute it.
     pub preload: Option<Preload>,
     /// Initial gap.
     pub gap: InitialGap,
@@ -96,7 +97,7 @@ impl SceneJoint {
         self.preload = Some(preload);
         self
     }
-    /// Sets the initial gap. A pair with a gap has neither bond nor preload.
+    /// Sets the initial gap (m), in place of none. A pair with a gap has neither bond nor preload.
     #[must_use]
     pub fn with_gap(mut self, gap: InitialGap) -> Self {
         self.gap = gap;

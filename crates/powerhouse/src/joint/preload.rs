@@ -50,7 +50,7 @@ pub struct GroundStress {
     pub level: f64,
     /// Density `rho` (kg/m3).
     pub density: f64,
-    /// Ratio of horizontal to vertical stress.
+    /// Ratio of horizontal to vertical stress (1), 0 or above.
     pub lateral: f64,
 }
 

@@ -18,7 +18,8 @@ pub struct BoltForces {
     pub ends: Vec<[f64; 2]>,
     /// Axial force of each segment (N), tension positive.
     pub forces: Vec<f64>,
-    /// Envelope over the run: greatest axial force of each segment (N) and its time (s); `None` before a run.
+    /// Envelope over the samples of the dynamic run: greatest axial force of each segment (N, tension positive) and its
+    /// time (s); `None` for the forces in a stage, or if the run failed at its start.
     pub greatest: Option<PeakField>,
 }
 
@@ -47,13 +48,14 @@ impl BoltForces {
         Some(found)
     }
 
-    /// Index of the bolt with the greatest axial force, and this force (N, tension positive).
+    /// Index of the bolt with the greatest axial force of [`forces`](Self::forces), and this force (N, tension positive);
+    /// `None` without segments.
     pub fn greatest(&self) -> Option<(usize, f64)> {
         let all = self.bolts.iter().copied().zip(self.forces.iter().copied());
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
     /// Index of the bolt with the greatest axial force over the run, this force (N, tension positive) and its time
-    /// (s).
+    /// (s); `None` without an envelope or segments.
     pub fn greatest_of_run(&self) -> Option<(usize, f64, f64)> {
         let PeakField { values, times } = self.greatest.as_ref()?;
         let all = self.bolts.iter().zip(values.iter().zip(times));

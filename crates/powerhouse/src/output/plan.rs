@@ -12,7 +12,7 @@ use crate::JointZone;
 pub struct HistoryRequest {
     /// Name of its columns in results.
     pub name: String,
-    /// A node, a set of nodes or a point.
+    /// Location: a node, a set of nodes (the mean of their motion) or a point.
     pub place: Place,
     /// Displacement, velocity, acceleration.
     pub motion: Motion,
@@ -98,9 +98,9 @@ impl SectionRequest {
 pub struct EnvelopeRequest {
     /// Displacement, velocity, acceleration.
     pub motion: Motion,
-    /// Whether principal stresses are tracked.
+    /// Whether the greatest and least principal stress of each element are recorded.
     pub stress: bool,
-    /// The element sets; all elements if none is named.
+    /// Element sets whose elements and nodes are recorded; all elements if none is named.
     pub sets: Vec<String>,
     /// Time between samples (s).
     pub every: f64,
@@ -116,19 +116,19 @@ impl EnvelopeRequest {
             every,
         }
     }
-    /// The same of these motions.
+    /// The same of these kinds of motion, in place of all three.
     #[must_use]
     pub fn with_motion(mut self, motion: Motion) -> Self {
         self.motion = motion;
         self
     }
-    /// The same with or without principal stresses.
+    /// The same with or without the greatest and least principal stresses of the elements.
     #[must_use]
     pub fn with_stress(mut self, stress: bool) -> Self {
         self.stress = stress;
         self
     }
-    /// The same of these element sets.
+    /// The same of these element sets, in place of all elements.
     #[must_use]
     pub fn with_sets(mut self, sets: Vec<String>) -> Self {
         self.sets = sets;
@@ -171,7 +171,7 @@ impl JointRequest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SnapshotRequest {
-    /// The fields that each snapshot holds.
+    /// Fields of each snapshot, beside the history variables that [`StateRequest::snapshots`] requests.
     pub fields: SnapshotFields,
     /// Time between snapshots (s).
     pub every: f64,
@@ -185,7 +185,7 @@ impl SnapshotRequest {
             every,
         }
     }
-    /// The same with these fields.
+    /// The same with these fields, in place of the default ones.
     #[must_use]
     pub fn with_fields(mut self, fields: SnapshotFields) -> Self {
         self.fields = fields;
@@ -202,14 +202,15 @@ pub struct StateRequest {
     /// Elements whose variables are recorded against time; their motion and stress are requests of their
     /// own.
     pub places: Vec<StressRequest>,
-    /// Time between samples of the greatest values (s); without one they are sampled when the run ends.
+    /// Time between samples of the greatest values (s); without one only the last step is sampled, which suffices for
+    /// variables that never decrease.
     pub every: Option<f64>,
-    /// Whether snapshots hold all variables.
+    /// Whether snapshots, if requested, have the history variables of all elements.
     pub snapshots: bool,
 }
 
 impl StateRequest {
-    /// The same with the variables of an element against time.
+    /// The same with the history variables of an element against time added.
     #[must_use]
     pub fn with_place(mut self, place: StressRequest) -> Self {
         self.places.push(place);
@@ -221,7 +222,7 @@ impl StateRequest {
         self.every = Some(every);
         self
     }
-    /// The same with or without all variables in snapshots.
+    /// The same with or without the history variables of all elements in snapshots.
     #[must_use]
     pub fn with_snapshots(mut self, snapshots: bool) -> Self {
         self.snapshots = snapshots;
@@ -247,25 +248,28 @@ impl StateRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct OutputPlan {
-    /// Time between samples of histories, relative displacements and section forces (s).
+    /// Time between samples of histories, relative displacements, section forces, joints and bolts (s); 0.005 by default.
+    /// First and last step are recorded in any case.
     pub every: f64,
-    /// Motions against time.
+    /// Requests for motions at locations against time.
     pub histories: Vec<HistoryRequest>,
-    /// Stresses of elements against time.
+    /// Requests for mean stresses of elements against time.
     pub stresses: Vec<StressRequest>,
-    /// Relative displacements against time.
+    /// Requests for relative displacements against time.
     pub relative: Vec<RelativeRequest>,
-    /// Section forces against time.
+    /// Requests for section forces against time.
     pub cuts: Vec<SectionRequest>,
-    /// Joints, or parts of them, beside what is recorded of every joint as a whole.
+    /// Requests for joints, or zones of them, beside what is recorded of every joint as a whole.
     pub joints: Vec<JointRequest>,
-    /// Time between samples of the energies (s).
+    /// Time between samples of the energy balance (s); without one it is not recorded, and a check of its residual reads
+    /// it every hundredth of the duration.
     pub energies: Option<f64>,
-    /// Greatest values over the run.
+    /// Request for the greatest values over the run, if any.
     pub envelope: Option<EnvelopeRequest>,
-    /// Fields of the whole body.
+    /// Request for snapshots of the whole body, if any; the run needs a receiver
+    /// ([`RunHooks::snapshots`](crate::RunHooks::snapshots)).
     pub snapshots: Option<SnapshotRequest>,
-    /// History variables of laws.
+    /// Request for history variables of laws.
     pub state: StateRequest,
 }
 
@@ -288,31 +292,31 @@ impl Default for OutputPlan {
 }
 
 impl OutputPlan {
-    /// Sets the time between samples of histories, relative displacements and section forces (s).
+    /// Sets the time between samples of histories, relative displacements, section forces, joints and bolts (s).
     #[must_use]
     pub fn with_every(mut self, every: f64) -> Self {
         self.every = every;
         self
     }
-    /// Sets the time between samples of the energies (s).
+    /// Sets the time between samples of the energy balance (s), which is recorded then.
     #[must_use]
     pub fn with_energies(mut self, every: f64) -> Self {
         self.energies = Some(every);
         self
     }
-    /// Sets the greatest values that are recorded.
+    /// Sets the request for envelopes: greatest values over the run.
     #[must_use]
     pub fn with_envelope(mut self, envelope: EnvelopeRequest) -> Self {
         self.envelope = Some(envelope);
         self
     }
-    /// Sets the snapshots of the whole body.
+    /// Sets the request for snapshots of the whole body.
     #[must_use]
     pub fn with_snapshots(mut self, snapshots: SnapshotRequest) -> Self {
         self.snapshots = Some(snapshots);
         self
     }
-    /// Sets what is recorded of history variables.
+    /// Sets the request for history variables of laws, in place of those added by [`state`](Self::state).
     #[must_use]
     pub fn with_state(mut self, state: StateRequest) -> Self {
         self.state = state;

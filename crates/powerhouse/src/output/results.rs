@@ -28,53 +28,62 @@ const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
 pub struct EnergyResidual {
     /// Residual at the end of the run (J).
     pub energy: f64,
-    /// Its absolute value over the external work; none without external work.
+    /// Its absolute value over the work of loads and prescribed motions at the end (1); none without such work.
     pub share_of_input: Option<f64>,
-    /// Largest residual of the run, over the largest energy held or put in until then.
+    /// Largest absolute residual at the samples of the run, over the largest stored energy or external work until then
+    /// (1).
     pub largest: f64,
 }
 
 /// Recorded output and reports of a run.
+///
+/// Tables and envelopes are those of the dynamic run, which starts with the body as the construction stages left it:
+/// displacements count from there, and the energy balance begins there; stresses, section forces, bolt forces and history
+/// variables include what the stages left. What was not requested or does not exist is empty or `None`.
 #[derive(Clone)]
 #[non_exhaustive]
 pub struct Results {
-    /// Report of the engine: number and length of steps, how the run ended, energy residual.
+    /// Report of the dynamic run: number and length of steps, how the run ended, energy residual.
     pub run: RunReport,
-    /// Wall time of the run, construction stages included.
+    /// Wall time of [`Simulation::run`](crate::Simulation::run): with the construction stages, unless the run started
+    /// from an equilibrated body, and with the snapshots written during the run.
     pub wall_time: Duration,
-    /// Motions, stresses, history variables and relative displacements against time.
+    /// Motions, mean element stresses, history variables and relative displacements against time.
     pub histories: HistoryTable,
-    /// Section forces against time.
+    /// Section forces, moments, and both per metre of width, against time, each column with its unit.
     pub sections: HistoryTable,
-    /// Geometry of the sections: area, centroid, axes.
+    /// Geometry of the sections, in the order of their requests: area, centroid, axes.
     pub section_geometry: Vec<SectionGeometry>,
-    /// Columns of the energy ledger against time.
+    /// Columns of the energy balance (J) against time.
     pub energies: HistoryTable,
-    /// Envelopes (greatest values over the run) of motions and principal stresses.
+    /// Envelopes of motions and principal stresses: greatest values over the sampled times.
     pub envelope: Option<EnvelopeTable>,
-    /// Envelopes of the laws' history variables; none if no law has any.
+    /// Envelopes of the laws' history variables, at the end of the run at least; none if no law has any.
     pub state: Option<StateTable>,
     /// Joint histories: shares of area, greatest slips and openings, tractions and energies against time.
     pub joint_histories: HistoryTable,
-    /// Final contact state and peak values of each joint, and of the requested zones of joints.
+    /// Final contact state and peak values of each joint, and of the requested zones of joints; slip, energies and first
+    /// times count from the last re-initialisation of the joint, earlier stages included without one.
     pub joint_outcomes: Vec<JointOutcome>,
-    /// Node pairs of each joint with their final states and peak values.
+    /// Node pairs of each joint with their final states and peak values, which count as those of the outcomes.
     pub joints: Vec<JointTable>,
-    /// Surfaces of the joints, in the same order.
+    /// Surfaces of the joints, in the order of [`joints`](Self::joints).
     pub joint_surfaces: Vec<JointSurface>,
-    /// Which elements of the mesh are present in the motion, one flag per element; none if all are.
+    /// Which elements of the mesh are active in the dynamic run, one flag per element; none if all are.
     pub present: Option<Vec<bool>>,
-    /// Number of snapshots that were written.
+    /// Number of snapshots that the receiver has taken.
     pub snapshots: u64,
-    /// Reports of the construction stages before the run.
+    /// Reports of the construction stages before the run, in their order; empty without stages.
     pub stages: Vec<StageReport>,
     /// Whether an in-situ stress was given before the first stage.
     pub in_situ_stress: bool,
-    /// Report of the hand-over from stages to the motion: reactions and residual forces that are carried on.
+    /// Report of the transfer from the stages to the dynamic run: reactions and residual forces that are carried on; none
+    /// without stages.
     pub hand_over: Option<HandOverReport>,
-    /// Axial forces of bolts at the end, and their greatest values over the run.
+    /// Axial forces of bolts (N) at the end of the run, and their greatest values over its samples.
     pub bolts: Vec<BoltForces>,
-    /// Greatest axial force of each set of bolts against time, first in static equilibrium: `NAME.greatest`.
+    /// Greatest axial force (N, tension positive) of each bolt group against time, column `NAME.greatest`; the first row
+    /// is the state after the stages.
     pub bolt_histories: HistoryTable,
 }
 
@@ -89,12 +98,13 @@ impl fmt::Debug for Results {
 }
 
 impl Results {
-    /// Largest unbalanced share of the load of the first stage under a given in-situ stress without a warning.
+    /// Largest unbalanced force over the load of the first stage (1) under a given in-situ stress without a warning.
     pub const BALANCED: f64 = 0.05;
-    /// Largest slip or opening over the shortest edge that counts as small.
+    /// Largest slip or opening over the shortest edge of a joint's facets (1) that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
 
-    /// Names and final values (J) of the energies that were ever other than zero, the residual left out.
+    /// Names and final values (J) of the energies that were ever other than zero, the residual left out; empty if energies
+    /// were not recorded.
     pub fn energy_terms(&self) -> Vec<(&str, f64)> {
         let columns = self.energies.columns.iter();
         columns
@@ -113,8 +123,8 @@ impl Results {
             largest: self.run.energy_residual,
         })
     }
-    /// Name of each joint and its largest slip or opening over the shortest edge of its facets.
-    /// Pairs keep their nodes, so that a share above some [`Results::SMALL_SLIP`] is no longer small.
+    /// Name of each joint and its largest accumulated slip or opening over the shortest edge of its facets (1).
+    /// Pairs keep their nodes, so that a share above [`Results::SMALL_SLIP`] is no longer small.
     pub fn slip_shares(&self, mesh: &Mesh) -> Vec<(&str, f64)> {
         let largest = |table: &JointTable| {
             let of = |record: &JointRecord| record.state.slip.max(record.peak_opening);
@@ -128,8 +138,8 @@ impl Results {
             .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
     }
-    /// Warnings about the results: large slips, large hourglass energy, unbalanced in-situ stress, coarse
-    /// sampling.
+    /// Warnings about the results: large slips, large hourglass work, unbalanced in-situ stress, and accelerations whose
+    /// sampling interval is too long. Of several stages with large hourglass work in one set, the one with the largest.
     pub fn warnings(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
@@ -174,7 +184,8 @@ impl Results {
             node,
         })
     }
-    /// Table of the greatest values of all histories, section forces, joints and envelopes.
+    /// Table of the values of largest magnitude of all histories, section forces, bolts, joints (where not zero),
+    /// envelopes and history variables.
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);

@@ -11,8 +11,8 @@ pub struct Boundary {
     pub condition: Arc<dyn AbsorbingBoundary>,
     /// Facet sets of the absorbing faces.
     pub faces: Vec<String>,
-    /// The centre of what scatters (m); without one, the middle of the parts that touch no
-    /// absorbing face, or of the mesh's box if all do.
+    /// The scatterer (m): the centre of the structure, from which boundary springs take their distance; without one, the
+    /// middle of the parts that touch no absorbing face, or of the mesh's box if all do.
     pub scatterer: Option<Vec3>,
     /// Elements of a region (mesh indices) that the field enters through the layer of elements around
     /// it ([`DomainReduction`](powerhouse_boundary::DomainReduction)), in place of the faces. Outside
@@ -33,7 +33,7 @@ impl Boundary {
             region: None,
         }
     }
-    /// Sets the centre of what scatters (m).
+    /// Sets the scatterer (m): the centre of the structure, from which boundary springs take their distance.
     #[must_use]
     pub fn with_scatterer(mut self, centre: Vec3) -> Self {
         self.scatterer = Some(centre);

@@ -8,7 +8,7 @@ use crate::Error;
 /// Number of stored history variables (internal state variables) of the laws of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LawMemory {
-    /// Stored numbers at all integration points together, one state counted.
+    /// Stored numbers at all integration points together, those of the committed state alone.
     pub numbers: usize,
     /// Number of elements whose law has history variables in the output.
     pub elements: usize,
@@ -17,7 +17,8 @@ pub struct LawMemory {
 }
 
 impl Scene {
-    /// Number of stored history variables of the laws, rims and relaxation mechanisms included.
+    /// Number of stored history variables of the laws in the dynamic run: those of relaxation mechanisms included, none in
+    /// rims, which are elastic.
     ///
     /// # Errors
     /// Set that does not exist, rim without elements, or flat damping that the law does not permit.

@@ -59,7 +59,7 @@ pub struct Mirror {
     pub nodes: Vec<u32>,
     /// Normal of the plane, a nonzero vector of any length.
     pub normal: Vec3,
-    /// Parity of the motion.
+    /// Parity of the motion about the plane.
     pub parity: Parity,
 }
 
@@ -87,7 +87,7 @@ pub enum MirrorError {
     /// Symmetry plane without nodes or normal.
     #[error("a plane of symmetry needs nodes and a normal")]
     Nothing,
-    /// Node that is not on the plane.
+    /// Node of the symmetry plane that is not on the plane through its first node.
     #[error("node {node} lies {distance:.3e} m off the plane of symmetry")]
     OffPlane {
         /// Number of the node in the mesh file.
@@ -101,30 +101,30 @@ pub enum MirrorError {
         /// Number of a node on the smaller side in the mesh file.
         node: u64,
     },
-    /// Absorbing face in the plane.
+    /// Absorbing face with a facet in the plane.
     #[error("the absorbing face '{face}' lies in the plane of symmetry")]
     Absorbs {
         /// Facet set of the face.
         face: String,
     },
-    /// Waves or weights with another parity than the plane.
+    /// Waves or gravity of the scene with another parity than the plane; those of stages are not checked.
     #[error(
         "{what} is not {parity} about this plane: it differs from its image by {deviation:.3} of its peak"
     )]
     Parity {
-        /// Name of the field or weight.
+        /// Name of the field, or `a weight`.
         what: String,
         /// Parity of the plane.
         parity: &'static str,
-        /// Largest difference from the mirror image over the peak.
+        /// Largest difference of displacement (of a weight: of acceleration) from the mirror image over the peak (1).
         deviation: f64,
     },
-    /// Plane of antisymmetry in a model with a part, joint or initial stress that is not linear elastic.
+    /// Plane of antisymmetry in a model with a part that is not linear elastic, a joint of any law, or an in-situ stress.
     #[error(
         "{what} is not elastic: opposite motions do not give opposite forces, as antisymmetry requires"
     )]
     Nonlinear {
-        /// Name of the part or joint, or the initial stress.
+        /// Subject of the message: the first such part or joint with its name, or the body with an initial stress.
         what: String,
     },
 }

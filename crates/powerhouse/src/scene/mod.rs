@@ -65,9 +65,9 @@ impl From<Prescribed> for PrescribedMotion {
 /// Time step of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeStep {
-    /// Share of the stable step, above 0 and at most 1.
+    /// Share of the stable step (1), above 0 and at most 1.
     OfStable(f64),
-    /// Length (s); refused if it is above the stable step.
+    /// Length (s); an error if it is above the stable step.
     Seconds(f64),
 }
 
@@ -80,7 +80,7 @@ pub enum ResidualLimit {
     OfPrecision,
     /// A share above 0 and at most 1.
     Share(f64),
-    /// No limit: the balance is not kept unless energies are recorded.
+    /// No limit: the balance is not computed unless energies are recorded.
     Unchecked,
 }
 
@@ -169,7 +169,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Scene of a mesh without parts, waves or loads: duration one second, leapfrog scheme, double precision.
+    /// Scene of a mesh without parts, waves or loads: from rest at time 0 over one second with the stable step, leapfrog
+    /// scheme, double precision, on all threads of the machine.
     pub fn new(title: impl Into<String>, mesh: Mesh) -> Self {
         Self {
             title: title.into(),
@@ -212,13 +213,14 @@ impl Scene {
             registry: None,
         }
     }
-    /// Adds a part; every element of the mesh must belong to exactly one.
+    /// Adds a part; every solid element of the mesh must belong to exactly one, every bar to at most one.
     #[must_use]
     pub fn part(mut self, part: Part) -> Self {
         self.parts.push(part);
         self
     }
-    /// Sets the incident field: the motion of the site without the structure.
+    /// Sets the incident field, the motion of the site without the structure, in place of an earlier one and its plane
+    /// waves.
     #[must_use]
     pub fn with_field(mut self, field: impl IncidentField + 'static) -> Self {
         self.field = Some(Arc::new(field));
@@ -237,26 +239,26 @@ impl Scene {
         self.waves = waves;
         Ok(self)
     }
-    /// Sets the incident field to one that another scene has too.
+    /// Sets the incident field to one that another scene has too, as [`with_field`](Self::with_field).
     #[must_use]
     pub fn with_shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
         self.field = Some(field);
         self.waves.clear();
         self
     }
-    /// Sets the absorbing boundary.
+    /// Sets the absorbing boundary: condition, faces, scatterer and region.
     #[must_use]
     pub fn with_boundary(mut self, boundary: Boundary) -> Self {
         self.boundary = Some(boundary);
         self
     }
-    /// Adds a support: nodes that are held in some or all directions.
+    /// Adds a support: nodes that are held in some or all directions, in all stages and in the run.
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }
-    /// Adds a symmetry plane, at which half of the body is modelled.
+    /// Adds a symmetry plane, at which half of the body is modelled, with its supports.
     #[must_use]
     pub fn mirror(mut self, mirror: Mirror) -> Self {
         self.supports.extend(mirror.supports());
@@ -269,20 +271,21 @@ impl Scene {
         self.periodic.push(pairs);
         self
     }
-    /// Adds nodes with a prescribed motion.
+    /// Adds nodes with a prescribed motion, a displacement along one direction as a function of time; in stages its value
+    /// at the start of the run.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed.into());
         self
     }
-    /// Adds a load.
+    /// Adds a load that acts in all stages, with its value at the start of the run, and in the run.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
         self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
-    /// Adds a temporary load that a stage, given by name, removes. Its removal is applied in the increments of that
-    /// stage, multiplied by the release factor. It does not act in the dynamic run.
+    /// Adds a temporary load that acts from the first stage on until another stage, given by name, removes it. Its removal
+    /// is applied in the increments of that stage, multiplied by the release factor. It does not act in the dynamic run.
     #[must_use]
     pub fn temporary_load(
         mut self,
@@ -293,7 +296,8 @@ impl Scene {
         (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
-    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time.
+    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time; in stages by its value at the
+    /// start of the run.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
         self.weights.push((acceleration, Arc::new(history)));
@@ -305,19 +309,19 @@ impl Scene {
         self.joints.push(joint);
         self
     }
-    /// Adds a constraint, which corrects predicted velocities.
+    /// Adds a constraint, which corrects predicted velocities; not permitted in a scene with stages.
     #[must_use]
     pub fn constraint(mut self, constraint: impl Constraint + 'static) -> Self {
         self.constraints.push(Box::new(constraint));
         self
     }
-    /// Sets the stress of the ground before the first stage.
+    /// Sets the in-situ stress of the ground before the first stage; the scene needs a stage.
     #[must_use]
     pub fn with_in_situ_stress(mut self, stress: InSituStress) -> Self {
         self.in_situ_stress = Some(stress);
         self
     }
-    /// Adds a bolt group, which a stage installs.
+    /// Adds a bolt group, which one stage must install.
     #[must_use]
     pub fn with_bolts(mut self, bolts: SceneBolts) -> Self {
         self.bolts.push(bolts);
@@ -329,43 +333,44 @@ impl Scene {
         self.stages.push(stage);
         self
     }
-    /// Sets the duration of the run (s).
+    /// Sets the duration of the dynamic run (s), above 0.
     #[must_use]
     pub fn with_duration(mut self, duration: f64) -> Self {
         self.duration = duration;
         self
     }
-    /// Sets the time at which the run starts (s).
+    /// Sets the time at which the dynamic run starts (s); arrival times of waves are not shifted.
     #[must_use]
     pub fn with_start_time(mut self, time: f64) -> Self {
         self.start = time;
         self
     }
-    /// Sets the motion of the body at the start.
+    /// Sets the motion of the body at the start of the run: rest, or that of the incident field (not with stages).
     #[must_use]
     pub fn with_initial_motion(mut self, motion: InitialMotion) -> Self {
         self.initial = motion;
         self
     }
-    /// Sets the time step of the run.
+    /// Sets the time step of the dynamic run: a share of the stable step, or a length (s).
     #[must_use]
     pub fn with_step(mut self, step: TimeStep) -> Self {
         self.step = step;
         self
     }
-    /// Sets the time integration scheme.
+    /// Sets the time integration scheme of the dynamic run, such as `Leapfrog` (the default) or `OneSided`.
     #[must_use]
     pub fn with_integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
         self.integrator = Box::new(integrator);
         self
     }
-    /// Sets the number format of the elements and nodes.
+    /// Sets the number format of elements and nodes in the dynamic run; stages are computed in double precision.
     #[must_use]
     pub fn with_precision(mut self, precision: Precision) -> Self {
         self.precision = precision;
         self
     }
-    /// Sets the residual of the energy balance at which the run stops.
+    /// Sets the largest permitted residual of the energy balance, over the largest energy until then, above which the run
+    /// fails.
     #[must_use]
     pub fn with_energy_residual(mut self, limit: ResidualLimit) -> Self {
         self.residual = limit;
@@ -377,15 +382,15 @@ impl Scene {
         self.threads = Some(threads);
         self
     }
-    /// Sets the output requests.
+    /// Sets the output requests, in place of all earlier ones.
     #[must_use]
     pub fn with_output(mut self, output: OutputPlan) -> Self {
         self.output = output;
         self
     }
 
-    /// Sets the largest permitted error of the free field, which the command `powerhouse run` checks
-    /// before it runs a scene.
+    /// Sets the largest permitted relative L2 error of velocity in the free-field check (1), which the command
+    /// `powerhouse run` and sweeps make before they run a scene; [`Scene::prepare`] and a simulation do not.
     #[must_use]
     pub fn with_self_check(mut self, error: f64) -> Self {
         self.self_check = Some(error);
@@ -397,7 +402,7 @@ impl Scene {
         self.records.insert(name.into(), history);
         self
     }
-    /// Sets the folder for the files of a run.
+    /// Sets the path of the folder for the files of a run, relative to the working directory.
     #[must_use]
     pub fn with_directory(mut self, path: impl Into<PathBuf>) -> Self {
         self.directory = Some(path.into());
@@ -436,7 +441,7 @@ impl Scene {
     pub fn plane_waves(&self) -> &[PlaneWave] {
         &self.waves
     }
-    /// The absorbing boundary.
+    /// The absorbing boundary; none for a body without.
     pub fn boundary(&self) -> Option<&Boundary> {
         self.boundary.as_ref()
     }
@@ -464,7 +469,7 @@ impl Scene {
     pub fn integrator(&self) -> &dyn TimeIntegrator {
         self.integrator.as_ref()
     }
-    /// Residual of the energy balance at which the run stops.
+    /// Largest permitted residual of the energy balance, above which the run fails.
     pub fn energy_residual(&self) -> ResidualLimit {
         self.residual
     }
@@ -476,7 +481,7 @@ impl Scene {
     pub fn bolts(&self) -> &[SceneBolts] {
         &self.bolts
     }
-    /// Symmetry planes.
+    /// Symmetry planes, at which half of the body is modelled.
     pub fn mirrors(&self) -> &[Mirror] {
         &self.mirrors
     }
@@ -496,14 +501,15 @@ impl Scene {
     pub fn stages(&self) -> &[SceneStage] {
         &self.stages
     }
-    /// Whether an incident field, a load, a weight or a prescribed motion acts on the body.
+    /// Whether an incident field, a load that no stage removes, a weight or a prescribed motion of the scene itself acts on
+    /// the body; loads of stages do not count.
     pub fn is_driven(&self) -> bool {
         self.field.is_some()
             || self.loads.iter().any(|load| load.removed_in.is_none())
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
     }
-    /// Whether permanent forces act on the body: weight, or what its stages leave.
+    /// Whether permanent forces act on the body: it has weight or construction stages.
     pub fn is_loaded_for_good(&self) -> bool {
         !self.weights.is_empty() || !self.stages.is_empty()
     }

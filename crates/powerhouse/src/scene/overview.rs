@@ -17,7 +17,7 @@ pub struct WaveOverview {
     pub azimuth: f64,
     /// Record and component, or pulse, in words that differ where the motion does.
     pub motion: String,
-    /// Factor that multiplies the motion.
+    /// Factor that multiplies the motion (1).
     pub factor: f64,
 }
 
@@ -55,9 +55,10 @@ fn motion(wave: &Wave) -> String {
 pub struct InputOverview {
     /// The incident waves, in the order of the file.
     pub waves: Vec<WaveOverview>,
-    /// The one choice by which the case differs from the case that it is compared with (`varies`).
+    /// Description of the one parameter in which the case differs from the case that it is compared with (key `varies`);
+    /// `None` for the scene itself and for cases without this key.
     pub varies: Option<String>,
-    /// Whether the case has some of the scene's joints no more (`continuous`).
+    /// Whether the case leaves out some of the scene's joints (key `continuous`).
     pub continuous: bool,
 }
 

@@ -11,10 +11,10 @@ use crate::{Damping, Error, Remark, reduction_layer};
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RegionError {
-    /// Region in a scene without waves.
+    /// Region in a scene without an incident field.
     #[error("the region is for waves that enter around it, but the scene has no wave")]
     NoField,
-    /// Region without elements, or one that covers the whole body.
+    /// Region without a layer of elements around it: it is empty or covers the whole body.
     #[error(
         "the region has {inside} of {of} elements: there must be elements inside and around it"
     )]
@@ -34,14 +34,15 @@ pub enum RegionError {
         /// Number of such nodes.
         count: usize,
     },
-    /// Element of the layer that is not elastic, undamped ground of the field's medium.
+    /// Element of the layer that is not elastic, undamped ground of the field's medium: of another part than the rest or
+    /// of another medium, not elastic or damped (rims excepted), inactive in the dynamic run, or at a joint.
     #[error(
         "element {element} of the layer around the region is {what}: the layer must be elastic, undamped ground of the field's medium"
     )]
     OtherGround {
         /// Number of the element in the mesh file.
         element: u64,
-        /// Description of its deviation.
+        /// Its deviation in words.
         what: &'static str,
     },
     /// Initial motion of the free field in a scene with a region.

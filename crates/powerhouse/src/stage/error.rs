@@ -8,18 +8,18 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StagingError {
-    /// Name of two stages.
+    /// Two stages have the same name.
     #[error("another stage has the same name")]
     SameName,
     /// Element set that does not exist.
     #[error("there is no element set '{set}' to {what}")]
     NoSuchSet {
-        /// Element set.
+        /// Name of the element set.
         set: String,
         /// Operation: `excavate` or `cast`.
         what: &'static str,
     },
-    /// Inactive element in an excavated set.
+    /// Element of an excavated set that is not active: excavated by an earlier stage and not cast since.
     #[error("element {element} of set '{set}' cannot be excavated: it is not active")]
     NotActive {
         /// Element set.
@@ -27,7 +27,7 @@ pub enum StagingError {
         /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Active element in a cast set.
+    /// Element of a cast set that is active already: cast by an earlier stage and not excavated since.
     #[error("element {element} of set '{set}' cannot be cast: it is active already")]
     AlreadyActive {
         /// Element set.
@@ -35,13 +35,13 @@ pub enum StagingError {
         /// Number of the element in the mesh file.
         element: u64,
     },
-    /// Temporary material of a set that is not a part.
+    /// Temporary material of an element set that is not that of a part of the scene.
     #[error("there is no part '{set}'")]
     NoSuchPart {
         /// Element set.
         set: String,
     },
-    /// Temporary material of a part without active elements in the stage.
+    /// Temporary material of a part of which no element is active after the changes of the stage.
     #[error(
         "no element of part '{set}' is active in this stage, so that it cannot have another material; elements that are cast later have the material of their part"
     )]
@@ -49,7 +49,7 @@ pub enum StagingError {
         /// Element set.
         set: String,
     },
-    /// Bolt group that the scene does not have.
+    /// Bolt group that a stage installs and the scene does not have.
     #[error("there are no bolts '{name}'")]
     NoSuchBolts {
         /// Name.
@@ -61,13 +61,13 @@ pub enum StagingError {
         /// Name.
         name: String,
     },
-    /// Bolt group that no stage installs.
+    /// Bolt group of the scene that no stage installs.
     #[error("no stage installs the bolts '{name}'")]
     UnusedBolts {
         /// Name.
         name: String,
     },
-    /// Name of two bolt groups.
+    /// Two bolt groups of the scene with the same name.
     #[error("two bolt groups have the name '{name}'")]
     SameBolts {
         /// Name.
@@ -81,7 +81,7 @@ pub enum StagingError {
         /// Name.
         name: String,
     },
-    /// Bolt group that cannot be embedded.
+    /// Bolt group that cannot be embedded in the elements that are active when it is installed.
     #[error("bolts '{name}': {source}")]
     Bolts {
         /// Name.
@@ -89,7 +89,7 @@ pub enum StagingError {
         /// Cause.
         source: EngineError,
     },
-    /// Excavated element that bolts cross.
+    /// Excavated element that bolts installed earlier cross.
     #[error("element {element} of set '{set}' cannot be excavated: the bolts '{name}' cross it")]
     Bolted {
         /// Element set.
@@ -99,13 +99,13 @@ pub enum StagingError {
         /// Name of the bolt group.
         name: String,
     },
-    /// Joint that the scene does not have.
+    /// Joint that a stage ties or grouts and the scene does not have.
     #[error("there is no joint '{name}'")]
     NoSuchJoint {
         /// Name.
         name: String,
     },
-    /// Stage that is to remove a load and does not exist.
+    /// Stage that a temporary load names for its removal and that does not exist.
     #[error("there is no stage '{name}' that could remove the load")]
     NoSuchStage {
         /// Name.
@@ -132,7 +132,7 @@ pub enum StagingError {
         /// Name of the joint.
         joint: String,
     },
-    /// In-situ stress with a wrong number of elements.
+    /// In-situ stress by elements whose number of entries is not that of the elements of the mesh.
     #[error("the in-situ stress has {found} entries, the mesh {expected} elements")]
     StressCount {
         /// Number of entries.

@@ -106,7 +106,7 @@ fn column(
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum InSituError {
-    /// File that is not a table.
+    /// File that cannot be read, or is not a table.
     #[error(transparent)]
     Table(#[from] IoError),
     /// Column that is missing, or has a wrong unit.
@@ -126,17 +126,17 @@ pub enum InSituError {
         /// Unit of the column; `None` if it is missing.
         unit: Option<String>,
     },
-    /// Invalid row.
+    /// Invalid row: its element is not in the mesh or is listed twice, or its stress is not finite.
     #[error("{}: element {element} {what}", file.display())]
     Element {
         /// Path of the file.
         file: PathBuf,
-        /// Element number in the file.
+        /// Element number as written in the table.
         element: f64,
-        /// Description of the fault.
+        /// Description of the fault, in words.
         what: &'static str,
     },
-    /// Elements without row.
+    /// Elements of the mesh without a row: every element needs one, also those that are cast later.
     #[error(
         "{}: {count} elements of the mesh have no stress, element {element} the first",
         file.display()

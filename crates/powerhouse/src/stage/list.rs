@@ -11,10 +11,11 @@ use crate::joint::Closing;
 
 /// Construction stage: changes of the model, followed by the computation of static equilibrium.
 ///
-/// Excavated and cast sets, loads (except temporary ones), bolts and materials persist in later stages and in the
-/// dynamic run. Supports of a stage act until the run starts: then their reactions are kept as nodal forces, and the
-/// absorbing boundary takes their place. Supports, loads and weights of the scene itself act in all stages, with their
-/// values at the start of the run.
+/// Excavated and cast sets, loads (except temporary ones) and bolts persist in later stages and in the dynamic run.
+/// Materials and supports of a stage persist in later stages until the dynamic run starts: then parts have their own
+/// material, and the reactions of the supports are kept as nodal forces; the absorbing boundary takes their place.
+/// Supports, prescribed motions, loads and weights of the scene itself act in all stages, with their values at the start
+/// of the run.
 ///
 /// ```
 /// use powerhouse::SceneStage;
@@ -85,20 +86,22 @@ impl SceneStage {
         self.parts.push((set.into(), material));
         self
     }
-    /// Adds a support that acts until the dynamic run starts.
+    /// Adds a support that acts in this stage and later ones, until the dynamic run starts; then its reactions are kept as
+    /// nodal forces.
     #[must_use]
     pub fn support(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }
-    /// Adds a permanent load.
+    /// Adds a permanent load: in this stage and later ones with its value at the start of the run, in the dynamic run as a
+    /// function of time.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
         self.loads.push(StagedLoad::new(Box::new(load), None));
         self
     }
-    /// Adds a temporary load that a later stage, given by name, removes. Its removal is applied in the increments of
-    /// that stage, multiplied by the release factor. It does not act in the dynamic run.
+    /// Adds a temporary load that acts from this stage on until a later stage, given by name, removes it. Its removal is
+    /// applied in the increments of that stage, multiplied by the release factor. It does not act in the dynamic run.
     #[must_use]
     pub fn temporary_load(
         mut self,
@@ -109,13 +112,14 @@ impl SceneStage {
         (self.loads).push(StagedLoad::new(Box::new(load), removed_in));
         self
     }
-    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time.
+    /// Adds gravity: an acceleration of all masses (m/s2), multiplied by a function of time; in this stage and later ones
+    /// by its value at the start of the run, and in the dynamic run.
     #[must_use]
     pub fn gravity(mut self, acceleration: Vec3, history: impl TimeFunction + 'static) -> Self {
         self.weights.push((acceleration, Arc::new(history)));
         self
     }
-    /// Installs a bolt group of the scene, by name.
+    /// Installs a bolt group of the scene, by name, in the deformed body: it stays in later stages and in the dynamic run.
     #[must_use]
     pub fn install(mut self, bolts: impl Into<String>) -> Self {
         self.bolts.push(bolts.into());

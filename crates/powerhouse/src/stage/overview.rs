@@ -11,25 +11,26 @@ use crate::{Error, Scene};
 pub struct StageOverview {
     /// Name of the stage.
     pub name: String,
-    /// Number of excavated elements.
+    /// Number of elements that this stage excavates.
     pub excavated: usize,
-    /// Number of cast elements.
+    /// Number of elements that this stage casts.
     pub cast: usize,
-    /// Number of active elements after the stage's changes.
+    /// Number of active elements of the whole body after the stage's changes.
     pub present: usize,
-    /// Installed bolt groups: name and number of bolts.
+    /// Bolt groups that this stage installs: name and number of bolts.
     pub bolts: Vec<(String, usize)>,
-    /// Parts with temporary materials: element set and name of the law.
+    /// Parts with temporary materials in this stage, those that earlier stages set and are still in force included: element
+    /// set and name of the law.
     pub materials: Vec<(String, String)>,
-    /// Names of tied joints.
+    /// Names of the joints that are tied in this stage.
     pub tied: Vec<String>,
-    /// Names of grouted joints.
+    /// Names of the joints that this stage grouts.
     pub bonded: Vec<String>,
-    /// Number of added supports.
+    /// Number of supports that this stage adds.
     pub supports: usize,
-    /// Number of added loads and weights.
+    /// Number of loads and weights that this stage adds.
     pub loads: usize,
-    /// Number of removed loads.
+    /// Number of loads of the scene and of earlier stages that this stage removes.
     pub removed_loads: usize,
     /// Options of the static analysis.
     pub options: StaticOptions,

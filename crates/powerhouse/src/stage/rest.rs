@@ -24,13 +24,14 @@ const FORCE_TOLERANCE: f64 = 1.0e-3;
 pub struct CompletedStage<'a> {
     /// Index of the stage, from zero.
     pub index: usize,
-    /// Number of stages.
+    /// Number of stages of the scene.
     pub count: usize,
     /// Report of the stage's changes and static solution.
     pub report: &'a StageReport,
     /// Mesh, including inactive elements.
     pub mesh: &'a Mesh,
-    /// State of the body: displacement, inactive elements, history variables of laws and joints.
+    /// State of the body: displacement since before the first stage, inactive elements, history variables of laws and
+    /// joints.
     pub state: &'a State,
     /// Total stress of each element of the mesh (Pa), mean over the element, including the in-situ stress.
     pub stress: &'a [Stress],
@@ -41,10 +42,13 @@ pub struct CompletedStage<'a> {
 }
 
 /// Receiver of stage progress and results, such as a file writer or a display.
+///
+/// Its methods are called one after the other, by the thread that computes the stages, which waits for their return.
 pub trait StageSink: Send {
-    /// Called with the progress of the static solution of a stage.
+    /// Called with the progress of the static solution of a stage, given by its name, many times in a stage; does nothing
+    /// by default.
     fn progress(&mut self, _stage: &str, _progress: StaticProgress) {}
-    /// Called with every completed stage.
+    /// Called once with every completed stage, in their order, before the next one begins.
     ///
     /// # Errors
     /// An error ends the run.
@@ -60,11 +64,11 @@ pub struct EquilibratedBody {
 }
 
 impl EquilibratedBody {
-    /// State of the body.
+    /// State of the body after the last stage.
     pub fn state(&self) -> &State {
         &self.state
     }
-    /// Reports of the stages.
+    /// Reports of the stages, in their order.
     pub fn stages(&self) -> &[StageReport] {
         &self.stages
     }

@@ -3,7 +3,7 @@
 use powerhouse::engine::HourglassShare;
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{FieldMotion, Mesh, Vec3};
-use powerhouse::{Registry, Remark, Results, Scene};
+use powerhouse::{Registry, Remark, Results, Scene, Topic};
 
 use crate::support::{Folder, run};
 
@@ -60,6 +60,9 @@ duration = 0.02
 "#
         );
         let results = run(scene(&mesh, text));
+        let warnings = results.warnings(&mesh);
+        let of_energy = warnings.iter().filter(|w| w.topic() == Topic::Energy);
+        assert_eq!(of_energy.count(), if expected { 2 } else { 0 });
         let found = warned(&results, &mesh);
         assert_eq!(found.len(), if expected { 2 } else { 0 }, "{found:?}");
         for (_, set, share) in &found {

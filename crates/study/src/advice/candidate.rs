@@ -18,7 +18,7 @@ const SPRINGS: &str = keys::VISCOUS_SPRING;
 /// Coefficient A of all viscous-spring boundaries.
 const AMPLITUDE_RATIO: f64 = 0.8;
 
-/// A boundary of a program's registry, without keys of its own.
+/// A boundary that a program has registered and that can be built without keys of its own, as a candidate of advice.
 #[derive(Clone)]
 pub struct RegisteredBoundary {
     name: String,
@@ -49,7 +49,7 @@ impl RegisteredBoundary {
         boundary.holds = face.normal_spring > 0.0 && face.tangential_spring > 0.0;
         Ok(boundary)
     }
-    /// The name in the registry.
+    /// Name of the boundary in the registry.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -104,15 +104,16 @@ impl fmt::Debug for RegisteredBoundary {
 pub enum BoundaryKind {
     /// Viscous boundary: dashpots without springs.
     Viscous,
-    /// Viscous-spring boundary with A = 0.8 and a given coefficient B.
+    /// Viscous-spring boundary with A = 0.8 and a given coefficient B, full free field on every face.
     Springs {
         /// Coefficient B: ratio of physical to apparent wave speed.
         speed_ratio: f64,
     },
-    /// Viscous-spring boundary with the static stiffness of the ground outside the mesh, and dashpots with B = 1.
+    /// Viscous-spring boundary with the static stiffness of infinite ground around a cavity under pressure, and dashpots
+    /// with B = 1.
     StaticSprings,
-    /// Viscous-spring boundary with B = 1.1 that applies only the incident wave at the bottom, as in Wang, Chen &
-    /// Xiao (2019).
+    /// Viscous-spring boundary with A = 0.8 and B = 1.1 that applies only the incident wave at the bottom, as in Wang,
+    /// Chen & Xiao (2019).
     IncidentOnly,
     /// A boundary that a program has registered.
     Registered(RegisteredBoundary),
@@ -131,7 +132,7 @@ pub struct Surroundings {
 }
 
 impl BoundaryKind {
-    /// Those that come with the software compared boundaries, in order of increasing complexity.
+    /// Compared boundaries that come with the software, in order of increasing complexity.
     pub const BUILT_IN: [Self; 5] = [
         Self::Viscous,
         Self::Springs { speed_ratio: 1.1 },
@@ -208,10 +209,10 @@ impl BoundaryKind {
         }))
     }
 
-    /// Spring and dashpot coefficients per area of a face at a distance (m) from the scatterer.
+    /// Spring (N/m3) and dashpot (N s/m3) coefficients per area of a face at a distance (m) from the scatterer.
     ///
     /// # Errors
-    /// None but for a registered boundary that cannot stand there.
+    /// A registered boundary that cannot be built on such a face, or that has elements of its own; others have no error.
     pub fn face(
         &self,
         surroundings: &Surroundings,
@@ -250,7 +251,8 @@ impl BoundaryKind {
         Ok([p.p.norm(), sv.sv.norm()])
     }
 
-    /// Whether the boundary resists static loads: every kind but dashpots alone.
+    /// Whether the boundary resists static loads: every built-in kind but dashpots alone, a registered one with springs
+    /// along the normal and along the face.
     #[must_use]
     pub fn resists_static_loads(&self) -> bool {
         match self {

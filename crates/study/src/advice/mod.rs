@@ -74,7 +74,8 @@ pub struct Candidate {
     pub kind: BoundaryKind,
     /// Predicted relative error of the motion, as the [module](self) defines it.
     pub predicted: f64,
-    /// Estimated time (ns) per absorbing node and step, with the input of the incident waves.
+    /// Estimated wall time (ns) per absorbing node and step, with the input of the incident waves: a sum of measured
+    /// constants, not timed on the present machine.
     pub nanoseconds: f64,
     /// Estimated time of all absorbing nodes over that of an elastic step of all elements.
     pub share_of_step: f64,
@@ -99,13 +100,14 @@ pub struct FartherFaces {
     pub predicted: f64,
 }
 
-/// A registered boundary that is no candidate.
+/// A boundary of a program's registry that is not compared by advice.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LeftOut {
-    /// Its name in the registry.
+    /// Name of the boundary in the registry.
     pub name: String,
-    /// Why it is none.
+    /// Reason in words: it needs keys, has elements of its own, does not hold a body that its boundary must hold, or the
+    /// error with which it was refused.
     pub reason: String,
 }
 

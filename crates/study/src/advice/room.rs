@@ -32,20 +32,22 @@ pub struct NearerFaces {
 pub struct BoxAdvice {
     /// Title of the scene.
     pub title: String,
-    /// Permitted relative error.
+    /// Permitted relative error, above 0 and at most 1.
     pub error: f64,
     /// Predicted relative error with the faces unchanged.
     pub unchanged: f64,
     /// Number of elements of the scene.
     pub elements: usize,
-    /// The nearest faces that meet the permitted error; `None` if no nearer ones do.
+    /// The nearest faces, of the factors tried, that meet the permitted error and have no obstacle; `None` if no nearer
+    /// ones do.
     pub nearer: Option<NearerFaces>,
     /// Reason other than the error why the faces cannot come nearer, if there is one.
     pub obstacle: Option<Obstacle>,
 }
 
 impl BoxAdvice {
-    /// The `[mesh]` table with the key `within` that cuts the scene's mesh to the recommended box.
+    /// The `[mesh]` table with the key `within` that cuts the scene's mesh to the recommended box; `None` without nearer
+    /// faces.
     #[must_use]
     pub fn table(&self) -> Option<String> {
         let within = self.nearer.as_ref()?.within.iter();
@@ -204,7 +206,7 @@ impl<'a> BoxReduction<'a> {
     }
 }
 
-/// Reason why the absorbing faces cannot be moved to a reduced box.
+/// Reason other than the predicted error why the absorbing faces cannot be moved to a reduced box.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
     /// A part of the scatterer or a recorded point would lie outside.

@@ -63,14 +63,16 @@ pub enum Change {
     FlatDamping,
     /// A time step equal to the stable step, without a safety factor.
     WholeStep,
-    /// Half of the body, cut at a plane of symmetry of body and waves.
+    /// Half of the body, cut at the middle of the mesh, where mesh, element sets, absorbing faces and waves are
+    /// symmetric; loads, supports and bolts are not examined and must be symmetric too.
     Half {
         /// Normal of the plane.
         axis: Axis,
         /// Coordinate of the plane along the normal (m).
         at: f64,
     },
-    /// One layer of elements of a body with a constant section along an axis.
+    /// One layer of elements of a body with a constant section along an axis, if loads and supports are constant along it
+    /// too, which is not examined.
     Slice {
         /// Axis of constant section.
         axis: Axis,
@@ -86,7 +88,7 @@ pub enum Change {
     LargerElements {
         /// Element set of these elements.
         set: String,
-        /// User number of the element with the least bound.
+        /// Number of the element with the least bound in the mesh file.
         element: u64,
         /// Number of elements with similar bounds.
         count: usize,
@@ -133,14 +135,15 @@ impl fmt::Display for Change {
     }
 }
 
-/// Relative error of a change, with its source.
+/// Relative L2 error of a change, with its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedError {
-    /// Relative error; `None` if it is unknown or only bounded from below.
+    /// Relative error (1); `None` if it is unknown or only bounded from below.
     pub share: Option<f64>,
-    /// Lower bound of the relative error, where it may grow after the computed part of the run.
+    /// Lower bound of the relative error (1), that of the computed first part of the run, where yielding, cracking or
+    /// joints may amplify it later; `None` otherwise.
     pub least: Option<f64>,
-    /// Description of the quantity that has the error.
+    /// Name of the history that has the error, or `histories`.
     pub of: String,
     /// Formula or measurement behind the error, or the reason why it is unknown.
     pub source: String,
@@ -182,9 +185,9 @@ impl fmt::Display for PredictedError {
 pub struct FormatError {
     /// Name of the number format in scenes: `mixed` or `f32`.
     pub format: &'static str,
-    /// Documented largest relative error of a history with this format in lined openings.
+    /// Documented largest relative L2 error of a history with this format in lined openings (1).
     pub documented: f64,
-    /// Error in this scene.
+    /// Error in this scene, measured over the first part of its run.
     pub error: PredictedError,
 }
 
@@ -266,7 +269,7 @@ impl fmt::Display for FormatError {
 pub struct RefusedChange {
     /// The change.
     pub change: Change,
-    /// What refuses the changed scene.
+    /// Message of the error with which the changed scene is refused.
     pub reason: String,
 }
 
@@ -311,13 +314,13 @@ pub(crate) struct Savings {
 pub struct Saving {
     /// Change of the scene.
     pub change: Change,
-    /// Ratio of the numbers of steps with and without the change.
+    /// Number of time steps with the change over that without (1).
     pub steps: f64,
-    /// Ratio of the numbers of elements with and without the change.
+    /// Number of elements with the change over that without (1).
     pub elements: f64,
-    /// Ratio of the wall times of all steps with and without the change.
+    /// Wall time of all time steps with the change over that without (1); stages are not included.
     pub time: f64,
-    /// Source of the time ratio.
+    /// Source of the time ratio, in words: timed, or from the numbers of steps and elements.
     pub timed: &'static str,
     /// Error of the change.
     pub error: PredictedError,

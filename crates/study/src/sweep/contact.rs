@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::damage::{Damage, STRUCTURE};
 
-/// Results of a joint, or of a part of one, at the end of a case; shares refer to its area.
+/// Results of a joint, or of a part of one, at the end of a case; shares refer to its area. What construction stages left
+/// counts, from the last re-initialisation of the joint on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointCase {
     /// Name of the joint or part.
@@ -18,13 +19,13 @@ pub struct JointCase {
     pub area: f64,
     /// Share of the area that slipped at any time, from 0 to 1.
     pub slipped: f64,
-    /// Share of the area that opened at any time, from 0 to 1.
+    /// Share of the area that was open at any time, from 0 to 1; pairs with an initial gap count.
     pub opened: f64,
     /// Share of the area whose bond is broken, from 0 to 1.
     pub broken: f64,
-    /// Largest accumulated slip (m).
+    /// Largest accumulated slip of a pair (m).
     pub slip: f64,
-    /// Largest opening (m).
+    /// Largest opening of a pair at any time (m).
     pub opening: f64,
 }
 
@@ -47,12 +48,13 @@ impl JointCase {
 pub struct JointAndLining {
     /// Share of the area of all joints that slipped, opened or lost its bond, from 0 to 1.
     pub failed: f64,
-    /// Number of elements of the structure that touch a joint.
+    /// Number of elements of the set `structure` with a node of a joint; 0 without damage variables.
     pub elements: usize,
-    /// Mean damage of the elements at which at least half of the joint area failed; `None` if there are none.
+    /// Mean of the greatest damage of the elements at whose nodes at least half of the joint area failed (slipped, opened
+    /// or lost its bond); `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub damage_at_failed: Option<f64>,
-    /// Mean damage of the other elements; `None` if there are none.
+    /// Mean of the greatest damage of the other elements; `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub damage_at_held: Option<f64>,
     /// Correlation coefficient of failed share and damage over the elements; `None` if either is constant.

@@ -10,12 +10,13 @@ use super::CaseInput;
 /// D5-95.
 const SIGNIFICANT: f64 = 0.95;
 
-/// Share of a record that a case covers; of several records that with the least share.
+/// Share of a wave's record that a case covers; of several records that with the least share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Name of the record.
     pub record: String,
-    /// Record time at the end of the run (s): the duration less the padding of quiet starts.
+    /// Record time at the end of the run (s): the duration less the delay of the waves by which the body starts at rest;
+    /// arrival and travel times are not considered.
     pub end: f64,
     /// Duration of the record (s).
     pub length: f64,

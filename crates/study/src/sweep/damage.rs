@@ -11,14 +11,15 @@ pub(super) const DAMAGED: f64 = 0.1;
 /// Damage above which an element is severely damaged, over the greatest damage of the structure.
 const SEVERE: f64 = 0.5;
 
-/// Damage of an element set of the structure at the end of a case; shares refer to its volume.
+/// Greatest damage over the dynamic run of the elements of a set of the structure, where construction stages have left
+/// damage included; shares refer to the volume of the set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartDamage {
     /// Name of the element set.
     pub name: String,
     /// Volume of the set (m3).
     pub volume: f64,
-    /// Mean damage over the volume, from 0 to 1.
+    /// Mean over the volume of the greatest damage, from 0 to 1.
     pub mean: f64,
     /// Greatest damage of an element, from 0 to 1.
     pub greatest: f64,
@@ -30,7 +31,7 @@ pub struct PartDamage {
     pub compression: f64,
     /// Share of the volume damaged by both tension and compression or shear.
     pub both: f64,
-    /// Share of the volume with more than half of the greatest damage of the structure.
+    /// Share of the volume with more than half of the greatest damage of the set `structure`.
     pub severe: f64,
     /// Share of that severely damaged volume in which tensile damage exceeds compressive damage.
     pub severe_tension: f64,

@@ -15,7 +15,7 @@ pub struct CaseWave {
     pub azimuth: f64,
     /// Description of the motion: record and component, or pulse.
     pub motion: String,
-    /// Factor on the motion.
+    /// Factor on the motion (1).
     pub factor: f64,
 }
 
@@ -32,7 +32,8 @@ impl CaseWave {
 pub struct CaseInput {
     /// Incident waves.
     pub waves: Vec<CaseWave>,
-    /// Description of the parameter in which the case differs from its base case; `None` for an unvaried case.
+    /// Description of the parameter in which the case differs from its base case (key `varies`); `None` for an unvaried
+    /// case.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub varies: Option<String>,
     /// Whether some joints of the scene are replaced by continuous material.
@@ -61,7 +62,8 @@ impl CaseInput {
         }
     }
 
-    /// Type and angle of incidence (degrees) of the single wave along x; `None` if there are other waves.
+    /// Type and angle of incidence (degrees) of the single wave of azimuth 0; `None` for several waves, none, or another
+    /// azimuth.
     pub fn wave(&self) -> Option<(&str, f64)> {
         match &self.waves[..] {
             [wave] if wave.azimuth == 0.0 => Some((&wave.kind, wave.incidence)),

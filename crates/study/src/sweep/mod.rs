@@ -62,29 +62,38 @@ pub(crate) const CASES: &str = "cases.json";
 /// Prefix of the names of record files.
 pub(crate) const RECORD: &str = "record-";
 
-/// Progress callbacks of a sweep; calls of parallel cases are interleaved.
+/// Progress callbacks of a sweep.
+///
+/// Calls come from the threads of the cases, one at a time: those of parallel cases are interleaved, and every case waits
+/// for their return. The hooks and sinks that they return are called by the thread of their case, without waiting for
+/// others. For each case [`begins`](Self::begins) comes first and one of [`reused`](Self::reused), [`ends`](Self::ends) and
+/// [`fails`](Self::fails) last.
 pub trait SweepWatch: Send {
     /// Called when a case begins, with its name, its number from 1 and the number of cases.
     fn begins(&mut self, _case: &str, _number: usize, _of: usize) {}
-    /// Called when the results of an earlier run of a case are reused.
+    /// Called when the results of an earlier run of a case are reused, so that it is not run.
     fn reused(&mut self, _case: &str) {}
     /// Called before a case runs, with its remarks and warnings, and a remark on the lock of its folder if there is one.
     fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
-    /// Called after the free-field check of a case, with its largest relative error.
+    /// Called after the free-field check of a case, if the scene requests one, with its largest relative error of velocity
+    /// (1), also if it is above the limit.
     fn self_check(&mut self, _case: &str, _error: f64) {}
-    /// Called when the body of a case has reached static equilibrium after its stages, with the wall time.
+    /// Called when the body of a case has reached static equilibrium after its stages, with their wall time; not where the
+    /// body of another case or of an earlier sweep is taken.
     fn equilibrated(&mut self, _case: &str, _took: Duration) {}
-    /// Returns the progress hook for the steps of a case; `None` for no progress.
+    /// Returns the progress hook for the time steps of a case, before its dynamic run; `None`, the default, for no
+    /// progress.
     fn progress(&mut self, _case: &str) -> Option<ProgressHook<'static>> {
         None
     }
-    /// Returns the sink for the stages of a case; it must forward to `files`, which writes their results.
+    /// Returns the sink for the stages of a case that are computed; it must forward to `files`, which writes their results
+    /// and is returned by default.
     fn stages(&mut self, _case: &str, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
         files
     }
-    /// Called when a case is finished, with its outcome.
+    /// Called when a case has been run and its results are written, with its outcome.
     fn ends(&mut self, _outcome: &CaseOutcome) {}
-    /// Called when a case is invalid or fails, while others may still run.
+    /// Called when a case is invalid, fails or is cancelled ([`StudyError::Interrupted`]), while others may still run.
     fn fails(&mut self, _case: &str, _error: &StudyError) {}
 }
 

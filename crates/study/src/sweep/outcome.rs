@@ -11,7 +11,7 @@ use super::damage::{DAMAGED, Damage, PartDamage, STRUCTURE};
 use super::input::CaseInput;
 use crate::StudyError;
 
-/// Greatest value of a history, with its time.
+/// Greatest value of a history over the samples of the dynamic run, with its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// Name of the history.
@@ -22,18 +22,19 @@ pub struct Peak {
     pub time: f64,
 }
 
-/// Summary of one damage variable over the element set `structure`, or over the whole mesh without such a set.
+/// Summary of the envelope of one damage variable over the dynamic run, in the element set `structure`, or in the whole
+/// mesh without such a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DamageOutcome {
     /// Name of the history variable: `damage`, `damage_tension` or `damage_compression`.
     pub name: String,
     /// Greatest value over elements and time, from 0 to 1.
     pub greatest: f64,
-    /// User number of the element with the greatest value.
+    /// Number of the element with the greatest value in the mesh file.
     pub element: u64,
-    /// Number of elements with a value above 0.1.
+    /// Number of elements whose greatest value is above 0.1.
     pub damaged: usize,
-    /// Number of elements of the set.
+    /// Number of all elements of the set.
     pub of: usize,
 }
 
@@ -48,41 +49,44 @@ pub struct CaseOutcome {
     /// Covered share of its records; `None` without records.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub coverage: Option<Coverage>,
-    /// Number of time steps.
+    /// Number of time steps that the dynamic run took; construction stages have none, iterations of a dynamic
+    /// relaxation are not counted.
     pub steps: u64,
-    /// Time step (s).
+    /// Time step of the dynamic run (s).
     pub step: f64,
-    /// Time at the end (s).
+    /// Time at the end of the dynamic run (s).
     pub end: f64,
-    /// Wall time of the dynamic run (s), without the stages.
+    /// Wall time of the dynamic run (s), without stages, free-field check and result files.
     pub wall_time: f64,
-    /// Largest residual of the energy balance over the largest energy.
+    /// Largest residual of the energy balance over the largest energy stored or put in until then (1).
     pub energy_residual: f64,
-    /// Greatest principal stress over time (Pa, tension positive) of each stress history.
+    /// Greatest principal stress over time (Pa, tension positive) of each stress history, that of the stages included.
     pub stresses: Vec<Peak>,
-    /// Greatest displacement norm over time (m) of each displacement history.
+    /// Greatest displacement norm over time (m) of each displacement history, from the start of the dynamic run.
     pub displacements: Vec<Peak>,
-    /// Greatest norm over time (m) of each relative displacement.
+    /// Greatest norm over time (m) of each relative displacement, from the start of the dynamic run.
     pub relative: Vec<Peak>,
-    /// Greatest norm over time (m) of each relative displacement in the free field; empty without waves.
+    /// Greatest norm over time (m) of each relative displacement in the incident field, without the structure; empty
+    /// without waves.
     #[serde(default)]
     pub ground: Vec<Peak>,
-    /// Summary of each damage variable.
+    /// Summary of each damage variable of the laws; empty without one.
     pub damage: Vec<DamageOutcome>,
-    /// Damage of the structure and of the element sets within it.
+    /// Damage of the set `structure` and of the element sets within it; empty without such a set or without damage
+    /// variables.
     #[serde(default)]
     pub parts: Vec<PartDamage>,
-    /// Results of each joint.
+    /// Results of each joint as a whole.
     pub joints: Vec<JointCase>,
-    /// Results of the parts of joints.
+    /// Results of the parts of joints that output requests select.
     #[serde(default)]
     pub joint_parts: Vec<JointCase>,
     /// Relation between joint failure and damage of the structure; `None` without joints.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub joint_and_lining: Option<JointAndLining>,
-    /// Greatest axial force over the motion (N) of each bolt type.
+    /// Greatest axial force over the dynamic run (N, tension positive) of each bolt group.
     pub bolts: Vec<Peak>,
-    /// Greatest axial force (N) of each bolt type in static equilibrium before the motion.
+    /// Greatest axial force (N, tension positive) of each bolt group after the stages, before the dynamic run.
     #[serde(default)]
     pub bolts_at_rest: Vec<Peak>,
 }

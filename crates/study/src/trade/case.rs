@@ -27,7 +27,8 @@ pub struct CaseCost {
     pub step: f64,
     /// Mean wall time of a step (s).
     pub time_of_step: f64,
-    /// Wall time before the first step (s): assembly of the model, stable step, construction stages.
+    /// Wall time before the first step (s): assembly of the model, stable step, construction stages (also where their
+    /// result was reused).
     pub before: f64,
     /// Number of steps of the whole run.
     pub steps: u64,

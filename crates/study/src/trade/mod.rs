@@ -160,8 +160,8 @@ impl Trade {
             registry: registry.clone(),
         })
     }
-    /// Sets the window of the runs (s), at most the duration of the scene; by default it contains half of the intensity
-    /// of the records.
+    /// Sets the window (s), the first part of the scene that is run; at most the duration of the scene, to which longer
+    /// ones are cut. By default it contains half of the intensity of the records.
     #[must_use]
     pub fn window(mut self, duration: f64) -> Self {
         self.window = duration.min(self.duration);

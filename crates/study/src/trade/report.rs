@@ -12,7 +12,7 @@ use crate::price::ParetoPoint;
 /// Goal of a trade study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// The Pareto front, without a choice.
+    /// The Pareto front of cost and error; no run is chosen.
     Front,
     /// The cheapest run whose relative error, with that of the reference added, is at most this.
     Error(f64),
@@ -30,24 +30,26 @@ pub enum Reference {
     ClosedForm,
 }
 
-/// Progress callbacks of a trade study.
+/// Progress callbacks of a trade study, called one after the other by the thread that runs the study; it waits for their
+/// return. They do nothing by default.
 pub trait TradeWatch {
     /// Called before the first run, with the greatest number of runs, their duration (s of the scene), and the predicted
     /// upper bound of the wall time of all.
     fn before(&mut self, _runs: usize, _window: f64, _at_most: Duration) {}
     /// Called when a run begins, with its name and its number from 1.
     fn begins(&mut self, _name: &str, _number: usize) {}
-    /// Called when the results of an earlier run are reused, with the name of the run.
+    /// Called after [`begins`](Self::begins) when the results of an earlier run are reused, with the name of the run.
     fn reused(&mut self, _name: &str) {}
-    /// Returns the progress hook for the steps of a run; `None` for no progress.
+    /// Returns the progress hook for the time steps of a run, which a thread of the run calls; `None` for no progress.
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
         None
     }
     /// Called after the perturbation test, with the excluded histories, those that change most first.
     fn sensitive_histories(&mut self, _sensitive: &[SensitiveHistory]) {}
-    /// Called when a run is invalid or fails; the others continue.
+    /// Called when a run is invalid or fails and the study continues without it. A failure of the reference ends the study
+    /// without this call, unless a finer tolerance of the stages is given up.
     fn fails(&mut self, _name: &str, _error: &StudyError) {}
-    /// Called when a run is finished, with its cost and error.
+    /// Called when a combination of levels is finished or reused, with its cost and error.
     fn ends(&mut self, _case: &TradeCase) {}
     /// Called after the run on the refined mesh, with the estimated error of the mesh.
     fn mesh_error(&mut self, _mesh: &MeshError) {}
@@ -61,13 +63,13 @@ impl TradeWatch for NoProgress {}
 /// Cost and error of one run of a trade study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TradeCase {
-    /// Name of the run: the levels in which it differs from the reference, or `reference`.
+    /// Name of the run: the levels in which it differs from the most accurate levels, or `reference` for these.
     pub name: String,
     /// Index of the level of each factor, in the order of [`TradeReport::factors`].
     pub levels: Vec<usize>,
-    /// Cost of the whole run.
+    /// Cost of a run over the whole duration of the scene, from that over the window.
     pub cost: CaseCost,
-    /// Largest relative L2 error among the compared histories, without the error of the reference.
+    /// Largest relative L2 error over the window (1) among the compared histories, without the error of the reference.
     pub error: f64,
     /// Name of the history with this error.
     pub worst: String,
@@ -89,14 +91,14 @@ impl TradeCase {
 pub struct SensitiveHistory {
     /// Name of the history, such as `crown [m/s2]`.
     pub history: String,
-    /// Relative L2 change of the history in the reference under waves of 1 + 1e-6 times the amplitude.
+    /// Relative L2 change (1) of the history in the reference under waves of 1 + 1e-6 times the amplitude.
     pub change: f64,
 }
 
 /// Discretisation error of a mesh, estimated by a run of the reference with elements of half the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshError {
-    /// Estimated relative L2 error of the scene's mesh.
+    /// Estimated relative L2 error of the scene's mesh (1), the largest among the compared histories.
     pub error: f64,
     /// Name of the history with the largest error.
     pub worst: String,
@@ -111,7 +113,7 @@ pub struct TradeReport {
     pub title: String,
     /// Factors with their levels.
     pub factors: Vec<Factor>,
-    /// All finished runs.
+    /// All finished combinations of levels, the reference first; neither the perturbed nor the refined run is among them.
     pub cases: Vec<TradeCase>,
     /// Excluded histories with sensitive dependence on the input, those that change most first.
     pub sensitive: Vec<SensitiveHistory>,
@@ -126,9 +128,9 @@ pub struct TradeReport {
     /// Later yielding, cracking or slip may increase the errors: for the bay of the paper from 4 % in 1.5 s to 35 % in
     /// 20 s.
     pub partial_window: Option<f64>,
-    /// Indices of the runs on the Pareto front of cost and error, the cheapest first.
+    /// Indices in [`cases`](Self::cases) of the runs on the Pareto front of cost and error, the cheapest first.
     pub front: Vec<usize>,
-    /// Index of the best run that meets the goal, if one does.
+    /// Index in [`cases`](Self::cases) of the best run that meets the goal; `None` for [`Goal::Front`] or if none does.
     pub chosen: Option<usize>,
     /// Written files, the scene of the chosen run first if there is one.
     pub files: Vec<PathBuf>,
