@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::terminal::say;
+use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::engine::{Ended, StableStep};
-use powerhouse::model::{LimitingTerm, Mesh};
+use powerhouse::model::{LimitingTerm, Mesh, Vec3};
 use powerhouse::{
     CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic,
     merge_messages,
@@ -103,6 +104,8 @@ pub(crate) fn check(report: &CheckReport) {
     say!("{}", report.title);
     say!("\nmesh");
     say!("  {} nodes, {} elements", report.nodes, report.elements);
+    let (low, high) = &report.extent;
+    say!("  {} to {} m", point(low), point(high));
     say!(
         "  edges {:.3} to {:.3} m, aspect ratio of an element at most {:.2}",
         quality.shortest_edge,
@@ -114,6 +117,17 @@ pub(crate) fn check(report: &CheckReport) {
         quality.least_scaled_jacobian,
         quality.worst_element
     );
+    say!("\nsets");
+    for set in &report.sets {
+        say!(
+            "  {:<16} {} {}, {} to {} m",
+            set.set,
+            set.count,
+            set.of,
+            point(&set.low),
+            point(&set.high)
+        );
+    }
     say!("\nresolved frequencies, with ten elements per shear wavelength");
     for part in &report.resolution {
         say!(
@@ -144,6 +158,7 @@ pub(crate) fn check(report: &CheckReport) {
             Results::SMALL_SLIP * joint.shortest_edge
         );
     }
+    sections(&report.sections);
     stages(&report.stages);
     let of_part =
         |remark: &&Remark| matches!(remark, Remark::FlatDamping { .. } | Remark::Rim { .. });
@@ -195,6 +210,33 @@ pub(crate) fn check(report: &CheckReport) {
     for warning in warnings {
         say!("  {}", warning.text);
     }
+}
+
+/// Prints the geometry of the sections.
+fn sections(sections: &[SectionGeometry]) {
+    if !sections.is_empty() {
+        say!("\nsections");
+    }
+    for section in sections {
+        let pieces = match section.pieces.len() {
+            ..=1 => String::new(),
+            count => format!(", in {count} pieces that do not touch"),
+        };
+        say!(
+            "  {:<16} {:.4} m2, {:.3} m along and {:.3} m across, {} elements about {} m{pieces}",
+            section.name,
+            section.area,
+            section.width,
+            section.depth,
+            section.elements,
+            point(&section.centroid)
+        );
+    }
+}
+
+/// A point as text.
+fn point(position: &Vec3) -> String {
+    format!("({:.3}, {:.3}, {:.3})", position.x, position.y, position.z)
 }
 
 /// Prints the predicted cost of the stages.

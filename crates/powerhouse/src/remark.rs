@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use powerhouse_explicit_core::observe::SectionPiece;
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
@@ -12,6 +13,9 @@ use crate::{DampingCost, Results, SceneRemark};
 const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Peak ground acceleration above which the unit is probably wrong (m/s2).
 const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
+
+/// Number of pieces of a section that a warning describes one by one.
+const SHOWN_PIECES: usize = 4;
 
 /// Remark: a fact or a warning about a scene or its results ([`is_warning`](Self::is_warning)).
 #[derive(Clone, Debug, PartialEq)]
@@ -148,6 +152,18 @@ pub enum Remark {
         /// Number of cut elements.
         of: usize,
     },
+    /// Warning: a section cuts several pieces that do not touch, whose forces it adds up.
+    DividedSection {
+        /// Name of the section.
+        section: String,
+        /// Element set that it cuts.
+        set: String,
+        /// Cut elements, area, centroid and extents of each piece.
+        pieces: Vec<SectionPiece>,
+        /// Least and greatest `reach` (m) that keep the piece nearest to the section's point alone; none if no value
+        /// does.
+        reach: Option<[f64; 2]>,
+    },
     /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
     /// that are fixed (small-slip assumption).
     LargeSlip {
@@ -261,7 +277,7 @@ impl Remark {
             | Self::TruncatedRecord { .. }
             | Self::RotatedAxis { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
-            Self::TetrahedralSection { .. } => Topic::Sections,
+            Self::TetrahedralSection { .. } | Self::DividedSection { .. } => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
             Self::Hourglass { .. } => Topic::Energy,
             Self::NoState { .. }
@@ -271,7 +287,10 @@ impl Remark {
                 Topic::Histories
             }
             Self::Scene(
-                SceneRemark::RestrainedField { .. } | SceneRemark::AbsorbingSurface { .. },
+                SceneRemark::RestrainedField { .. }
+                | SceneRemark::AsymmetricField { .. }
+                | SceneRemark::PeriodicField { .. }
+                | SceneRemark::AbsorbingSurface { .. },
             ) => Topic::Input,
             _ => Topic::Run,
         }
@@ -301,6 +320,7 @@ impl Remark {
             | Self::Hourglass { .. }
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
+            | Self::DividedSection { .. }
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
@@ -501,6 +521,52 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
+            Self::DividedSection {
+                section,
+                set,
+                pieces,
+                reach,
+            } => {
+                write!(
+                    f,
+                    "section '{section}' cuts {} pieces of '{set}' that do not touch: ",
+                    pieces.len()
+                )?;
+                for piece in pieces.iter().take(SHOWN_PIECES) {
+                    let SectionPiece {
+                        elements,
+                        centroid: c,
+                        width,
+                        depth,
+                        ..
+                    } = piece;
+                    write!(
+                        f,
+                        "{} elements about ({:.3}, {:.3}, {:.3}) m, {width:.3} m along and {depth:.3} m across; ",
+                        elements.len(),
+                        c.x,
+                        c.y,
+                        c.z
+                    )?;
+                }
+                if let more @ 1.. = pieces.len().saturating_sub(SHOWN_PIECES) {
+                    write!(f, "{more} more; ")?;
+                }
+                write!(
+                    f,
+                    "its forces are the sums over all of them and its moments are about their common centroid, not those of one piece; "
+                )?;
+                match reach {
+                    Some([least, most]) => write!(
+                        f,
+                        "`reach` from {least} to {most} m takes the piece nearest to `at` alone"
+                    ),
+                    None => write!(
+                        f,
+                        "for one piece alone, give a point of it as `at`, and a `reach` that leaves out the others"
+                    ),
+                }
+            }
             Self::JointRenewed {
                 joint,
                 stage,

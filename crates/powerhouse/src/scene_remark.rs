@@ -29,6 +29,32 @@ pub enum SceneRemark {
         /// Number of the node with this velocity in the mesh file.
         node: u64,
     },
+    /// Supports on a plane about which the free field is not symmetric: its traction there, in the directions that they
+    /// leave free, acts on no element of the model.
+    AsymmetricField {
+        /// Largest such traction of the free field over the wave stress: impedance of S waves times largest velocity.
+        share: f64,
+        /// Number of the node with this traction in the mesh file.
+        node: u64,
+        /// Least apparent speed of the plane waves along the normal of the plane (m/s); none for other fields, and
+        /// for waves that travel along the plane.
+        speed: Option<f64>,
+    },
+    /// Periodic pairs whose two nodes move differently in the free field.
+    PeriodicField {
+        /// Largest difference of the velocities of the free field over its largest velocity.
+        share: f64,
+        /// Largest strain of the free field along a pair (difference of displacements over distance) over the wave
+        /// strain: largest velocity over speed of S waves.
+        strain: f64,
+        /// Numbers of the nodes of the pair with the largest difference in the mesh file.
+        nodes: [u64; 2],
+        /// Distance of these nodes (m).
+        distance: f64,
+        /// Least apparent speed of the plane waves along the pair (m/s); none for other fields, and for waves that
+        /// travel across the pair.
+        speed: Option<f64>,
+    },
     /// Warning: an absorbing face has a facet on or above the free surface of the half-space, where waves should be
     /// reflected.
     AbsorbingSurface {
@@ -103,6 +129,37 @@ impl fmt::Display for SceneRemark {
                 "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves",
                 100.0 * share
             ),
+            Self::AsymmetricField { share, node, speed } => {
+                write!(
+                    f,
+                    "on the side of node {node} the free field has a traction of {:.1} % of the wave stress (impedance of S waves times largest velocity) in directions that the supports leave free: rollers make that side a plane of symmetry, which the field does not have",
+                    100.0 * share
+                )?;
+                travels(f, *speed, "through that side")?;
+                write!(
+                    f,
+                    "; let the waves travel along that side (`azimuth`), or make it absorbing"
+                )
+            }
+            Self::PeriodicField {
+                share,
+                strain,
+                nodes: [first, second],
+                distance,
+                speed,
+            } => {
+                write!(
+                    f,
+                    "the free field moves the periodic pair of nodes {first} and {second}, {distance:.3} m apart, differently, by {:.1} % of its largest velocity, and strains it by {:.1} % of the wave strain (largest velocity over speed of S waves), but periodic pairs move as one",
+                    100.0 * share,
+                    100.0 * strain
+                )?;
+                travels(f, *speed, "along the pair")?;
+                write!(
+                    f,
+                    "; let the waves travel across the pairs (`azimuth`), or make both sides absorbing"
+                )
+            }
             Self::AbsorbingSurface { face } => write!(
                 f,
                 "the absorbing face '{face}' lies on the free surface of the half-space: scattered waves leave through it instead of being reflected"
@@ -153,6 +210,17 @@ impl fmt::Display for SceneRemark {
                 write!(f, "mesh: {}", found.join("; "))
             }
         }
+    }
+}
+
+/// Writes the apparent speed (m/s) with which a wave travels, if it is known.
+fn travels(f: &mut fmt::Formatter<'_>, speed: Option<f64>, way: &str) -> fmt::Result {
+    match speed {
+        Some(speed) => write!(
+            f,
+            ", and a wave travels {way} with an apparent speed of {speed:.0} m/s"
+        ),
+        None => Ok(()),
     }
 }
 

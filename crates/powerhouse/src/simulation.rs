@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::{Snapshot, SnapshotSink, Snapshots};
+use powerhouse_explicit_core::observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 use powerhouse_explicit_core::{
     EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
     run_reporting,
@@ -143,6 +143,10 @@ impl Simulation {
     /// Node pairs and facets of each joint, with the name of the joint.
     pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
         self.recordings.joint_surfaces()
+    }
+    /// Geometry of the sections whose forces are recorded: area, extents, axes and pieces.
+    pub fn section_geometry(&self) -> &[SectionGeometry] {
+        self.recordings.section_geometry()
     }
     /// Which elements of the mesh are present when the body moves, one flag per element: stages may have
     /// excavated some, or not cast them. None if all are present.

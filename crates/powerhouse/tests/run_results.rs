@@ -12,8 +12,8 @@ use powerhouse::model::{
 };
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, Error, Material, OutputPlan, Part, Registry, ResidualLimit, ResultFolder, Results,
-    RunHooks, RunNotes, Scene, SnapshotRequest,
+    Boundary, Error, Material, OutputPlan, Part, Registry, Remark, ResidualLimit, ResultFolder,
+    Results, RunHooks, RunNotes, Scene, SnapshotRequest,
 };
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
@@ -323,4 +323,96 @@ fn sections_through_tetrahedra_are_doubted() {
             assert!(columns.len() > 1);
         }
     }
+}
+
+/// A ring of concrete about the axis y through (0, 0, -20) m, of mean radius 5 m.
+fn ring() -> Mesh {
+    let (low, high) = (Vec3::new(0.0, 0.0, 4.8), Vec3::new(1.0, 2.0, 5.2));
+    let strip = Mesh::box_of_hexes(low, high, [16, 2, 2], "lining").unwrap();
+    strip
+        .map_positions(|p| {
+            let (sin, cos) = (1.5 * std::f64::consts::PI * p.x).sin_cos();
+            Vec3::new(-p.z * cos, p.y, p.z * sin - 20.0)
+        })
+        .unwrap()
+}
+
+/// A section that cuts two sides of a ring has a warning with the centre and extents of both and the values of `reach`
+/// that take one: in the remarks, in the head of the table of sections and in the summary. With such a value there is
+/// none, beyond it there is.
+#[test]
+fn sections_through_both_sides_of_a_ring_are_warned_of() {
+    let scene = |cut: &CrossSection| {
+        let concrete = Material::from(LinearElastic::new(media::CONCRETE));
+        Scene::new("ring", ring())
+            .part(Part::new("lining", concrete))
+            .with_duration(0.001)
+            .with_output(OutputPlan::default().cut("lining", cut.clone()))
+    };
+    // The open quarter is below on the left: these planes meet the rest twice.
+    for (point, normal) in [
+        (Vec3::new(-4.9, 1.0, -19.0), Vec3::z()),
+        (Vec3::new(-3.6, 1.0, -16.4), Vec3::new(1.0, 0.0, 1.0)),
+    ] {
+        let cut = |reach: Option<f64>| CrossSection {
+            name: "spring".into(),
+            point,
+            normal,
+            along: Vec3::y(),
+            within: reach.map(|reach| (point - Vec3::repeat(reach), point + Vec3::repeat(reach))),
+        };
+        let divided = |reach: Option<f64>| {
+            let simulation = scene(&cut(reach)).prepare().unwrap();
+            assert_eq!(simulation.section_geometry().len(), 1);
+            let remarks = simulation.remarks().iter();
+            let mut found = remarks.filter_map(|remark| match remark {
+                Remark::DividedSection { pieces, reach, .. } => Some((pieces.clone(), *reach)),
+                _ => None,
+            });
+            found.next()
+        };
+        let (pieces, reach) = divided(None).unwrap();
+        assert_eq!(pieces.len(), 2);
+        assert!((pieces[0].centroid - pieces[1].centroid).norm() > 9.0);
+        let [least, most] = reach.unwrap();
+        assert_eq!(divided(Some(least)), None);
+        assert_eq!(divided(Some(0.5 * (least + most))), None);
+        assert_eq!(divided(Some(most)), None);
+        assert!(divided(Some(most + 2.0)).is_some());
+
+        let folder = Folder::new("both-sides");
+        let simulation = scene(&cut(None)).prepare().unwrap();
+        let notes = RunNotes::new(simulation.remarks().to_vec());
+        let mesh = simulation.mesh().clone();
+        let results = simulation.run(RunHooks::default()).unwrap();
+        let out = ResultFolder::new(&folder.0);
+        out.write(("ring", &mesh), &results, &notes, None).unwrap();
+        let read = |file: &str| std::fs::read_to_string(folder.0.join(file)).unwrap_or_default();
+        let centre = pieces[0].centroid;
+        let shown = format!("({:.3}, {:.3}, {:.3}) m", centre.x, centre.y, centre.z);
+        for text in [read("summary.json"), read("sections.csv")] {
+            assert!(text.contains("section 'spring' cuts 2 pieces of 'lining'"));
+            assert!(
+                text.contains(&shown)
+                    && text.contains(&format!("`reach` from {least} to {most} m"))
+            );
+        }
+        assert!(read("sections.csv").starts_with("# warning: "));
+    }
+    // No cube around the centre takes one side alone.
+    let point = Vec3::new(0.0, 1.0, -19.0);
+    let cut = CrossSection {
+        name: "spring".into(),
+        point,
+        normal: Vec3::z(),
+        along: Vec3::y(),
+        within: None,
+    };
+    let simulation = scene(&cut).prepare().unwrap();
+    let found = simulation
+        .remarks()
+        .iter()
+        .find(|remark| remark.is_warning());
+    let text = found.unwrap().to_string();
+    assert!(text.contains("give a point of it as `at`"), "{text}");
 }

@@ -3,11 +3,13 @@
 use core::fmt;
 
 use powerhouse::engine::StableStep;
-use powerhouse::model::{ElementKind, QualityReport};
+use powerhouse::engine::observe::SectionGeometry;
+use powerhouse::model::{ElementKind, QualityReport, Vec3};
 use powerhouse::{Error, Message, Remark, Scene, StageOverview, Topic};
 
 use crate::StudyError;
 use crate::cost::{self, Cost, StepTimer};
+use crate::extent::SetExtent;
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
@@ -174,12 +176,18 @@ pub struct CheckReport {
     pub nodes: usize,
     /// Number of elements of the mesh.
     pub elements: usize,
+    /// Lower and upper corner of the box of the mesh (m).
+    pub extent: (Vec3, Vec3),
+    /// Boxes of the sets of elements, facets and nodes.
+    pub sets: Vec<SetExtent>,
     /// Quality of the elements.
     pub quality: QualityReport,
     /// Highest frequency that each part resolves.
     pub resolution: Vec<Resolution>,
     /// Geometry and law of each joint.
     pub joints: Vec<JointOverview>,
+    /// Sections whose forces are recorded: areas, extents and pieces.
+    pub sections: Vec<SectionGeometry>,
     /// Construction stages before the run.
     pub stages: Vec<StageOverview>,
     /// Stable time step of the dynamic model and the element that limits it.
@@ -232,6 +240,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     };
     let of_stages = static_cost::of(&simulation, &plans, model.memory_of_stages())?;
     let title = simulation.title().to_owned();
+    let sections = simulation.section_geometry().to_vec();
     let mut clock = StepTimer::of(&mut simulation)?;
     let of_step = clock.time_of_step()?;
     let cost = Cost {
@@ -259,9 +268,12 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         title,
         nodes: mesh.node_count(),
         elements: mesh.element_count(),
+        extent: mesh.bounding_box(),
+        sets: SetExtent::all(&mesh),
         quality,
         resolution,
         joints,
+        sections,
         stages,
         stable,
         cost,

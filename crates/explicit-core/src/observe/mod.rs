@@ -49,7 +49,7 @@ pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, ObservationPoint, Place, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
-pub use section::{CrossSection, SectionForces, SectionGeometry};
+pub use section::{CrossSection, SectionForces, SectionGeometry, SectionPiece};
 pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
 pub use state::{StatePeaks, StateTable};
 pub use table::{Column, HistoryTable};

@@ -5,7 +5,7 @@ mod balance;
 mod corrector;
 #[cfg(feature = "direct")]
 mod direct;
-mod disjoint_sets;
+pub(crate) mod disjoint_sets;
 mod error;
 #[cfg(feature = "direct")]
 mod freedoms;

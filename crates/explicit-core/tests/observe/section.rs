@@ -2,7 +2,7 @@ use core::f64::consts::PI;
 
 use powerhouse_explicit_core::Precision;
 use powerhouse_explicit_core::observe::{
-    CrossSection, ObserveError, SectionForces, SectionGeometry,
+    CrossSection, ObserveError, SectionForces, SectionGeometry, SectionPiece,
 };
 use powerhouse_model::{Cadence, ElasticMedium, Mesh, NodalView, Observer, Quad, Vec3};
 
@@ -458,4 +458,126 @@ fn impossible_cuts_are_refused() {
     );
     assert_eq!(observer.geometries().count(), 1);
     assert!(SectionForces::new(Cadence::Steps(0)).is_err());
+}
+
+/// A ring of radius 10 m and 0.5 m thick, 3 m long, of `n` elements around with two across its thickness; it is closed
+/// by nodes that coincide. Its axis y is turned about a unit vector by an angle.
+fn ring(kernel: Kernel, n: usize, turn: impl Fn(&Vec3) -> Vec3) -> Mesh {
+    let (low, high) = (Vec3::new(0.0, 0.0, 9.75), Vec3::new(2.0, 3.0, 10.25));
+    let mesh = kernel.mesh(low, high, [n, 3, 2]);
+    let around = |p: Vec3| {
+        let (sin, cos) = (PI * p.x).sin_cos();
+        turn(&Vec3::new(-p.z * cos, p.y, p.z * sin))
+    };
+    mesh.map_positions(around).unwrap()
+}
+
+/// Rotation about a unit vector (formula of Rodrigues).
+fn turned(p: &Vec3, axis: &Vec3, angle: f64) -> Vec3 {
+    let (sin, cos) = angle.sin_cos();
+    p * cos + axis.cross(p) * sin + axis * (axis.dot(p) * (1.0 - cos))
+}
+
+/// A plane that contains the axis of a ring, or a chord of it, cuts two pieces that do not touch, each with its own
+/// area, centroid and extents; a plane across the axis, one that only grazes the crown, and a box around one leg give
+/// one piece: with every kernel, wherever the ring's axis points.
+#[test]
+fn pieces_that_do_not_touch_are_told_apart() {
+    for kernel in KERNELS {
+        for (about, angle) in [
+            (Vec3::y(), 0.0),
+            (Vec3::new(1.0, 2.0, -0.5).normalize(), 0.7),
+            (Vec3::new(-0.2, 0.1, 1.0).normalize(), 2.3),
+        ] {
+            let turn = |p: &Vec3| turned(p, &about, angle);
+            let mesh = ring(kernel, 24, turn);
+            let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
+            let geometry = |point: Vec3, normal: Vec3, along: Vec3, half: Option<f64>| {
+                let cut = CrossSection {
+                    name: "cut".into(),
+                    point: turn(&point),
+                    normal: turn(&normal),
+                    along: turn(&along),
+                    within: half.map(|half| {
+                        let half = Vec3::repeat(half);
+                        (turn(&point) - half, turn(&point) + half)
+                    }),
+                };
+                let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
+                observer
+                    .add_section(&mesh, &cut, &elements)
+                    .unwrap()
+                    .clone()
+            };
+            let middle = Vec3::new(0.0, 1.5, 0.0);
+            // The last plane passes the coincident nodes.
+            for inclination in [0.3, 1.1, 2.9, 0.0] {
+                let (sin, cos) = f64::sin_cos(inclination);
+                let (out, normal) = (Vec3::new(cos, 0.0, sin), Vec3::new(-sin, 0.0, cos));
+                for offset in [0.0, 5.0] {
+                    let point = middle + offset * normal;
+                    let found = geometry(point, normal, Vec3::y(), None);
+                    let what = format!("{kernel:?} {about} {inclination} {offset}");
+                    let [first, second] = &found.pieces[..] else {
+                        panic!("{what}: {:?}", found.pieces)
+                    };
+                    let count = first.elements.len() + second.elements.len();
+                    assert_eq!(count, found.elements, "{what}");
+                    let area = first.area + second.area;
+                    assert!((area / found.area - 1.0).abs() < 1e-9, "{what}");
+                    let leg = f64::sqrt(100.0 - offset * offset);
+                    for sign in [1.0, -1.0] {
+                        let expected = turn(&(point + sign * leg * out));
+                        let near = |piece: &&SectionPiece| (piece.centroid - expected).norm() < 0.2;
+                        let piece = found.pieces.iter().find(near).unwrap();
+                        assert!((piece.width - 3.0).abs() < 1e-9, "{what}: {piece:?}");
+                        let slant = 0.5 * 10.0 / leg;
+                        assert!((piece.depth / slant - 1.0).abs() < 0.1, "{what}: {piece:?}");
+                        assert!(
+                            (piece.area / (3.0 * piece.depth) - 1.0).abs() < 0.02,
+                            "{what}"
+                        );
+                    }
+                    let one = geometry(point + leg * out, normal, Vec3::y(), Some(4.0));
+                    assert_eq!(one.pieces.len(), 1, "{what}");
+                    assert_eq!(one.pieces[0].elements.len(), one.elements, "{what}");
+                }
+                let grazing = geometry(middle + 9.9 * normal, normal, Vec3::y(), None);
+                assert_eq!(grazing.pieces.len(), 1, "{kernel:?} {inclination}");
+            }
+            let across = geometry(middle, Vec3::y(), Vec3::x(), None);
+            assert_eq!(across.pieces.len(), 1, "{kernel:?}");
+            assert_eq!(across.pieces[0].area, across.area);
+        }
+    }
+}
+
+/// Two sides of a joint touch, although they share no node; elements with others between them do not.
+#[test]
+fn two_sides_of_a_joint_are_one_piece() {
+    for kernel in KERNELS {
+        let mesh = kernel.mesh(Vec3::zeros(), Vec3::new(4.0, 2.0, 2.0), [4, 2, 2]);
+        let every = 0..mesh.element_count() as u32;
+        let (left, right): (Vec<u32>, Vec<u32>) = every.partition(|&e| mesh.centroid(e).x < 2.0);
+        let split = mesh.split_between(&left, &right).unwrap().mesh;
+        let split = jitter(split, 0.05);
+        assert!(split.node_count() > mesh.node_count());
+        let pieces = |elements: &[u32]| {
+            let cut = CrossSection {
+                name: "cut".into(),
+                point: Vec3::new(1.0, 1.0, 0.7),
+                normal: Vec3::new(0.05, -0.1, 1.0),
+                along: Vec3::x(),
+                within: None,
+            };
+            let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
+            let geometry = observer.add_section(&split, &cut, elements).unwrap();
+            geometry.pieces.len()
+        };
+        let all = [left, right].concat();
+        assert_eq!(pieces(&all), 1, "{kernel:?}");
+        let between = |e: &u32| (1.0..3.0).contains(&mesh.centroid(*e).x);
+        let rest: Vec<u32> = all.into_iter().filter(|e| !between(e)).collect();
+        assert_eq!(pieces(&rest), 2, "{kernel:?}");
+    }
 }

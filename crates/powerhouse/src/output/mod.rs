@@ -10,6 +10,7 @@ mod naming;
 mod plan;
 mod results;
 mod sampling;
+mod sections;
 mod stages;
 mod state_variables;
 mod summary;

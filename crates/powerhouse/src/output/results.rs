@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
-    BoltHistories, BoltTables, Column, CrossSection, EnergyHistory, Envelope, EnvelopeTable,
-    History, HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
+    BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
+    HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
 use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunReport, StageReport};
-use powerhouse_model::{Cadence, ElementKind, JointRecord, Mesh, ModelError, Observer};
+use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
-use super::sampling;
-use super::{BoltForces, JointRequest, OutputPlan, SectionRequest, StateVariables};
+use super::{BoltForces, JointRequest, OutputPlan, StateVariables};
+use super::{sampling, sections};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
@@ -264,10 +264,11 @@ impl Recordings {
                 let is_there = |e: &u32| present.is_none_or(|present| present[*e as usize]);
                 let set = mesh.element_set(&request.set)?.iter().copied();
                 let elements: Vec<u32> = set.filter(is_there).collect();
-                forces
+                let geometry = forces
                     .add_section(mesh, &request.cut, &elements)
                     .map_err(model)?;
-                remarks.extend(through_tetrahedra(mesh, request, &elements));
+                remarks.extend(sections::in_pieces(mesh, request, geometry));
+                remarks.extend(sections::through_tetrahedra(mesh, request, &elements));
             }
             recordings.section_geometry = forces.geometries().cloned().collect();
             recordings.sections = Some(forces.recording());
@@ -338,6 +339,11 @@ impl Recordings {
             observers.push(Box::new(histories));
         }
         Ok(())
+    }
+
+    /// Geometry of the sections, in the order of their requests.
+    pub(crate) fn section_geometry(&self) -> &[SectionGeometry] {
+        &self.section_geometry
     }
 
     /// Surfaces of the joints, by name.
@@ -502,39 +508,6 @@ fn histories(
         element: mesh.element_tags()[element as usize],
     });
     Ok((history, remarks.collect()))
-}
-
-/// Warning about a section through linear tetrahedra.
-fn through_tetrahedra(mesh: &Mesh, request: &SectionRequest, elements: &[u32]) -> Option<Remark> {
-    let CrossSection {
-        point,
-        normal,
-        within,
-        ..
-    } = &request.cut;
-    let beyond = |&node: &u32| (mesh.positions()[node as usize] - point).dot(normal);
-    let counts = |element: u32| {
-        let centre = mesh.centroid(element);
-        within.as_ref().is_none_or(|(low, high)| {
-            (0..3).all(|axis| (low[axis]..=high[axis]).contains(&centre[axis]))
-        })
-    };
-    let is_cut = |element: &&u32| {
-        let sides = mesh.nodes_of(**element).iter().map(beyond);
-        let [least, most] = sides.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], side| {
-            [low.min(side), high.max(side)]
-        });
-        least <= 0.0 && most >= 0.0 && counts(**element)
-    };
-    let cut: Vec<&u32> = elements.iter().filter(is_cut).collect();
-    let tetrahedra = cut.iter().filter(|e| mesh.kind(***e) == ElementKind::Tet4);
-    let tetrahedra = tetrahedra.count();
-    (tetrahedra > 0).then(|| Remark::TetrahedralSection {
-        section: request.cut.name.clone(),
-        set: request.set.clone(),
-        elements: tetrahedra,
-        of: cut.len(),
-    })
 }
 
 fn model(error: impl Into<ModelError>) -> Error {

@@ -3,6 +3,7 @@
 mod body;
 mod boundary;
 mod file;
+mod held_field;
 mod joints;
 mod medium;
 mod memory;

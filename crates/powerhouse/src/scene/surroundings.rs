@@ -19,10 +19,10 @@ const PEAK_WINDOW: f64 = 60.0;
 const PEAK_INSTANTS: usize = 12_000;
 /// Largest traction of a field on a free surface, over shear impedance times peak velocity, that rounding of a mesh
 /// file or interpolation of a table can explain.
-const TRACTION_OF_NOTE: f64 = 0.01;
+pub(super) const TRACTION_OF_NOTE: f64 = 0.01;
 /// Numbers of instants and points at which the traction is evaluated.
-const TRACTION_INSTANTS: usize = 500;
-const TRACTION_POINTS: usize = 256;
+pub(super) const TRACTION_INSTANTS: usize = 500;
+pub(super) const TRACTION_POINTS: usize = 256;
 /// Tolerance of the distance from a side of the bounding box, over the diagonal of the mesh.
 const SIDE_TOLERANCE: f64 = 1e-6;
 /// Least cosine between a support direction and the normal of a facet that it restrains: that of 45 degrees.
@@ -69,7 +69,7 @@ impl Scene {
 
     /// Nodes of the boundary or region through which the field enters that are nearest to the corners of their bounding
     /// box.
-    fn outermost(&self, site: &BoundarySite) -> Vec<Vec3> {
+    pub(super) fn outermost(&self, site: &BoundarySite) -> Vec<Vec3> {
         let region = self.boundary.as_ref().and_then(|b| b.region.as_deref());
         let entered: Vec<Vec3> = match region {
             None => site.nodes.iter().map(|node| node.position).collect(),
@@ -151,7 +151,7 @@ impl Scene {
         let (open, rest) = self.open_sides(&free);
         remarks.extend(open);
         if let Some(field) = site.field {
-            remarks.extend(self.held_field(field, site)?);
+            remarks.extend(self.field_at_supports(field, (faces, site))?);
             remarks.extend(self.loaded_surface(field, &rest, site)?);
         }
         Ok(remarks)
@@ -235,56 +235,6 @@ impl Scene {
         warnings.map(Remark::Scene).collect()
     }
 
-    /// Warning about supports that restrain nodes in a direction in which the free field moves. Outside of a domain
-    /// reduction region the motion is that of scattered waves alone.
-    fn held_field(
-        &self,
-        field: &dyn IncidentField,
-        site: &BoundarySite,
-    ) -> Result<Option<Remark>, Error> {
-        let region = self.boundary.as_ref().and_then(|b| b.region.as_ref());
-        let held: Vec<(u32, Option<Vec3>)> = (self.supports.iter())
-            .flat_map(|support| {
-                let stride = support.nodes().len().div_ceil(TRACTION_POINTS).max(1);
-                let along = support.held_direction().map(|along| along.normalize());
-                let nodes = support.nodes().iter().step_by(stride);
-                nodes.map(move |&node| (node, along))
-            })
-            .collect();
-        if region.is_some() || held.is_empty() {
-            return Ok(None);
-        }
-        let positions = self.mesh.positions();
-        let mut points: Vec<Vec3> = (held.iter())
-            .map(|(node, _)| positions[*node as usize])
-            .collect();
-        points.extend(self.outermost(site));
-        let sampler = field.prepare(&points)?;
-        let mut motion = vec![FieldMotion::default(); points.len()];
-        let (mut fastest, mut worst) = (0.0_f64, (0.0_f64, 0));
-        let interval = self.duration / TRACTION_INSTANTS as f64;
-        for instant in 0..=TRACTION_INSTANTS {
-            motion.fill(FieldMotion::default());
-            sampler.add_motion(self.start + instant as f64 * interval, &mut motion);
-            for motion in &motion {
-                fastest = larger(fastest, motion.velocity.norm());
-            }
-            for (motion, (node, along)) in motion.iter().zip(&held) {
-                let speed = match along {
-                    Some(along) => motion.velocity.dot(along).abs(),
-                    None => motion.velocity.norm(),
-                };
-                if speed > worst.0 {
-                    worst = (speed, *node);
-                }
-            }
-        }
-        let share = worst.0 / fastest;
-        let node = self.mesh.node_tags()[worst.1 as usize];
-        let is_held = worst.0 > 0.0 && share > TRACTION_OF_NOTE;
-        Ok(is_held.then_some(Remark::Scene(SceneRemark::RestrainedField { share, node })))
-    }
-
     /// Sides of the bounding box except its top with free facets, and all other free facets.
     fn open_sides(&self, free: &[Facet]) -> (Vec<Remark>, Vec<Facet>) {
         let (low, high) = self.mesh.bounding_box();
@@ -363,7 +313,7 @@ impl Scene {
 
 /// Returns whether the supported directions (unit vectors) of a node restrain a facet with a normal: along it, or in two
 /// directions across it, as on a plane of antisymmetry.
-fn is_held(directions: &[Vec3], normal: &Vec3) -> bool {
+pub(super) fn is_held(directions: &[Vec3], normal: &Vec3) -> bool {
     let across: Vec<Vec3> = (directions.iter())
         .map(|along| along - normal * along.dot(normal))
         .collect();
@@ -422,6 +372,6 @@ fn start_level(sampler: &dyn FieldSampler, start: f64, duration: f64) -> f64 {
 }
 
 /// Larger of two numbers; not a number if one of them is not, so that an undefined field does not count as zero.
-fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -4,6 +4,7 @@ mod base_motion;
 mod crack_bands;
 mod damping;
 mod grouting;
+mod held_field;
 mod hourglass;
 mod joint_history;
 mod joint_output;

@@ -1,12 +1,14 @@
 //! Section forces and moments.
 
 mod functional;
+mod pieces;
 mod plane;
 
 use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Vec3};
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 use functional::Functional;
+pub use pieces::SectionPiece;
 use plane::{Plane, intersect};
 
 /// A cross section: a named plane through elements, of which section forces are recorded.
@@ -29,6 +31,7 @@ pub struct CrossSection {
 
 /// Geometry of a section: area, centroid, extents and axes.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SectionGeometry {
     /// Name of the section.
     pub name: String,
@@ -48,6 +51,9 @@ pub struct SectionGeometry {
     pub across: Vec3,
     /// Number of elements that the plane intersects.
     pub elements: usize,
+    /// Pieces of the section whose elements do not touch each other: more than one where the plane cuts, say, the crown
+    /// and the invert of a lining, whose forces and moments are then those of both about the common centroid.
+    pub pieces: Vec<SectionPiece>,
 }
 
 /// Observer of section forces: normal force, shear forces, torsion and bending moments of sections through linings and
@@ -182,7 +188,7 @@ impl SectionForces {
                     .is_some(),
             }
         })?;
-        let geometry = intersection.geometry(section, along);
+        let geometry = intersection.geometry(mesh, section, along);
         let axes = [geometry.normal, geometry.across, geometry.along];
         let virtual_motion = |node: u32| {
             let position = &mesh.positions()[node as usize];

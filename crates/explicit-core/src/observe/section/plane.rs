@@ -2,6 +2,7 @@
 
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
+use super::pieces::pieces;
 use super::{CrossSection, SectionGeometry};
 
 /// A plane that divides space; the normal points to the positive side.
@@ -31,11 +32,11 @@ impl Plane {
 
 /// Area, first moment and corners of polygons in a plane.
 #[derive(Clone, Debug, Default)]
-struct PlaneArea {
+pub(super) struct PlaneArea {
     /// Area (m2).
-    area: f64,
+    pub(super) area: f64,
     /// Integral of the position (m3).
-    first_moment: Vec3,
+    pub(super) first_moment: Vec3,
     /// Corners of the polygons (m).
     corners: Vec<Vec3>,
 }
@@ -53,7 +54,7 @@ const TET: [[usize; 4]; 1] = [[0, 1, 2, 3]];
 
 impl PlaneArea {
     /// Adds the intersection polygon of the plane with an element; warped sides are divided into triangles.
-    fn add(&mut self, plane: &Plane, kind: ElementKind, corners: &[Vec3]) {
+    pub(super) fn add(&mut self, plane: &Plane, kind: ElementKind, corners: &[Vec3]) {
         let tets: &[[usize; 4]] = match kind {
             ElementKind::Hex8 => &HEX_TETS,
             ElementKind::Wedge6 => &WEDGE_TETS,
@@ -97,7 +98,7 @@ impl PlaneArea {
     }
 
     /// Extent of the polygons along a direction (m).
-    fn extent(&self, direction: &Vec3) -> f64 {
+    pub(super) fn extent(&self, direction: &Vec3) -> f64 {
         let along = self.corners.iter().map(|corner| corner.dot(direction));
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
@@ -110,8 +111,8 @@ impl PlaneArea {
 pub(super) struct Intersection {
     plane: Plane,
     polygons: PlaneArea,
-    /// Number of elements that the plane intersects.
-    elements: usize,
+    /// Elements that the plane intersects.
+    elements: Vec<u32>,
     /// Signed distances (m) from the plane between which the virtual motion increases from zero to one.
     ramp: (f64, f64),
 }
@@ -120,7 +121,7 @@ pub(super) struct Intersection {
 pub(super) fn intersect(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<Intersection> {
     let mut polygons = PlaneArea::default();
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-    let (mut count, mut lengths) = (0, 0.0);
+    let (mut cut, mut lengths) = (Vec::new(), 0.0);
     for &element in elements {
         let nodes = mesh.nodes_of(element).iter();
         let corners: Vec<Vec3> = nodes.map(|&node| mesh.positions()[node as usize]).collect();
@@ -135,15 +136,15 @@ pub(super) fn intersect(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<I
             .count();
         if above > 0 && above < corners.len() {
             polygons.add(&plane, mesh.kind(element), &corners);
-            count += 1;
+            cut.push(element);
             lengths += high - low;
         }
     }
-    let half = 0.5 * lengths / f64::from(count);
+    let half = 0.5 * lengths / cut.len() as f64;
     (polygons.area > 0.0).then_some(Intersection {
         plane,
         polygons,
-        elements: count as usize,
+        elements: cut,
         ramp: (lowest.max(-half), highest.min(half)),
     })
 }
@@ -168,7 +169,12 @@ impl Intersection {
         elements.iter().copied().filter(strained).collect()
     }
 
-    pub(super) fn geometry(&self, section: &CrossSection, along: Vec3) -> SectionGeometry {
+    pub(super) fn geometry(
+        &self,
+        mesh: &Mesh,
+        section: &CrossSection,
+        along: Vec3,
+    ) -> SectionGeometry {
         let across = along.cross(&self.plane.normal);
         SectionGeometry {
             name: section.name.clone(),
@@ -179,7 +185,8 @@ impl Intersection {
             normal: self.plane.normal,
             along,
             across,
-            elements: self.elements,
+            elements: self.elements.len(),
+            pieces: pieces(mesh, &self.plane, &self.elements, [along, across]),
         }
     }
 }
