@@ -5,7 +5,9 @@ use std::path::Path;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::JointTable;
-use powerhouse_io::{FacetField, FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
+#[cfg(feature = "pictures")]
+use powerhouse_io::FacetField;
+use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{
     Bond, ContactState, HistoryVariable, JointHistory, JointPair, JointRecord, Mesh, Vec3,
 };
@@ -25,7 +27,9 @@ use super::vtu;
 pub(super) struct JointFacets {
     pub(super) writer: VtuWriter,
     /// Corner positions (m) and the corners of each facet.
+    #[cfg(feature = "pictures")]
     positions: Vec<Vec3>,
+    #[cfg(feature = "pictures")]
     facets: Vec<Vec<u32>>,
     /// Index of the pair at each point; none at tips.
     pairs: Vec<Option<usize>>,
@@ -94,7 +98,9 @@ impl JointFacets {
         })?;
         Ok(Some(Self {
             writer,
+            #[cfg(feature = "pictures")]
             positions,
+            #[cfg(feature = "pictures")]
             facets,
             pairs,
         }))
@@ -142,6 +148,7 @@ impl JointFacets {
     }
 
     /// Pictures of its pairs. A quantity that never was above zero has none, but for those that are kinds.
+    #[cfg(feature = "pictures")]
     pub(super) fn pictures(&self, table: &JointTable) -> Vec<JointPicture> {
         let field = |name: &str| {
             let (_, value) = FIELDS.iter().find(|(known, _)| *known == name)?;
@@ -226,6 +233,7 @@ fn unit_of(name: &str) -> &'static str {
 }
 
 /// Picture of the facets of a joint.
+#[cfg(feature = "pictures")]
 pub(super) struct JointPicture {
     /// Quantity that is drawn.
     pub(super) name: &'static str,

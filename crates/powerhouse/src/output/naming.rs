@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use super::drawing::file_name;
-
 /// Largest length of a name in bytes: file systems permit 255, and names get prefixes and suffixes.
 const LONGEST: usize = 200;
 
@@ -55,6 +53,18 @@ pub enum NameError {
         /// Common file.
         file: String,
     },
+}
+
+/// File name of a result name: every character that is not a letter, digit, `-` or `_` is replaced by `-`.
+pub fn file_name(name: &str) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    name.chars().map(plain).collect()
 }
 
 /// Kind of a named object.
