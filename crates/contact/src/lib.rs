@@ -53,6 +53,7 @@ mod error;
 mod joint;
 mod laws;
 mod pairing;
+mod present;
 mod surface;
 mod tied;
 

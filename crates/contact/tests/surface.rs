@@ -258,3 +258,23 @@ fn projected_areas_add_up_to_the_vector_area() {
         assert_eq!(least < 1.0, rise > 0.0, "{least}");
     }
 }
+
+/// Facets of which a side is absent are left out: beside an excavated room on either side, and where nothing is left.
+#[test]
+fn facets_need_both_sides() {
+    // Two slabs of 4 by 3 bricks, one on the other.
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 3.0, 2.0), [4, 3, 2], "rock");
+    let (mesh, surface) = cut(&mesh.unwrap(), |c| c.z < 1.0);
+    let count = |is_present: &dyn Fn(Vec3) -> bool| {
+        let elements = 0..mesh.element_count() as u32;
+        let present: Vec<bool> = elements.map(|e| is_present(mesh.centroid(e))).collect();
+        surface.present_facets(&mesh, &present).len()
+    };
+    assert_eq!(count(&|_| true), 12);
+    // A row of three on the first side, a brick inside on the second, each side as a whole.
+    assert_eq!(count(&|at| at.z > 1.0 || at.x > 1.0), 9);
+    let brick = Vec3::new(1.5, 1.5, 1.5);
+    assert_eq!(count(&|at| (at - brick).norm() > 0.1), 11);
+    assert_eq!(count(&|at| at.z < 1.0), 0);
+    assert_eq!(count(&|at| at.z > 1.0), 0);
+}

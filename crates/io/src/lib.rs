@@ -55,6 +55,7 @@
 //! any machine. For more there are ParaView and the CSV files.
 
 mod atomic;
+mod date;
 mod error;
 #[cfg(feature = "gmsh")]
 pub mod gmsh;
@@ -78,6 +79,7 @@ mod xml;
 #[cfg(feature = "free-space")]
 pub use atomic::free_space;
 pub use atomic::write_whole;
+pub use date::utc_date;
 pub use error::IoError;
 #[cfg(feature = "gmsh")]
 pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};

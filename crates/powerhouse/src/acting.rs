@@ -4,6 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
 
+/// Acceleration of gravity (m/s2) unless a scene gives another.
+pub(crate) const GRAVITY: f64 = 9.81;
+
 /// Function of time shared by several models.
 pub(crate) type SharedFunction = Arc<dyn TimeFunction>;
 

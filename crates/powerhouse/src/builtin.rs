@@ -147,32 +147,3 @@ impl ViscousSpringKeys {
         })
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use serde_json::{from_value, json};
-
-    use super::*;
-
-    /// The names that other programs take from [`keys`] are keys and values of scene files.
-    #[test]
-    fn names_are_those_of_scene_files() {
-        let registry = Registry::default();
-        let of = |name| registry.boundary_keys(name).unwrap();
-        assert_eq!(of(keys::VISCOUS), [keys::INPUT]);
-        let mut springs = vec!["a", keys::SPEED_RATIO, keys::DISTANCE];
-        springs.extend(keys::AXES);
-        springs.extend([keys::SPREADING, keys::INPUT]);
-        springs.sort_unstable();
-        assert_eq!(of(keys::VISCOUS_SPRING), springs);
-        let axis = json!({ keys::DISTANCE: 1.0, keys::SPEED_RATIO: 1.0 });
-        assert!(from_value::<AxisKeys>(axis).is_ok());
-        for input in [
-            json!(keys::FULL_FIELD),
-            json!({ keys::INCIDENT_ONLY: ["bottom"] }),
-        ] {
-            assert!(from_value::<Input>(input).is_ok());
-        }
-        assert!(from_value::<SpreadingKey>(json!(keys::CYLINDRICAL)).is_ok());
-    }
-}

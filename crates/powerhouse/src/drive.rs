@@ -1,13 +1,15 @@
 //! Single-point test of a material along a strain or stress path, both read from files.
 
 use core::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use powerhouse_explicit_core::observe::principal_stresses;
-use powerhouse_io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot, write_table};
+use powerhouse_io::TableColumn;
+#[cfg(feature = "pictures")]
+use powerhouse_io::{Plot, PlotCurve, PlotPanel, write_plot, write_table};
 use powerhouse_material_damage::{Control, PointDriver, PointState};
-use powerhouse_model::{HistoryKind, HistoryVariable, PointAdapter, Stress};
+use powerhouse_model::{HistoryVariable, PointAdapter, Stress};
 use serde::Deserialize;
 
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
@@ -336,11 +338,12 @@ impl PointTest {
 
     /// Writes the table to `point.csv` and a plot to `point.svg`, and returns both paths. The plot shows stress
     /// against strain of the component of [`extremes`](Self::extremes) and, below it, the accumulated history
-    /// variables.
+    /// variables. With the feature `pictures`.
     ///
     /// # Errors
     /// File that could not be written.
-    pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2], Error> {
+    #[cfg(feature = "pictures")]
+    pub fn write(&self, folder: &Path) -> Result<[std::path::PathBuf; 2], Error> {
         let files = [folder.join("point.csv"), folder.join("point.svg")];
         let columns = self.columns();
         write_table(&files[0], &columns)?;
@@ -361,7 +364,8 @@ impl PointTest {
         let mut panels = vec![panel("Pa", vec![curve(strain, stress)])];
         let amounts = self.variables.iter().zip(&columns[17..]);
         let amounts = amounts.filter(|(variable, column)| {
-            variable.kind == HistoryKind::Amount && column.values.iter().any(|v| *v != 0.0)
+            variable.kind == powerhouse_model::HistoryKind::Amount
+                && column.values.iter().any(|v| *v != 0.0)
         });
         let amounts: Vec<PlotCurve> = amounts.map(|(_, column)| curve(strain, column)).collect();
         if !amounts.is_empty() {

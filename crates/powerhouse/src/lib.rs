@@ -22,7 +22,27 @@
 //! horizontal direction of travel, from +x towards +y. t = 0 of a record is its arrival at the
 //! corner of the mesh's box that the wave hits first, unless a reference point is given.
 //!
+//! # Features
+//! `scene-files` and `pictures` are on by default. Without them (`default-features = false`) a program composes scenes
+//! in Rust, runs them, and writes tables, VTU files and summaries. The last column counts the crates that are then
+//! compiled on Linux, those of the workspace included; both defaults together are 98.
+//!
+//! | feature | what it adds | crates |
+//! |---|---|---|
+//! | none | | 63 |
+//! | `gmsh` | Gmsh meshes, [`io::read_gmsh`] | 80 |
+//! | `records` | accelerograms, [`io::read_record`] | 63 |
+//! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] | 66 |
+//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh` and `records` | 95 |
+//! | `direct` | a direct solver for static equilibrium | 101 |
+//!
+//! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.
+//!
 //! # Why so
+//! *Schemas belong to scene files.* The registry takes the names of the keys of a boundary from its schema, and its
+//! functions ask for `JsonSchema`: a feature that removed this bound would change what other crates compile with.
+//! serde alone is always there, for `summary.json`.
+//!
 //! *One type.* A scene file is turned into the same [`Scene`] that programs compose: neither can do what the
 //! other cannot.
 //!
@@ -45,20 +65,35 @@
 //! *A fault has a position.* Every value of a scene file keeps the bytes that it was read from, so that a fault,
 //! found by the parser, in the mesh or by another crate, is shown at its line and column before the run.
 
+#![cfg_attr(
+    not(feature = "scene-files"),
+    allow(
+        dead_code,
+        unused_imports,
+        reason = "usual ranges, hints and places of keys that files alone have"
+    )
+)]
+
 mod acting;
+#[cfg(feature = "scene-files")]
 mod builtin;
+#[cfg(feature = "scene-files")]
 mod builtin_joints;
+#[cfg(feature = "scene-files")]
 mod builtin_laws;
 mod damping;
+#[cfg(feature = "scene-files")]
 mod drive;
 mod error;
 mod fault;
+#[cfg(feature = "scene-files")]
 #[expect(
     unreachable_pub,
     reason = "tables of scene files: every new key would break users of these types"
 )]
 mod format;
 mod joint;
+#[cfg(feature = "scene-files")]
 pub mod keys;
 mod known;
 mod magnitude;
@@ -67,8 +102,10 @@ mod output;
 mod part;
 pub mod prelude;
 mod reduction;
+#[cfg(feature = "scene-files")]
 mod registry;
 mod remark;
+#[cfg(feature = "scene-files")]
 mod resolve;
 mod scene;
 mod scene_remark;
@@ -83,11 +120,14 @@ pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_wavefield as wavefield;
 
-/// The crates of linear algebra and of schemas whose types stand in public signatures, in the versions in use.
+/// The crate of linear algebra whose types stand in public signatures, in the version in use.
 pub use powerhouse_model::nalgebra;
+/// The crate of JSON schemas whose types stand in public signatures, in the version in use.
+#[cfg(feature = "scene-files")]
 pub use schemars;
 
 pub use damping::{Damping, DampingCost};
+#[cfg(feature = "scene-files")]
 pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
@@ -101,6 +141,7 @@ pub use output::{
 };
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;
+#[cfg(feature = "scene-files")]
 pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{

@@ -32,6 +32,9 @@ pub use powerhouse_wavefield::{
 };
 
 pub use crate::{
-    Boundary, Damping, Material, OutputPlan, Part, Registry, Results, RunHooks, Scene, SceneJoint,
+    Boundary, Damping, Material, OutputPlan, Part, Results, RunHooks, Scene, SceneJoint,
     SceneStage, Simulation, TimeStep,
 };
+
+#[cfg(feature = "scene-files")]
+pub use crate::Registry;

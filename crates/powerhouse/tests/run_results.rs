@@ -12,8 +12,8 @@ use powerhouse::model::{
 };
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, Error, Material, OutputPlan, Part, Registry, Remark, ResidualLimit, ResultFolder,
-    Results, RunHooks, RunNotes, Scene, SnapshotRequest,
+    Boundary, Error, FolderError, Material, OutputPlan, Part, Registry, Remark, ResidualLimit,
+    ResultFolder, Results, RunHooks, RunNotes, Scene, SnapshotRequest,
 };
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
@@ -415,4 +415,47 @@ fn sections_through_both_sides_of_a_ring_are_warned_of() {
         .find(|remark| remark.is_warning());
     let text = found.unwrap().to_string();
     assert!(text.contains("give a point of it as `at`"), "{text}");
+}
+
+/// A folder admits one run at a time, which the refusal of a second one names; afterwards the next may start, and the
+/// lock file is removed.
+#[test]
+fn a_folder_has_one_run_at_a_time() {
+    let folder = Folder::new("lock-one");
+    let results = ResultFolder::new(&folder.0);
+    let first = results.lock().unwrap();
+    let refused = results.lock().unwrap_err().to_string();
+    let own = format!("another run (process {}, since 20", std::process::id());
+    assert!(refused.contains(&own), "{refused}");
+    first.release().unwrap();
+    let second = results.lock().unwrap();
+    assert_eq!(second.remark(), None);
+    drop(second);
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 0);
+}
+
+/// The lock of a killed run is taken over, with a remark that names the run.
+#[test]
+fn the_lock_of_a_dead_run_is_taken_over() {
+    let folder = Folder::new("lock-dead");
+    let dead = "process 1234, since 2001-02-03 04:05:06 UTC";
+    std::fs::write(folder.0.join(".powerhouse-lock"), format!("{dead}\n1.0\n")).unwrap();
+    let lock = ResultFolder::new(&folder.0).lock().unwrap();
+    let remark = lock.remark().unwrap();
+    assert!(remark.ends_with(&format!("({dead})")), "{remark}");
+}
+
+/// A folder that is removed, or replaced by that of another run, is detected.
+#[test]
+fn a_removed_folder_is_detected() {
+    let folder = Folder::new("lock-gone");
+    let results = ResultFolder::new(&folder.0);
+    let lock = results.lock().unwrap();
+    std::fs::remove_dir_all(&folder.0).unwrap();
+    assert!(!lock.is_held());
+    let other = results.lock().unwrap();
+    let refused = lock.release().unwrap_err();
+    assert!(matches!(refused, Error::Folder(FolderError::Gone { .. })));
+    // Dropping the first lock did not remove the lock file of the other run.
+    assert!(other.is_held());
 }

@@ -13,6 +13,36 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
+/// Number of samples before and after the greatest one over which [`Column::roughness`] sums.
+const AROUND: usize = 8;
+
+impl Column {
+    /// Roughness of a motion around its greatest sample, from which it follows how many samples there are per period:
+    /// `4 sin^2(pi / n)` for a sinusoid with `n` samples per period (1 at six), whatever its phase and direction; 2 on
+    /// average for noise, and for a peak of one sample.
+    ///
+    /// `sum a(i) . (2 a(i) - a(i-1) - a(i+1)) / sum a(i) . a(i)`, over the 17 samples around the greatest one: for a
+    /// sinusoid the ratio of each pair of terms is the same, so that the number of periods among them does not matter.
+    ///
+    /// `components` are columns of one vector with equal lengths. None if there are none, if there are fewer than three
+    /// samples, or if all samples around the greatest one are zero.
+    pub fn roughness(components: &[Self]) -> Option<f64> {
+        let product = |i: usize, j: usize| -> f64 {
+            let values = components.iter().map(|column| &column.values);
+            values.map(|values| values[i] * values[j]).sum()
+        };
+        let last = components.first()?.values.len().checked_sub(1)?;
+        let greatest = (0..=last).max_by(|&i, &j| product(i, i).total_cmp(&product(j, j)))?;
+        let around = greatest.saturating_sub(AROUND).max(1)..last.min(greatest + AROUND + 1);
+        let (mut changes, mut size) = (0.0, 0.0);
+        for i in around {
+            changes += 2.0 * product(i, i) - product(i, i - 1) - product(i, i + 1);
+            size += product(i, i);
+        }
+        (size > 0.0).then(|| changes / size)
+    }
+}
+
 /// A table of time histories with common times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryTable {
@@ -48,6 +78,57 @@ impl HistoryTable {
         self.times.push(time);
         for (column, &value) in self.columns.iter_mut().zip(row) {
             column.values.push(value);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, value: impl Fn(f64) -> f64) -> Column {
+        Column {
+            name: name.into(),
+            unit: "m/s2",
+            values: (0..200).map(|i| value(f64::from(i))).collect(),
+        }
+    }
+
+    /// The roughness of a sinusoid is that of its samples per period, whatever its phase and direction and however many
+    /// periods are summed over.
+    #[test]
+    fn roughness_is_that_of_samples_per_period() {
+        for samples in [2.3, 3.0, 5.0, 5.99, 6.01, 7.0, 11.7, 40.0] {
+            for phase in [0.0, 0.3, 1.9] {
+                let wave = |i: f64| (core::f64::consts::TAU * i / samples + phase).sin();
+                let motion = [
+                    column("a.ax", |i| 0.6 * wave(i)),
+                    column("a.ay", |_| 0.0),
+                    column("a.az", |i| -0.8 * wave(i)),
+                ];
+                let found = Column::roughness(&motion).unwrap();
+                let expected = 4.0 * (core::f64::consts::PI / samples).sin().powi(2);
+                assert!((found / expected - 1.0).abs() < 1e-12, "{samples}: {found}");
+            }
+        }
+    }
+
+    /// A peak of one sample is rough, a wide one is not; a motion that is zero, or too short, has no roughness.
+    #[test]
+    fn roughness_is_that_of_the_greatest_peak() {
+        let peak = |width: f64| {
+            let long = |i: f64| 0.1 * (i / 20.0).sin();
+            let peak = column("a.ax", |i| long(i) + (-((i - 90.0) / width).powi(2)).exp());
+            Column::roughness(&[peak]).unwrap()
+        };
+        assert!(peak(0.3) > 1.5, "{}", peak(0.3));
+        assert!(peak(4.0) < 0.2, "{}", peak(4.0));
+        assert_eq!(Column::roughness(&[column("a.ax", |_| 0.0)]), None);
+        assert_eq!(Column::roughness(&[]), None);
+        for samples in 0..3 {
+            let mut short = column("a.ax", |i| i + 1.0);
+            short.values.truncate(samples);
+            assert_eq!(Column::roughness(&[short]), None, "{samples}");
         }
     }
 }

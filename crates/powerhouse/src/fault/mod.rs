@@ -1,5 +1,6 @@
 //! Faults of a scene file, with their byte range.
 
+#[cfg(feature = "scene-files")]
 mod message;
 mod text;
 
@@ -164,12 +165,14 @@ impl Fault {
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
+    #[cfg(feature = "scene-files")]
     pub(crate) fn from_toml(error: toml::de::Error) -> Self {
         Self::new(
             error.span().unwrap_or(0..0),
             Problem::from_serde(error.message()),
         )
     }
+    #[cfg(feature = "scene-files")]
     /// Adds permitted keys to the fault of an unknown key.
     pub(crate) fn with_permitted(mut self, more: &[&str]) -> Self {
         if let Problem::UnknownKey { permitted, .. } = &mut self.problem {

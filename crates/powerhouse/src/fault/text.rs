@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+#[cfg(feature = "scene-files")]
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::{Fault, Problem};
@@ -56,6 +57,7 @@ impl SceneFault {
     pub fn position(&self) -> (usize, usize) {
         self.text.position(self.fault.span.start)
     }
+    #[cfg(feature = "scene-files")]
     /// Formatted message with the lines of the file concerned, the permitted values and the nearest match;
     /// `colours` adds terminal colours.
     pub fn render(&self, colours: bool) -> String {

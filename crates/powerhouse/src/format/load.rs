@@ -145,8 +145,6 @@ pub enum Load {
     },
 }
 
-/// Default acceleration of gravity (m/s2).
-pub(crate) const GRAVITY: f64 = 9.81;
 /// Default density of water (kg/m3).
 pub(crate) const WATER_DENSITY: f64 = 1000.0;
 

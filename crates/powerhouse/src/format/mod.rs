@@ -49,7 +49,7 @@ pub use ground::{
     Units, Wave, WaveAxis, WaveKind,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
-pub(crate) use load::{GRAVITY, WATER_DENSITY};
+pub(crate) use load::WATER_DENSITY;
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
 pub use output::{History, JointHistory, JointQuantity, Output, Quantity, Section};

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{ParameterError, Stress, Vec3};
 
-use crate::format::GRAVITY;
+use crate::acting::GRAVITY;
 
 /// Traction on a joint in the static state from which displacements count (preload).
 ///

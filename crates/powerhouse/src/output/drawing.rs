@@ -8,6 +8,7 @@ use powerhouse_io::{
 };
 use powerhouse_model::{Mesh, Vec3};
 
+use super::file_name;
 use super::joints::JointPicture;
 
 /// Writes a plot of a table against its first column.
@@ -43,18 +44,6 @@ pub(super) fn plots(
             (file_name(name), write)
         })
         .collect()
-}
-
-/// File name of a result name: every character that is not a letter, digit, `-` or `_` is replaced by `-`.
-pub fn file_name(name: &str) -> String {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_".contains(c) {
-            c
-        } else {
-            '-'
-        }
-    };
-    name.chars().map(plain).collect()
 }
 
 /// Writes a picture of a field on the active elements of the body, sectioned across y in the middle of its

@@ -11,11 +11,13 @@ use powerhouse_io::{
 };
 use powerhouse_model::Mesh;
 
+#[cfg(feature = "pictures")]
+use super::drawing;
 use super::joints::JointFacets;
 use super::lock::{FolderError, FolderLock};
 use super::stages::StageFiles;
 use super::summary::Summary;
-use super::{Results, drawing, vtu};
+use super::{Results, file_name, vtu};
 use crate::message::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
 
@@ -242,23 +244,24 @@ impl ResultFolder {
             };
             let time = results.run.time;
             files.write(name, |file| fields.write(file, (mesh, present), time));
+            #[cfg(feature = "pictures")]
             for (name, field, unit) in fields.peaks() {
-                files.write(
-                    &format!("pictures/{}.png", drawing::file_name(name)),
-                    |file| drawing::picture(file, (mesh, present), (name, unit), field),
-                );
+                files.write(&format!("pictures/{}.png", file_name(name)), |file| {
+                    drawing::picture(file, (mesh, present), (name, unit), field)
+                });
             }
         }
         for (surface, table) in results.joint_surfaces.iter().zip(&results.joints) {
-            let plain = drawing::file_name(&table.name);
+            let plain = file_name(&table.name);
             let name = format!("joints/{plain}.vtu");
             let facets = JointFacets::new(&self.path.join(&name), mesh, surface, present)?;
             let Some(facets) = facets else {
                 continue;
             };
             files.write(&name, |file| facets.write(file, table, results.run.time));
+            #[cfg(feature = "pictures")]
             for picture in facets.pictures(table) {
-                let what = drawing::file_name(picture.name);
+                let what = file_name(picture.name);
                 files.write(&format!("pictures/joint-{plain}-{what}.png"), |file| {
                     drawing::joint_picture(file, mesh, &table.name, &picture)
                 });
@@ -304,6 +307,17 @@ impl ResultFolder {
                 files.write(name, |file| write_noted_table(file, &heads, &columns));
             }
         }
+        #[cfg(feature = "pictures")]
+        Self::write_plots(files, results);
+        for bolts in &results.bolts {
+            let name = format!("bolts/{}.csv", file_name(&bolts.name));
+            files.write(&name, |file| write_table(file, &bolts.columns()));
+        }
+    }
+
+    /// Writes the plots of the tables.
+    #[cfg(feature = "pictures")]
+    fn write_plots(files: &mut Files, results: &Results) {
         for (kind, table) in [
             ("", &results.histories),
             ("", &results.sections),
@@ -319,10 +333,6 @@ impl ResultFolder {
             files.write("plots/energies.svg", |file| {
                 drawing::plot(file, "energies", &columns)
             });
-        }
-        for bolts in &results.bolts {
-            let name = format!("bolts/{}.csv", drawing::file_name(&bolts.name));
-            files.write(&name, |file| write_table(file, &bolts.columns()));
         }
     }
 }

@@ -1,12 +1,13 @@
 //! Joint facets with their fields, for ParaView and as pictures.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::path::Path;
 
-use powerhouse_contact::{JointFacet, JointSurface};
+use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::JointTable;
-use powerhouse_io::{FacetField, FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
+#[cfg(feature = "pictures")]
+use powerhouse_io::FacetField;
+use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{
     Bond, ContactState, HistoryVariable, JointHistory, JointPair, JointRecord, Mesh, Vec3,
 };
@@ -26,7 +27,9 @@ use super::vtu;
 pub(super) struct JointFacets {
     pub(super) writer: VtuWriter,
     /// Corner positions (m) and the corners of each facet.
+    #[cfg(feature = "pictures")]
     positions: Vec<Vec3>,
+    #[cfg(feature = "pictures")]
     facets: Vec<Vec<u32>>,
     /// Index of the pair at each point; none at tips.
     pairs: Vec<Option<usize>>,
@@ -73,9 +76,11 @@ impl JointFacets {
         present: Option<&[bool]>,
     ) -> Result<Option<Self>, IoError> {
         let (mut positions, mut facets, mut pairs) = (Vec::<Vec3>::new(), Vec::new(), Vec::new());
-        let sides = present.map(|present| Sides::new(mesh, surface, present));
-        let has = |facet: &&JointFacet| sides.as_ref().is_none_or(|sides| sides.has(facet));
-        for facet in surface.facets.iter().filter(has) {
+        let shown = match present {
+            Some(present) => surface.present_facets(mesh, present),
+            None => surface.facets.iter().collect(),
+        };
+        for facet in shown {
             let first = positions.len() as u32;
             facets.push((first..first + facet.nodes.len() as u32).collect::<Vec<u32>>());
             for (&node, pair) in facet.nodes.iter().zip(&facet.pairs) {
@@ -93,7 +98,9 @@ impl JointFacets {
         })?;
         Ok(Some(Self {
             writer,
+            #[cfg(feature = "pictures")]
             positions,
+            #[cfg(feature = "pictures")]
             facets,
             pairs,
         }))
@@ -141,6 +148,7 @@ impl JointFacets {
     }
 
     /// Pictures of its pairs. A quantity that never was above zero has none, but for those that are kinds.
+    #[cfg(feature = "pictures")]
     pub(super) fn pictures(&self, table: &JointTable) -> Vec<JointPicture> {
         let field = |name: &str| {
             let (_, value) = FIELDS.iter().find(|(known, _)| *known == name)?;
@@ -201,55 +209,6 @@ impl JointFacets {
     }
 }
 
-/// Presence of the sides of the facets of a joint.
-struct Sides<'s> {
-    mesh: &'s Mesh,
-    surface: &'s JointSurface,
-    present: &'s [bool],
-    /// Present elements at the nodes of the second side.
-    beside: HashMap<u32, Vec<u32>>,
-}
-
-impl<'s> Sides<'s> {
-    fn new(mesh: &'s Mesh, surface: &'s JointSurface, present: &'s [bool]) -> Self {
-        let nodes = surface.pairs.iter().map(|pair| (pair.nodes[1], Vec::new()));
-        let mut beside: HashMap<u32, Vec<u32>> = nodes.collect();
-        for element in 0..mesh.element_count() as u32 {
-            if present[element as usize] {
-                for node in mesh.nodes_of(element) {
-                    if let Some(elements) = beside.get_mut(node) {
-                        elements.push(element);
-                    }
-                }
-            }
-        }
-        Self {
-            mesh,
-            surface,
-            present,
-            beside,
-        }
-    }
-
-    /// Whether both sides of a facet are present: the element that it is a side of, and another one that has
-    /// all nodes that face its own.
-    fn has(&self, facet: &JointFacet) -> bool {
-        let first = facet.first.element;
-        let pairs = facet.pairs.iter().flatten();
-        let facing: Vec<u32> = pairs
-            .map(|&pair| self.surface.pairs[pair as usize].nodes[1])
-            .collect();
-        let Some((node, others)) = facing.split_first() else {
-            return self.present[first as usize];
-        };
-        let has_all = |&&element: &&u32| {
-            let nodes = self.mesh.nodes_of(element);
-            element != first && others.iter().all(|other| nodes.contains(other))
-        };
-        self.present[first as usize] && self.beside[node].iter().any(|e| has_all(&e))
-    }
-}
-
 /// Fields as a VTU file has them; kinds and flags are whole numbers.
 pub(super) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
     let scalars = fields.iter().map(|field| VtuField {
@@ -274,6 +233,7 @@ fn unit_of(name: &str) -> &'static str {
 }
 
 /// Picture of the facets of a joint.
+#[cfg(feature = "pictures")]
 pub(super) struct JointPicture {
     /// Quantity that is drawn.
     pub(super) name: &'static str,
@@ -332,42 +292,3 @@ const FIELDS: [(&str, Value); 13] = [
     ("bond energy", |pair, record| record.bond_energy / pair.area),
     ("impact energy", |pair, record| record.impact / pair.area),
 ];
-
-#[cfg(test)]
-mod tests {
-    use powerhouse_contact::SurfaceOptions;
-
-    use super::*;
-
-    /// Facets of a joint are shown where both sides are present: not beside an excavated room, on
-    /// either side, nor where nothing is left.
-    #[test]
-    fn facets_beside_rooms_are_left_out() {
-        // Two slabs of 4 by 3 bricks, one on the other.
-        let size = Vec3::new(4.0, 3.0, 2.0);
-        let whole = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 3, 2], "rock").unwrap();
-        let slab = |upper: bool| -> Vec<u32> {
-            let all = 0..whole.element_count() as u32;
-            all.filter(|&e| (whole.centroid(e).z > 1.0) == upper)
-                .collect()
-        };
-        let split = whole.split_between(&slab(false), &slab(true)).unwrap();
-        let options = SurfaceOptions::within(1e-6).unwrap();
-        let mesh = split.mesh;
-        let surface = JointSurface::between(&mesh, &split.first, &split.second, &options).unwrap();
-        let count = |is_there: &dyn Fn(Vec3) -> bool| {
-            let elements = 0..mesh.element_count() as u32;
-            let present: Vec<bool> = elements.map(|e| is_there(mesh.centroid(e))).collect();
-            let facets = JointFacets::new(Path::new("x"), &mesh, &surface, Some(&present));
-            facets.unwrap().map_or(0, |facets| facets.facets.len())
-        };
-        assert_eq!(count(&|_| true), 12);
-        // A row of three on one side, a brick inside on the other, one side as a whole.
-        assert_eq!(count(&|at| at.z > 1.0 || at.x > 1.0), 9);
-        assert_eq!(
-            count(&|at| at.z < 1.0 || (at - Vec3::new(1.5, 1.5, 1.5)).norm() > 0.1),
-            11
-        );
-        assert_eq!(count(&|at| at.z < 1.0), 0);
-    }
-}

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use powerhouse_io::IoError;
+use powerhouse_io::{IoError, utc_date};
 use thiserror::Error;
 
 use crate::Error;
@@ -194,7 +194,7 @@ fn signature() -> String {
     format!(
         "process {}, since {} UTC\n{}.{}\n",
         std::process::id(),
-        date(now.as_secs()),
+        utc_date(now.as_secs()),
         now.as_nanos(),
         COUNT.fetch_add(1, Ordering::Relaxed)
     )
@@ -203,94 +203,4 @@ fn signature() -> String {
 /// Line of a signature that identifies the run.
 fn named(content: &str) -> &str {
     content.lines().next().unwrap_or(content)
-}
-
-/// Seconds since 1970 as date and time, by the calendar of Howard Hinnant's `civil_from_days`.
-fn date(seconds: u64) -> String {
-    let (days, rest) = (seconds / 86400 + 719_468, seconds % 86400);
-    let (era, day) = (days / 146_097, days % 146_097);
-    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
-    let day = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * day + 2) / 153;
-    let day = day - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    let year = year + 400 * era + u64::from(month <= 2);
-    let [hour, minute, second] = [rest / 3600, rest / 60 % 60, rest % 60];
-    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn folder(name: &str) -> PathBuf {
-        std::env::temp_dir().join(format!("powerhouse-lock-{name}-{}", std::process::id()))
-    }
-
-    /// A folder admits one run at a time, which the refusal of a second one names; afterwards the next may start, and
-    /// the lock file is removed.
-    #[test]
-    fn a_folder_has_one_run_at_a_time() {
-        let folder = folder("one");
-        let first = FolderLock::take(&folder).unwrap();
-        let refused = FolderLock::take(&folder).unwrap_err().to_string();
-        let own = format!("another run (process {}, since 20", std::process::id());
-        assert!(refused.contains(&own), "{refused}");
-        first.release().unwrap();
-        let second = FolderLock::take(&folder).unwrap();
-        assert_eq!(second.remark(), None);
-        drop(second);
-        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    /// The lock of a killed run is taken over, with a remark that names the run.
-    #[test]
-    fn the_lock_of_a_dead_run_is_taken_over() {
-        let folder = folder("dead");
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(
-            folder.join(LOCK),
-            "process 1234, since 2001-02-03 04:05:06 UTC\n1.0\n",
-        )
-        .unwrap();
-        let lock = FolderLock::take(&folder).unwrap();
-        let remark = lock.remark().unwrap();
-        assert!(
-            remark.ends_with("(process 1234, since 2001-02-03 04:05:06 UTC)"),
-            "{remark}"
-        );
-        drop(lock);
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    /// A folder that is removed, or replaced by that of another run, is detected.
-    #[test]
-    fn a_removed_folder_is_detected() {
-        let folder = folder("gone");
-        let lock = FolderLock::take(&folder).unwrap();
-        fs::remove_dir_all(&folder).unwrap();
-        assert!(!lock.is_held());
-        let other = FolderLock::take(&folder).unwrap();
-        let refused = lock.release().unwrap_err();
-        assert!(matches!(refused, Error::Folder(FolderError::Gone { .. })));
-        // Dropping the first lock did not remove the lock file of the other run.
-        assert!(other.is_held());
-        drop(other);
-        fs::remove_dir_all(folder).unwrap();
-    }
-
-    /// Dates agree with the calendar.
-    #[test]
-    fn dates_are_those_of_the_calendar() {
-        for (seconds, expected) in [
-            (0, "1970-01-01 00:00:00"),
-            (951_782_399, "2000-02-28 23:59:59"),
-            (951_782_400, "2000-02-29 00:00:00"),
-            (1_735_689_599, "2024-12-31 23:59:59"),
-            (4_107_542_400, "2100-03-01 00:00:00"),
-        ] {
-            assert_eq!(date(seconds), expected);
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! Output requests and results of a run, and their files.
 
 mod bolts;
+#[cfg(feature = "pictures")]
 mod drawing;
 mod folder;
 mod joints;
@@ -17,11 +18,10 @@ mod summary;
 mod vtu;
 
 pub use bolts::BoltForces;
-pub use drawing::file_name;
 pub use folder::ResultFolder;
 pub use lock::{FolderError, FolderLock};
 pub(crate) use names::Named;
-pub use naming::NameError;
+pub use naming::{NameError, file_name};
 pub(crate) use naming::{NamedThing, check_names};
 pub use plan::{
     EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{HistoryKind, HistoryVariable};
 
-use super::drawing::file_name;
+use super::file_name;
 use super::folder::{ENVELOPE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
 use super::{OutputPlan, joints, vtu};
 
@@ -73,6 +73,10 @@ impl Named<'_> {
             for joint in &self.joints {
                 add("snapshots", &format!("snapshots_00000_{joint}"), ".vtu");
             }
+        }
+        if !cfg!(feature = "pictures") {
+            let is_drawn = |file: &str| file.starts_with("plots/") || file.starts_with("pictures/");
+            files.retain(|file| !is_drawn(file));
         }
         files
     }

@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use super::drawing::file_name;
-
 /// Largest length of a name in bytes: file systems permit 255, and names get prefixes and suffixes.
 const LONGEST: usize = 200;
 
@@ -55,6 +53,18 @@ pub enum NameError {
         /// Common file.
         file: String,
     },
+}
+
+/// File name of a result name: every character that is not a letter, digit, `-` or `_` is replaced by `-`.
+pub fn file_name(name: &str) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    name.chars().map(plain).collect()
 }
 
 /// Kind of a named object.
@@ -155,52 +165,4 @@ fn check_name(what: &'static str, name: &str) -> Result<(), NameError> {
         return Err(NameError::Long { name, length });
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two names never have the same file, whatever objects they name.
-    #[test]
-    fn two_names_never_share_a_file() {
-        use NamedThing::{Bolts, Case, Joint, JointZone, Result as Results, Stage};
-        for (first, second) in [
-            ((Results, "a b"), (Results, "a-b")),
-            ((Results, "Crown"), (Results, "crown")),
-            ((Joint, "seam"), (Results, "joint-seam")),
-            ((JointZone, "seam."), (Joint, "seam-")),
-            ((Bolts, "roof"), (Results, "bolts roof")),
-            ((Case, "SV"), (Case, "sv")),
-        ] {
-            let (index, error) = check_names([first, second]).unwrap_err();
-            assert_eq!(index, 1);
-            assert!(matches!(error, NameError::Shared { .. }), "{error}");
-            let alone = [first, (second.0, "another")];
-            assert_eq!(check_names(alone), Ok(()));
-        }
-        let twice = check_names([(Joint, "x"), (JointZone, "x")]).unwrap_err().1;
-        assert!(matches!(twice, NameError::Twice { .. }), "{twice}");
-        assert!(check_names([(Results, "Energies")]).is_err());
-        assert_eq!(check_names([(Stage, "a b"), (Stage, "a-b")]), Ok(()));
-        assert_eq!(check_names([(Results, "crown, left \"x\"")]), Ok(()));
-    }
-
-    /// A name that cannot be that of a file is rejected.
-    #[test]
-    fn a_name_is_one_line_that_shows() {
-        for name in ["", "  ", "a\nb", "a\0b", &"x".repeat(300)] {
-            assert!(
-                check_names([(NamedThing::Result, name)]).is_err(),
-                "{name:?}"
-            );
-        }
-        for name in ["..", "../up", "a\\b"] {
-            assert!(check_names([(NamedThing::Case, name)]).is_err(), "{name:?}");
-            assert!(
-                check_names([(NamedThing::Result, name)]).is_ok(),
-                "{name:?}"
-            );
-        }
-    }
 }

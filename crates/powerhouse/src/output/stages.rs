@@ -6,7 +6,7 @@ use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter, wr
 use powerhouse_model::{HistoryVariable, Mesh, State};
 
 use super::BoltForces;
-use super::drawing::file_name;
+use super::file_name;
 use super::joints::{JointFacets, scalars};
 use super::vtu::{numbers, unit};
 use crate::joint::NamedSurface;

@@ -6,12 +6,12 @@ use powerhouse_contact::JointSurface;
 use powerhouse_explicit_core::observe::{
     EnvelopeTable, PeakField, Snapshot, SnapshotSink, StateTable,
 };
-use powerhouse_io::{
-    FieldPrecision, IoError, PictureField, PvdCollection, VtuField, VtuNumbers, VtuWriter,
-};
+#[cfg(feature = "pictures")]
+use powerhouse_io::PictureField;
+use powerhouse_io::{FieldPrecision, IoError, PvdCollection, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
 
-use super::drawing::file_name;
+use super::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};
 
 /// Writer of a mesh with the given active elements (`None`: all).
@@ -231,6 +231,7 @@ impl EnvelopeFields {
         }
     }
     /// Name, field and unit of every envelope.
+    #[cfg(feature = "pictures")]
     pub(super) fn peaks(&self) -> impl Iterator<Item = (&str, PictureField<'_>, &str)> {
         let nodal = self.nodal.iter();
         let nodal = nodal.map(|p| (p.name, PictureField::Nodal(&p.values), p.unit));

@@ -12,9 +12,10 @@ use powerhouse_wavefield::{
 
 use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
+use crate::acting::GRAVITY;
 use crate::acting::StagedLoad;
 use crate::fault::{Fault, Problem};
-use crate::format::{self, At, Finite, Function, GRAVITY, Load, Positive, WATER_DENSITY};
+use crate::format::{self, At, Finite, Function, Load, Positive, WATER_DENSITY};
 use crate::scene::InitialMotion;
 use crate::{Mirror, Parity, Remark, Scene};
 

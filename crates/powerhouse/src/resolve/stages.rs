@@ -12,8 +12,9 @@ use powerhouse_model::{Facet, Mesh, Stress};
 
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
+use crate::acting::GRAVITY;
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{self, At, Finite, GRAVITY, NonNegative, Positive, SceneFile, StageSupport};
+use crate::format::{self, At, Finite, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;
 use crate::stage::{Timeline, check_removal, surface_of};
 use crate::{BoltLayout, InSituStress, Material, Scene, SceneBolts, SceneStage};

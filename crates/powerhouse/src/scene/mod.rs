@@ -2,6 +2,7 @@
 
 mod body;
 mod boundary;
+#[cfg(feature = "scene-files")]
 mod file;
 mod held_field;
 mod joints;
@@ -18,6 +19,7 @@ mod surroundings;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
+#[cfg(feature = "scene-files")]
 pub(crate) use file::read_text;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
@@ -40,11 +42,11 @@ use powerhouse_model::{
 
 use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 
+#[cfg(feature = "scene-files")]
+use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{
-    Error, InSituStress, Part, Registry, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
-};
+use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
 /// Nodes with prescribed motion, shared by all models of a scene.
 pub(crate) struct PrescribedMotion {
@@ -166,6 +168,7 @@ pub struct Scene {
     /// Name of the case that the scene is, if any.
     pub(crate) case: Option<String>,
     pub(crate) input: InputOverview,
+    #[cfg(feature = "scene-files")]
     pub(crate) registry: Option<Registry>,
 }
 
@@ -211,6 +214,7 @@ impl Scene {
             cases_on_request: Vec::new(),
             case: None,
             input: InputOverview::default(),
+            #[cfg(feature = "scene-files")]
             registry: None,
         }
     }
@@ -410,6 +414,7 @@ impl Scene {
         self
     }
 
+    #[cfg(feature = "scene-files")]
     /// Sets the registry of names, as reading a file does: checks and advice of the scene then know the
     /// boundaries and kernels that a program has registered.
     #[must_use]
@@ -417,6 +422,7 @@ impl Scene {
         self.registry = Some(registry);
         self
     }
+    #[cfg(feature = "scene-files")]
     /// The registry that the scene was read with; none for one that was composed without.
     pub fn registry(&self) -> Option<&Registry> {
         self.registry.as_ref()

@@ -3,6 +3,7 @@
 use powerhouse_wavefield::WaveKind;
 
 use super::Scene;
+#[cfg(feature = "scene-files")]
 use crate::format::{self, Azimuth, Finite, SceneFile, Wave};
 
 /// Incident wave of a scene file in a few words and numbers.
@@ -21,6 +22,7 @@ pub struct WaveOverview {
     pub factor: f64,
 }
 
+#[cfg(feature = "scene-files")]
 impl WaveOverview {
     fn of(wave: &Wave) -> Self {
         Self {
@@ -37,6 +39,7 @@ impl WaveOverview {
     }
 }
 
+#[cfg(feature = "scene-files")]
 /// What moves a wave of a scene, in words that differ where the motion does.
 fn motion(wave: &Wave) -> String {
     let source = match (&wave.record, &wave.pulse) {
@@ -62,6 +65,7 @@ pub struct InputOverview {
     pub continuous: bool,
 }
 
+#[cfg(feature = "scene-files")]
 impl InputOverview {
     /// The overview of a file that is already as the case has it.
     pub(super) fn of(file: &SceneFile, case: Option<&str>) -> Self {

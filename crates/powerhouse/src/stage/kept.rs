@@ -226,18 +226,7 @@ macro_rules! kept_open_fields {
                 Some(kept)
             }
         }
-
-        #[cfg(test)]
-        impl OpenFields for $name {
-            const FIELDS: &'static [&'static str] = &[$(stringify!($field)),+];
-        }
     };
-}
-
-/// Names of the fields that are written of a structure.
-#[cfg(test)]
-trait OpenFields {
-    const FIELDS: &'static [&'static str];
 }
 
 kept_open_fields!(JointState {
@@ -314,41 +303,3 @@ kept_fields!(HourglassShare {
     internal,
 });
 kept_fields!(EquilibratedBody { state, stages });
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Every field of the structures that other crates may extend is written.
-    #[test]
-    fn no_field_is_missing() {
-        fn check<T: OpenFields + Default + core::fmt::Debug>() {
-            let shown = format!("{:#?}", T::default());
-            let fields = shown.lines().filter_map(|line| {
-                let field = line.strip_prefix("    ")?;
-                let (name, _) = field.split_once(':')?;
-                (!name.starts_with(' ')).then_some(name)
-            });
-            assert_eq!(fields.collect::<Vec<_>>(), T::FIELDS);
-        }
-        check::<JointState>();
-        check::<JointRecord>();
-        check::<JointHistory>();
-        check::<HistoryField>();
-        check::<State>();
-    }
-
-    /// A joint comes back from its bytes with the history variables of its law.
-    #[test]
-    fn a_joint_comes_back_with_its_history() {
-        let mut record = JointRecord::new(JointState::new(ContactState::Slide, Bond::Broken));
-        (record.dilation, record.closed_at) = (0.25, Some([1.0, 2.0, 3.0]));
-        let joint = JointHistory::new("seam", vec![[3, 7]], vec![record])
-            .with_history(vec!["theta".into(), "wear".into()], vec![0.5, -1.5]);
-        let mut bytes = Vec::new();
-        joint.put(&mut bytes);
-        let mut rest = &bytes[..];
-        assert_eq!(JointHistory::get(&mut rest), Some(joint));
-        assert!(rest.is_empty());
-    }
-}

@@ -64,6 +64,11 @@ pub struct EquilibratedBody {
 }
 
 impl EquilibratedBody {
+    /// Body in a state in static equilibrium, with the reports of the stages that lead to it, as from another program
+    /// or from a file of another form. Whether a state belongs to a scene is checked at the start of its run.
+    pub fn new(state: State, stages: Vec<StageReport>) -> Self {
+        Self { state, stages }
+    }
     /// State of the body after the last stage.
     pub fn state(&self) -> &State {
         &self.state

@@ -10,7 +10,7 @@ use powerhouse::wavefield::{
     PlaneWaveParameters, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse,
     Superposition, SurfaceComponent, TimeHistory, WaveKind, ZeroMeanPulse, first_hit_corner,
 };
-use powerhouse::{Error, Remark, Scene};
+use powerhouse::{Error, Registry, Remark, Scene, keys};
 
 use crate::support::*;
 
@@ -433,5 +433,38 @@ fn components() {
             fault.render(false).contains("available: r.x, r.z"),
             "{fault}"
         );
+    }
+}
+
+/// The names that programs take from [`powerhouse::keys`] are keys and values of scene files.
+#[test]
+fn names_for_programs_are_those_of_scene_files() {
+    let registry = Registry::default();
+    let of = |name| registry.boundary_keys(name).unwrap();
+    assert_eq!(of(keys::VISCOUS), [keys::INPUT]);
+    let mut springs = vec!["a", keys::SPEED_RATIO, keys::DISTANCE];
+    springs.extend(keys::AXES);
+    springs.extend([keys::SPREADING, keys::INPUT]);
+    springs.sort_unstable();
+    assert_eq!(of(keys::VISCOUS_SPRING), springs);
+    let variants = Variants::new("keys");
+    let read = |more: &str| {
+        let kind = format!("{} = \"{}\"", keys::KIND, keys::VISCOUS_SPRING);
+        variants.read(&kind, &format!("{kind}\n{more}"))
+    };
+    let (input, ratio) = (keys::INPUT, keys::SPEED_RATIO);
+    for more in [
+        format!(
+            "{} = {{ {} = 90, {ratio} = 1.1 }}",
+            keys::AXES[2],
+            keys::DISTANCE
+        ),
+        format!("{input} = \"{}\"", keys::FULL_FIELD),
+        format!("{input} = {{ {} = [\"bottom\"] }}", keys::INCIDENT_ONLY),
+        format!("{} = \"{}\"", keys::SPREADING, keys::CYLINDRICAL),
+    ] {
+        assert!(read(&more).is_ok(), "{more}");
+        let wrong = more.replacen(" = ", "s = ", 1);
+        assert!(read(&wrong).is_err(), "{wrong}");
     }
 }

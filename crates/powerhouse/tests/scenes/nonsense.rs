@@ -6,16 +6,16 @@ use powerhouse::boundary::{Viscous, ViscousSpring};
 use powerhouse::engine::Support;
 use powerhouse::io::write_gmsh;
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{
-    Boundary, Error, Material, NameError, Part, Problem, Registry, Remark, RunNotes, Scene,
-    SceneFault, SceneRemark, SceneStage,
+    Boundary, Error, Material, Part, Problem, Registry, Remark, Scene, SceneFault, SceneRemark,
+    SceneStage,
 };
 
 use crate::support::*;
 
 /// Fault of the cube's scene with a passage replaced.
-fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
+pub(crate) fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {
     match variants.read(old, new) {
         Err(Error::Scene(fault)) => fault,
         Err(other) => panic!("{new}: {other}"),
@@ -31,7 +31,7 @@ fn warnings(remarks: &[Remark]) -> Vec<SceneRemark> {
     warnings.collect()
 }
 
-fn warnings_of(scene: Scene) -> Vec<SceneRemark> {
+pub(crate) fn warnings_of(scene: Scene) -> Vec<SceneRemark> {
     warnings(scene.prepare().unwrap().remarks())
 }
 
@@ -166,125 +166,6 @@ fn lists_have_the_length_that_is_needed() {
     }
 }
 
-/// A quantity outside its usual range is an error with key, value, range and the probable unit; where the scene allows
-/// it, it is a warning, and nothing else changes.
-#[test]
-fn magnitudes_beyond_the_usual_are_refused() {
-    let variants = Variants::new("magnitudes");
-    for (old, new, told) in [
-        (
-            "young = 9.0e9",
-            "young = 9",
-            "young = 9 Pa is outside the usual range of 1e5 to 1.2e12 Pa; 9 GPa would be 9e9 Pa",
-        ),
-        (
-            "density = 2750",
-            "density = 2.75",
-            "2.75 t/m3 would be 2750 kg/m3",
-        ),
-        (
-            "poisson = 0.27",
-            "poisson = -0.99",
-            "poisson = -0.99 is outside the usual range",
-        ),
-        (
-            "poisson = 0.27",
-            "poisson = 0.49999",
-            "poisson = 0.49999 is outside the usual range",
-        ),
-        (
-            "displacement = 0.01",
-            "displacement = 10",
-            "10 mm would be 0.01 m",
-        ),
-        ("duration = 0.6", "duration = 1e9", "duration = 1e9 s"),
-        (
-            "scatterer = [150, 150, 0]",
-            "scatterer = [150, 1e300, 0]",
-            "scatterer = 1e300 m",
-        ),
-        (
-            "[time]",
-            "[[load]]\nkind = \"gravity\"\nacceleration = 1\n[time]",
-            "1 g would be 9.807 m/s2",
-        ),
-        ("title", "self_check = 2\ntitle", "2 % would be 0.02"),
-        (
-            "file = \"cube.msh\"",
-            "file = \"cube.msh\"\nscale = 1000",
-            "diagonal of the body = 5.196e5 m",
-        ),
-        (
-            "file = \"cube.msh\"",
-            "file = \"cube.msh\"\nscale = 1e-4",
-            "diagonal of the body = 0.05196 m",
-        ),
-    ] {
-        let fault = fault(&variants, old, new);
-        assert!(fault.to_string().contains(told), "{new}: {fault}");
-        assert!(
-            fault.render(false).contains("allow = [\"magnitudes\"]"),
-            "{new}"
-        );
-    }
-    let allowed = "allow = [\"magnitudes\"]\n";
-    let text = CUBE.replace("title", &format!("{allowed}title"));
-    let folder = variants.0.0.join("cube.toml");
-    let read = |old: &str, new: &str| {
-        let text = text.replacen(old, new, 1);
-        Scene::from_toml(text, &folder, &Registry::default()).unwrap()
-    };
-    assert_eq!(warnings_of(read("0.27", "0.27")), []);
-    let found = warnings_of(read("density = 2750", "density = 27"));
-    assert!(
-        found
-            .iter()
-            .any(|warning| matches!(warning, SceneRemark::Magnitude(m) if m.name == "density"))
-    );
-    assert!(found.iter().all(SceneRemark::is_warning));
-}
-
-/// Scenes composed in Rust have the same usual ranges: media, size of the body, gravity, duration.
-#[test]
-fn composed_scenes_have_usual_magnitudes() {
-    let box_of =
-        |size: f64| Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(size), [2; 3], "rock").unwrap();
-    let scene = |size: f64, medium: ElasticMedium| {
-        let rock = Material::from(LinearElastic::new(medium));
-        Scene::new("box", box_of(size)).part(Part::new("rock", rock))
-    };
-    let down = |g: f64| Vec3::new(0.0, 0.0, -g);
-    let medium = |young, density| ElasticMedium {
-        young,
-        density,
-        ..ROCK
-    };
-    assert!(scene(10.0, ROCK).prepare().is_ok());
-    for (scene, name) in [
-        (scene(10.0, medium(30.0, 2500.0)), "young"),
-        (scene(10.0, medium(30e9, 2.5)), "density"),
-        (scene(1e6, ROCK), "diagonal"),
-        (scene(1e-3, ROCK), "diagonal"),
-        (scene(10.0, ROCK).with_duration(1e9), "duration"),
-        (
-            scene(10.0, ROCK).gravity(down(1e6), |_: f64| 1.0),
-            "gravity",
-        ),
-    ] {
-        match scene.prepare().map(|_| ()) {
-            Err(Error::Magnitude { magnitude, .. }) => {
-                assert!(magnitude.name.contains(name), "{magnitude}");
-            }
-            other => panic!("{name}: {other:?}"),
-        }
-    }
-    let found = warnings_of(scene(1e6, ROCK).allow_magnitudes());
-    assert!(
-        matches!(&found[0], SceneRemark::Magnitude(m) if m.name.contains("diagonal")),
-        "{found:?}"
-    );
-}
-
 /// Empty or invisible names and titles, distances and intervals beyond the body and the run, and frequencies in the
 /// wrong order are errors.
 #[test]
@@ -328,72 +209,6 @@ fn what_is_of_no_use_is_refused() {
         let fault = fault(&variants, old, &new);
         assert!(fault.to_string().contains(told), "{new}: {fault}");
     }
-}
-
-/// Two results never have the same file: the second name is an error with its position before the run; a comma and
-/// quotes in a name are permitted.
-#[test]
-fn names_of_results_are_checked_before_the_run() {
-    let variants = Variants::new("names");
-    let two = |first: &str, second: &str| {
-        let more = format!(
-            "name = \"{first}\"\nat = [150, 150, -10]\n[[output.history]]\nname = \"{second}\""
-        );
-        variants.read("name = \"surface\"", &more)
-    };
-    for (first, second) in [("a b", "a-b"), ("Crown", "crown"), ("a, b", "a\\\" b")] {
-        let Err(Error::Scene(fault)) = two(first, second) else {
-            panic!("{first} and {second} were accepted")
-        };
-        assert!(
-            fault.to_string().contains("would both have the file"),
-            "{fault}"
-        );
-        let (line, _) = fault.position();
-        assert!(
-            fault
-                .render(false)
-                .contains(&format!("{line} | name = \"{second}\"")),
-            "{fault}"
-        );
-    }
-    assert!(two("crown, left", "\\\"crown\\\"").is_ok());
-    let composed = |name: &str| {
-        let mut scene = cube_scene();
-        let mut plan = scene.output().clone();
-        plan = plan.history(name, Vec3::new(150.0, 150.0, -50.0), Default::default());
-        scene = scene.with_output(plan);
-        scene.prepare().map(|_| ()).unwrap_err()
-    };
-    assert!(matches!(
-        composed("SURFACE"),
-        Error::Name(NameError::Shared { .. })
-    ));
-    assert!(matches!(
-        composed("a\nb"),
-        Error::Name(NameError::Control { .. })
-    ));
-    let case = "[[case]]\nname = \"../up\"\n[time]";
-    let told = fault(&variants, "[time]", case).to_string();
-    assert!(told.contains("cannot be the name of a folder"), "{told}");
-}
-
-/// Histories whose names have commas and quotes are written and read back by their names.
-#[test]
-fn names_with_commas_reach_their_files() {
-    let variants = Variants::new("commas");
-    let scene = variants
-        .read("name = \"surface\"", "name = \"crown, \\\"left\\\"\"")
-        .unwrap();
-    let mesh = scene.mesh().clone();
-    let results = run(scene);
-    let folder = powerhouse::ResultFolder::new(variants.0.0.join("out"));
-    folder
-        .write(("cube", &mesh), &results, &RunNotes::default(), None)
-        .unwrap();
-    let table = powerhouse::io::read_table(&folder.path().join("histories.csv")).unwrap();
-    assert_eq!(table[1].name, "crown, \"left\".ux");
-    assert_eq!(table[1].values, results.histories.columns[0].values);
 }
 
 /// An unsupported body under gravity has a warning with its parts, also with dashpots around it; gravity without a stage
