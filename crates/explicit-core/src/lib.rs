@@ -120,6 +120,7 @@ mod constrained;
 mod damping;
 mod effective_mass;
 mod error;
+mod exact;
 mod gather;
 mod groups;
 mod hourglass;
@@ -147,6 +148,7 @@ pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, 
 pub use block::{AnyLaw, solid};
 pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
 pub use error::{ElementExtent, EngineError};
+pub use exact::ExactSum;
 pub use hourglass::HourglassShare;
 pub use integrator::{Leapfrog, OneSided};
 pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
