@@ -107,8 +107,6 @@ impl ExactSum {
 
     /// Adds all terms of another sum.
     pub fn merge(&mut self, other: &Self) {
-        let mut other = other.clone();
-        other.carry();
         self.carry();
         for (digit, add) in self.digits.iter_mut().zip(other.digits) {
             *digit += add;
@@ -167,9 +165,8 @@ impl ExactSum {
             let rest = highest & ((1 << dropped) - 1);
             let half = 1 << (dropped - 1);
             let is_exact = self.digits[..first].iter().all(|&digit| digit == 0);
-            let is_above = rest > half || (rest == half && !is_exact);
-            let is_tie = rest == half && is_exact;
-            mantissa += u64::from(is_above || (is_tie && mantissa % 2 == 1));
+            let is_odd = mantissa % 2 == 1;
+            mantissa += u64::from(rest > half || (rest == half && (!is_exact || is_odd)));
         }
         // The leading bit of the mantissa adds one to the exponent, as does a mantissa rounded up to a power of two.
         let exponent = (WIDTH * first) as u64 + u64::from(dropped);

@@ -170,9 +170,15 @@ fn ties_and_overflow() {
     }
 }
 
-/// Many terms of the largest size overflow no digit: 100,000 of them less all but one are the one.
+/// Many terms of one size overflow no digit, whatever the place of their bits in the digits; many of the largest size
+/// less all but one of them are the one.
 #[test]
 fn many_large_terms() {
+    for exponent in 0..32 {
+        let term = -2.0_f64.powi(exponent).next_down();
+        let found: ExactSum = core::iter::repeat_n(term, 1 << 14).collect();
+        assert_eq!(found.round(), term * f64::from(1 << 14), "{exponent}");
+    }
     let count = 100_000;
     let (mut up, mut down) = (ExactSum::new(), ExactSum::new());
     for term in 0..count {
@@ -195,7 +201,9 @@ fn many_large_terms() {
 #[test]
 fn terms_that_are_not_finite() {
     let (up, down) = (f64::INFINITY, f64::NEG_INFINITY);
-    let cases: [(&[f64], f64); 6] = [
+    let cases: [(&[f64], f64); 8] = [
+        (&[down, down], down),
+        (&[f64::NAN, f64::NAN], f64::NAN),
         (&[1.0, up], up),
         (&[down, f64::MAX], down),
         (&[up, up], up),
