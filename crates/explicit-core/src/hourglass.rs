@@ -3,6 +3,7 @@
 use powerhouse_model::{BlockContext, BlockEnergy, StepTime};
 
 use crate::Model;
+use crate::ledger::total_energy;
 use crate::nodes::{Storage, with_nodes};
 
 /// Share of the largest internal work of all sets below which the work of a set is rounding.
@@ -71,14 +72,15 @@ impl Model {
             );
             self.blocks.iter().map(|block| block.energy(&context)).collect()
         });
-        let mut sums: Vec<(&str, BlockEnergy)> = Vec::new();
+        let mut sets: Vec<(&str, Vec<BlockEnergy>)> = Vec::new();
         for (block, energy) in self.blocks.iter().zip(of_blocks) {
-            match sums.iter_mut().find(|(label, _)| *label == block.label()) {
-                Some((_, sum)) => *sum += energy,
-                None => sums.push((block.label(), energy)),
+            match sets.iter_mut().find(|(label, _)| *label == block.label()) {
+                Some((_, blocks)) => blocks.push(energy),
+                None => sets.push((block.label(), vec![energy])),
             }
         }
-        let shares = sums.into_iter().map(|(label, energy)| {
+        let shares = sets.into_iter().map(|(label, blocks)| {
+            let energy = total_energy(blocks.iter());
             let mut share = HourglassShare {
                 set: label.into(),
                 ..HourglassShare::default()

@@ -130,6 +130,7 @@ mod lanes;
 mod ledger;
 mod loads;
 mod model;
+mod node_ranges;
 mod nodes;
 mod numbering;
 pub mod observe;

@@ -16,6 +16,7 @@ use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::loads::Weight;
+use crate::node_ranges::NodeRanges;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::{BlockFactory, EngineError, PeriodicPairs, Precision, Prescribed, Support};
 
@@ -262,10 +263,12 @@ impl<'a> ModelBuilder<'a> {
         } else {
             Nodes::F64(NodalArrays::new(node_count, slots.len(), with_external))
         };
+        let lengths: Vec<usize> = blocks.iter().map(|block| block.nodes().len()).collect();
         let mut model = Model {
             mesh: mesh.clone(),
-            lengths: blocks.iter().map(|block| block.nodes().len()).collect(),
             gather: Gather::new(&slots),
+            ranges: NodeRanges::of_blocks(&slots, &lengths),
+            lengths,
             numbering,
             blocks,
             slots,

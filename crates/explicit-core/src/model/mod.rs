@@ -20,6 +20,7 @@ use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::ledger::Ledger;
+use crate::node_ranges::NodeRanges;
 use crate::nodes::Nodes;
 use crate::stable_step::Spectrum;
 
@@ -59,6 +60,8 @@ pub struct Model {
     pub(crate) lengths: Vec<usize>,
     pub(crate) slots: SlotTable,
     pub(crate) gather: Gather,
+    /// Nodes in ranges, over which nodal vectors are summed.
+    pub(crate) ranges: NodeRanges,
     pub(crate) nodes: Nodes,
     /// Lumped mass of each engine node (kg).
     pub(crate) mass: Vec<f64>,
