@@ -262,36 +262,20 @@ impl LoadSums {
         self.grouped.sum(group, &self.forces)
     }
 
-    /// Power (W) of the time-dependent loads at velocities (m/s), summed in a fixed order.
-    pub(crate) fn power(&self, velocity: impl Fn(usize) -> Vec3 + Sync) -> f64 {
-        self.product(false, velocity)
+    /// Engine node of each force, and whether the force is constant in time.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (u32, bool)> + '_ {
+        let of_load = (self.constant.iter().zip(&self.lengths))
+            .flat_map(|(&constant, &length)| core::iter::repeat_n(constant, length));
+        self.nodes.iter().copied().zip(of_load)
     }
 
-    /// Product (J) of the constant loads with displacements (m); the difference between two times is the work of
-    /// these loads.
-    pub(crate) fn potential(&self, displacement: impl Fn(usize) -> Vec3 + Sync) -> f64 {
-        self.product(true, displacement)
-    }
-
-    /// Product of the forces of the constant loads, or of the time-dependent ones, with vectors at their nodes.
-    fn product(&self, constant: bool, vector: impl Fn(usize) -> Vec3 + Sync) -> f64 {
-        let (mut sum, mut start) = (0.0, 0);
-        for (&length, &is_constant) in self.lengths.iter().zip(&self.constant) {
-            let own = start..start + length;
-            start = own.end;
-            if is_constant != constant {
-                continue;
-            }
-            let chunks: Vec<f64> = (self.nodes[own.clone()].par_chunks(CHUNK))
-                .zip(self.forces[own].par_chunks(CHUNK))
-                .map(|(nodes, forces)| {
-                    let pairs = nodes.iter().zip(forces);
-                    pairs.map(|(&n, f)| f.dot(&vector(n as usize))).sum()
-                })
-                .collect();
-            sum += chunks.iter().sum::<f64>();
-        }
-        sum
+    /// Product of the forces of some indices with vectors at their nodes, in the order of the indices.
+    pub(crate) fn product(&self, indices: &[u32], vector: impl Fn(usize) -> Vec3) -> f64 {
+        let terms = indices.iter().map(|&index| {
+            let (node, force) = (self.nodes[index as usize], self.forces[index as usize]);
+            force.dot(&vector(node as usize))
+        });
+        terms.sum()
     }
 }
 

@@ -79,8 +79,36 @@ impl Gather {
         mut visit: impl FnMut(usize, &mut [Quad<S>]),
     ) {
         let tiles = &self.chunks[chunk];
+        let tiles = &self.tiles[tiles.start as usize..tiles.end as usize];
+        self.for_tiles(tiles, forces, &mut visit);
+    }
+
+    /// Calls `visit(first node, sums)` for consecutive nodes of a range, in rising order.
+    pub(crate) fn for_range<S: Storage>(
+        &self,
+        range: Range<usize>,
+        forces: &[Quad<S>],
+        mut visit: impl FnMut(usize, &mut [Quad<S>]),
+    ) {
+        let end = |tile: &Tile| (tile.node + tile.count) as usize;
+        let first = self.tiles.partition_point(|tile| end(tile) <= range.start);
+        let last = (self.tiles).partition_point(|tile| (tile.node as usize) < range.end);
+        self.for_tiles(&self.tiles[first..last], forces, &mut |node, sums| {
+            let start = range.start.saturating_sub(node);
+            let count = sums.len().min(range.end - node);
+            visit(node + start, &mut sums[start..count]);
+        });
+    }
+
+    #[inline(always)]
+    fn for_tiles<S: Storage>(
+        &self,
+        tiles: &[Tile],
+        forces: &[Quad<S>],
+        visit: &mut impl FnMut(usize, &mut [Quad<S>]),
+    ) {
         let mut sums = [Quad::<S>::default(); TILE];
-        for tile in &self.tiles[tiles.start as usize..tiles.end as usize] {
+        for tile in tiles {
             let (slot, count) = (tile.slot as usize, tile.count as usize);
             sums[..count].copy_from_slice(&forces[slot..slot + count]);
             for &(local, slot) in

@@ -3,6 +3,7 @@
 use powerhouse_model::BlockEnergy;
 
 use crate::Model;
+use crate::ledger::total_energy;
 
 /// Share of the largest internal work of all sets below which the work of a set is rounding.
 const ROUNDING: f64 = 1.0e-9;
@@ -58,14 +59,15 @@ impl Model {
     /// Stored hourglass and internal energy of each set at the present time.
     pub(crate) fn hourglass_shares(&self) -> Vec<HourglassShare> {
         let of_blocks = self.block_energies(0.0, false);
-        let mut sums: Vec<(&str, BlockEnergy)> = Vec::new();
+        let mut sets: Vec<(&str, Vec<BlockEnergy>)> = Vec::new();
         for (block, energy) in self.blocks.iter().zip(of_blocks) {
-            match sums.iter_mut().find(|(label, _)| *label == block.label()) {
-                Some((_, sum)) => *sum += energy,
-                None => sums.push((block.label(), energy)),
+            match sets.iter_mut().find(|(label, _)| *label == block.label()) {
+                Some((_, blocks)) => blocks.push(energy),
+                None => sets.push((block.label(), vec![energy])),
             }
         }
-        let shares = sums.into_iter().map(|(label, energy)| {
+        let shares = sets.into_iter().map(|(label, blocks)| {
+            let energy = total_energy(blocks.iter());
             let mut share = HourglassShare {
                 set: label.into(),
                 ..HourglassShare::default()

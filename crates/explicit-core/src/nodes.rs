@@ -1,6 +1,6 @@
 //! Nodal arrays (displacement, velocity, forces) and the pass that updates them. This is hot code.
 
-use core::ops::{Add, Mul, Sub};
+use core::ops::{Add, Mul, Range, Sub};
 
 use powerhouse_model::{NodalScalar, NodalView, NodalViewMut, Quad, Vec3};
 use pulp::NullaryFnOnce;
@@ -183,47 +183,37 @@ impl<S: Storage> NodalArrays<S> {
             });
     }
 
-    /// Sums over the plain nodes, between kick and drift, of `m v-.v+`, `c v-.v-`, `c v-.v+`,
-    /// `c v+.v+` and `m (v+ - v-).(v+ - v-)` with the masses `m` (kg) and the damping `c` (kg/s, or none), in a fixed order.
+    /// Sums over the plain nodes of a range, between kick and drift, of `m v-.v+`, `c v-.v-`, `c v-.v+`,
+    /// `c v+.v+` and `m (v+ - v-).(v+ - v-)` with the masses `m` (kg) and the damping `c` (kg/s, or none), in the order of
+    /// the nodes.
     pub(crate) fn products(
         &self,
+        range: Range<usize>,
         gather: &Gather,
-        (groups, grouped): (&GroupMotion, impl Fn(usize) -> bool + Sync),
+        (groups, grouped): (&GroupMotion, impl Fn(usize) -> bool),
         mass: &[f64],
         damping: &[f64],
     ) -> [f64; 5] {
-        let chunks: Vec<[f64; 5]> = (0..self.velocity.len().div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut sums = [0.0; 5];
-                let mut roller_nodes = groups.roller_nodes.in_chunk(chunk);
-                gather.for_chunk(chunk, &self.forces, |first, internal| {
-                    roller_nodes = hold(roller_nodes, first, internal, &self.external);
-                    for (i, internal) in internal.iter().enumerate() {
-                        let node = first + i;
-                        if grouped(node) {
-                            continue;
-                        }
-                        let before = self.velocity[node].to_vector();
-                        let after = self.next_of(node, &internal.values);
-                        let damping = damping.get(node).copied().unwrap_or(0.0);
-                        let across = before.dot(&after);
-                        sums[0] += mass[node] * across;
-                        sums[1] += damping * before.norm_squared();
-                        sums[2] += damping * across;
-                        sums[3] += damping * after.norm_squared();
-                        sums[4] += mass[node] * (after - before).norm_squared();
-                    }
-                });
-                sums
-            })
-            .collect();
         let mut sums = [0.0; 5];
-        for chunk in chunks {
-            for (sum, part) in sums.iter_mut().zip(chunk) {
-                *sum += part;
+        let mut roller_nodes = groups.roller_nodes.from(range.start);
+        gather.for_range(range, &self.forces, |first, internal| {
+            roller_nodes = hold(roller_nodes, first, internal, &self.external);
+            for (i, internal) in internal.iter().enumerate() {
+                let node = first + i;
+                if grouped(node) {
+                    continue;
+                }
+                let before = self.velocity[node].to_vector();
+                let after = self.next_of(node, &internal.values);
+                let damping = damping.get(node).copied().unwrap_or(0.0);
+                let across = before.dot(&after);
+                sums[0] += mass[node] * across;
+                sums[1] += damping * before.norm_squared();
+                sums[2] += damping * across;
+                sums[3] += damping * after.norm_squared();
+                sums[4] += mass[node] * (after - before).norm_squared();
             }
-        }
+        });
         sums
     }
 

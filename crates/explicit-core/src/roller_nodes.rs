@@ -45,6 +45,11 @@ impl RollerNodes {
         &self.all[range.start as usize..range.end as usize]
     }
 
+    /// The roller nodes from a node on.
+    pub(crate) fn from(&self, node: usize) -> &[RollerNode] {
+        &self.all[self.all.partition_point(|s| (s.node as usize) < node)..]
+    }
+
     /// The roller node of a node, as a slice of one; empty if the node has no roller.
     pub(crate) fn of(&self, node: usize) -> &[RollerNode] {
         let index = self.all.binary_search_by_key(&(node as u32), |s| s.node);

@@ -51,20 +51,20 @@ impl Model {
             products: 0,
             converged: true,
         };
-        let size = norm(&present);
+        let size = self.subdomain.node_ranges.norm(&present);
         if size == 0.0 {
             return found;
         }
         present.par_iter_mut().for_each(|x| *x /= size);
         loop {
             let mut next = self.scaled_product(&scale, &present, &weight);
-            let alpha = dot(&next, &present);
+            let alpha = self.subdomain.node_ranges.dot(&next, &present);
             let beta_before = off.last().copied().unwrap_or(0.0);
             next.par_iter_mut()
                 .zip(&present)
                 .zip(&previous)
                 .for_each(|((w, x), y)| *w -= x * alpha + y * beta_before);
-            let beta = norm(&next);
+            let beta = self.subdomain.node_ranges.norm(&next);
             diagonal.push(alpha);
             off.push(beta);
             found.products += 1;
@@ -196,21 +196,6 @@ fn product<S: Storage>(
         .into_par_iter()
         .map(|node| arrays.internal(&subdomain.slots, node))
         .collect()
-}
-
-/// The inner product, summed in a fixed order.
-pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
-    let parts: Vec<f64> = a
-        .par_chunks(4096)
-        .zip(b.par_chunks(4096))
-        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum())
-        .collect();
-    parts.iter().sum()
-}
-
-/// The Euclidean norm.
-pub(crate) fn norm(a: &[Vec3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 /// A pseudo-random number in [-1, 1) from an integer (the mixer of Steele, Lea & Flood 2014).

@@ -6,6 +6,7 @@ use std::cell::Cell;
 use powerhouse_model::{ElementBlock, Mesh, Quad};
 
 use crate::gather::{Gather, SlotTable};
+use crate::node_ranges::NodeRanges;
 use crate::nodes::Storage;
 use crate::partition::Partition;
 
@@ -65,6 +66,8 @@ pub(crate) struct Subdomain {
     pub(crate) slots: SlotTable,
     /// The same for passes over all nodes.
     pub(crate) gather: Gather,
+    /// Nodes in ranges, over which nodal vectors are summed.
+    pub(crate) node_ranges: NodeRanges,
     /// Local numbers of orphan nodes, in rising order.
     pub(crate) orphans: Vec<u32>,
     /// Block of each mesh element, and index in the block; `u32::MAX` as block of absent elements.
@@ -91,6 +94,7 @@ impl Subdomain {
         Self {
             ranges: ranges.collect(),
             runs: nodes.iter().map(|nodes| run(nodes)).collect(),
+            node_ranges: NodeRanges::of_blocks(&slots, &lengths),
             lengths,
             gather: Gather::new(&slots),
             slots,

@@ -15,33 +15,33 @@ use rayon::prelude::*;
 use crate::groups::Groups;
 use crate::nodes::with_nodes;
 use crate::{HourglassShare, Model, Precision};
-use sum::Sum;
-use work::{MidStep, NodalWork};
+use sum::{Sum, total};
+use work::{MidStep, NodalWork, RangeWork};
+
+pub(crate) use sum::total_energy;
 
 /// Factor between the reference energy of the residual and the energy lost to underflow in single precision.
 const FAR_ABOVE: f64 = 1.0e8;
 
-/// Energies that the constraints reported, and their work in the present step.
+/// Energies that the constraints reported.
 #[derive(Clone, Debug, Default)]
 struct ConstraintEnergy {
     friction: Sum,
     bond: Sum,
     impact: Sum,
     external: Sum,
-    /// Work of the constraints on the body in the halves of the present step (J).
-    halves: [f64; 2],
+    /// Of all energies, those of constraints that have nodes with prescribed motion.
+    prescribed: Sum,
     /// Energies reported for the present step.
     reported: ConstraintWork,
-    /// Work (J) of the present step at nodes with prescribed motion.
-    prescribed: f64,
+    /// Of these, the ones of constraints that have nodes with prescribed motion (J).
+    reported_prescribed: f64,
 }
 
 /// Energy balance of one element set.
 #[derive(Clone, Debug, Default)]
 struct SetBalance {
     label: String,
-    /// Work of the motion against the set's nodal forces (J).
-    work: Sum,
     /// Energy of its elements when the ledger was opened (J).
     origin: f64,
     /// Largest hourglass work over the readings.
@@ -55,6 +55,8 @@ struct SetBalance {
 /// `-1/8 (v+ - v-) . M (v+ - v-)`, is the column "time step", which falls with the square of the step. The work of a
 /// nodal force at time `t` is half with the velocity before, half with that after `t`; the energy of elements
 /// follows from their stresses and strains. All columns then add up to a constant, to rounding.
+/// Sums over the steps are kept for each block, each range of nodes and each constraint; at a reading they are added
+/// exactly, so that the order of the blocks has no influence.
 /// The work of a constant load is its product with the displacement since the ledger was opened, which is computed
 /// on demand.
 #[derive(Clone, Debug, Default)]
@@ -63,10 +65,12 @@ pub(crate) struct Ledger {
     set_of_block: Vec<usize>,
     sets: Vec<SetBalance>,
     by_set: bool,
-    nodal: NodalWork<Sum>,
+    /// Work of the motion against the nodal forces of each block (J).
+    work_of_block: Vec<Sum>,
+    ranges: Vec<RangeWork>,
+    /// Index of the range of each group.
+    range_of_group: Vec<u32>,
     constraints: ConstraintEnergy,
-    /// Second halves of the nodal work of the present step (J).
-    second: NodalWork<f64>,
     /// Kinetic and internal energy when the ledger was opened (J).
     origin: Option<f64>,
     /// Product of the constant loads with the displacement when the ledger was opened (J).
@@ -98,9 +102,13 @@ impl Model {
             Precision::F64 => 0.0,
             _ => self.least_single_energy(),
         };
+        let (ranges, range_of_group) = self.range_work();
         let mut ledger = Ledger {
             by_set,
             scale,
+            ranges,
+            range_of_group,
+            work_of_block: vec![Sum::default(); self.blocks.len()],
             ..Ledger::default()
         };
         for block in &self.blocks {
@@ -142,22 +150,28 @@ impl Model {
         if !ledger.first_half_recorded {
             ledger.first_half_recorded = true;
             let present = self.present(step);
-            let [mut first, second] = present.work();
-            first.loads = present.load_work();
-            ledger.second = second;
-            if ledger.origin.is_none() {
+            let begins = ledger.origin.is_none();
+            ledger.ranges.par_iter_mut().for_each(|range| {
+                let [mut first, second] = present.work(range);
+                range.second = second;
+                if !begins {
+                    first.loads = present.load_work(range);
+                    range.all.add(&first);
+                }
+            });
+            if begins {
                 // The balance begins at the present time.
-                let energies = self.set_energies(&ledger, step);
-                for (set, energy) in ledger.sets.iter_mut().zip(&energies) {
+                let energies = self.block_energies(step, true);
+                let of_sets = ledger.set_energies(&energies);
+                for (set, energy) in ledger.sets.iter_mut().zip(&of_sets) {
                     set.origin = energy.total();
                 }
-                let internal: f64 = energies.iter().map(BlockEnergy::total).sum();
+                let internal = total_energy(energies.iter()).total();
+                let [kinetic, _] = present.kinetic(&ledger.ranges);
                 // Constraints report whole steps, of which the first half precedes the balance.
-                let present = self.present(step);
-                ledger.origin = Some(present.kinetic() + internal - ledger.constraints.halves[0]);
-                ledger.potential = present.load_potential();
+                ledger.origin = Some(kinetic + internal - ledger.constraint_work(0));
+                ledger.potential = present.load_potential(&ledger.ranges);
             } else {
-                ledger.nodal.add(&first);
                 self.record_sets(&mut ledger, step);
             }
         }
@@ -169,22 +183,21 @@ impl Model {
         let Some(mut ledger) = self.ledger.take() else {
             return;
         };
-        let mut second = ledger.second;
-        second.loads = self.present(step).load_work();
-        second.prescribed += ledger.constraints.prescribed;
-        ledger.nodal.add(&second);
+        let present = self.present(step);
+        (ledger.ranges.par_iter_mut()).for_each(|range| range.complete(present.load_work(range)));
         let energy = &mut ledger.constraints;
         energy.friction.add(energy.reported.friction);
         energy.bond.add(energy.reported.bond);
         energy.impact.add(energy.reported.impact);
         energy.external.add(energy.reported.external);
-        (energy.reported, energy.halves, energy.prescribed) = Default::default();
+        energy.prescribed.add(energy.reported_prescribed);
+        (energy.reported, energy.reported_prescribed) = Default::default();
         self.record_sets(&mut ledger, step);
         ledger.first_half_recorded = false;
         self.ledger = Some(ledger);
     }
 
-    /// Adds half a step's work against the forces of each block to its set.
+    /// Adds half a step's work against the forces of each block.
     fn record_sets(&self, ledger: &mut Ledger, step: f64) {
         if !ledger.by_set {
             return;
@@ -203,8 +216,8 @@ impl Model {
                 })
                 .collect()
         });
-        for (&set, work) in ledger.set_of_block.iter().zip(work) {
-            ledger.sets[set].work.add(work);
+        for (sum, work) in ledger.work_of_block.iter_mut().zip(work) {
+            sum.add(work);
         }
     }
 
@@ -227,21 +240,11 @@ impl Model {
             .collect()
     }
 
-    /// Energies of the elements of each set at the present time.
-    fn set_energies(&self, ledger: &Ledger, step: f64) -> Vec<BlockEnergy> {
-        let of_blocks = self.block_energies(step, true);
-        let mut of_sets = vec![BlockEnergy::default(); ledger.sets.len()];
-        for (&set, energy) in ledger.set_of_block.iter().zip(of_blocks) {
-            of_sets[set] += energy;
-        }
-        of_sets
-    }
-
     /// Reads the ledger between kick and drift; none if no ledger is open.
     pub(crate) fn read_ledger(&mut self, step: f64) -> Option<Reading> {
         self.record_first_half(step);
         let mut ledger = self.ledger.take()?;
-        let energies = self.set_energies(&ledger, step);
+        let energies = self.block_energies(step, true);
         let reading = ledger.read(&self.present(step), &energies);
         self.ledger = Some(ledger);
         Some(reading)
@@ -259,47 +262,73 @@ impl Ledger {
         predicted: &[Vec3],
         report: ConstraintWork,
     ) {
-        let energy = &mut self.constraints;
-        let (mut halves, mut prescribed) = ([0.0; 2], false);
+        let mut prescribed = groups.prescribed.iter().map(|&g| g as usize);
+        let is_prescribed = prescribed.any(|g| own.contains(&g));
         for (g, before) in own.zip(predicted) {
             let after = groups.motion.next[g];
             let impulse = match groups.scalar_mass(g) {
                 Some(mass) => (after - before) * mass,
-                None => {
-                    let group = &groups.groups[g];
-                    prescribed |= !group.condition.prescribed.is_empty();
-                    group.correction((rule, step), &(after - before))
-                }
+                None => groups.groups[g].correction((rule, step), &(after - before)),
             };
-            halves[0] += 0.5 * impulse.dot(&groups.motion.previous[g]);
-            halves[1] += 0.5 * impulse.dot(&after);
+            let halves = [groups.motion.previous[g], after].map(|v| 0.5 * impulse.dot(&v));
+            let range = &mut self.ranges[self.range_of_group[g] as usize];
+            range.constraints[0] += halves[0];
+            range.constraints[1] += halves[1];
+            if is_prescribed {
+                range.prescribed += halves[0] + halves[1];
+            }
         }
-        energy.halves[0] += halves[0];
-        energy.halves[1] += halves[1];
+        let energy = &mut self.constraints;
         energy.reported.friction += report.friction;
         energy.reported.bond += report.bond;
         energy.reported.impact += report.impact;
         energy.reported.external += report.external;
-        if prescribed {
-            let lost = report.friction + report.bond + report.impact + report.external;
-            energy.prescribed += lost + halves[0] + halves[1];
+        if is_prescribed {
+            energy.reported_prescribed +=
+                report.friction + report.bond + report.impact + report.external;
+        }
+    }
+
+    /// Energies of the elements of each set from those of the blocks.
+    fn set_energies(&self, blocks: &[BlockEnergy]) -> Vec<BlockEnergy> {
+        let of_set = |set| {
+            let own = self.set_of_block.iter().zip(blocks);
+            total_energy(own.filter(|(other, _)| **other == set).map(|(_, e)| e))
+        };
+        (0..self.sets.len()).map(of_set).collect()
+    }
+
+    /// Work (J) of the constraints on the body in a half of the present step.
+    fn constraint_work(&self, half: usize) -> f64 {
+        total(self.ranges.iter().map(|range| range.constraints[half]))
+    }
+
+    /// Nodal work of all steps (J).
+    fn nodal_work(&self) -> NodalWork<f64> {
+        let sums = |column: fn(&NodalWork<Sum>) -> Sum| {
+            self.ranges.iter().map(move |range| column(&range.all))
+        };
+        let of_constraints = core::iter::once(self.constraints.prescribed);
+        NodalWork {
+            mass_damping: Sum::total_of(sums(|work| work.mass_damping)),
+            dashpots: Sum::total_of(sums(|work| work.dashpots)),
+            springs: Sum::total_of(sums(|work| work.springs)),
+            loads: Sum::total_of(sums(|work| work.loads)),
+            prescribed: Sum::total_of(sums(|work| work.prescribed).chain(of_constraints)),
         }
     }
 
     fn read(&mut self, present: &MidStep, energies: &[BlockEnergy]) -> Reading {
-        let mut sum = BlockEnergy::default();
-        for energy in energies {
-            sum += *energy;
-        }
-        let (kinetic, loads) = (
-            present.kinetic(),
-            self.nodal.loads.total() + present.load_potential() - self.potential,
-        );
-        let difference = present.kinetic_difference();
-        let (nodal, constraints) = (&self.nodal, &self.constraints);
+        let sum = total_energy(energies.iter());
+        let energies = &self.set_energies(energies)[..];
+        let [kinetic, difference] = present.kinetic(&self.ranges);
+        let (nodal, constraints) = (self.nodal_work(), &self.constraints);
+        let loads = nodal.loads + present.load_potential(&self.ranges) - self.potential;
         let initial = self.origin.unwrap_or(0.0);
-        let pending = -constraints.halves[0] + 0.5 * constraints.prescribed;
-        let prescribed = nodal.prescribed.total() + 0.5 * constraints.prescribed;
+        let of_ranges = self.ranges.iter().map(|range| range.prescribed);
+        let of_step = total(of_ranges.chain([constraints.reported_prescribed]));
+        let pending = 0.5 * of_step - self.constraint_work(0);
+        let prescribed = nodal.prescribed + 0.5 * of_step;
         let spent = [
             ("kinetic", kinetic + difference),
             ("time step", -difference),
@@ -311,9 +340,9 @@ impl Ledger {
             ("integration", sum.integration),
             ("relaxation", sum.relaxation),
             ("stiffness damping", sum.damping),
-            ("mass damping", nodal.mass_damping.total()),
-            ("dashpots", nodal.dashpots.total()),
-            ("springs", nodal.springs.total()),
+            ("mass damping", nodal.mass_damping),
+            ("dashpots", nodal.dashpots),
+            ("springs", nodal.springs),
             ("friction", constraints.friction.total()),
             ("bond", constraints.bond.total()),
             ("impact", constraints.impact.total()),
@@ -353,17 +382,24 @@ impl Ledger {
     /// The element set whose nodal work and element energy differ most; without balances by set, the set
     /// whose energy changed most.
     fn worst_set(&self, energies: &[BlockEnergy]) -> String {
-        let gap = |(set, energy): &(&SetBalance, &BlockEnergy)| {
-            let gained = energy.total() - set.origin;
+        let work = |set: usize| {
+            let own = self.set_of_block.iter().zip(&self.work_of_block);
+            Sum::total_of(
+                own.filter(|(other, _)| **other == set)
+                    .map(|(_, work)| *work),
+            )
+        };
+        let gap = |set: usize| {
+            let gained = energies[set].total() - self.sets[set].origin;
             let gap = if self.by_set {
-                set.work.total() - gained
+                work(set) - gained
             } else {
                 gained
             };
             gap.abs()
         };
-        let worst = self.sets.iter().zip(energies);
-        let worst = worst.max_by(|a, b| gap(a).total_cmp(&gap(b)));
-        worst.map_or_else(String::new, |(set, _)| set.label.clone())
+        let gaps = (0..self.sets.len()).map(|set| (set, gap(set)));
+        let worst = gaps.max_by(|a, b| a.1.total_cmp(&b.1));
+        worst.map_or_else(String::new, |(set, _)| self.sets[set].label.clone())
     }
 }

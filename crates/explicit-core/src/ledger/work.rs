@@ -1,12 +1,14 @@
 //! Work of nodal forces in a step.
 
+use core::ops::Range;
+
 use powerhouse_model::{MassDampingRule, Vec3};
 use rayon::prelude::*;
 
-use super::sum::Sum;
+use super::sum::{Sum, total};
 use crate::Model;
 use crate::applied::LoadSums;
-use crate::gather::{CHUNK, Gather, SlotTable};
+use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::nodes::{Nodes, with_nodes};
 
@@ -31,6 +33,35 @@ impl NodalWork<Sum> {
     }
 }
 
+/// Work of the forces at one range of nodes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RangeWork {
+    nodes: Range<usize>,
+    /// The groups, without roller nodes, whose lead node is one of them, in the order of the groups.
+    groups: Vec<u32>,
+    /// Indices of the time-dependent loads at the nodes, and of the constant ones, in the order of the loads.
+    changing: Vec<u32>,
+    constant: Vec<u32>,
+    /// Work of all steps (J).
+    pub(super) all: NodalWork<Sum>,
+    /// Second halves of the work of the present step (J).
+    pub(super) second: NodalWork<f64>,
+    /// Work of the constraints on the groups in the halves of the present step (J).
+    pub(super) constraints: [f64; 2],
+    /// Work (J) in the present step of those constraints that have nodes with prescribed motion.
+    pub(super) prescribed: f64,
+}
+
+impl RangeWork {
+    /// Completes a step with the second half of the work of the loads (J).
+    pub(super) fn complete(&mut self, loads: f64) {
+        self.second.loads = loads;
+        self.second.prescribed += self.prescribed;
+        self.all.add(&self.second);
+        (self.constraints, self.prescribed) = Default::default();
+    }
+}
+
 /// Read access to the nodal data of a model between kick and drift, shared among threads.
 pub(super) struct MidStep<'a> {
     nodes: &'a Nodes,
@@ -46,6 +77,37 @@ pub(super) struct MidStep<'a> {
 }
 
 impl Model {
+    /// The ranges of nodes with their groups and loads, and the range of each group without roller nodes.
+    pub(super) fn range_work(&self) -> (Vec<RangeWork>, Vec<u32>) {
+        let mut range_of_node = vec![0_u32; self.mass.len()];
+        let mut all: Vec<RangeWork> = Vec::new();
+        for nodes in self.subdomain.node_ranges.ranges() {
+            range_of_node[nodes.clone()].fill(all.len() as u32);
+            all.push(RangeWork {
+                nodes: nodes.clone(),
+                ..RangeWork::default()
+            });
+        }
+        let range_of = |node: u32| range_of_node[node as usize];
+        let groups = &self.groups.groups[..self.groups.kicked()];
+        let of_groups: Vec<u32> = (groups.iter())
+            .map(|group| range_of(group.members[0]))
+            .collect();
+        for (group, &range) in (0..).zip(&of_groups) {
+            all[range as usize].groups.push(group);
+        }
+        for (index, (node, constant)) in (0..).zip(self.loads.sums.places()) {
+            let range = &mut all[range_of(node) as usize];
+            let indices = if constant {
+                &mut range.constant
+            } else {
+                &mut range.changing
+            };
+            indices.push(index);
+        }
+        (all, of_groups)
+    }
+
     pub(super) fn present(&self, step: f64) -> MidStep<'_> {
         MidStep {
             nodes: &self.nodes,
@@ -65,31 +127,14 @@ impl Model {
 }
 
 impl MidStep<'_> {
-    /// Half a step's work of all nodal forces but the loads, with the velocities before and with
-    /// those after.
-    pub(super) fn work(&self) -> [NodalWork<f64>; 2] {
-        let count = self.groups.kicked();
-        let chunks: Vec<[NodalWork<f64>; 2]> = (0..count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut halves = [NodalWork::default(); 2];
-                for g in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
-                    self.add_group(g, &mut halves);
-                }
-                halves
-            })
-            .collect();
+    /// Half a step's work of all nodal forces of a range but the loads, with the velocities before and with those after.
+    pub(super) fn work(&self, range: &RangeWork) -> [NodalWork<f64>; 2] {
         let mut halves = [NodalWork::default(); 2];
-        for chunk in &chunks {
-            for (half, part) in halves.iter_mut().zip(chunk) {
-                half.mass_damping += part.mass_damping;
-                half.dashpots += part.dashpots;
-                half.springs += part.springs;
-                half.prescribed += part.prescribed;
-            }
+        for &g in &range.groups {
+            self.add_group(g as usize, &mut halves);
         }
         if !self.mass_damping.is_empty() {
-            for (half, work) in halves.iter_mut().zip(self.plain_damping()) {
+            for (half, work) in halves.iter_mut().zip(self.plain_damping(range)) {
                 half.mass_damping += work;
             }
         }
@@ -156,56 +201,60 @@ impl MidStep<'_> {
         residual - group.condition.free(residual)
     }
 
-    /// Half a step's work of the mass damping of plain nodes.
-    fn plain_damping(&self) -> [f64; 2] {
-        let [_, before, across, after, _] = self.plain_products();
+    /// Half a step's work of the mass damping of the plain nodes of a range.
+    fn plain_damping(&self, range: &RangeWork) -> [f64; 2] {
+        let [_, before, across, after, _] = self.plain_products(range);
         let half = 0.5 * self.step;
         let damped = |old: f64, new: f64| self.rule.damped_velocity(old, 0.5 * (old + new));
         [half * damped(before, across), half * damped(across, after)]
     }
 
-    fn plain_products(&self) -> [f64; 5] {
+    fn plain_products(&self, range: &RangeWork) -> [f64; 5] {
         let grouped = |node: usize| self.groups.if_kicked(self.group_of[node]).is_some();
         let groups = (&self.groups.motion, grouped);
+        let nodes = range.nodes.clone();
         with_nodes!(self.nodes, arrays => {
-            arrays.products(self.gather, groups, self.mass, self.mass_damping)
+            arrays.products(nodes, self.gather, groups, self.mass, self.mass_damping)
         })
     }
 
     /// Product of the constant loads with the present displacement (J).
-    pub(super) fn load_potential(&self) -> f64 {
-        with_nodes!(self.nodes, arrays => {
-            let displacement = |node: usize| arrays.displacement[node].to_vector();
-            self.sums.potential(displacement)
-        })
+    pub(super) fn load_potential(&self, ranges: &[RangeWork]) -> f64 {
+        let of_range = |range: &RangeWork| {
+            with_nodes!(self.nodes, arrays => {
+                let displacement = |node: usize| arrays.displacement[node].to_vector();
+                self.sums.product(&range.constant, displacement)
+            })
+        };
+        let of_ranges: Vec<f64> = ranges.par_iter().map(of_range).collect();
+        total(of_ranges.into_iter())
     }
 
-    /// Half a step's work of the time-dependent loads with the present velocities, which are
-    /// those before the drift or those after it.
-    pub(super) fn load_work(&self) -> f64 {
+    /// Half a step's work of the time-dependent loads of a range with the present velocities, which are those before
+    /// the drift or those after it.
+    pub(super) fn load_work(&self, range: &RangeWork) -> f64 {
         with_nodes!(self.nodes, arrays => {
             let velocity = |node: usize| arrays.velocity[node].to_vector();
-            self.sums.power(velocity) * 0.5 * self.step
+            self.sums.product(&range.changing, velocity) * 0.5 * self.step
         })
     }
 
-    /// Kinetic energy of the mean velocity less that of the scheme (J), `1/8 (v+ - v-) . M (v+ - v-)`.
-    pub(super) fn kinetic_difference(&self) -> f64 {
+    /// Kinetic energy of the scheme (J), `1/2 v- . M v+`, and what the kinetic energy of the mean velocity has in
+    /// addition, `1/8 (v+ - v-) . M (v+ - v-)`.
+    pub(super) fn kinetic(&self, ranges: &[RangeWork]) -> [f64; 2] {
         let motion = &self.groups.motion;
-        let grouped: f64 = (self.groups.groups.iter())
-            .zip(motion.previous.iter().zip(&motion.next))
-            .map(|(group, (before, after))| group.mass * (after - before).norm_squared())
-            .sum();
-        0.125 * (self.plain_products()[4] + grouped)
-    }
-
-    /// Kinetic energy of the scheme (J), `1/2 v- . M v+`.
-    pub(super) fn kinetic(&self) -> f64 {
-        let motion = &self.groups.motion;
-        let grouped: f64 = (self.groups.groups.iter())
-            .zip(motion.previous.iter().zip(&motion.next))
-            .map(|(group, (before, after))| group.mass * before.dot(after))
-            .sum();
-        0.5 * (self.plain_products()[0] + grouped)
+        let of_range = |range: &RangeWork| {
+            let plain = self.plain_products(range);
+            let (mut across, mut squares) = (plain[0], plain[4]);
+            for &g in &range.groups {
+                let (before, after) = (motion.previous[g as usize], motion.next[g as usize]);
+                let mass = self.groups.groups[g as usize].mass;
+                across += mass * before.dot(&after);
+                squares += mass * (after - before).norm_squared();
+            }
+            [0.5 * across, 0.125 * squares]
+        };
+        let of_ranges: Vec<[f64; 2]> = ranges.par_iter().map(of_range).collect();
+        [0, 1].map(|column| total(of_ranges.iter().map(|energies| energies[column])))
     }
 }

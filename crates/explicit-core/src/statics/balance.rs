@@ -7,7 +7,6 @@ use super::StaticError;
 use crate::Model;
 use crate::model::{BlockTerms, block_forces};
 use crate::nodes::with_nodes;
-use crate::spectrum::norm;
 use crate::subdomain::NodalMotion;
 
 /// Report of the transition from a static to a dynamic stage.
@@ -55,6 +54,7 @@ impl Model {
                 .collect();
             model.gather_members(&mut change);
             model.reduce(&mut change);
+            let norm = |forces: &[Vec3]| model.subdomain.node_ranges.norm(forces);
             let scale = scale.max(norm(&before)).max(f64::MIN_POSITIVE);
             let report = HandOverReport {
                 carried_forces: norm(&carried),
@@ -90,7 +90,7 @@ impl Model {
         self.compute_static_forces(0.0)?;
         let count = self.mass.len();
         let mut forces = self.internal_forces();
-        let size = norm(&forces);
+        let size = self.subdomain.node_ranges.norm(&forces);
         for (group, origin) in self.groups.groups.iter().zip(&self.groups.origin) {
             let lead = group.members[0] as usize;
             forces[lead] += group.spring * (self.displacement_of(lead) - origin);
@@ -129,12 +129,13 @@ impl Model {
 
     /// Refuses viscoelastic laws, whose stress depends on the length of the step at zero velocity.
     fn refuse_viscoelastic(&mut self) -> Result<(), StaticError> {
+        let size = |forces: &[Vec3]| forces.iter().map(Vec3::norm_squared).sum::<f64>().sqrt();
         self.compute_static_forces(SOME_STEP)?;
         let moving = self.force_buffers();
         self.compute_static_forces(0.0)?;
         for ((block, moving), still) in self.blocks.iter().zip(moving).zip(self.force_buffers()) {
             let change: Vec<Vec3> = moving.iter().zip(&still).map(|(a, b)| a - b).collect();
-            if norm(&change) > SAME * norm(&still) {
+            if size(&change) > SAME * size(&still) {
                 return Err(StaticError::Viscoelastic {
                     set: block.label().into(),
                 });

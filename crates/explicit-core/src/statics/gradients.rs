@@ -5,7 +5,6 @@ use rayon::prelude::*;
 
 use super::StaticError;
 use super::system::System;
-use crate::spectrum::{dot, norm};
 
 /// Largest number of products over the cube root of the number of unknowns.
 const MOST_PRODUCTS: f64 = 60.0;
@@ -19,36 +18,36 @@ pub(super) fn solve(
     b: &[Vec3],
     left: f64,
 ) -> Result<(Vec<Vec3>, u64), StaticError> {
-    let goal = left * norm(b);
+    let goal = left * system.norm(b);
     let mut x = vec![Vec3::zeros(); b.len()];
     let mut residual = b.to_vec();
     let mut preconditioned = system.precondition(&residual);
     let mut direction = preconditioned.clone();
-    let mut weight = dot(&residual, &preconditioned);
+    let mut weight = system.dot(&residual, &preconditioned);
     let most = (MOST_PRODUCTS * (3.0 * b.len() as f64).cbrt()).max(200.0) as u64;
-    let mut size = norm(&residual);
+    let mut size = system.norm(&residual);
     for products in 0..most {
         if size <= goal {
             return Ok((x, products));
         }
         system.check_stop()?;
         let image = system.product(&direction);
-        let curvature = dot(&direction, &image);
+        let curvature = system.dot(&direction, &image);
         if !(curvature > 0.0 && curvature.is_finite()) {
-            let residual = size / norm(b);
+            let residual = size / system.norm(b);
             return Err(StaticError::LinearSolver { residual, products });
         }
         let length = weight / curvature;
         (x.par_iter_mut().zip(&direction)).for_each(|(x, d)| *x += d * length);
         (residual.par_iter_mut().zip(&image)).for_each(|(r, w)| *r -= w * length);
         preconditioned = system.precondition(&residual);
-        let next = dot(&residual, &preconditioned);
+        let next = system.dot(&residual, &preconditioned);
         let turn = next / weight;
         weight = next;
         (direction.par_iter_mut().zip(&preconditioned)).for_each(|(d, z)| *d = z + *d * turn);
-        size = norm(&residual);
+        size = system.norm(&residual);
     }
-    let residual = size / norm(b);
+    let residual = size / system.norm(b);
     Err(StaticError::LinearSolver {
         residual,
         products: most,

@@ -33,8 +33,6 @@ use mixing::Mixing;
 use relaxation::Relaxation;
 use system::System;
 
-use crate::spectrum::norm;
-
 /// Report of a static solution: numbers of operations and residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StaticReport {
@@ -146,9 +144,9 @@ impl Model {
             first = relaxation.without_joint_forces(&mut system, &first, &u)?;
         }
         let prescribed = system.prescribed_change(&u);
-        report.load = size.max(norm(&first));
+        report.load = size.max(system.norm(&first));
         if report.load > 0.0 {
-            report.unbalanced = norm(&first) / report.load;
+            report.unbalanced = system.norm(&first) / report.load;
         }
         let moves = prescribed
             .iter()
@@ -241,7 +239,7 @@ impl Increment<'_> {
         loop {
             system.forces(&u)?;
             let residual = system.residual(self.applied, &u);
-            let size = norm(&residual);
+            let size = system.norm(&residual);
             if report.load == 0.0 {
                 // Prescribed motions alone: the unbalanced forces that they cause first.
                 report.load = size;
@@ -274,7 +272,7 @@ impl Increment<'_> {
                 mixing = Mixing::new(KEPT_CORRECTIONS);
             }
             last = size;
-            mixing.advance(&mut u, step);
+            mixing.advance(system.ranges(), &mut u, step);
         }
     }
 }

@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use super::system::System;
 use super::{FORCING, Increment, StaticError, StaticProgress, StaticReport, gradients};
 use crate::model::least_mass;
-use crate::spectrum::{dot, norm};
 
 /// Length of a step in pseudo-time (s); results do not depend on it.
 const STEP: f64 = 1.0e-4;
@@ -139,10 +138,10 @@ impl Relaxation {
         let residual = system.residual(increment.applied, u);
         if report.load == 0.0 {
             // Prescribed motions alone: the unbalanced forces that they cause first.
-            report.load = norm(&residual);
+            report.load = system.norm(&residual);
         }
         // A sliding body may have no such equilibrium; it starts from the present displacement.
-        if norm(&residual) > 0.0
+        if system.norm(&residual) > 0.0
             && let Ok((mut step, products)) = gradients::solve(system, &residual, FORCING)
         {
             report.products += products;
@@ -173,7 +172,7 @@ impl Relaxation {
             system.forces(&u)?;
             let out = system.residual(increment.applied, &u);
             if let Some(last) = &last {
-                damping = self.damping(&velocity, last, &out).unwrap_or(damping);
+                damping = (self.damping(system, &velocity, last, &out)).unwrap_or(damping);
             }
             let kept = 1.0 - damping;
             let mut next: Vec<Vec3> = (velocity.par_iter().zip(&self.inverse).zip(&out))
@@ -185,7 +184,7 @@ impl Relaxation {
             let net: Vec<Vec3> = (next.par_iter().zip(&velocity).zip(&self.effective))
                 .map(|((next, v), mass)| mass * ((next - v * kept) / STEP))
                 .collect();
-            let size = norm(&net);
+            let size = system.norm(&net);
             let relative = if size == 0.0 { 0.0 } else { size / report.load };
             let balances = relative <= increment.options.tolerance;
             if balances || step % PROGRESS_INTERVAL == 0 {
@@ -220,12 +219,18 @@ impl Relaxation {
 
     /// Share of the velocity that critical damping of the present motion removes in a step: twice its frequency times
     /// the step; none if forces do not resist the motion.
-    fn damping(&self, velocity: &[Vec3], last: &[Vec3], out: &[Vec3]) -> Option<f64> {
+    fn damping(
+        &self,
+        system: &System,
+        velocity: &[Vec3],
+        last: &[Vec3],
+        out: &[Vec3],
+    ) -> Option<f64> {
         let resisted: Vec<Vec3> = last.iter().zip(out).map(|(last, out)| last - out).collect();
         let moved: Vec<Vec3> = (velocity.iter().zip(&self.effective))
             .map(|(v, mass)| mass * v * STEP)
             .collect();
-        let square = dot(velocity, &resisted) / dot(velocity, &moved);
+        let square = system.dot(velocity, &resisted) / system.dot(velocity, &moved);
         (square > 0.0 && square.is_finite()).then(|| (2.0 * square.sqrt() * STEP).min(MOST_DAMPING))
     }
 }

@@ -8,8 +8,8 @@ use super::freedoms::DegreesOfFreedom;
 use super::{Increment, StaticError, StaticMethod};
 use crate::Model;
 use crate::groups::NodeGroup;
+use crate::node_ranges::NodeRanges;
 use crate::nodes::{Storage, with_nodes};
-use crate::spectrum::norm;
 use crate::subdomain::Subdomain;
 
 /// The static equilibrium equations of a model, with the inverse nodal diagonals of its elastic operator.
@@ -130,7 +130,7 @@ impl<'a> System<'a> {
         let mut initial = model.forces_of_initial_stress();
         self.reduce(&mut forces);
         self.reduce(&mut initial);
-        let size = norm(&forces).max(norm(&initial));
+        let size = self.norm(&forces).max(self.norm(&initial));
         (forces.par_iter_mut().zip(&initial)).for_each(|(force, initial)| *force -= initial);
         (forces, size)
     }
@@ -225,6 +225,21 @@ impl<'a> System<'a> {
             }
             vector[group.members[0] as usize] = group.condition.free(sum);
         }
+    }
+
+    /// The ranges of nodes over which vectors are summed.
+    pub(super) fn ranges(&self) -> &NodeRanges {
+        &self.model.subdomain.node_ranges
+    }
+
+    /// The inner product of two vectors.
+    pub(super) fn dot(&self, a: &[Vec3], b: &[Vec3]) -> f64 {
+        self.ranges().dot(a, b)
+    }
+
+    /// The Euclidean norm of a vector.
+    pub(super) fn norm(&self, a: &[Vec3]) -> f64 {
+        self.ranges().norm(a)
     }
 
     /// Number of nodes.
