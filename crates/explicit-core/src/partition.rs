@@ -1,8 +1,7 @@
 //! Partition of element sets into blocks, and numbering of nodes so that each block owns a contiguous range.
 
-use powerhouse_model::{Mesh, Numbering, Vec3};
+use powerhouse_model::{EngineError, Mesh, Numbering, Vec3};
 
-use crate::EngineError;
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
 /// A part of the partition: the elements and nodes of one block.

@@ -18,12 +18,15 @@
 //! *Dispatch is dynamic once per block and step*, static inside: see [`ElementBlock`] and
 //! [`ConstitutiveLaw`].
 
+mod assembly;
 mod boundary;
 mod constraint;
 mod contact_law;
 mod elastic_domain;
 mod element;
+mod embedded_bars;
 mod engine;
+mod engine_error;
 mod error;
 mod extents;
 mod field;
@@ -36,10 +39,12 @@ mod medium;
 mod mesh;
 mod nodal;
 mod point_law;
+mod rayleigh;
 mod state;
 mod step_time;
 mod tensor;
 
+pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, BuildBlock, ExtraBlock, NodalImpedance,
     SiteFace, SiteNode,
@@ -51,10 +56,12 @@ pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
     HistoryUpdate, LimitingTerm, Numbering, Operator,
 };
+pub use embedded_bars::{AXIAL_FORCE, EmbeddedBars};
 pub use engine::{
     Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Observer,
     StepView, TimeIntegrator,
 };
+pub use engine_error::{ElementExtent, EngineError};
 pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};

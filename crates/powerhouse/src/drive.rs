@@ -4,10 +4,10 @@ use core::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use powerhouse_explicit_core::observe::principal_stresses;
 use powerhouse_io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot, write_table};
 use powerhouse_material_damage::{Control, PointDriver, PointState};
 use powerhouse_model::{HistoryKind, HistoryVariable, PointAdapter, Stress};
+use powerhouse_observe::principal_stresses;
 use serde::Deserialize;
 
 use crate::fault::{Fault, Problem, SceneFault, SceneText};

@@ -51,6 +51,7 @@ mod builtin_joints;
 mod builtin_laws;
 mod damping;
 mod drive;
+pub mod engine;
 mod error;
 mod fault;
 #[expect(
@@ -77,7 +78,6 @@ mod stage;
 
 pub use powerhouse_boundary as boundary;
 pub use powerhouse_contact as contact;
-pub use powerhouse_explicit_core as engine;
 pub use powerhouse_io as io;
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;

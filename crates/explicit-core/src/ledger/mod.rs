@@ -8,13 +8,13 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, StepTime, Vec3,
+    BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, Precision, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
 use crate::groups::Groups;
 use crate::nodes::{Storage, with_nodes};
-use crate::{HourglassShare, Model, Precision};
+use crate::{HourglassShare, Model};
 use sum::Sum;
 use work::{MidStep, NodalWork};
 

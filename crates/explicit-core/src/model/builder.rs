@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use powerhouse_model::{
-    BoundaryParts, BuildBlock, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad,
-    Numbering, State, TimeFunction, Vec3,
+    BlockFactory, BoundaryParts, BuildBlock, Constraint, ElementBlock, EngineError, Mat3, Mesh,
+    ModelError, NodalLoad, Numbering, Precision, State, TimeFunction, Vec3,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
@@ -15,9 +15,9 @@ use super::{BoundConstraint, Model};
 use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
-use crate::loads::Weight;
 use crate::nodes::{NodalArrays, Nodes};
-use crate::{BlockFactory, EngineError, PeriodicPairs, Precision, Prescribed, Support};
+use crate::weight::Weight;
+use crate::{PeriodicPairs, Prescribed, Support};
 
 /// A selection of elements: a named set, or mesh indices.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +148,7 @@ impl<'a> ModelBuilder<'a> {
         self
     }
     /// Adds an embedded block: elements that act on nodes of the mesh, such as
-    /// [bolts](crate::BoltSet::block), built after the nodes are numbered. Its history variables have names of their
+    /// bolts, built after the nodes are numbered. Its history variables have names of their
     /// own, under which a state stores them. If the initial state has no such variables, the block is installed at the
     /// present displacement, without force but for its pretension.
     #[must_use]

@@ -12,10 +12,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Numbering, RunError, TimeFunction, Vec3,
+    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Numbering, Precision, RunError,
+    TimeFunction, Vec3,
 };
 
-use crate::Precision;
 use crate::applied::AppliedLoads;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;

@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use powerhouse_contact::{JointFacet, JointSurface};
-use powerhouse_explicit_core::observe::JointTable;
 use powerhouse_io::{FacetField, FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{
     Bond, ContactState, HistoryVariable, JointHistory, JointPair, JointRecord, Mesh, Vec3,
 };
+use powerhouse_observe::JointTable;
 
 use super::vtu;
 
