@@ -1,7 +1,8 @@
 //! Columns of hexahedra: natural periods, and vertical waves under a free surface.
 
 use powerhouse_boundary::{InputMode, Viscous};
-use powerhouse_explicit_core::{ModelBuilder, SolidKernel, Support};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{ModelBuilder, Support};
 use powerhouse_model::{ElasticMedium, Vec3};
 use powerhouse_tests::{Ground, field_misfit, motion_at, oblique_waves};
 use powerhouse_wavefield::WaveKind;

@@ -2,14 +2,12 @@
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 
-use powerhouse_explicit_core::{
-    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, RunOptions, SolidKernel, Support,
-    run, solid,
-};
+use powerhouse_elements::{Hex8OnePoint, SolidKernel, solid};
+use powerhouse_explicit_core::{EnergyCheck, Leapfrog, Model, RunOptions, Support, run};
 use powerhouse_material_damage::{
     DampingBand, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum, media,
 };
-use powerhouse_model::{ConstitutiveLaw, Mesh, Vec3};
+use powerhouse_model::{BlockOptions, ConstitutiveLaw, Mesh, Vec3};
 use powerhouse_tests::{elastic, motion_at};
 
 const BRICKS: usize = 40;

@@ -2,13 +2,13 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use powerhouse_elements::{FacePressure, Hex8OnePoint, Profile, SolidKernel, solid};
 use powerhouse_explicit_core::{
-    BlockOptions, FacePressure, Hex8OnePoint, Leapfrog, Model, ModelBuilder, PeriodicPairs,
-    Precision, Profile, RunOptions, SolidKernel, StaticError, StaticOptions, StaticReport, Support,
-    run, solid,
+    Leapfrog, Model, ModelBuilder, PeriodicPairs, RunOptions, StaticError, StaticOptions,
+    StaticReport, Support, run,
 };
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, MohrCoulombParameters, media};
-use powerhouse_model::{ElasticMedium, Mesh, Stress, Vec3};
+use powerhouse_model::{BlockOptions, ElasticMedium, Mesh, Precision, Stress, Vec3};
 use powerhouse_tests::{Ground, elastic};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);

@@ -11,7 +11,8 @@
 //! ```
 
 use powerhouse_boundary::{AxisParameters, InputMode, ViscousSpring};
-use powerhouse_explicit_core::{FacePressure, Model, Profile, SolidKernel, Support};
+use powerhouse_elements::{FacePressure, Profile, SolidKernel};
+use powerhouse_explicit_core::{Model, Support};
 use powerhouse_model::{AbsorbingBoundary, BoundarySite, ElasticMedium, TimeFunction, Vec3};
 use powerhouse_tests::{Ground, motion_at};
 

@@ -13,9 +13,9 @@
 //! ```
 
 use powerhouse_boundary::ViscousSpring;
-use powerhouse_explicit_core::{Precision, SolidKernel};
+use powerhouse_elements::SolidKernel;
 use powerhouse_material_damage::media;
-use powerhouse_model::Vec3;
+use powerhouse_model::{Precision, Vec3};
 use powerhouse_tests::{Ground, field_misfit, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 

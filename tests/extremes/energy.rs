@@ -1,7 +1,8 @@
 //! The energy balance over long runs.
 
 use powerhouse_boundary::ViscousSpring;
-use powerhouse_explicit_core::{EnergyCheck, Leapfrog, RunOptions, SolidKernel, run};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{EnergyCheck, Leapfrog, RunOptions, run};
 use powerhouse_material_damage::media;
 use powerhouse_model::Vec3;
 use powerhouse_tests::{Ground, oblique_waves};

@@ -3,10 +3,13 @@
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
+use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{
-    BlockOptions, EnergyCheck, Leapfrog, Model, RunOptions, SolidKernel, StepChoice, Support, run,
+    EnergyCheck, Leapfrog, Model, RunOptions, StepChoice, Support, run,
 };
-use powerhouse_model::{BoundaryParts, ElasticMedium, Mat3, Mesh, NodalImpedance, Vec3};
+use powerhouse_model::{
+    BlockOptions, BoundaryParts, ElasticMedium, Mat3, Mesh, NodalImpedance, Vec3,
+};
 use powerhouse_tests::elastic;
 
 /// Two blocks on each other, the upper one so many times as dense and stiff, in some motion. The sides

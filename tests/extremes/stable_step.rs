@@ -5,7 +5,8 @@ use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions, TiedPairs,
     pair_nodes,
 };
-use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, SolidKernel, StepChoice, run};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
 use powerhouse_model::{ElementKind, Mesh, RunError, Vec3};
 use powerhouse_tests::{Ground, elastic};

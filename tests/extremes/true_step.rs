@@ -7,12 +7,12 @@
 use nalgebra::DMatrix;
 use powerhouse_boundary::{InputMode, ViscousSpring};
 use powerhouse_contact::{Joint, JointSurface, SurfaceOptions, Tied};
-use powerhouse_explicit_core::{
-    BlockOptions, BoltLine, BoltParameters, BoltSet, Leapfrog, Model, OneSided, Rayleigh,
-    RunOptions, SolidKernel, StepChoice, run,
-};
+use powerhouse_elements::{BoltLine, BoltParameters, BoltSet, SolidKernel};
+use powerhouse_explicit_core::{Leapfrog, Model, OneSided, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::{ElasticMedium, ElementKind, Mesh, TimeIntegrator, Vec3};
+use powerhouse_model::{
+    BlockOptions, ElasticMedium, ElementKind, Mesh, Rayleigh, TimeIntegrator, Vec3,
+};
 use powerhouse_tests::{Ground, elastic};
 
 /// Greatest examined power of the map, as an exponent of 2: a step beyond the limit by 1e-7 of it is detected.

@@ -2,9 +2,10 @@
 
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_contact::TiedPairs;
-use powerhouse_explicit_core::{LaneWidth, Leapfrog, Precision, RunOptions, SolidKernel, run};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{Leapfrog, RunOptions, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::{IncidentField, Vec3};
+use powerhouse_model::{IncidentField, LaneWidth, Precision, Vec3};
 use powerhouse_tests::{Ground, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 

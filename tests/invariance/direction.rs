@@ -1,7 +1,8 @@
 //! Independence of the motion from the direction of the axes.
 
 use powerhouse_boundary::ViscousSpring;
-use powerhouse_explicit_core::{Leapfrog, RunOptions, SolidKernel, StepChoice, run};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{Leapfrog, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
 use powerhouse_model::{Mat3, Vec3};
 use powerhouse_tests::{Ground, oblique_waves};

@@ -1,13 +1,11 @@
 //! The energy balance does not change the motion, and does not evaluate laws where they are certainly elastic.
 
-use powerhouse_explicit_core::{
-    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, Precision, RunOptions, SolidKernel,
-    StepChoice, run,
-};
+use powerhouse_elements::{Hex8OnePoint, SolidKernel};
+use powerhouse_explicit_core::{EnergyCheck, Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh,
-    RemainingStiffness, Stress, Vec3,
+    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh,
+    Precision, RemainingStiffness, Stress, Vec3,
 };
 
 /// A law without an elastic domain, so that its energies are evaluated everywhere.

@@ -5,14 +5,14 @@ use core::f64::consts::TAU;
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
+use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_explicit_core::{
-    BlockOptions, EnergyCheck, Leapfrog, Model, NodalForce, Rayleigh, RunOptions, RunReport,
-    SolidKernel, StepChoice, Support, run,
+    EnergyCheck, Leapfrog, Model, RunOptions, RunReport, StepChoice, Support, run,
 };
 use powerhouse_material_damage::media;
 use powerhouse_model::{
-    BoundaryParts, Dynamics, ForceTerms, JointRecord, MassDampingRule, Mat3, Mesh, NodalImpedance,
-    Vec3,
+    BlockOptions, BoundaryParts, Dynamics, ForceTerms, JointRecord, MassDampingRule, Mat3, Mesh,
+    NodalImpedance, Rayleigh, Vec3,
 };
 use powerhouse_tests::elastic;
 

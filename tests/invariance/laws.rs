@@ -3,9 +3,8 @@
 use std::sync::{Arc, Mutex};
 
 use powerhouse::{Kernel, Material};
-use powerhouse_explicit_core::{
-    BlockOptions, LaneWidth, Leapfrog, Model, Precision, RunOptions, SolidKernel, StepChoice, run,
-};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown,
     HoekBrownParameters, LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
@@ -13,8 +12,9 @@ use powerhouse_material_damage::{
     SofteningPlasticityParameters, StrengthFall, TwoSurface, presets,
 };
 use powerhouse_model::{
-    Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Mesh,
-    ModelError, Observer, RunError, State, StepView, TimeIntegrator, Vec3,
+    BlockOptions, Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, LaneWidth,
+    MassDampingRule, Mesh, ModelError, Observer, Precision, RunError, State, StepView,
+    TimeIntegrator, Vec3,
 };
 
 /// Configuration of a run.

@@ -1,9 +1,11 @@
 //! Bodies of one elastic material.
 
-use powerhouse_explicit_core::{BlockFactory, BlockOptions, Model, ModelBuilder, SolidKernel};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{Model, ModelBuilder};
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
-    AbsorbingBoundary, BoundarySite, ElasticMedium, ElementKind, IncidentField, Mesh, Vec3,
+    AbsorbingBoundary, BlockFactory, BlockOptions, BoundarySite, ElasticMedium, ElementKind,
+    IncidentField, Mesh, Vec3,
 };
 
 /// The element set of every body.

@@ -1,19 +1,21 @@
-//! Explicit finite element engine: element kernels, vectorised element blocks, time integrators, stable
-//! time step, energy balance, static equilibrium and construction stages.
+//! Explicit finite element engine: time integrators, stable time step, energy balance, static equilibrium and
+//! construction stages.
 //!
-//! A [`Model`] is built from a mesh, from factories that make blocks of its element sets
-//! ([`solid`] makes one from any kernel and law), and from its boundary conditions: supports, periodic
+//! A [`Model`] is built from a mesh, from [factories](powerhouse_model::BlockFactory) that make blocks of its
+//! element sets, and from its boundary conditions: supports, periodic
 //! pairs, prescribed motion, loads, absorbing boundaries, constraints. [`run`] integrates it in time by a
 //! [`TimeIntegrator`](powerhouse_model::TimeIntegrator), [`Leapfrog`] or [`OneSided`], and calls
-//! observers in each step (see [`observe`]).
+//! [observers](powerhouse_model::Observer) in each step. Kernels, blocks and observers are in other crates, of
+//! which this one knows the traits alone.
 //!
 //! The static history before the dynamic run is a list of construction [`Stage`]s, each brought into
 //! static equilibrium by [`run_stages`]: an initial stress ([`StressField`]), death and birth of elements,
-//! [bolts](BoltSet). A dynamic model starts from their last state ([`ModelBuilder::start`],
+//! bolts. A dynamic model starts from their last state ([`ModelBuilder::start`],
 //! [`Model::hand_over`]): without input it stays at rest.
 //!
 //! A block of rock guided by rollers falls under its weight:
 //! ```
+//! use powerhouse_elements::{Hex8OnePoint, solid};
 //! use powerhouse_explicit_core::*;
 //! use powerhouse_model::*;
 //! # #[derive(Clone)]
@@ -43,7 +45,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A model that cannot be computed is refused before the run by an [`EngineError`] that names the node,
+//! A model that cannot be computed is refused before the run by an [`EngineError`](powerhouse_model::EngineError) that names the node,
 //! element or set: a node without mass, an element that belongs to no set or to two, a load
 //! on a node that does not exist, a dashpot that would add energy. A failure during the run
 //! is a [`RunError`](powerhouse_model::RunError) with step, time, element and set.
@@ -113,27 +115,18 @@
 //! computed as such, and refused where it is unstable.
 
 mod applied;
-mod assembly;
-mod block;
-mod bolts;
 mod constrained;
-mod damping;
 mod effective_mass;
-mod error;
 mod exact;
 mod gather;
 mod groups;
 mod hourglass;
 mod integrator;
-mod kernels;
-mod lanes;
 mod ledger;
-mod loads;
 mod model;
 mod node_ranges;
 mod nodes;
 mod numbering;
-pub mod observe;
 mod partition;
 mod periodic;
 mod roller_nodes;
@@ -145,16 +138,11 @@ mod statics;
 mod subdomain;
 mod support;
 mod view;
+mod weight;
 
-pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
-pub use block::{AnyLaw, solid};
-pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
-pub use error::{ElementExtent, EngineError};
 pub use exact::ExactSum;
 pub use hourglass::HourglassShare;
 pub use integrator::{Leapfrog, OneSided};
-pub use kernels::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
-pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};
 pub use model::{ElementChoice, Model, ModelBuilder};
 pub use partition::{Partition, PartitionBlock};
 pub use periodic::PeriodicPairs;

@@ -1,8 +1,7 @@
 //! Partition of the elements of a mesh into blocks.
 
-use powerhouse_model::{Mesh, Vec3};
+use powerhouse_model::{EngineError, Mesh, Vec3};
 
-use crate::EngineError;
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
 /// Elements and nodes of one block of a [`Partition`].

@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
     Cadence, Dynamics, Flow, ForceTerms, HistoryUpdate, MassDampingRule, Observer, ParameterError,
-    RunError, StepView, TimeIntegrator,
+    Precision, RunError, StepView, TimeIntegrator,
 };
 
 use crate::view::View;
-use crate::{HourglassShare, Model, Precision, StableStep};
+use crate::{HourglassShare, Model, StableStep};
 
 /// Duration of a run, as time or number of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]

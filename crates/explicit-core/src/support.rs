@@ -1,8 +1,6 @@
 //! Supports (fixed and roller) and prescribed motion.
 
-use powerhouse_model::{Mat3, TimeFunction, Vec3};
-
-use crate::EngineError;
+use powerhouse_model::{EngineError, Mat3, TimeFunction, Vec3};
 
 /// Directions in which a support fixes its nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +57,9 @@ impl Support {
     pub(crate) fn directions(&self) -> Result<Vec<Vec3>, EngineError> {
         match self.fixity {
             Fixity::All => Ok(vec![Vec3::x(), Vec3::y(), Vec3::z()]),
-            Fixity::Direction(normal) => Ok(vec![unit("a roller", normal)?]),
+            Fixity::Direction(normal) => {
+                Ok(vec![EngineError::check_direction("a roller", normal)?])
+            }
         }
     }
 }
@@ -81,20 +81,6 @@ impl core::fmt::Debug for Prescribed {
             .field("nodes", &self.nodes.len())
             .field("direction", &self.direction)
             .finish_non_exhaustive()
-    }
-}
-
-pub(crate) fn unit(part: &str, direction: Vec3) -> Result<Vec3, EngineError> {
-    let norm = direction.norm();
-    if norm.is_finite() && norm > 0.0 {
-        Ok(direction / norm)
-    } else {
-        Err(EngineError::NoDirection {
-            part: part.into(),
-            x: direction.x,
-            y: direction.y,
-            z: direction.z,
-        })
     }
 }
 

@@ -5,15 +5,16 @@ mod support;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{
-    BlockFactory, BlockOptions, BlockPart, EnergyCheck, Leapfrog, Model, ModelBuilder, NodalForce,
-    OneSided, Precision, Prescribed, RunOptions, RunReport, StepChoice, Support, run,
+    EnergyCheck, Leapfrog, Model, ModelBuilder, OneSided, Prescribed, RunOptions, RunReport,
+    StepChoice, Support, run,
 };
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BoundaryParts, Constant, Constraint, ConstraintWork, ElementBlock,
-    ElementFault, ElementKind, FrequencyBound, HistoryField, Mat3, Mesh, ModelError,
-    NodalImpedance, NodalLoad, NodalView, NodalViewMut, Operator, PredictedMotion, RunError,
-    Stress, TimeFunction, TimeIntegrator, Vec3,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, BoundaryParts, Constant,
+    Constraint, ConstraintWork, ElementBlock, ElementFault, ElementKind, FrequencyBound,
+    HistoryField, Mat3, Mesh, ModelError, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
+    Operator, Precision, PredictedMotion, RunError, Stress, TimeFunction, TimeIntegrator, Vec3,
 };
 use support::{Links, hex_box, random_vectors};
 

@@ -2,14 +2,12 @@
 
 mod support;
 
-use powerhouse_explicit_core::{
-    FacePressure, FaceTraction, Leapfrog, Model, NodalForce, Profile, Rayleigh, RunOptions,
-    StepChoice, run,
-};
+use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
+use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_model::{
     BlockContext, BlockEnergy, BoundaryParts, ElementBlock, ElementFault, ElementKind, ExtraBlock,
     FrequencyBound, HistoryField, Mat3, Mesh, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
-    Operator, Quad, Stress, Vec3,
+    Operator, Quad, Rayleigh, Stress, Vec3,
 };
 use support::{Links, chain};
 

@@ -2,13 +2,13 @@
 
 mod support;
 
+use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{
-    Leapfrog, Model, NodalForce, PeriodicPairs, Precision, Prescribed, RunOptions, StepChoice,
-    Support, run,
+    Leapfrog, Model, PeriodicPairs, Prescribed, RunOptions, StepChoice, Support, run,
 };
 use powerhouse_model::{
-    Cadence, ElementKind, Fields, Flow, Mat3, Mesh, ModelError, NodalImpedance, Observer, State,
-    StepView, Vec3,
+    Cadence, ElementKind, Fields, Flow, Mat3, Mesh, ModelError, NodalImpedance, Observer,
+    Precision, State, StepView, Vec3,
 };
 use support::{Links, chain, hex_box, random_vectors};
 

@@ -2,11 +2,11 @@
 
 mod support;
 
-use powerhouse_explicit_core::{
-    EngineError, Model, ModelBuilder, NodalForce, PeriodicPairs, Precision, Prescribed, Support,
-};
+use powerhouse_elements::NodalForce;
+use powerhouse_explicit_core::{Model, ModelBuilder, PeriodicPairs, Prescribed, Support};
 use powerhouse_model::{
-    BoundaryParts, ElementKind, Mat3, Mesh, MeshError, ModelError, NodalImpedance, Vec3,
+    BoundaryParts, ElementKind, EngineError, Mat3, Mesh, MeshError, ModelError, NodalImpedance,
+    Precision, Vec3,
 };
 use support::{Links, chain, hex_box};
 

@@ -5,9 +5,8 @@ mod support;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
-use powerhouse_explicit_core::{
-    Ended, Leapfrog, Model, NodalForce, RunOptions, StepChoice, Support, run,
-};
+use powerhouse_elements::NodalForce;
+use powerhouse_explicit_core::{Ended, Leapfrog, Model, RunOptions, StepChoice, Support, run};
 use powerhouse_model::{
     Cadence, ElementKind, Fields, Flow, ModelError, Observer, ParameterError, RunError, StepView,
     Vec3,

@@ -2,13 +2,14 @@
 
 mod support;
 
+use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Tet4, Wedge6, solid};
 use powerhouse_explicit_core::{
-    BlockFactory, BlockOptions, EnergyCheck, Hex8BBar, Hex8Full, Hex8OnePoint, LaneWidth, Leapfrog,
-    Model, Precision, Rayleigh, RunOptions, StepChoice, Support, Tet4, Wedge6, run, solid,
+    EnergyCheck, Leapfrog, Model, RunOptions, StepChoice, Support, run,
 };
 use powerhouse_model::{
-    BoundaryParts, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mat3, Mesh,
-    NodalImpedance, RunError, State, Stress, Vec3,
+    BlockFactory, BlockOptions, BoundaryParts, ConstitutiveLaw, ElasticMedium, HistoryVariable,
+    Lane, LaneWidth, LawInput, Mat3, Mesh, NodalImpedance, Precision, Rayleigh, RunError, State,
+    Stress, Vec3,
 };
 use support::{dense_limit, noise, random_vectors};
 

@@ -18,12 +18,16 @@
 //! *Dispatch is dynamic once per block and step*, static inside: see [`ElementBlock`] and
 //! [`ConstitutiveLaw`].
 
+mod assembly;
 mod boundary;
 mod constraint;
 mod contact_law;
+mod disjoint_sets;
 mod elastic_domain;
 mod element;
+mod embedded_bars;
 mod engine;
+mod engine_error;
 mod error;
 mod extents;
 mod field;
@@ -36,24 +40,29 @@ mod medium;
 mod mesh;
 mod nodal;
 mod point_law;
+mod rayleigh;
 mod state;
 mod step_time;
 mod tensor;
 
+pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
+pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
     HistoryUpdate, LimitingTerm, Operator,
 };
+pub use embedded_bars::{AXIAL_FORCE, EmbeddedBars};
 pub use engine::{
     Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Observer,
     StepView, TimeIntegrator,
 };
+pub use engine_error::{ElementExtent, EngineError};
 pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use powerhouse_boundary::{AxisParameters, InputMode, Spreading, Viscous, ViscousSpring};
-use powerhouse_explicit_core::SolidKernel;
+use powerhouse_elements::SolidKernel;
 use powerhouse_material_damage::{Finding, LinearElastic};
 use powerhouse_model::{ElasticMedium, ModelError};
 use schemars::JsonSchema;

@@ -2,9 +2,8 @@
 
 use core::fmt;
 
-use powerhouse_explicit_core::Rayleigh;
 use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpectrum};
-use powerhouse_model::ParameterError;
+use powerhouse_model::{ParameterError, Rayleigh};
 
 use crate::Material;
 

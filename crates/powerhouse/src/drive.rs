@@ -4,12 +4,12 @@ use core::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 
-use powerhouse_explicit_core::observe::principal_stresses;
 use powerhouse_io::TableColumn;
 #[cfg(feature = "pictures")]
 use powerhouse_io::{Plot, PlotCurve, PlotPanel, write_plot, write_table};
 use powerhouse_material_damage::{Control, PointDriver, PointState};
 use powerhouse_model::{HistoryVariable, PointAdapter, Stress};
+use powerhouse_observe::principal_stresses;
 use serde::Deserialize;
 
 use crate::fault::{Fault, Problem, SceneFault, SceneText};

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use powerhouse_contact::ContactError;
-use powerhouse_explicit_core::{StageError, StaticError};
 use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
 use thiserror::Error;
 
+use crate::engine::{StageError, StaticError};
 use crate::{
     FolderError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
     SceneFault, StagingError,

@@ -84,6 +84,7 @@ mod builtin_laws;
 mod damping;
 #[cfg(feature = "scene-files")]
 mod drive;
+pub mod engine;
 mod error;
 mod fault;
 #[cfg(feature = "scene-files")]
@@ -114,7 +115,6 @@ mod stage;
 
 pub use powerhouse_boundary as boundary;
 pub use powerhouse_contact as contact;
-pub use powerhouse_explicit_core as engine;
 pub use powerhouse_io as io;
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use powerhouse_explicit_core::{AnyLaw, BlockFactory, BlockOptions, SolidKernel, solid};
+use powerhouse_elements::{AnyLaw, SolidKernel, solid};
 use powerhouse_material_damage::{
     ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
 };
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind, HistoryVariable, ModelError,
-    ParameterError, PointAdapter, PointLaw,
+    BlockFactory, BlockOptions, ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind,
+    HistoryVariable, ModelError, ParameterError, PointAdapter, PointLaw,
 };
 
 use crate::{Damping, Error};

@@ -1,8 +1,7 @@
 //! Element layer of the domain reduction method, built from a part of a scene.
 
 use powerhouse_boundary::{BoundaryError, ReductionLayer};
-use powerhouse_explicit_core::{BlockOptions, BlockPart};
-use powerhouse_model::{Mesh, ModelError};
+use powerhouse_model::{BlockOptions, BlockPart, Mesh, ModelError};
 
 use crate::{Error, Kernel, Part};
 

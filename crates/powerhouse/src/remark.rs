@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use powerhouse_explicit_core::observe::SectionPiece;
 use powerhouse_model::{Renewal, Vec3};
+use powerhouse_observe::SectionPiece;
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
 use crate::message::{Message, Topic};

@@ -5,15 +5,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
-use powerhouse_explicit_core::{
-    EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
-    run_reporting,
-};
 use powerhouse_model::{
     Cadence, HistoryVariable, IncidentField, Mesh, ModelError, Observer, TimeIntegrator,
 };
+use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
+use crate::engine::{
+    EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
+    run_reporting,
+};
 use crate::output::{FinishedRun, Named, OutputPlan, Recordings, Results};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};

@@ -3,9 +3,10 @@
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
+use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{
-    Leapfrog, Model, ModelBuilder, RunOptions, SolidKernel, StaticError, StaticMethod,
-    StaticOptions, StaticReport, Support, run,
+    Leapfrog, Model, ModelBuilder, RunOptions, StaticError, StaticMethod, StaticOptions,
+    StaticReport, Support, run,
 };
 use powerhouse_material_damage::media;
 use powerhouse_model::{

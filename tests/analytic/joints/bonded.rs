@@ -90,7 +90,7 @@ fn a_joint_that_sticks_is_no_joint() {
         let column = Column::new(&parts, 0.8);
         let mut builder = powerhouse_explicit_core::Model::builder(&column.mesh).threads(1);
         for (name, medium) in &column.parts {
-            let kernel = powerhouse_explicit_core::SolidKernel::Hex8OnePoint(Default::default());
+            let kernel = powerhouse_elements::SolidKernel::Hex8OnePoint(Default::default());
             let factory = powerhouse_tests::elastic(name, kernel, *medium, Default::default());
             builder = builder.elements(name.as_str(), factory);
         }

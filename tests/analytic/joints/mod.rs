@@ -12,9 +12,9 @@ mod rate_and_state;
 use std::sync::{Arc, Mutex};
 
 use powerhouse_contact::{JointSurface, SurfaceOptions};
+use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_explicit_core::{
-    Leapfrog, Model, ModelBuilder, NodalForce, RunOptions, RunReport, SolidKernel, StepChoice,
-    Support, run,
+    Leapfrog, Model, ModelBuilder, RunOptions, RunReport, StepChoice, Support, run,
 };
 use powerhouse_model::{
     BoundaryParts, Cadence, ElasticMedium, Fields, Flow, JointRecord, Mat3, Mesh, ModelError,

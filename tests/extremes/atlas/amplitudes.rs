@@ -118,11 +118,11 @@ fn offset_by(column: &Column, offset: f64) -> Found {
     // Rounding error of the displacement in the nodes' number format, summed over all steps, and that of the
     // strains and their waves.
     let digits = match column.precision {
-        powerhouse_explicit_core::Precision::F32 => f64::from(f32::EPSILON),
+        powerhouse_model::Precision::F32 => f64::from(f32::EPSILON),
         _ => f64::EPSILON,
     };
     let elements = match column.precision {
-        powerhouse_explicit_core::Precision::F64 => 0.0,
+        powerhouse_model::Precision::F64 => 0.0,
         _ => 300.0 * f64::from(f32::EPSILON) * WAVE,
     };
     let permitted = 300.0 * digits * (offset * WAVE + WAVE) + elements;

@@ -1,10 +1,12 @@
 //! A column of the atlas: kernel, number format and scheme.
 
 use powerhouse::{Kernel, Material};
-use powerhouse_explicit_core::{
-    BlockFactory, BlockOptions, Hex8OnePoint, Leapfrog, OneSided, Precision, Rayleigh, SolidKernel,
+use powerhouse_elements::{Hex8OnePoint, SolidKernel};
+use powerhouse_explicit_core::{Leapfrog, OneSided};
+use powerhouse_model::{
+    BlockFactory, BlockOptions, ElementKind, Mesh, MeshError, Precision, Rayleigh, TimeIntegrator,
+    Vec3,
 };
-use powerhouse_model::{ElementKind, Mesh, MeshError, TimeIntegrator, Vec3};
 
 /// The element set of every body.
 pub(super) const SET: &str = "ground";

@@ -1,8 +1,8 @@
 //! Damping from none to overcritical, and steps at the limit with it.
 
 use powerhouse::Material;
-use powerhouse_explicit_core::Rayleigh;
 use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpectrum, media};
+use powerhouse_model::Rayleigh;
 
 use super::cell::{Refusal, Row};
 use super::trial::{Trial, body, elastic, irregular};

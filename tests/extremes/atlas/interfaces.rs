@@ -3,9 +3,9 @@
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
-use powerhouse_explicit_core::{Model, Rayleigh};
+use powerhouse_explicit_core::Model;
 use powerhouse_material_damage::media;
-use powerhouse_model::{ElasticMedium, Vec3};
+use powerhouse_model::{ElasticMedium, Rayleigh, Vec3};
 
 use super::cell::{Refusal, Row};
 use super::column::Column;

@@ -1,9 +1,9 @@
 //! Loss of stiffness and of neighbouring elements, and softening.
 
 use powerhouse::Material;
-use powerhouse_explicit_core::{Model, Rayleigh};
+use powerhouse_explicit_core::Model;
 use powerhouse_material_damage::{media, presets};
-use powerhouse_model::{State, Vec3};
+use powerhouse_model::{Rayleigh, State, Vec3};
 
 use super::cell::{Refusal, Row};
 use super::column::{Column, SET};

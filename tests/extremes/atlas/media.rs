@@ -1,8 +1,8 @@
 //! Media: nearly incompressible ones, auxetic ones, and contrasts.
 
-use powerhouse_explicit_core::{Model, Rayleigh};
+use powerhouse_explicit_core::Model;
 use powerhouse_material_damage::media;
-use powerhouse_model::ElasticMedium;
+use powerhouse_model::{ElasticMedium, Rayleigh};
 
 use super::cell::{Refusal, Row};
 use super::column::Column;

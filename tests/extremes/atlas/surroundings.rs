@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use powerhouse_boundary::{AxisParameters, ViscousSpring};
-use powerhouse_explicit_core::{Model, Rayleigh};
+use powerhouse_explicit_core::Model;
 use powerhouse_material_damage::media;
-use powerhouse_model::{AbsorbingBoundary, BoundarySite, IncidentField, Vec3};
+use powerhouse_model::{AbsorbingBoundary, BoundarySite, IncidentField, Rayleigh, Vec3};
 use powerhouse_wavefield::{
     Angle, EndDisplacement, PlaneWave, PlaneWaveParameters, Signal, SmoothPulse, TimeHistory,
     WaveKind, critical_angle, first_hit_corner,

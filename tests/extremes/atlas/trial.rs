@@ -2,11 +2,10 @@
 
 use powerhouse::Material;
 use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, Rayleigh, RunFailure, RunOptions, RunReport, StepChoice,
-    run_reporting,
+    EnergyCheck, Leapfrog, Model, RunFailure, RunOptions, RunReport, StepChoice, run_reporting,
 };
 use powerhouse_material_damage::LinearElastic;
-use powerhouse_model::{ElasticMedium, Mat3, Mesh, Vec3};
+use powerhouse_model::{ElasticMedium, Mat3, Mesh, Rayleigh, Vec3};
 
 use super::cell::{Cell, Found, Refusal};
 use super::column::Column;

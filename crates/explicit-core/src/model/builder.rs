@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use powerhouse_model::{
-    BoundaryParts, Constraint, ElementBlock, Mat3, Mesh, ModelError, NodalLoad, State,
-    TimeFunction, Vec3,
+    BlockFactory, BoundaryParts, Constraint, ElementBlock, EngineError, Mat3, Mesh, ModelError,
+    NodalLoad, Precision, State, TimeFunction, Vec3,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
@@ -14,10 +14,10 @@ use super::start::InitialState;
 use super::{BoundConstraint, Model};
 use crate::applied::AppliedLoads;
 use crate::groups::Groups;
-use crate::loads::Weight;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::subdomain::{Numbering, Subdomain};
-use crate::{BlockFactory, EngineError, PeriodicPairs, Precision, Prescribed, Support};
+use crate::weight::Weight;
+use crate::{PeriodicPairs, Prescribed, Support};
 
 /// A selection of elements: a named set, or mesh indices.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +148,7 @@ impl<'a> ModelBuilder<'a> {
         self
     }
     /// Adds an embedded block: elements that act on nodes of the mesh, such as
-    /// [bolts](crate::BoltSet::block). Its history variables have names of their
+    /// bolts. Its history variables have names of their
     /// own, under which a state stores them. If the initial state has no such variables, the block is installed at the
     /// present displacement, without force but for its pretension.
     #[must_use]

@@ -12,10 +12,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, RunError, TimeFunction, Vec3,
+    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Precision, RunError, TimeFunction, Vec3,
 };
 
-use crate::Precision;
 use crate::applied::AppliedLoads;
 use crate::groups::Groups;
 use crate::ledger::Ledger;

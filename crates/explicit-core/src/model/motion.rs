@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    ElementBlock, HistoryField, JointHistory, JointView, ModelError, NodalView, Quad, Renewal,
-    State, Stress, Vec3,
+    ElementBlock, EngineError, HistoryField, JointHistory, JointView, ModelError, NodalView,
+    Precision, Quad, Renewal, State, Stress, Vec3,
 };
 
 use super::Model;
 use crate::nodes::with_nodes;
-use crate::{EngineError, Precision};
 
 impl Model {
     /// Displacement (m) of a mesh node at [`time`](Self::time), in all stages together.

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::{Constraint, Mat3, Mesh, NodalImpedance};
+use powerhouse_model::{Constraint, EngineError, Mat3, Mesh, NodalImpedance};
 
 use crate::groups::NodeGroup;
 use crate::subdomain::Numbering;
-use crate::support::unit;
-use crate::{EngineError, PeriodicPairs, Prescribed, Support};
+use crate::{PeriodicPairs, Prescribed, Support};
 
 pub(super) fn engine_node(part: &str, node: u32, numbers: &[u32]) -> Result<u32, EngineError> {
     let found = numbers.get(node as usize).copied();
@@ -126,7 +125,7 @@ impl<'a> GroupPlan<'a> {
         prescribed: &Prescribed,
         motion: usize,
     ) -> Result<(), EngineError> {
-        let direction = unit("a prescribed motion", prescribed.direction)?;
+        let direction = EngineError::check_direction("a prescribed motion", prescribed.direction)?;
         for &node in &prescribed.nodes {
             let engine = engine_node("a prescribed motion", node, self.numbers())?;
             if !self.entry(engine).condition.prescribe(direction, motion) {

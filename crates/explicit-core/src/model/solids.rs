@@ -8,13 +8,14 @@
 //! `n` steps its oscillations have grown as the root of `n`: relative to a slow motion the error of
 //! acceleration grows as `w` to the power 1.5 and stays in the element and its neighbours.
 
-use powerhouse_model::{ElementBlock, Mesh, ModelError, NodalView};
+use powerhouse_model::{
+    BlockPart, ElementBlock, EngineError, Mesh, ModelError, NodalView, Precision,
+};
 use rayon::prelude::*;
 
 use super::builder::ElementSet;
 use super::start::{ElementSubset, InitialState};
 use crate::partition::{ElementSets, Partition};
-use crate::{BlockPart, EngineError, Precision};
 
 /// Multiple of the volume mean of natural frequencies in sets of single precision above which an element is computed
 /// in double precision, and the largest share of such elements.

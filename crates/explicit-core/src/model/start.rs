@@ -2,11 +2,10 @@
 
 use std::borrow::Cow;
 
-use powerhouse_model::{Mesh, MeshError, Quad, State, Vec3};
+use powerhouse_model::{EngineError, Mesh, MeshError, Quad, State, Vec3};
 
 use super::builder::ElementSet;
 use super::{ElementChoice, Model};
-use crate::EngineError;
 
 /// Active elements of one set with the same reference configuration and precision.
 pub(super) struct ElementSubset<'a> {

@@ -1,17 +1,18 @@
 //! What the engine sums over a body has the same bits in any order of its ranges and for any number of threads.
 
+use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
 use powerhouse_model::{
-    BlockEnergy, BoundaryParts, Constant, ConstitutiveLaw, Constraint, ConstraintWork,
-    ElasticMedium, HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalImpedance, PredictedMotion,
-    RunError, Stress, Vec3,
+    BlockEnergy, BlockOptions, BoundaryParts, Constant, ConstitutiveLaw, Constraint,
+    ConstraintWork, ElasticMedium, HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalImpedance,
+    PredictedMotion, Rayleigh, RunError, Stress, Vec3,
 };
 
 use super::NodeRanges;
 use crate::gather::SlotTable;
 use crate::ledger::total_energy;
 use crate::{
-    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, ModelBuilder, NodalForce, Prescribed,
-    Rayleigh, RunOptions, StaticMethod, StaticOptions, Support, run, solid,
+    EnergyCheck, Leapfrog, Model, ModelBuilder, Prescribed, RunOptions, StaticMethod,
+    StaticOptions, Support, run,
 };
 
 impl NodeRanges {
@@ -99,12 +100,10 @@ fn face(mesh: &Mesh, name: &str) -> Vec<u32> {
 /// The body in twelve blocks, with mass damping.
 fn body(mesh: &Mesh, threads: usize) -> ModelBuilder<'_> {
     let rock = Softening(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
-    let options = BlockOptions {
-        damping: Rayleigh {
-            mass: 5.0,
-            stiffness: 0.0,
-        },
-        ..BlockOptions::default()
+    let mut options = BlockOptions::default();
+    options.damping = Rayleigh {
+        mass: 5.0,
+        stiffness: 0.0,
     };
     let rock = solid("rock", Hex8OnePoint::default(), rock, options);
     Model::builder(mesh)

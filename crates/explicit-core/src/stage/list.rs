@@ -198,6 +198,7 @@ pub enum StageError {
 ///
 /// A column of rock under its weight loses its upper half:
 /// ```
+/// use powerhouse_elements::{Hex8OnePoint, solid};
 /// use powerhouse_explicit_core::*;
 /// use powerhouse_model::*;
 /// # #[derive(Clone)]

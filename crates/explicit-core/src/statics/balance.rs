@@ -1,6 +1,6 @@
 //! Forces that balance a body in static equilibrium, and the transition to a dynamic stage.
 
-use powerhouse_model::{Quad, StepTime, Vec3};
+use powerhouse_model::{DisjointSets, Quad, StepTime, Vec3};
 use rayon::prelude::*;
 
 use super::StaticError;
@@ -221,7 +221,7 @@ impl Model {
         nodes.sort_unstable();
         nodes.dedup();
         let index = |node: u32| nodes.partition_point(|&other| other < node) as u32;
-        let mut sets = super::DisjointSets::new(nodes.len());
+        let mut sets = DisjointSets::new(nodes.len());
         for [a, b] in pairs {
             sets.join(index(a), index(b));
         }

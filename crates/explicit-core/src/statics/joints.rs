@@ -1,8 +1,10 @@
 //! Joints and ties in static solutions: pairs that stick are tied, as long as their law admits the tractions.
 
-use powerhouse_model::{ContactState, JointHistory, Mat3, PredictedMotion, StepTime, Vec3};
+use powerhouse_model::{
+    ContactState, DisjointSets, JointHistory, Mat3, PredictedMotion, StepTime, Vec3,
+};
 
-use super::{DisjointSets, StaticError};
+use super::StaticError;
 use crate::Model;
 use crate::groups::NodeGroup;
 use crate::model::least_mass;

@@ -5,8 +5,7 @@ mod balance;
 mod corrector;
 #[cfg(feature = "direct")]
 mod direct;
-pub(crate) mod disjoint_sets;
-mod error;
+pub(crate) mod error;
 #[cfg(feature = "direct")]
 mod freedoms;
 mod gradients;
@@ -27,7 +26,6 @@ use powerhouse_model::Vec3;
 
 use crate::Model;
 use corrector::Corrector;
-use disjoint_sets::DisjointSets;
 use joints::ConnectedPairs;
 use mixing::Mixing;
 use relaxation::Relaxation;

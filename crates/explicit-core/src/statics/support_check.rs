@@ -1,10 +1,10 @@
 //! Check for unrestrained rigid body motion.
 
 use nalgebra::{Matrix3x6, Matrix6, Vector6};
-use powerhouse_model::{Mat3, Vec3};
+use powerhouse_model::{DisjointSets, Mat3, Vec3};
 
+use super::StaticError;
 use super::joints::ConnectedPairs;
-use super::{DisjointSets, StaticError};
 use crate::Model;
 
 /// Share of the greatest resistance below which a rigid motion counts as unrestrained.

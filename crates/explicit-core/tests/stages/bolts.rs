@@ -1,16 +1,18 @@
 //! Rock bolts.
 
 use nalgebra::DMatrix;
-use powerhouse_explicit_core::observe::BoltHistories;
+use powerhouse_elements::{
+    BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSet, Grout, NodalForce,
+};
 use powerhouse_explicit_core::{
-    BlockPart, BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSet, EnergyCheck, Grout,
-    Leapfrog, Model, NodalForce, Prescribed, RunOptions, Stage, StageModel, StaticOptions,
+    EnergyCheck, Leapfrog, Model, Prescribed, RunOptions, Stage, StageModel, StaticOptions,
     StepChoice, Support, run, run_stages,
 };
 use powerhouse_model::{
-    BlockContext, Cadence, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut, Operator,
-    Quad, State, StepTime, Strain, Vec3,
+    BlockContext, BlockPart, Cadence, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut,
+    Operator, Quad, State, StepTime, Strain, Vec3,
 };
+use powerhouse_observe::BoltHistories;
 
 use super::{
     GRAVITY, absorbing, bent_box, elastic, elastic_body, face_nodes, largest, on_rollers, rock,

@@ -1,12 +1,13 @@
 //! The direct solver against the conjugate gradients.
 
+use powerhouse_elements::{BoltLine, BoltParameters, BoltSet};
 use powerhouse_explicit_core::{
-    BlockOptions, BoltLine, BoltParameters, BoltSet, Linearisation, Model, ModelBuilder, Precision,
-    Prescribed, Stage, StageModel, StaticError, StaticMethod, StaticOptions, StaticReport, Support,
-    run_stages,
+    Linearisation, Model, ModelBuilder, Prescribed, Stage, StageModel, StaticError, StaticMethod,
+    StaticOptions, StaticReport, Support, run_stages,
 };
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, State, Stress, Vec3,
+    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Precision,
+    State, Stress, Vec3,
 };
 
 use super::ties::{Weld, cut_through};

@@ -1,12 +1,12 @@
 //! From rest to motion: other supports, the same forces.
 
+use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, ModelBuilder, NodalForce, Precision, RunOptions, StaticError,
-    StaticOptions, run,
+    EnergyCheck, Leapfrog, Model, ModelBuilder, RunOptions, StaticError, StaticOptions, run,
 };
 use powerhouse_model::{
     Cadence, ConstitutiveLaw, ElasticMedium, Fields, Flow, HistoryVariable, Lane, LawInput, Mesh,
-    ModelError, Observer, State, StepView, Stress, Vec3,
+    ModelError, Observer, Precision, State, StepView, Stress, Vec3,
 };
 
 use super::{

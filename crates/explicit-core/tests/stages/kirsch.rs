@@ -1,6 +1,7 @@
 //! A hole in an elastic plane.
 
-use powerhouse_explicit_core::{Model, SolidKernel, StaticOptions, Support};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{Model, StaticOptions, Support};
 use powerhouse_model::{ElasticMedium, Mesh, NodalLoad, Stress, Vec3};
 
 use super::{Elastic, rock};

@@ -12,12 +12,11 @@ mod relaxation;
 mod sections;
 mod ties;
 
-use powerhouse_explicit_core::{
-    BlockFactory, BlockOptions, Hex8OnePoint, Model, ModelBuilder, Precision, SolidKernel, Support,
-};
+use powerhouse_elements::{Hex8OnePoint, SolidKernel};
+use powerhouse_explicit_core::{Model, ModelBuilder, Support};
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, NodalImpedance, Strain,
-    Stress, Vec3,
+    BlockFactory, BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput,
+    Mesh, NodalImpedance, Precision, Strain, Stress, Vec3,
 };
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);

@@ -1,11 +1,12 @@
 //! Dynamic relaxation of bodies without joints.
 
 use powerhouse_explicit_core::{
-    BlockOptions, Model, ModelBuilder, Precision, Prescribed, StaticError, StaticMethod,
-    StaticOptions, StaticReport, Support,
+    Model, ModelBuilder, Prescribed, StaticError, StaticMethod, StaticOptions, StaticReport,
+    Support,
 };
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Stress, Vec3,
+    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Precision,
+    Stress, Vec3,
 };
 
 use super::{

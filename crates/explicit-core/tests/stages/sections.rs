@@ -1,11 +1,14 @@
 //! Section forces of a body that went through stages.
 
-use powerhouse_explicit_core::observe::{CrossSection, SectionForces};
+use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_explicit_core::{
-    BlockFactory, BlockOptions, Leapfrog, Model, NodalForce, Precision, RunOptions, SolidKernel,
-    Stage, StageModel, StaticOptions, StressField, Support, run, run_stages,
+    Leapfrog, Model, RunOptions, Stage, StageModel, StaticOptions, StressField, Support, run,
+    run_stages,
 };
-use powerhouse_model::{Cadence, Mesh, Observer, State, Vec3};
+use powerhouse_model::{
+    BlockFactory, BlockOptions, Cadence, Mesh, Observer, Precision, State, Vec3,
+};
+use powerhouse_observe::{CrossSection, SectionForces};
 
 use super::{BRICK, Elastic, GRAVITY, Yielding, elastic_body, face_nodes, on_rollers, rock, weak};
 

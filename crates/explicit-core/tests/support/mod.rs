@@ -3,10 +3,10 @@
 #![allow(dead_code)] // Every test binary uses its own part of this module.
 
 use nalgebra::{DMatrix, DVector};
-use powerhouse_explicit_core::{BlockFactory, BlockOptions, BlockPart, Precision, Rayleigh};
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKind, FrequencyBound,
-    HistoryField, Mat3, Mesh, ModelError, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementFault,
+    ElementKind, FrequencyBound, HistoryField, Mat3, Mesh, ModelError, NodalView, NodalViewMut,
+    Operator, Precision, Quad, Rayleigh, Stress, Vec3,
 };
 
 /// Elements whose nodes are joined by links of stiffness `young * area / length`.

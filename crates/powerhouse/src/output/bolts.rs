@@ -1,9 +1,9 @@
 //! Axial forces of bolts.
 
-use powerhouse_explicit_core::BoltSet;
-use powerhouse_explicit_core::observe::PeakField;
+use powerhouse_elements::BoltSet;
 use powerhouse_io::TableColumn;
 use powerhouse_model::{Mesh, State};
+use powerhouse_observe::PeakField;
 
 /// Axial forces of a bolt group, one value per segment, from head to toe, bolt after bolt.
 #[derive(Clone, Debug, PartialEq)]

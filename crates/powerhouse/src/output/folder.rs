@@ -5,11 +5,11 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use powerhouse_explicit_core::observe::{HistoryTable, SnapshotSink};
 use powerhouse_io::{
     IoError, TableColumn, free_space, write_noted_table, write_summary, write_table, write_whole,
 };
 use powerhouse_model::Mesh;
+use powerhouse_observe::{HistoryTable, SnapshotSink};
 
 #[cfg(feature = "pictures")]
 use super::drawing;

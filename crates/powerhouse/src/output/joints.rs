@@ -4,13 +4,13 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::JointTable;
 #[cfg(feature = "pictures")]
 use powerhouse_io::FacetField;
 use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{
     Bond, ContactState, HistoryVariable, JointHistory, JointPair, JointRecord, Mesh, Vec3,
 };
+use powerhouse_observe::JointTable;
 
 use super::vtu;
 

@@ -1,6 +1,6 @@
 //! Output requests.
 
-use powerhouse_explicit_core::observe::{
+use powerhouse_observe::{
     CrossSection, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
 };
 

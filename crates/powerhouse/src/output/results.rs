@@ -5,16 +5,17 @@ use std::fmt;
 use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::{
+use powerhouse_elements::BoltSet;
+use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
+use powerhouse_observe::{
     BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
 };
-use powerhouse_explicit_core::{BoltSet, HandOverReport, HourglassShare, RunReport, StageReport};
-use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
 
 use super::{BoltForces, JointRequest, OutputPlan, StateVariables};
 use super::{sampling, sections};
+use crate::engine::{HandOverReport, HourglassShare, RunReport, StageReport};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 

@@ -1,6 +1,6 @@
 //! Check of the sampling intervals of accelerations.
 
-use powerhouse_explicit_core::observe::{Column, EnvelopeTable, HistoryTable};
+use powerhouse_observe::{Column, EnvelopeTable, HistoryTable};
 
 use crate::Remark;
 use crate::magnitude::rounded;

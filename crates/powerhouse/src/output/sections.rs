@@ -1,7 +1,7 @@
 //! Warnings about sections whose forces are not those of the part that the user has in mind.
 
-use powerhouse_explicit_core::observe::{CrossSection, SectionGeometry};
 use powerhouse_model::{ElementKind, Mesh, Vec3};
+use powerhouse_observe::{CrossSection, SectionGeometry};
 
 use super::SectionRequest;
 use crate::Remark;

@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use powerhouse_explicit_core::observe::StatePeaks;
 use powerhouse_model::{Cadence, HistoryVariable, Mesh, ModelError};
+use powerhouse_observe::StatePeaks;
 
 use super::OutputPlan;
 use crate::{Error, Scene};

@@ -1,11 +1,11 @@
 //! Summary file of a run.
 
-use powerhouse_explicit_core::observe::{JointOutcome, JointTable, PeakRow, PeakTable};
-use powerhouse_explicit_core::{Ended, StageReport};
 use powerhouse_model::Mesh;
+use powerhouse_observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use serde::Serialize;
 
 use super::{BoltForces, Results};
+use crate::engine::{Ended, StageReport};
 use crate::message::{Message, RunNotes};
 
 /// Content of `summary.json`.

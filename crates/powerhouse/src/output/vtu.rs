@@ -3,13 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::observe::{
-    EnvelopeTable, PeakField, Snapshot, SnapshotSink, StateTable,
-};
 #[cfg(feature = "pictures")]
 use powerhouse_io::PictureField;
 use powerhouse_io::{FieldPrecision, IoError, PvdCollection, VtuField, VtuNumbers, VtuWriter};
 use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
+use powerhouse_observe::{EnvelopeTable, PeakField, Snapshot, SnapshotSink, StateTable};
 
 use super::file_name;
 use super::joints::{JointFacets, JointFields, scalars as scalars_of_joint};

@@ -1,7 +1,7 @@
 //! Damping of parts from scene files.
 
-use powerhouse_explicit_core::Rayleigh;
 use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpectrum};
+use powerhouse_model::Rayleigh;
 
 use super::ordered;
 use crate::Damping;

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_explicit_core::{
-    FacePressure, FaceTraction, NodalForce, PeriodicPairs, Prescribed, Profile, Support,
-};
+use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
 use powerhouse_model::{Constant, Facet, NodalLoad, Table, TimeFunction, Vec3};
 use powerhouse_wavefield::{
     BaselineCorrection, EndDisplacement, QuietStartLimits, RecordSignal, Signal,
@@ -14,6 +12,7 @@ use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
 use crate::acting::GRAVITY;
 use crate::acting::StagedLoad;
+use crate::engine::{PeriodicPairs, Prescribed, Support};
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, Load, Positive, WATER_DENSITY};
 use crate::scene::InitialMotion;

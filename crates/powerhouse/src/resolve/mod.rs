@@ -11,9 +11,9 @@ mod stages;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use powerhouse_explicit_core::{Leapfrog, OneSided, Precision};
-use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
+use powerhouse_model::{Facet, Mesh, MeshError, Precision, Vec3};
 
+use crate::engine::{Leapfrog, OneSided};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;

@@ -1,9 +1,9 @@
 //! Output plan of a scene file.
 
-use powerhouse_explicit_core::observe::{
+use powerhouse_model::Vec3;
+use powerhouse_observe::{
     CrossSection, JointQuantities, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
 };
-use powerhouse_model::Vec3;
 
 use super::{Names, check_reach, no_such_number, one_of, vector};
 use crate::fault::{Fault, Problem};

@@ -2,17 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_explicit_core as engine;
 #[cfg(feature = "direct")]
-use powerhouse_explicit_core::Linearisation;
-use powerhouse_explicit_core::{
-    BoltLine, BoltParameters, BoltPattern, StaticMethod, StaticOptions, StressField, Support,
-};
+use crate::engine::Linearisation;
+use powerhouse_elements::{BoltLine, BoltParameters, BoltPattern};
 use powerhouse_model::{Facet, Mesh, Stress};
 
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::acting::GRAVITY;
+use crate::engine;
+use crate::engine::{StaticMethod, StaticOptions, StressField, Support};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;

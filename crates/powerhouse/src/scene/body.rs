@@ -2,12 +2,11 @@
 
 use std::collections::HashSet;
 
-use powerhouse_explicit_core::Precision;
-use powerhouse_explicit_core::{BlockFactory, BlockOptions, ModelBuilder, Prescribed, Rayleigh};
-use powerhouse_model::ElementKind;
+use powerhouse_model::{BlockFactory, BlockOptions, ElementKind, Precision, Rayleigh};
 
 use super::Scene;
 use crate::acting::{StagedLoad, function};
+use crate::engine::{ModelBuilder, Prescribed};
 use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneRemark};
 
 /// Elements of one part with one kernel and one material.

@@ -1,11 +1,11 @@
 //! Planes of symmetry or antisymmetry of body and motion.
 
-use powerhouse_explicit_core::Support;
 use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 use thiserror::Error;
 
 use super::{Scene, SceneSpans};
 use crate::Error;
+use crate::engine::Support;
 
 /// Parity of the motion about a symmetry plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -34,9 +34,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use powerhouse_contact::JointSurface;
-use powerhouse_explicit_core::{Leapfrog, PeriodicPairs, Precision, Prescribed, Support};
 use powerhouse_model::{
-    Constraint, ContactLaw, IncidentField, Mesh, ModelError, NodalLoad, TimeFunction,
+    Constraint, ContactLaw, IncidentField, Mesh, ModelError, NodalLoad, Precision, TimeFunction,
     TimeIntegrator, Vec3,
 };
 
@@ -45,6 +44,7 @@ use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 #[cfg(feature = "scene-files")]
 use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
+use crate::engine::{Leapfrog, PeriodicPairs, Prescribed, Support};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 

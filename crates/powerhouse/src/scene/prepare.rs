@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use powerhouse_boundary::DomainReduction;
-use powerhouse_explicit_core::{Leapfrog, Model, ModelBuilder};
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, Facet, IncidentField, Mat3,
     NodalImpedance, State, Vec3,
 };
 
 use super::{InitialMotion, Piece, ResidualLimit, Scene, SceneSpans, TimeStep};
+use crate::engine::{Leapfrog, Model, ModelBuilder};
 use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, StateVariables};
 use crate::stage::{Staging, Timeline, last_renewal};

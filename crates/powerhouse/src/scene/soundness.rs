@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use powerhouse_explicit_core::Support;
 use powerhouse_model::{BoundaryParts, Mesh, Vec3};
 
 use super::Scene;
+use crate::engine::Support;
 use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
 use crate::scene_remark::SceneRemark;

@@ -4,10 +4,10 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use powerhouse_explicit_core::observe::ObserveError;
-use powerhouse_explicit_core::{EngineError, StageError};
-use powerhouse_model::{ModelError, RunError};
+use powerhouse_model::{EngineError, ModelError, RunError};
+use powerhouse_observe::ObserveError;
 
+use crate::engine::StageError;
 use crate::{Error, Fault, MagnitudeOf, SceneFault, SceneText};
 
 /// Hint on a field that is not negligible at the start of a body at rest.

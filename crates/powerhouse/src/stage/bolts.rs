@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use powerhouse_explicit_core::{BoltLine, BoltParameters, BoltPattern, BoltSet};
+use powerhouse_elements::{BoltLine, BoltParameters, BoltPattern, BoltSet};
 use powerhouse_model::{Facet, Mesh};
 
 use super::StagingError;

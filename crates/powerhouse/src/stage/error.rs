@@ -1,7 +1,6 @@
 //! Errors of construction stages, bolts and in-situ stress.
 
-use powerhouse_explicit_core::EngineError;
-use powerhouse_model::ParameterError;
+use powerhouse_model::{EngineError, ParameterError};
 use thiserror::Error;
 
 /// Error of the construction stages of a scene, its bolts or its in-situ stress.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use powerhouse_explicit_core::StressField;
+use crate::engine::StressField;
 use powerhouse_io::{IoError, TableColumn, read_table};
 use powerhouse_model::{Mesh, Stress};
 use thiserror::Error;

@@ -5,7 +5,6 @@
 
 use std::path::Path;
 
-use powerhouse_explicit_core::{HourglassShare, StageReport, StaticReport};
 use powerhouse_io::write_whole;
 use powerhouse_model::{
     Bond, Cast, ContactState, HistoryField, JointHistory, JointRecord, JointState, State, Stress,
@@ -14,6 +13,7 @@ use powerhouse_model::{
 
 use super::EquilibratedBody;
 use crate::Error;
+use crate::engine::{HourglassShare, StageReport, StaticReport};
 
 /// Head of a file; the number is the version of the format, which changes with the fields.
 const HEAD: &[u8] = b"powerhouse body at rest 4\n";

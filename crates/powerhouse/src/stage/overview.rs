@@ -1,8 +1,7 @@
 //! Overview of construction stages.
 
-use powerhouse_explicit_core::StaticOptions;
-
 use super::Timeline;
+use crate::engine::StaticOptions;
 use crate::{Error, Scene};
 
 /// Overview of a construction stage: numbers of changed elements, bolts, supports and loads.

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use powerhouse_explicit_core::{
-    BoltSet, HandOverReport, Model, ModelBuilder, Stage, StageError, StageEvent, StageModel,
-    StageReport, StaticError, StaticProgress, run_stages,
-};
+use powerhouse_elements::BoltSet;
 use powerhouse_model::{HistoryVariable, Mesh, ModelError, State, Stress};
 
 use super::Timeline;
 use super::list::renewal;
+use crate::engine::{
+    HandOverReport, Model, ModelBuilder, Stage, StageError, StageEvent, StageModel, StageReport,
+    StaticError, StaticProgress, run_stages,
+};
 use crate::scene::Piece;
 use crate::{BoltForces, Error, Scene};
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use powerhouse_explicit_core::BoltSet;
+use powerhouse_elements::BoltSet;
 use powerhouse_model::{Mesh, Renewal, State};
 
 use super::list::renewal;

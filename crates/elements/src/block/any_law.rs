@@ -1,0 +1,108 @@
+//! Constitutive laws of any type behind one type.
+
+use std::sync::Arc;
+
+use powerhouse_model::{
+    ConstitutiveLaw, ElasticMedium, HistoryVariable, LawEnergy, LawInput, ModelError, PointLaw,
+    Stress,
+};
+
+use super::law::{BatchLaws, ErasedLaw};
+
+/// Constitutive law of any type with its type erased, which every element kernel evaluates in lanes.
+///
+/// Kernels and laws are compiled apart: a law once, when an `AnyLaw` is made of it, and a kernel once for
+/// all laws. Copies share the law.
+///
+/// It is also a [`PointLaw`], the law at one integration point in double precision:
+/// ```
+/// use powerhouse_elements::{AnyLaw, Hex8Full, solid};
+/// use powerhouse_model::BlockOptions;
+/// use powerhouse_model::{LawInput, PointLaw, Strain};
+/// # use powerhouse_model::*;
+/// # #[derive(Clone)]
+/// # struct Linear(ElasticMedium);
+/// # impl ConstitutiveLaw for Linear {
+/// #     const LINEAR: bool = true;
+/// #     fn name(&self) -> &str { "linear" }
+/// #     fn medium(&self) -> ElasticMedium { self.0 }
+/// #     fn history(&self) -> &'static [HistoryVariable] { &[] }
+/// #     fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
+/// #         let one = input.strain.0[0].constant(1.0);
+/// #         Stress::elastic(one.constant(self.0.lambda()), one.constant(self.0.shear()), &input.strain)
+/// #     }
+/// # }
+/// let law = AnyLaw::new(Linear(ElasticMedium::new(2.5, 0.25, 1.0)?));
+/// let strain = Strain([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// assert_eq!(law.stress_change(&LawInput::new(strain, &[]), &mut []).0[0], 3.0);
+/// // Any kernel takes it, such as one of one's own.
+/// let rock = solid("rock", Hex8Full, law, BlockOptions::default());
+/// # Ok::<(), ParameterError>(())
+/// ```
+#[derive(Clone)]
+pub struct AnyLaw {
+    law: Arc<dyn ErasedLaw>,
+    /// None for linear laws, which their medium defines.
+    in_lanes: Option<Arc<dyn BatchLaws>>,
+}
+
+impl AnyLaw {
+    /// A law with its type erased.
+    pub fn new<M: ConstitutiveLaw>(law: M) -> Self {
+        if const { M::LINEAR } {
+            return Self {
+                law: Arc::new(law),
+                in_lanes: None,
+            };
+        }
+        let law = Arc::new(law);
+        Self {
+            law: law.clone(),
+            in_lanes: Some(law),
+        }
+    }
+    /// Whether the law is linear elastic, without history variables.
+    pub fn is_linear(&self) -> bool {
+        self.law.is_linear()
+    }
+    /// The law for batches of elements; none for linear laws, which their medium defines.
+    pub(super) fn in_lanes(&self) -> Option<&Arc<dyn BatchLaws>> {
+        self.in_lanes.as_ref()
+    }
+}
+
+impl<M: ConstitutiveLaw> From<M> for AnyLaw {
+    fn from(law: M) -> Self {
+        Self::new(law)
+    }
+}
+
+impl core::fmt::Debug for AnyLaw {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "AnyLaw({})", self.name())
+    }
+}
+
+impl PointLaw for AnyLaw {
+    fn name(&self) -> &str {
+        self.law.name()
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.law.medium()
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        self.law.history()
+    }
+    fn uses_location(&self) -> bool {
+        self.law.uses_location()
+    }
+    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
+        self.law.stress_change(input, new_history)
+    }
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        self.law.energy(input, new_history)
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        self.law.accept_size(size)
+    }
+}

@@ -1,0 +1,568 @@
+//! Blocks of elements of one kernel and one law, computed in lanes.
+
+mod account;
+mod any_law;
+mod batches;
+mod element_forces;
+mod exchange;
+mod factory;
+mod frequency;
+mod history;
+mod law;
+mod law_forms;
+mod linearised;
+mod locations;
+mod memory;
+mod numbers;
+mod operations;
+mod remaining;
+mod survey;
+#[cfg(test)]
+mod tests;
+mod transfer;
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use powerhouse_model::{
+    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
+    HistoryField, HistoryUpdate, Mat3, NodalView, NodalViewMut, Operator, Quad, Rayleigh, Stress,
+    Vec3,
+};
+
+use crate::lanes::{Arrangement, BatchScalar, Lanes};
+use account::{Account, StepSums};
+use batches::Batches;
+use exchange::Exchanges;
+use history::History;
+use law::HistoryAccess;
+use law_forms::LawForms;
+use locations::Locations;
+use memory::Connectivity;
+use numbers::AlignedNumbers;
+use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates};
+use survey::Summary;
+use transfer::NodeScalar;
+
+pub use any_law::AnyLaw;
+pub use factory::solid;
+pub(crate) use factory::{coordinate_rounding, of_any_law};
+
+thread_local! {
+    /// Displacements from which a block computes, where they are not those of the step: one buffer per thread, which
+    /// stays in its cache from block to block.
+    static SCRATCH: Cell<Vec<Quad<f64>>> = const { Cell::new(Vec::new()) };
+    /// Buffers between kernels and laws, likewise.
+    static EXCHANGES: Cell<Exchanges> = Cell::default();
+}
+
+/// Block of elements with a kernel of `N` nodes and `P` integration points and a law, in the scalar `S`.
+struct Block<K, S, const N: usize, const P: usize> {
+    label: Arc<str>,
+    kernel: K,
+    law: LawForms<S>,
+    moduli: Moduli,
+    damping: Rayleigh,
+    lanes: Lanes,
+    arrangement: Arrangement,
+    /// Mesh indices of the elements.
+    elements: Vec<u32>,
+    /// Mesh indices of the nodes.
+    nodes: Vec<u32>,
+    /// Local node indices of each element, whole batches.
+    connectivity: Connectivity<N>,
+    geometry: AlignedNumbers<S>,
+    /// Six numbers of [`Extents`](powerhouse_model::Extents) per element (m2), of one batch if all elements
+    /// are alike; empty for linear laws.
+    extents: AlignedNumbers<S>,
+    /// Locations of the integration points, if the law uses them.
+    locations: Option<Locations<S>>,
+    /// Lumped masses of each element (kg).
+    masses: Vec<[f64; N]>,
+    /// Frequency bound of each element (rad/s).
+    frequencies: Vec<f64>,
+    active: Option<Vec<bool>>,
+    /// Reference displacement of strain (m), by local node index.
+    reference: Option<Vec<Quad<f64>>>,
+    /// Initial stresses (Pa); empty if there are none.
+    initial: AlignedNumbers<S>,
+    history: History<S>,
+    /// Displacement (m) of the last static forces since the reference, on which secant and tangent stiffness
+    /// depend; empty before.
+    static_displacement: Vec<Quad<f64>>,
+    account: Account<S>,
+}
+
+impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
+where
+    K: ElementKernel<N, P>,
+    S: NodeScalar,
+{
+    fn batches(&self) -> Batches<'_, S, N> {
+        Batches {
+            elements: self.elements.len(),
+            connectivity: &self.connectivity,
+            active: self.active.as_deref(),
+            geometry: self.geometry.as_slice(),
+            arrangement: self.arrangement,
+        }
+    }
+
+    fn law_state(&self) -> LawState<'_, S> {
+        LawState {
+            initial: self.initial.as_slice(),
+            extents: self.extents.as_slice(),
+        }
+    }
+
+    fn is_linear(&self) -> bool {
+        self.law.static_form().is_none()
+    }
+
+    fn coefficient(&self, context: &BlockContext) -> f64 {
+        self.damping.stiffness + context.damping_shift
+    }
+
+    fn is_active(&self, element: usize) -> bool {
+        self.active.as_ref().is_none_or(|active| active[element])
+    }
+
+    /// Writes forces of a step, with energy bookkeeping if sums are given; returns whether all is finite.
+    ///
+    /// The damping force of a linear law is the elastic force of the velocity, which is therefore added to
+    /// the displacement of the nodes.
+    fn write_forces<A: NodeScalar>(
+        &mut self,
+        displacement: &[Quad<f64>],
+        velocity: &[Quad<A>],
+        (step, damping): (f64, f64),
+        sums: Option<&mut StepSums>,
+        out: &mut [Quad<A>],
+    ) -> bool {
+        let damped = damping != 0.0;
+        let needs_velocity = damped || (sums.is_some() && !self.is_linear());
+        if const { size_of::<A>() < size_of::<S>() } {
+            // Nodes in lower precision than elements: few blocks, whose forces are rounded after their sum.
+            let mut forces = vec![Quad::default(); out.len()];
+            let velocity = if needs_velocity {
+                doubled(velocity)
+            } else {
+                Vec::new()
+            };
+            let finite = self.write_forces::<f64>(
+                displacement,
+                &velocity,
+                (step, damping),
+                sums,
+                &mut forces,
+            );
+            for (out, force) in out.iter_mut().zip(forces) {
+                *out = Quad::from_vector(&force.to_vector());
+            }
+            return finite;
+        }
+        out.fill(Quad::default());
+        // Only static states are linearised: the displacement of a dynamic step is not stored.
+        let stores = !self.is_linear() && !self.law.is_stepping();
+        let adds_velocity = self.is_linear() && damped;
+        let mut changed = Vec::new();
+        if stores || adds_velocity || self.reference.is_some() {
+            changed = if stores {
+                core::mem::take(&mut self.static_displacement)
+            } else {
+                SCRATCH.take()
+            };
+            changed.clear();
+            changed.extend_from_slice(displacement);
+        }
+        if adds_velocity {
+            for (value, &rate) in changed.iter_mut().zip(velocity) {
+                *value = sum(*value, rate, damping);
+            }
+        }
+        if let Some(reference) = &self.reference {
+            for (value, &from) in changed.iter_mut().zip(reference) {
+                *value = difference(*value, from);
+            }
+        }
+        let nodes = if changed.is_empty() {
+            displacement
+        } else {
+            &changed
+        };
+        let finite = if self.is_linear() {
+            self.elastic(nodes, Some(out), None)
+        } else {
+            let mut account = core::mem::take(&mut self.account);
+            let mut history = core::mem::take(&mut self.history);
+            let batches = self.batches().count(self.arrangement.width);
+            let elements = self.connectivity.as_slice().len();
+            let bookkeeping = sums.map(|sums| EnergyBookkeeping {
+                previous: account.previous_step((elements, P), batches),
+                sums,
+            });
+            let rates = needs_velocity.then_some(Rates {
+                step,
+                velocity,
+                damping,
+                bookkeeping,
+            });
+            let access = HistoryAccess::Write(&mut history);
+            let finite = self.material(nodes, access, rates, Some(out), None);
+            (self.account, self.history) = (account, history);
+            finite
+        };
+        if stores {
+            self.static_displacement = changed;
+        } else if !changed.is_empty() {
+            SCRATCH.set(changed);
+        }
+        finite
+    }
+
+    /// Forces and summaries of the elastic stiffness at nodal displacements by local index.
+    fn elastic<A: BatchScalar>(
+        &self,
+        nodes: &[Quad<f64>],
+        out: Option<&mut [Quad<A>]>,
+        survey: Option<&mut [Summary]>,
+    ) -> bool {
+        let operation = Elastic::<K, A, S, N, P> {
+            kernel: &self.kernel,
+            batches: self.batches(),
+            moduli: self.moduli,
+            nodes,
+            out,
+            survey,
+        };
+        self.lanes.dispatch(operation)
+    }
+
+    /// Forces and summaries of the law at nodal displacements by local index.
+    fn material<A: BatchScalar>(
+        &self,
+        nodes: &[Quad<f64>],
+        history: HistoryAccess<S>,
+        rates: Option<Rates<A, S>>,
+        out: Option<&mut [Quad<A>]>,
+        survey: Option<&mut [Summary]>,
+    ) -> bool {
+        let Some(law) = self.law.current() else {
+            return self.elastic(nodes, out, survey);
+        };
+        let mut exchanges = EXCHANGES.take();
+        let operation = Material::<K, A, S, N, P> {
+            kernel: &self.kernel,
+            law,
+            domain: self.law.elastic_domain().filter(|_| survey.is_none()),
+            lanes: self.lanes,
+            batches: self.batches(),
+            moduli: self.moduli,
+            state: self.law_state(),
+            locations: self.locations.as_ref(),
+            history,
+            exchange: S::exchange(&mut exchanges),
+            nodes,
+            rates,
+            out,
+            survey,
+        };
+        let finite = self.lanes.dispatch(operation);
+        EXCHANGES.set(exchanges);
+        finite
+    }
+
+    /// Displacement relative to the reference, by local node index.
+    fn since_reference(&self, displacement: NodalView) -> Vec<Quad<f64>> {
+        let mut local = in_double(displacement);
+        if let Some(reference) = &self.reference {
+            for (value, &from) in local.iter_mut().zip(reference) {
+                *value = difference(*value, from);
+            }
+        }
+        local
+    }
+
+    /// Mean stress and stored energies of each element at a displacement relative to the reference (by local
+    /// node index), from the committed history variables.
+    fn survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
+        if self.is_linear() {
+            return self.elastic_survey(nodes);
+        }
+        let mut survey = vec![Summary::default(); self.elements.len()];
+        let access = HistoryAccess::Read(&self.history);
+        self.material::<f64>(nodes, access, None, None, Some(&mut survey));
+        survey
+    }
+
+    /// The same of the initial stiffness.
+    fn elastic_survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
+        let mut survey = vec![Summary::default(); self.elements.len()];
+        self.elastic::<f64>(nodes, None, Some(&mut survey));
+        survey
+    }
+
+    /// The first element of which a nodal value or the stress is not finite.
+    fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
+        let displacement = self.since_reference(context.displacement);
+        let velocity = in_double(context.velocity);
+        let survey = self.survey(&displacement);
+        // Velocities that the block does not read may be missing.
+        let finite = |values: &[Quad<f64>], local: u32| {
+            values.get(local as usize).is_none_or(|value| {
+                let vector = value.to_vector();
+                vector.iter().all(|component| component.is_finite())
+            })
+        };
+        let reason = |element: usize| {
+            let nodes = &self.connectivity.as_slice()[element];
+            if !nodes.iter().all(|&local| finite(&displacement, local)) {
+                Some("a node's displacement is not finite")
+            } else if !nodes.iter().all(|&local| finite(&velocity, local)) {
+                Some("a node's velocity is not finite")
+            } else if !survey[element].stress.0.iter().all(|s| s.is_finite()) {
+                Some("its stress is not finite")
+            } else {
+                None
+            }
+        };
+        (0..self.elements.len())
+            .filter(|&element| self.is_active(element))
+            .find_map(|element| {
+                reason(element).map(|reason| ElementFault::new(self.elements[element], reason))
+            })
+    }
+
+    /// The first element with a nodal force that is not finite: the fault of a stress whose history was
+    /// overwritten since.
+    fn fault_of<A: NodeScalar>(&self, forces: &[Quad<A>]) -> Option<ElementFault> {
+        let finite = |local: &u32| {
+            let force = forces[*local as usize].to_vector();
+            force.iter().all(|component| component.is_finite())
+        };
+        let element = (0..self.elements.len()).find(|&element| {
+            self.is_active(element) && !self.connectivity.as_slice()[element].iter().all(finite)
+        });
+        element.map(|element| {
+            ElementFault::new(self.elements[element], "a force of its nodes is not finite")
+        })
+    }
+
+    fn forces_of<A: NodeScalar>(
+        &mut self,
+        context: &BlockContext,
+        displacement: &[Quad<f64>],
+        velocity: &[Quad<A>],
+        out: &mut [Quad<A>],
+    ) -> Result<(), ElementFault> {
+        let damping = self.coefficient(context);
+        self.law.prepare(context.step);
+        // Inactive elements keep their committed history.
+        let in_place = context.history_update == HistoryUpdate::InPlace;
+        self.history.set_in_place(in_place && self.active.is_none());
+        let mut sums = StepSums::default();
+        let balanced = context.ledger.then_some(&mut sums);
+        let terms = (context.step, damping);
+        let finite = self.write_forces(displacement, velocity, terms, balanced, out);
+        if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
+            return Err(fault);
+        }
+        if context.ledger {
+            self.book_step(context, &sums);
+        }
+        Ok(())
+    }
+
+    fn apply_to<A: NodeScalar>(&self, operator: Operator, x: &[Quad<A>], out: &mut [Quad<A>]) {
+        out.fill(Quad::default());
+        if operator == Operator::Elastic || self.is_linear() {
+            if const { size_of::<A>() < size_of::<S>() } {
+                let mut sums = vec![Quad::default(); out.len()];
+                self.apply_to::<f64>(operator, &doubled(x), &mut sums);
+                for (out, sum) in out.iter_mut().zip(sums) {
+                    *out = Quad::from_vector(&sum.to_vector());
+                }
+            } else {
+                self.elastic(&doubled(x), Some(out), None);
+            }
+            return;
+        }
+        self.each_element(operator, |element, forces| {
+            let nodes = &self.connectivity.as_slice()[element];
+            let nodal = nodes.map(|local| x[local as usize].to_vector().into());
+            for (&local, force) in nodes.iter().zip(forces(&nodal)) {
+                let sum = &mut out[local as usize];
+                *sum = Quad::from_vector(&(sum.to_vector() + Vec3::from(force)));
+            }
+        });
+    }
+}
+
+/// Nodal values in double precision.
+fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
+    let values = values.iter();
+    values
+        .map(|value| Quad::from_vector(&value.to_vector()))
+        .collect()
+}
+
+/// The vector `a + factor b`.
+fn sum<A: NodeScalar>(a: Quad<f64>, b: Quad<A>, factor: f64) -> Quad<f64> {
+    Quad::from_vector(&(a.to_vector() + b.to_vector() * factor))
+}
+
+/// The vector `a - b`.
+fn difference(a: Quad<f64>, b: Quad<f64>) -> Quad<f64> {
+    Quad::from_vector(&(a.to_vector() - b.to_vector()))
+}
+
+/// Nodal values of a view in double precision.
+fn in_double(view: NodalView) -> Vec<Quad<f64>> {
+    match view {
+        NodalView::F64(values) => values.to_vec(),
+        NodalView::F32(values) => doubled(values),
+    }
+}
+
+/// Panic message of an engine that passes velocities and forces in different storage.
+const ONE_STORAGE: &str = "velocities and forces of one call have the same storage";
+
+impl<K, S, const N: usize, const P: usize> ElementBlock for Block<K, S, N, P>
+where
+    K: ElementKernel<N, P>,
+    S: NodeScalar,
+{
+    fn label(&self) -> &str {
+        &self.label
+    }
+    fn elements(&self) -> &[u32] {
+        &self.elements
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn reads_velocity(&self, damping_shift: f64, ledger: bool) -> bool {
+        let damped = self.damping.stiffness + damping_shift != 0.0;
+        damped || (ledger && !self.is_linear())
+    }
+    fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
+        let converted;
+        let u = match context.displacement {
+            NodalView::F64(u) => u,
+            NodalView::F32(u) => {
+                converted = doubled(u);
+                &converted
+            }
+        };
+        match (context.velocity, out) {
+            (NodalView::F64(v), NodalViewMut::F64(out)) => self.forces_of(context, u, v, out),
+            (NodalView::F32(v), NodalViewMut::F32(out)) => self.forces_of(context, u, v, out),
+            _ => panic!("{ONE_STORAGE}"),
+        }
+    }
+    fn commit(&mut self) {
+        self.history.commit();
+    }
+    fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut) {
+        match (x, out) {
+            (NodalView::F64(x), NodalViewMut::F64(out)) => self.apply_to(operator, x, out),
+            (NodalView::F32(x), NodalViewMut::F32(out)) => self.apply_to(operator, x, out),
+            _ => panic!("{ONE_STORAGE}"),
+        }
+    }
+    fn diagonal(&self, operator: Operator, out: &mut [Mat3]) {
+        self.add_diagonal(operator, out);
+    }
+    fn each_matrix(&self, operator: Operator, visit: &mut dyn FnMut(&[u32], &[f64])) {
+        self.visit_matrices(operator, visit);
+    }
+    fn add_mass(&self, out: &mut [f64]) {
+        for (element, masses) in self.masses.iter().enumerate() {
+            if self.is_active(element) {
+                let nodes = &self.connectivity.as_slice()[element];
+                for (&local, mass) in nodes.iter().zip(masses) {
+                    out[local as usize] += mass;
+                }
+            }
+        }
+    }
+    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
+        (0..self.elements.len())
+            .filter(|&element| self.is_active(element))
+            .map(|element| {
+                FrequencyBound::new(self.elements[element], self.frequencies[element])
+                    .with_stiffness_damping(self.damping.stiffness)
+            })
+            .collect()
+    }
+    fn stiffness_damping(&self) -> f64 {
+        self.damping.stiffness
+    }
+    fn mass_damping(&self) -> f64 {
+        self.damping.mass
+    }
+    fn set_active(&mut self, active: &[bool]) {
+        let some_are_off = active.iter().any(|active| !active);
+        self.active = some_are_off.then(|| active.to_vec());
+        self.account.restart();
+    }
+    fn set_reference_displacement(&mut self, displacement: NodalView) {
+        self.reference = Some(in_double(displacement));
+        self.account.restart();
+    }
+    fn set_initial_stress(&mut self, stress: &[Stress]) {
+        if self.is_linear() {
+            // The change of stress of a linear law does not depend on the initial stress.
+            return;
+        }
+        let padded = self.connectivity.as_slice().len();
+        self.initial = AlignedNumbers::zeros(6 * padded);
+        for element in 0..padded {
+            let stress = &stress[element.min(stress.len() - 1)];
+            for i in 0..6 {
+                let index = self.arrangement.place(element, i, 6);
+                self.initial.as_mut_slice()[index] = S::from_f64(stress.0[i]);
+            }
+        }
+        self.account.restart();
+    }
+    fn add_forces_of(&self, stress: &[Stress], out: &mut [Vec3]) {
+        self.add_forces_of_stress(stress, out);
+    }
+    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
+        let survey = self.survey(&self.since_reference(displacement));
+        for (out, summary) in out.iter_mut().zip(&survey) {
+            *out = *out + summary.stress;
+        }
+    }
+    fn element_forces(
+        &self,
+        index: usize,
+        displacement: NodalView,
+        initial: &Stress,
+        out: &mut [Vec3],
+    ) -> bool {
+        self.write_forces_of(index, displacement, initial, out);
+        true
+    }
+    fn energy(&self, context: &BlockContext) -> BlockEnergy {
+        let mut energy = self.account.spent();
+        for summary in self.survey(&self.since_reference(context.displacement)) {
+            energy.elastic += summary.elastic;
+            energy.hourglass += summary.hourglass;
+        }
+        energy
+    }
+    fn history(&self) -> Vec<HistoryField> {
+        self.history.fields(&self.arrangement, &self.elements)
+    }
+    fn set_history(&mut self, fields: &[HistoryField]) {
+        let (arrangement, elements) = (self.arrangement, &self.elements);
+        self.history.set_fields(&arrangement, elements, fields);
+        self.account.restart();
+    }
+    fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
+        self.history
+            .element_value(&self.arrangement, index, variable)
+    }
+}

@@ -1,0 +1,248 @@
+//! What every block must do, whatever its kernel, law, precision and width.
+
+mod elastic;
+mod invariance;
+mod location;
+mod remaining;
+mod state;
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use powerhouse_model::{
+    BlockContext, BlockOptions, BlockPart, ConstitutiveLaw, ElasticMedium, ElementBlock,
+    ElementFault, ElementKind, HistoryUpdate, HistoryVariable, Lane, LaneWidth, LawInput, Mat3,
+    Mesh, NodalScalar, NodalView, NodalViewMut, Operator, Precision, Quad, RemainingStiffness,
+    StepTime, Strain, Stress, Vec3,
+};
+
+use crate::{Hex8OnePoint, SolidKernel, solid};
+
+/// `lambda tr(e) I + 2 G e`.
+#[derive(Clone)]
+struct Linear(ElasticMedium);
+
+impl ConstitutiveLaw for Linear {
+    const LINEAR: bool = true;
+
+    fn name(&self) -> &str {
+        "linear"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        &[]
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new: &mut [L]) -> Stress<L> {
+        let any = input.strain.0[0];
+        Stress::elastic(
+            any.constant(self.0.lambda()),
+            any.constant(self.0.shear()),
+            &input.strain,
+        )
+    }
+}
+
+/// A law with history: isotropic damage `d = k / (k + 1e-3)` by the largest norm `k` of the strain
+/// so far; the norm of the initial stress over a modulus counts as strain.
+#[derive(Clone)]
+struct Softening(ElasticMedium);
+
+impl ConstitutiveLaw for Softening {
+    fn name(&self) -> &str {
+        "softening"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        const { &[HistoryVariable::amount("largest_strain", "1")] }
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {
+        let any = input.strain.0[0];
+        let young = any.constant(self.0.young);
+        let mut square = any.constant(0.0);
+        for i in 0..6 {
+            let initial = input.initial.0[i] / young;
+            square = input.strain.0[i].mul_add(input.strain.0[i], square);
+            square = initial.mul_add(initial, square);
+        }
+        new[0] = input.history[0].max(square.sqrt());
+        let kept = any.constant(1e-3) / (new[0] + any.constant(1e-3));
+        let elastic = Stress::elastic(
+            any.constant(self.0.lambda()),
+            any.constant(self.0.shear()),
+            &input.strain,
+        );
+        elastic * kept
+    }
+    /// What is lost is damage.
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let any = input.strain.0[0];
+        let kept = any.constant(1e-3) / (new[0] + any.constant(1e-3));
+        RemainingStiffness::whole(any)
+            .with_undamaged(kept)
+            .with_hourglass(kept)
+    }
+}
+
+/// A step of a length (s), at time zero.
+fn when(number: u64, step: f64) -> StepTime {
+    StepTime {
+        number,
+        time: 0.0,
+        step,
+    }
+}
+
+fn rock() -> ElasticMedium {
+    ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap()
+}
+
+/// Repeatable numbers in `[-1, 1]`.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+/// A box of 3 x 3 x 3 cells of 2 m whose inner nodes, and outer ones within their faces, are moved
+/// without order.
+fn distorted_box(kind: ElementKind) -> Mesh {
+    distorted(kind, [3, 3, 3])
+}
+
+/// The same of any number of cells.
+fn distorted(kind: ElementKind, cells: [usize; 3]) -> Mesh {
+    let (low, high) = (
+        Vec3::zeros(),
+        Vec3::from(cells.map(|count| 2.0 * count as f64)),
+    );
+    let mesh = match kind {
+        ElementKind::Hex8 => Mesh::box_of_hexes(low, high, cells, "rock"),
+        ElementKind::Wedge6 => Mesh::box_of_wedges(low, high, cells, "rock"),
+        _ => Mesh::box_of_tets(low, high, cells, "rock"),
+    };
+    let noise = std::cell::RefCell::new(Noise(7));
+    let moved = mesh.unwrap().map_positions(|x| {
+        let shift = noise.borrow_mut().vector() * 0.3;
+        let inside = |i: usize| x[i] > 0.1 && x[i] < high[i] - 0.1;
+        Vec3::from_fn(|i, _| x[i] + if inside(i) { shift[i] } else { 0.0 })
+    });
+    moved.unwrap()
+}
+
+/// A block of a whole mesh, whose nodes are in the reverse order of the mesh.
+struct Fixture {
+    mesh: Mesh,
+    block: Box<dyn ElementBlock>,
+}
+
+impl Fixture {
+    fn new<M: ConstitutiveLaw>(kernel: SolidKernel, law: M, options: BlockOptions) -> Self {
+        Self::of(distorted_box(kernel.kind()), kernel, law, options)
+    }
+    fn of<M: ConstitutiveLaw>(
+        mesh: Mesh,
+        kernel: SolidKernel,
+        law: M,
+        options: BlockOptions,
+    ) -> Self {
+        let backwards: Vec<u32> = (0..mesh.node_count() as u32).rev().collect();
+        let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
+        let part = BlockPart::new(&mesh, &elements, &backwards);
+        let block = kernel.factory("rock", law, options).build(&part).unwrap();
+        Self { mesh, block }
+    }
+    /// Index of a mesh node among the nodes of the block.
+    fn place(&self, node: u32) -> usize {
+        let mut nodes = self.block.nodes().iter();
+        nodes.position(|&other| other == node).unwrap()
+    }
+    /// A nodal field in the order of the block's nodes.
+    fn field<A: NodalScalar>(&self, mut value: impl FnMut(&Vec3) -> Vec3) -> Vec<Quad<A>> {
+        let positions = self.mesh.positions();
+        let of = |&node: &u32| Quad::from_vector(&value(&positions[node as usize]));
+        self.block.nodes().iter().map(of).collect()
+    }
+    fn noise(&self, seed: u64, amplitude: f64) -> Vec<Quad<f64>> {
+        let mut noise = Noise(seed);
+        self.field(|_| noise.vector() * amplitude)
+    }
+    fn forces(&mut self, u: &[Quad<f64>], v: &[Quad<f64>]) -> Vec<Vec3> {
+        let context = BlockContext::new(when(0, 1e-4), NodalView::F64(u), NodalView::F64(v));
+        self.forces_at(&context).unwrap()
+    }
+    /// Forces of a body at rest, in a step of no length.
+    fn static_forces(&mut self, u: &[Quad<f64>]) -> Vec<Vec3> {
+        let rest = zeros(u.len());
+        let views = [NodalView::F64(u), NodalView::F64(&rest)];
+        let context = BlockContext::new(when(0, 0.0), views[0], views[1]);
+        self.forces_at(&context).unwrap()
+    }
+    fn forces_at(&mut self, context: &BlockContext) -> Result<Vec<Vec3>, ElementFault> {
+        let count = self.block.nodes().len();
+        match context.displacement {
+            NodalView::F64(_) => {
+                let mut out = vec![Quad::default(); count];
+                self.block.forces(context, NodalViewMut::F64(&mut out))?;
+                Ok(out.iter().map(|q| q.to_vector()).collect())
+            }
+            NodalView::F32(_) => {
+                let mut out = vec![Quad::default(); count];
+                self.block.forces(context, NodalViewMut::F32(&mut out))?;
+                Ok(out.iter().map(|q| q.to_vector()).collect())
+            }
+        }
+    }
+    fn apply(&self, operator: Operator, x: &[Quad<f64>]) -> Vec<Vec3> {
+        let mut out = vec![Quad::default(); x.len()];
+        self.block
+            .apply(operator, NodalView::F64(x), NodalViewMut::F64(&mut out));
+        out.iter().map(|q| q.to_vector()).collect()
+    }
+    fn stress(&self, u: &[Quad<f64>]) -> Vec<Stress> {
+        let mut out = vec![Stress::default(); self.block.elements().len()];
+        self.block.add_stress(NodalView::F64(u), &mut out);
+        out
+    }
+    fn masses(&self) -> Vec<f64> {
+        let mut masses = vec![0.0; self.block.nodes().len()];
+        self.block.add_mass(&mut masses);
+        masses
+    }
+}
+
+fn options(precision: Precision, lanes: LaneWidth, stiffness: f64) -> BlockOptions {
+    let mut options = BlockOptions::default();
+    options.precision = precision;
+    options.lanes = lanes;
+    options.damping.stiffness = stiffness;
+    options
+}
+
+fn zeros(count: usize) -> Vec<Quad<f64>> {
+    vec![Quad::default(); count]
+}
+
+fn largest(forces: &[Vec3]) -> f64 {
+    forces.iter().fold(0.0, |m, f| m.max(f.norm()))
+}
+
+const GRADIENT: Mat3 = Mat3::new(1.1, -0.4, 0.3, 0.8, -0.6, 0.9, -0.2, 0.5, 0.7);

@@ -1,0 +1,124 @@
+//! Element kernels: bricks, wedge and tetrahedron.
+
+mod hex8_integrated;
+mod hex8_one_point;
+mod hexahedron;
+mod parallelepiped;
+#[cfg(test)]
+mod tests;
+mod tet4;
+mod vectors;
+mod wedge6;
+
+pub use hex8_integrated::{Hex8BBar, Hex8Full};
+pub use hex8_one_point::Hex8OnePoint;
+pub use tet4::Tet4;
+pub use wedge6::Wedge6;
+
+use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind, Vec3};
+
+use crate::AnyLaw;
+use crate::block::of_any_law;
+
+/// Element kernel of this crate, chosen by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SolidKernel {
+    /// Eight-node brick with one integration point, [`Hex8OnePoint`].
+    Hex8OnePoint(Hex8OnePoint),
+    /// Eight-node brick with 2 x 2 x 2 integration points, [`Hex8Full`].
+    Hex8Full,
+    /// Eight-node brick with mean dilatation, [`Hex8BBar`].
+    Hex8BBar,
+    /// Four-node tetrahedron, [`Tet4`].
+    Tet4,
+    /// Six-node wedge, [`Wedge6`].
+    Wedge6,
+}
+
+impl SolidKernel {
+    /// All kernels, with their default parameters.
+    pub const ALL: [Self; 5] = [
+        Self::Hex8OnePoint(Hex8OnePoint::DEFAULT),
+        Self::Hex8Full,
+        Self::Hex8BBar,
+        Self::Tet4,
+        Self::Wedge6,
+    ];
+
+    /// Name of the kernel in scenes and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hex8OnePoint(kernel) => kernel.name(),
+            Self::Hex8Full => Hex8Full.name(),
+            Self::Hex8BBar => Hex8BBar.name(),
+            Self::Tet4 => Tet4.name(),
+            Self::Wedge6 => Wedge6.name(),
+        }
+    }
+    /// The kernel with a name, with its default parameters.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kernel| kernel.name() == name)
+    }
+    /// Kind of elements that the kernel computes.
+    pub fn kind(self) -> ElementKind {
+        match self {
+            Self::Hex8OnePoint(_) | Self::Hex8Full | Self::Hex8BBar => ElementKind::Hex8,
+            Self::Tet4 => ElementKind::Tet4,
+            Self::Wedge6 => ElementKind::Wedge6,
+        }
+    }
+    /// Number of integration points of an element.
+    pub fn points(self) -> usize {
+        fn points<K: ElementKernel<N, P>, const N: usize, const P: usize>(_kernel: &K) -> usize {
+            P
+        }
+        match self {
+            Self::Hex8OnePoint(kernel) => points(&kernel),
+            Self::Hex8Full => points(&Hex8Full),
+            Self::Hex8BBar => points(&Hex8BBar),
+            Self::Tet4 => points(&Tet4),
+            Self::Wedge6 => points(&Wedge6),
+        }
+    }
+    /// The default kernel of a kind of elements; none for kinds without volume.
+    pub fn default_for(kind: ElementKind) -> Option<Self> {
+        Self::ALL.into_iter().find(|kernel| kernel.kind() == kind)
+    }
+    /// A factory of blocks of this kernel and a law for an element set.
+    pub fn factory(
+        self,
+        label: &str,
+        law: impl Into<AnyLaw>,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        self.of_any_law(label, law.into(), options)
+    }
+
+    /// Blocks are compiled here, once, and in no crate that uses this one.
+    fn of_any_law(self, label: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
+        match self {
+            Self::Hex8OnePoint(kernel) => {
+                parallelepiped::one_point_bricks(label, kernel, law, options)
+            }
+            Self::Hex8Full => of_any_law(label, Hex8Full, law, options),
+            Self::Hex8BBar => of_any_law(label, Hex8BBar, law, options),
+            Self::Tet4 => of_any_law(label, Tet4, law, options),
+            Self::Wedge6 => of_any_law(label, Wedge6, law, options),
+        }
+    }
+}
+
+/// Positions (m) of points with natural coordinates in an element of a kind with some corners (m).
+fn positions<const N: usize, const P: usize>(
+    kind: ElementKind,
+    corners: &[Vec3; N],
+    points: [[f64; 3]; P],
+) -> [Vec3; P] {
+    points.map(|natural| {
+        let mut values = [0.0; N];
+        kind.shape_functions(&Vec3::from(natural), &mut values);
+        let terms = corners.iter().zip(values);
+        terms.fold(Vec3::zeros(), |sum, (corner, value)| sum + corner * value)
+    })
+}

@@ -1,0 +1,316 @@
+//! Errors of model assembly.
+
+use crate::{ModelError, ParameterError, Vec3};
+use thiserror::Error;
+
+/// An invalid model, refused before the run. Nodes and elements are named by the user's numbers.
+///
+/// Where no other operation is named, [`ModelBuilder::build`](crate::ModelBuilder::build) returns it, as the source of a
+/// [`ModelError::Refused`].
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EngineError {
+    /// A parameter outside its permitted range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A set that does not exist, or a fault of the mesh.
+    #[error(transparent)]
+    Mesh(#[from] crate::MeshError),
+    /// A model without elements.
+    #[error("the model has no elements")]
+    NoElements,
+    /// An element that belongs to two element sets of the model.
+    #[error("element {element} belongs to both sets '{first}' and '{second}' of the model")]
+    ElementTwice {
+        /// Number of the element.
+        element: u64,
+        /// Name of the first set.
+        first: String,
+        /// Name of the second set.
+        second: String,
+    },
+    /// Elements that belong to no element set of the model.
+    #[error("element {element} belongs to no set of the model ({count} such elements)")]
+    ElementUnassigned {
+        /// Number of the first such element.
+        element: u64,
+        /// Number of such elements.
+        count: usize,
+    },
+    /// An element of a set of another kind than that of the kernel of the set.
+    #[error("element {element} of set '{set}' is a {found}; its kernel takes {expected}")]
+    ElementKind {
+        /// Number of the element.
+        element: u64,
+        /// Name of the element set.
+        set: String,
+        /// Kind of the element.
+        found: &'static str,
+        /// Kind that the kernel supports.
+        expected: &'static str,
+    },
+    /// An integration point of an element without positive volume.
+    #[error(
+        "element {element} of set '{set}' has the volume {volume:.3e} m3 at an integration point"
+    )]
+    NoVolume {
+        /// Number of the element.
+        element: u64,
+        /// Name of the element set.
+        set: String,
+        /// Volume of the integration point (m3).
+        volume: f64,
+    },
+    /// An element with an extent outside the range that its law permits, such as a crack band width.
+    #[error(
+        "element {element} of set '{set}', {size:.4} m wide along its {extent} extent: {reason}"
+    )]
+    ElementSize {
+        /// Number of the element.
+        element: u64,
+        /// Name of the element set.
+        set: String,
+        /// The extent in question.
+        extent: ElementExtent,
+        /// Extent of the element (m).
+        size: f64,
+        /// Message of the law, with the permitted range.
+        reason: String,
+    },
+    /// An element with a lumped nodal mass that is not positive.
+    #[error("element {element} of set '{set}' lumps the mass {mass:.3e} kg at its node {node}")]
+    NoLumpedMass {
+        /// Number of the element.
+        element: u64,
+        /// Name of the element set.
+        set: String,
+        /// Number of the node.
+        node: u64,
+        /// The lumped mass (kg).
+        mass: f64,
+    },
+    /// A [block part](crate::BlockPart) whose node list lacks a node of one of its elements.
+    #[error(
+        "element {element} of set '{set}' uses node {node}, which its block part does not list"
+    )]
+    UnlistedNode {
+        /// Number of the element.
+        element: u64,
+        /// Name of the element set.
+        set: String,
+        /// Number of the node.
+        node: u64,
+    },
+    /// Element sets of which some store nodal values in double precision, others in single precision.
+    #[error(
+        "set '{first}' stores nodal values in double precision, set '{second}' in single precision"
+    )]
+    MixedNodes {
+        /// Name of a set in double precision.
+        first: String,
+        /// Name of a set in single precision.
+        second: String,
+    },
+    /// A block with an engine node that does not exist.
+    #[error("a block of set '{set}' names engine node {node}, which does not exist")]
+    BlockNode {
+        /// Name of the element set.
+        set: String,
+        /// Engine number of the node.
+        node: u32,
+    },
+    /// A node without positive, finite mass.
+    #[error("node {node} has mass {mass} kg; every node needs a positive, finite mass")]
+    NodeWithoutMass {
+        /// Number of the node.
+        node: u64,
+        /// Lumped mass of the node (kg).
+        mass: f64,
+    },
+    /// A boundary condition, load or constraint on a node that does not exist.
+    #[error("{part} acts on node index {node}; the mesh has {count} nodes")]
+    UnknownNode {
+        /// The boundary condition, load or constraint.
+        part: String,
+        /// Mesh index of the node.
+        node: u32,
+        /// Number of nodes of the mesh.
+        count: usize,
+    },
+    /// A load or constraint that lists a node twice.
+    #[error("{part} names node {node} twice")]
+    NodeTwice {
+        /// The load or constraint.
+        part: String,
+        /// Number of the node.
+        node: u64,
+    },
+    /// A direction vector of length zero, or with a component that is not finite.
+    #[error("the direction ({x}, {y}, {z}) of {part} must have a finite length above zero")]
+    NoDirection {
+        /// The boundary condition or bolt with this direction.
+        part: String,
+        /// Component along x.
+        x: f64,
+        /// Component along y.
+        y: f64,
+        /// Component along z.
+        z: f64,
+    },
+    /// A prescribed motion along a direction that is already fixed or prescribed.
+    #[error(
+        "node {node} has a prescribed motion in a direction that is already fixed or prescribed"
+    )]
+    SupportConflict {
+        /// Number of the node.
+        node: u64,
+    },
+    /// A load on both sides of a face, in the constructors of [`FacePressure`](crate::FacePressure) and
+    /// [`FaceTraction`](crate::FaceTraction): a pressure cancels, a traction counts twice.
+    #[error(
+        "the loaded facets include both sides of the face between elements {element} and {other}"
+    )]
+    BothSides {
+        /// Number of the element on one side.
+        element: u64,
+        /// Number of the element on the other side.
+        other: u64,
+    },
+    /// A boundary spring or dashpot that is not symmetric and positive semi-definite.
+    #[error("the boundary {what} at node {node} is not symmetric and positive semi-definite")]
+    Impedance {
+        /// `spring` or `dashpot`.
+        what: &'static str,
+        /// Number of the node.
+        node: u64,
+    },
+    /// A node that belongs to two constraints.
+    #[error("node {node} belongs to both constraints '{first}' and '{second}'")]
+    ConstrainedTwice {
+        /// Number of the node.
+        node: u64,
+        /// Name of the first constraint.
+        first: String,
+        /// Name of the second constraint.
+        second: String,
+    },
+    /// Two faces whose nodes do not match as periodic pairs, in
+    /// [`PeriodicPairs::by_translation`](crate::PeriodicPairs::by_translation).
+    #[error(
+        "periodic faces of {from} and {to} nodes do not match: node {node} lies {distance:.3e} m from its partner (tolerance {tolerance:.1e} m)"
+    )]
+    PeriodicMismatch {
+        /// Number of nodes of the first face.
+        from: usize,
+        /// Number of nodes of the second face.
+        to: usize,
+        /// Number of the node farthest from its partner.
+        node: u64,
+        /// Distance of that node from its partner, after the translation (m).
+        distance: f64,
+        /// Largest permitted distance (m).
+        tolerance: f64,
+    },
+    /// Tied nodes with different initial velocities, where a motion or state is [set](crate::Model::set_initial).
+    #[error("node {node} is tied to node {partner} but has another initial velocity")]
+    TiedVelocity {
+        /// Number of the node.
+        node: u64,
+        /// Number of the node to which it is tied.
+        partner: u64,
+    },
+    /// A state or initial motion that is [set](crate::Model::set_state), of the wrong length or with numbers that are not
+    /// finite.
+    #[error(
+        "the {what} has {found} entries instead of {expected}, or holds a number that is not finite"
+    )]
+    State {
+        /// `displacement`, `velocity` or `initial stress`.
+        what: &'static str,
+        /// Number of entries given.
+        found: usize,
+        /// Number of entries required.
+        expected: usize,
+    },
+    /// An initial motion that is [set](crate::Model::set_initial) and whose forces would underflow or overflow in single
+    /// precision.
+    #[error(
+        "the largest component {largest:.3e} of the initial {what} is outside [{least:e}, {most:e}]: forces would leave the range of single precision"
+    )]
+    SinglePrecision {
+        /// `displacement` or `velocity`.
+        what: &'static str,
+        /// The largest component (m or m/s).
+        largest: f64,
+        /// Least permitted value of the largest component (m or m/s), unless it is zero; 0 with loads or prescribed
+        /// motion.
+        least: f64,
+        /// Greatest permitted component (m or m/s).
+        most: f64,
+    },
+    /// A joint of a state that is [set](crate::Model::set_state) and that the model lacks, or has with other pairs.
+    #[error("the state has a joint '{name}' of {pairs} pairs, which the model does not have")]
+    UnknownJoint {
+        /// Name of the joint.
+        name: String,
+        /// Number of its pairs in the state.
+        pairs: usize,
+    },
+    /// A state that is [set](crate::Model::set_state) and whose absent or cast elements differ from those of the model.
+    #[error("the absent or cast elements of the state differ from those of the model")]
+    OtherElements,
+    /// A number of threads outside 1 to 4096, or one that the operating system cannot start.
+    #[error("{threads} threads could not be started (permitted: 1 to 4096)")]
+    Threads {
+        /// Number of threads requested.
+        threads: usize,
+    },
+}
+
+impl EngineError {
+    /// The unit vector of a direction that a boundary condition or bolt, `part`, has.
+    ///
+    /// # Errors
+    /// [`EngineError::NoDirection`] if its length is zero or not finite.
+    pub fn check_direction(part: &str, direction: Vec3) -> Result<Vec3, Self> {
+        let norm = direction.norm();
+        if norm.is_finite() && norm > 0.0 {
+            Ok(direction / norm)
+        } else {
+            Err(Self::NoDirection {
+                part: part.into(),
+                x: direction.x,
+                y: direction.y,
+                z: direction.z,
+            })
+        }
+    }
+}
+
+impl From<EngineError> for ModelError {
+    fn from(error: EngineError) -> Self {
+        match error {
+            EngineError::Parameter(source) => Self::Parameter(source),
+            EngineError::Mesh(source) => Self::Mesh(source),
+            other => Self::refused("model", other),
+        }
+    }
+}
+
+/// Extent of an element: its greatest or its least one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementExtent {
+    /// The greatest extent.
+    Greatest,
+    /// The least extent.
+    Least,
+}
+
+impl core::fmt::Display for ElementExtent {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Greatest => "greatest",
+            Self::Least => "least",
+        })
+    }
+}

@@ -1,0 +1,340 @@
+//! Histories of motion, stress and history variables.
+
+use powerhouse_model::{
+    Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StepView, Stress, Vec3,
+};
+
+use super::place::{ActiveElements, Probe, elements, probes};
+use super::{
+    HistoryTable, Motion, ObserveError, Place, Recording, StressPlace, check_cadence,
+    principal_stresses,
+};
+
+/// Observer of histories: motion at locations, relative motion of two locations, and stress and history variables of
+/// elements, against time.
+///
+/// Columns of a motion called `crown` are `crown.ux`, `crown.uy`, `crown.uz` (m), `crown.vx` ... (m/s)
+/// and `crown.ax` ... (m/s2). A relative motion is that of the second location less that of the
+/// first; with displacements comes `crown.apart` (m), its component along the line from the first
+/// location to the second, positive for increasing distance. Columns of a stress called `lining` are
+/// `lining.xx`, `.yy`, `.zz`, `.xy`, `.yz`, `.zx` and the principal stresses `lining.s1` >=
+/// `lining.s2` >= `lining.s3` (Pa, mean over the element, initial stress included). Columns of a state
+/// called `lining` are the history variables of the element's law, `lining.damage` and so on.
+///
+/// Memory: 8 bytes per column and row.
+///
+/// ```
+/// use powerhouse_observe::{History, Motion, Place};
+/// use powerhouse_model::{Cadence, Mesh, Observer, Vec3};
+/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(10.0), [5, 5, 5], "rock")?;
+/// let (crown, floor) = (Vec3::new(5.0, 5.0, 8.3), Vec3::new(5.0, 5.0, 1.7));
+/// let history = History::builder(Cadence::Seconds(0.01))
+///     .motion("crown", crown, Motion::ALL)
+///     .relative("closure", floor, crown, Motion::DISPLACEMENT)
+///     .motion("corner", Place::Node(1), Motion::ACCELERATION)
+///     .stress("roof", Vec3::new(5.0, 5.0, 9.0))
+///     .build(&mesh)?;
+/// let recording = history.recording();
+/// assert!(history.fields().acceleration && history.fields().stress);
+/// assert_eq!(recording.read(|table| table.columns.len()), 9 + 4 + 3 + 9);
+/// # Ok::<(), powerhouse_observe::ObserveError>(())
+/// ```
+pub struct History {
+    cadence: Cadence,
+    probes: Vec<Probe>,
+    elements: Vec<u32>,
+    channels: Vec<Channel>,
+    row: Vec<f64>,
+    recording: Recording<HistoryTable>,
+}
+
+/// One output request; numbers are indices in the lists of probes and elements.
+#[derive(Clone, Debug)]
+enum Channel {
+    Motion {
+        name: String,
+        probe: usize,
+        motion: Motion,
+    },
+    Relative {
+        name: String,
+        from: usize,
+        to: usize,
+        motion: Motion,
+        /// Unit vector from the first location to the second, zero where they coincide.
+        direction: Vec3,
+    },
+    Stress {
+        name: String,
+        element: usize,
+    },
+    State {
+        name: String,
+        element: usize,
+        variables: Vec<HistoryVariable>,
+    },
+}
+
+/// Builder of a [`History`]: its output requests and cadence.
+#[derive(Clone, Debug)]
+pub struct HistoryBuilder {
+    cadence: Cadence,
+    places: Vec<(String, Place)>,
+    stress_places: Vec<(String, StressPlace)>,
+    channels: Vec<Channel>,
+    active: Option<Vec<bool>>,
+}
+
+impl HistoryBuilder {
+    /// Adds the motion at a location.
+    #[must_use]
+    pub fn motion(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
+        self.channels.push(Channel::Motion {
+            name: name.into(),
+            probe: self.places.len(),
+            motion,
+        });
+        self.places.push((name.into(), place.into()));
+        self
+    }
+    /// Adds the motion of the location `to` relative to the location `from`.
+    #[must_use]
+    pub fn relative(
+        mut self,
+        name: &str,
+        from: impl Into<Place>,
+        to: impl Into<Place>,
+        motion: Motion,
+    ) -> Self {
+        self.channels.push(Channel::Relative {
+            name: name.into(),
+            from: self.places.len(),
+            to: self.places.len() + 1,
+            motion,
+            direction: Vec3::zeros(),
+        });
+        self.places.push((name.into(), from.into()));
+        self.places.push((name.into(), to.into()));
+        self
+    }
+    /// Adds the stress of an element.
+    #[must_use]
+    pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
+        self.channels.push(Channel::Stress {
+            name: name.into(),
+            element: self.stress_places.len(),
+        });
+        self.stress_places.push((name.into(), place.into()));
+        self
+    }
+    /// Adds the history variables (internal state variables) of an element's law.
+    #[must_use]
+    pub fn state(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
+        self.channels.push(Channel::State {
+            name: name.into(),
+            element: self.stress_places.len(),
+            variables: Vec::new(),
+        });
+        self.stress_places.push((name.into(), place.into()));
+        self
+    }
+    /// Sets the active elements of the mesh, one flag per element: points are located among them alone, and
+    /// locations without active elements are refused.
+    #[must_use]
+    pub fn among(mut self, active: &[bool]) -> Self {
+        self.active = Some(active.to_vec());
+        self
+    }
+    /// Locates all points in the mesh and builds the observer, without history variables of laws.
+    ///
+    /// # Errors
+    /// As [`build_with`](Self::build_with).
+    pub fn build(self, mesh: &Mesh) -> Result<History, ObserveError> {
+        self.build_with(mesh, |_| Vec::new())
+    }
+    /// Locates all points in the mesh and builds the observer; `variables_of` returns the history variables of the law of
+    /// an element (mesh index).
+    ///
+    /// # Errors
+    /// A location or set that does not exist or has no active elements, a duplicate name, a cadence or tolerance out of
+    /// range.
+    pub fn build_with(
+        mut self,
+        mesh: &Mesh,
+        variables_of: impl Fn(u32) -> Vec<HistoryVariable>,
+    ) -> Result<History, ObserveError> {
+        check_cadence(self.cadence)?;
+        let active = ActiveElements(self.active.as_deref());
+        let probes = probes(mesh, &self.places, active)?;
+        let elements = elements(mesh, &self.stress_places, active)?;
+        let mut table = HistoryTable::default();
+        for channel in &mut self.channels {
+            if let Channel::Relative {
+                from,
+                to,
+                direction,
+                ..
+            } = channel
+            {
+                let at = |probe: usize| probes[probe].value(|n| mesh.positions()[n as usize]);
+                let line = at(*to) - at(*from);
+                *direction = line.try_normalize(0.0).unwrap_or_default();
+            }
+            if let Channel::State {
+                element, variables, ..
+            } = channel
+            {
+                *variables = variables_of(elements[*element]);
+            }
+            for (name, unit) in channel.columns() {
+                table.add_column(name, unit)?;
+            }
+        }
+        Ok(History {
+            cadence: self.cadence,
+            probes,
+            elements,
+            channels: self.channels,
+            row: Vec::with_capacity(table.columns.len()),
+            recording: Recording::new(table),
+        })
+    }
+}
+
+impl Channel {
+    fn columns(&self) -> Vec<(String, &'static str)> {
+        let vectors = |name: &str, motion: &Motion| {
+            let kinds = [
+                (motion.displacement, 'u', "m"),
+                (motion.velocity, 'v', "m/s"),
+                (motion.acceleration, 'a', "m/s2"),
+            ];
+            let wanted = kinds.into_iter().filter(|kind| kind.0);
+            wanted
+                .flat_map(|(_, letter, unit)| {
+                    ["x", "y", "z"].map(|axis| (format!("{name}.{letter}{axis}"), unit))
+                })
+                .collect::<Vec<_>>()
+        };
+        match self {
+            Self::Motion { name, motion, .. } => vectors(name, motion),
+            Self::Relative { name, motion, .. } => {
+                let mut columns = vectors(name, motion);
+                if motion.displacement {
+                    columns.push((format!("{name}.apart"), "m"));
+                }
+                columns
+            }
+            Self::Stress { name, .. } => ["xx", "yy", "zz", "xy", "yz", "zx", "s1", "s2", "s3"]
+                .map(|component| (format!("{name}.{component}"), "Pa"))
+                .into(),
+            Self::State {
+                name, variables, ..
+            } => (variables.iter())
+                .map(|variable| (format!("{name}.{}", variable.name), variable.unit))
+                .collect(),
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        match self {
+            Self::Motion { motion, .. } | Self::Relative { motion, .. } => *motion,
+            Self::Stress { .. } | Self::State { .. } => Motion::default(),
+        }
+    }
+}
+
+impl History {
+    /// A builder without output requests.
+    pub fn builder(cadence: Cadence) -> HistoryBuilder {
+        HistoryBuilder {
+            cadence,
+            places: Vec::new(),
+            stress_places: Vec::new(),
+            channels: Vec::new(),
+            active: None,
+        }
+    }
+    /// Whether there are no output requests.
+    pub fn is_empty(&self) -> bool {
+        self.channels.is_empty()
+    }
+    /// Shared access to the table.
+    pub fn recording(&self) -> Recording<HistoryTable> {
+        self.recording.clone()
+    }
+}
+
+/// Appends the requested kinds of motion, each computed by `value` from a nodal field.
+fn push_motion(
+    row: &mut Vec<f64>,
+    view: &dyn StepView,
+    motion: Motion,
+    value: impl Fn(&dyn Fn(u32) -> Vec3) -> Vec3,
+) {
+    if motion.displacement {
+        row.extend_from_slice(value(&|node| view.displacement(node)).as_slice());
+    }
+    if motion.velocity {
+        row.extend_from_slice(value(&|node| view.velocity(node)).as_slice());
+    }
+    if motion.acceleration {
+        row.extend_from_slice(value(&|node| view.acceleration(node)).as_slice());
+    }
+}
+
+impl Observer for History {
+    fn name(&self) -> &str {
+        "history"
+    }
+    fn fields(&self) -> Fields {
+        let channels = || self.channels.iter();
+        Fields::default()
+            .with_acceleration(channels().any(|c| c.motion().acceleration))
+            .with_stress(channels().any(|c| matches!(c, Channel::Stress { .. })))
+    }
+    fn cadence(&self) -> Cadence {
+        self.cadence
+    }
+    fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
+        self.row.clear();
+        for channel in &self.channels {
+            match channel {
+                Channel::Motion { probe, motion, .. } => {
+                    let probe = &self.probes[*probe];
+                    push_motion(&mut self.row, view, *motion, |field| probe.value(field));
+                }
+                Channel::Relative {
+                    from,
+                    to,
+                    motion,
+                    direction,
+                    ..
+                } => {
+                    let (from, to) = (&self.probes[*from], &self.probes[*to]);
+                    let relative =
+                        |field: &dyn Fn(u32) -> Vec3| to.value(field) - from.value(field);
+                    push_motion(&mut self.row, view, *motion, relative);
+                    if motion.displacement {
+                        let displacement = relative(&|node| view.displacement(node));
+                        self.row.push(displacement.dot(direction));
+                    }
+                }
+                Channel::Stress { element, .. } => {
+                    let stress: Stress = view.stress(self.elements[*element]);
+                    self.row.extend_from_slice(&stress.0);
+                    self.row.extend_from_slice(&principal_stresses(&stress));
+                }
+                Channel::State {
+                    element, variables, ..
+                } => {
+                    let element = self.elements[*element];
+                    let values = variables.iter().map(|v| view.history(element, v.name));
+                    self.row.extend(values.map(|value| value.unwrap_or(0.0)));
+                }
+            }
+        }
+        self.recording.lock().push(view.time(), &self.row);
+        Ok(Flow::Continue)
+    }
+}

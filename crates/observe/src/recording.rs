@@ -1,0 +1,44 @@
+//! Shared access to the results of observers.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Shared access to the results of an observer, during and after a run.
+///
+/// ```
+/// use powerhouse_observe::EnergyHistory;
+/// use powerhouse_model::Cadence;
+/// let energies = EnergyHistory::new(Cadence::Seconds(0.01))?;
+/// let recording = energies.recording();
+/// // `energies` goes into a run; afterwards:
+/// assert!(recording.read(|table| table.times.is_empty()));
+/// # Ok::<(), powerhouse_observe::ObserveError>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Recording<T>(Arc<Mutex<T>>);
+
+impl<T> Clone for Recording<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> Recording<T> {
+    pub(super) fn new(value: T) -> Self {
+        Self(Arc::new(Mutex::new(value)))
+    }
+    /// Calls a function with the results so far and returns its value; the observer is blocked meanwhile.
+    pub fn read<R>(&self, reader: impl FnOnce(&T) -> R) -> R {
+        reader(&self.lock())
+    }
+    /// A copy of the results so far.
+    pub fn copy(&self) -> T
+    where
+        T: Clone,
+    {
+        self.lock().clone()
+    }
+    /// Locks the results. Only complete rows are written under the lock, so that the data stay valid after a panic.
+    pub(super) fn lock(&self) -> MutexGuard<'_, T> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
