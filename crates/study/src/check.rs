@@ -202,7 +202,8 @@ pub struct CheckReport {
     pub format: Option<FormatError>,
     /// The at most three changes that save most wall time, a tenth at least each, the best first.
     pub savings: Vec<Saving>,
-    /// Changes that could save as much, but with which the scene is refused, and why.
+    /// Changes of kernel, number format or damping with which the scene is refused, and why; how much they would save is
+    /// unknown.
     pub refused: Vec<RefusedChange>,
 }
 

@@ -130,8 +130,8 @@ pub enum Load {
         /// default.
         removed_in: Option<At<String>>,
     },
-    /// Equal force at every node of a node or facet set; the total grows with the number of nodes, as in a refined
-    /// mesh.
+    /// Equal force at every node of a node, facet or element set; the total grows with the number of nodes, as in a
+    /// refined mesh.
     Nodal {
         /// Node, facet or element set.
         set: At<String>,

@@ -143,8 +143,9 @@ impl ResultFolder {
         }
     }
 
-    /// Removes the results of an earlier run: its snapshots and stages, and, if there is a summary of this software,
-    /// tables, envelopes, plots and pictures. All other files are kept, including a scene.
+    /// Removes the results of an earlier run: its snapshots and stages, and, if there is a summary of this software, the
+    /// summary, tables, envelopes, plots, pictures and the files of joints and bolts. All other files are kept, including
+    /// a scene; a folder without results is left as it is.
     ///
     /// # Errors
     /// File that could not be removed.

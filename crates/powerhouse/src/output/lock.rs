@@ -20,7 +20,7 @@ const TRIES: usize = 8;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FolderError {
-    /// Folder in which another run writes.
+    /// Folder in which another run writes, in [`ResultFolder::lock`](crate::ResultFolder::lock).
     #[error(
         "{}: {holder} writes into this folder; wait for its end or give another folder (--out)",
         folder.display()
@@ -31,7 +31,7 @@ pub enum FolderError {
         /// Run that holds the lock: its process and start time.
         holder: String,
     },
-    /// Folder that was removed or replaced during the run.
+    /// Folder that was removed or replaced during the run, in [`FolderLock::release`] at its end.
     #[error(
         "{}: this folder, or its lock, was removed while the run went on; results in memory were written to it again, but files written before (snapshots, stages) may be missing",
         folder.display()
@@ -40,7 +40,7 @@ pub enum FolderError {
         /// Path of the folder.
         folder: PathBuf,
     },
-    /// Insufficient disk space for the files of the run.
+    /// Insufficient disk space for the files of the run, in [`ResultFolder::prove`](crate::ResultFolder::prove).
     #[error(
         "{}: the run may write up to {:.3} GB, {:.3} GB are free; request fewer snapshots or give another folder (--out)",
         folder.display(), *needed as f64 / 1e9, *free as f64 / 1e9
@@ -53,7 +53,7 @@ pub enum FolderError {
         /// Free disk space (bytes).
         free: u64,
     },
-    /// Folder with the path of a result file.
+    /// Folder with the path of a result file, in [`ResultFolder::prove`](crate::ResultFolder::prove).
     #[error("{}: there is a folder of this name, which a result file needs", file.display())]
     InTheWay {
         /// Path of the file.

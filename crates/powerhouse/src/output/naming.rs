@@ -7,7 +7,8 @@ use thiserror::Error;
 /// Largest length of a name in bytes: file systems permit 255, and names get prefixes and suffixes.
 const LONGEST: usize = 200;
 
-/// Error of a result name.
+/// Error of a name in results: of a history, section, joint, zone, bolt group, stage or case. Found when a scene is read
+/// or prepared, before any file is written.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NameError {
@@ -31,19 +32,19 @@ pub enum NameError {
         /// Length in bytes.
         length: usize,
     },
-    /// Name of a case that cannot be that of a folder.
+    /// Name of a case that cannot be that of a folder: `.`, `..`, or with a slash or backslash.
     #[error("'{name}' cannot be the name of a folder")]
     Folder {
         /// Name.
         name: String,
     },
-    /// Equal names of two results.
+    /// Two results with the same name that would have the same file: of one kind, or a joint and a zone of one.
     #[error("two results have the name '{name}'")]
     Twice {
         /// Name.
         name: String,
     },
-    /// Different names of two results with the same file name, ignoring the case of letters.
+    /// Different names of two results, or of one and the energies, with the same file name, ignoring the case of letters.
     #[error("the names '{first}' and '{second}' would both have the file {file}")]
     Shared {
         /// First name.
