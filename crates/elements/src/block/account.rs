@@ -15,7 +15,8 @@ use crate::lanes::{BatchLane, BatchScalar};
 pub(super) struct Account<S> {
     /// Number of the last step; none if the next one does not continue it.
     number: Option<u64>,
-    /// Velocity of that step (m/s), by local node index; empty if there was no damping.
+    /// Velocity of that step (m/s), by local node index, where its product with the next one is required; empty
+    /// if there was no damping.
     velocity: Vec<Quad<f64>>,
     /// Elastic and hourglass energy of that velocity taken as a displacement.
     velocity_energy: f64,
@@ -25,9 +26,12 @@ pub(super) struct Account<S> {
     balanced: Vec<bool>,
     /// Whether the law has energies of its own.
     has_energies: bool,
-    /// Shares of stiffness damping at each point of a batch, and its share of hourglass stiffness, at that
-    /// step, for nonlinear laws.
+    /// Share of hourglass stiffness of each batch at that step, for nonlinear laws.
     shares: AlignedNumbers<S>,
+    /// Stresses of stiffness damping at that step (Pa), for nonlinear laws with damping; empty without.
+    damping_stress: AlignedNumbers<S>,
+    /// Whether stiffness damping acted at that step.
+    damped: bool,
     /// Energy stored in these batches at that step (J).
     stored: f64,
     /// Energies accumulated so far (J).
@@ -44,6 +48,8 @@ impl<S: BatchScalar> Default for Account<S> {
             balanced: Vec::new(),
             has_energies: false,
             shares: AlignedNumbers::zeros(0),
+            damping_stress: AlignedNumbers::zeros(0),
+            damped: false,
             stored: 0.0,
             spent: BlockEnergy::default(),
         }
@@ -59,22 +65,30 @@ impl<S: BatchScalar> Account<S> {
     pub(super) fn spent(&self) -> BlockEnergy {
         self.spent
     }
-    /// State at the previous step, for a number of elements, points per element, and batches.
+    /// State at the previous step, for a number of elements, points per element, and batches; `damped` if stiffness
+    /// damping acts.
     pub(super) fn previous_step(
         &mut self,
         (elements, points): (usize, usize),
         batches: usize,
+        damped: bool,
     ) -> PreviousStep<'_, S> {
         let numbers = 6 * elements * points;
         if self.stress.as_slice().len() != numbers {
             self.stress = AlignedNumbers::zeros(numbers);
-            self.shares = AlignedNumbers::zeros(elements * (points + 1));
+            self.shares = AlignedNumbers::zeros(elements);
             self.balanced = vec![false; batches];
             self.number = None;
+        }
+        if damped && self.damping_stress.as_slice().len() != numbers {
+            self.damping_stress = AlignedNumbers::zeros(numbers);
+            self.damped = false;
         }
         PreviousStep {
             stresses: self.stress.as_mut_slice(),
             shares: self.shares.as_mut_slice(),
+            damping_stresses: self.damping_stress.as_mut_slice(),
+            damped: self.damped,
             balanced: &mut self.balanced,
             velocity: &self.velocity,
         }
@@ -85,11 +99,15 @@ impl<S: BatchScalar> Account<S> {
 pub(super) struct PreviousStep<'a, S> {
     /// Stresses, six numbers per point, of the batches with energy bookkeeping.
     pub(super) stresses: &'a mut [S],
-    /// Shares of stiffness damping, one per point, and of hourglass stiffness, one per batch, in lanes.
+    /// Share of hourglass stiffness of each batch, in lanes.
     pub(super) shares: &'a mut [S],
+    /// Stresses of stiffness damping, six numbers per point; empty without damping.
+    pub(super) damping_stresses: &'a mut [S],
+    /// Whether stiffness damping acted, so that these stresses are those of the previous step.
+    pub(super) damped: bool,
     /// Whether each batch had energy bookkeeping.
     pub(super) balanced: &'a mut [bool],
-    /// Velocity (m/s), by local node index; empty if there was no damping.
+    /// Velocity (m/s), by local node index; empty if there was no damping, and where hourglass forces do not act.
     pub(super) velocity: &'a [Quad<f64>],
 }
 
@@ -204,13 +222,20 @@ where
         let follows = context.number > 0 && account.number == Some(context.number - 1);
 
         if damping != 0.0 {
+            let continues = follows && account.damped;
+            if continues {
+                account.spent.damping += sums.damping;
+            }
+            account.damped = true;
+        } else {
+            account.damped = false;
+        }
+        if damping != 0.0 && (self.is_linear() || self.moduli.hourglass != 0.0) {
             let velocity = in_double(context.velocity);
             let continues = follows && account.velocity.len() == velocity.len();
             let mut energy = 0.0;
             if self.is_linear() {
                 energy = self.elastic_form(&velocity);
-            } else if continues {
-                account.spent.damping += sums.damping;
             }
             if continues && self.is_linear() {
                 let change: Vec<Quad<f64>> = velocity

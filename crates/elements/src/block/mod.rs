@@ -198,7 +198,7 @@ where
             let batches = self.batches().count(self.arrangement.width);
             let elements = self.connectivity.as_slice().len();
             let bookkeeping = sums.map(|sums| EnergyBookkeeping {
-                previous: account.previous_step((elements, P), batches),
+                previous: account.previous_step((elements, P), batches, damped),
                 sums,
             });
             let rates = needs_velocity.then_some(Rates {

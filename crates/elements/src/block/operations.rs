@@ -396,7 +396,7 @@ where
             let modal_rates = self.kernel.modes(&nodal);
             let strain_rates = self.kernel.strains(geometry, &modal_rates);
             // Remaining share of the hourglass stiffness at the previous step.
-            let of_share = (index * (P + 1) + P) * L::WIDTH;
+            let of_share = index * L::WIDTH;
             let mut share_before = one;
             if let Some(bookkeeping) = &rates.bookkeeping {
                 share_before = L::load(token, &bookkeeping.previous.shares[of_share..]);
@@ -459,22 +459,23 @@ where
             }
             if let (Some(bookkeeping), true) = (&mut rates.bookkeeping, rates.damping != 0.0) {
                 let (previous, sums) = (&mut bookkeeping.previous, &mut *bookkeeping.sums);
-                let stored_shares = &mut previous.shares[index * (P + 1) * L::WIDTH..];
-                if !previous.velocity.is_empty() {
-                    let velocity = self.batches.connectivity.over(previous.velocity);
-                    let velocity = velocity.elements(batch.first, L::WIDTH);
-                    gather::<f64, L, N>(token, velocity, &mut nodal);
-                    let modal_before = self.kernel.modes(&nodal);
-                    let rates_before = self.kernel.strains(geometry, &modal_before);
+                let stored = &mut previous.damping_stresses[index * 6 * P * L::WIDTH..];
+                if previous.damped {
                     let mut power = zero;
                     for p in 0..P {
-                        let before = Stress::elastic(lambda, shear, &rates_before[p]);
-                        let before = before.work(&strain_rates[p]);
-                        let before = before * L::load(token, &stored_shares[p * L::WIDTH..]);
-                        let both = before + damping_stresses[p].work(&strain_rates[p]);
+                        let mut both = damping_stresses[p];
+                        for i in 0..6 {
+                            let before = L::load(token, &stored[(6 * p + i) * L::WIDTH..]);
+                            both.0[i] = both.0[i] + before;
+                        }
+                        let both = both.work(&strain_rates[p]);
                         power = both.mul_add(volumes[p], power);
                     }
-                    if self.moduli.hourglass != 0.0 {
+                    if !previous.velocity.is_empty() {
+                        let velocity = self.batches.connectivity.over(previous.velocity);
+                        let velocity = velocity.elements(batch.first, L::WIDTH);
+                        gather::<f64, L, N>(token, velocity, &mut nodal);
+                        let modal_before = self.kernel.modes(&nodal);
                         let change = less(&modal_rates, &modal_before);
                         let still = times(&modal_rates, zero);
                         let mixed = [&modal_rates, &modal_before, &change];
@@ -486,10 +487,8 @@ where
                     }
                     sums.damp(power * power.constant(0.5 * rates.step), &batch);
                 }
-                for p in 0..P {
-                    shares[p].store(&mut stored_shares[p * L::WIDTH..]);
-                }
-                share.store(&mut stored_shares[P * L::WIDTH..]);
+                write_all(&damping_stresses, stored);
+                share.store(&mut previous.shares[of_share..]);
             }
             let damping = L::splat(token, rates.damping);
             for a in 0..N {

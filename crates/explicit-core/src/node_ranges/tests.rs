@@ -107,7 +107,7 @@ fn body(mesh: &Mesh, threads: usize) -> ModelBuilder<'_> {
     };
     let rock = solid("rock", Hex8OnePoint::default(), rock, options);
     Model::builder(mesh)
-        .elements("elements", rock)
+        .elements("rock", rock)
         .threads(threads)
         .block_size(40)
 }
