@@ -108,7 +108,7 @@ fn body(mesh: &Mesh, threads: usize) -> ModelBuilder<'_> {
     };
     let rock = solid("rock", Hex8OnePoint::default(), rock, options);
     Model::builder(mesh)
-        .elements("elements", rock)
+        .elements("rock", rock)
         .threads(threads)
         .block_size(40)
 }
@@ -178,7 +178,9 @@ fn static_results(mesh: &Mesh, threads: usize, seed: Option<u64>) -> Vec<(String
         if let Some(seed) = seed {
             model.ranges = model.ranges.shuffled(seed);
         }
-        let options = StaticOptions::default().with_method(method);
+        let options = (StaticOptions::default())
+            .with_method(method)
+            .with_tolerance(1e-5);
         let report = model.equilibrate(&options, &mut |_| {}).unwrap();
         assert!(report.corrections > 2 || report.steps > 100, "{report:?}");
         let carried = model.hand_over(1.0).unwrap().carried_forces;
