@@ -177,7 +177,9 @@ fn static_results(mesh: &Mesh, threads: usize, seed: Option<u64>) -> Vec<(String
         if let Some(seed) = seed {
             model.subdomain.node_ranges = model.subdomain.node_ranges.shuffled(seed);
         }
-        let options = StaticOptions::default().with_method(method);
+        let options = (StaticOptions::default())
+            .with_method(method)
+            .with_tolerance(1e-5);
         let report = model.equilibrate(&options, &mut |_| {}).unwrap();
         assert!(report.corrections > 2 || report.steps > 100, "{report:?}");
         let carried = model.hand_over(1.0).unwrap().carried_forces;
