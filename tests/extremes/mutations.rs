@@ -197,7 +197,7 @@ const ABOVE_ZERO: [&str; 12] = [
     "duration",
     "every",
     "self_check",
-    "reach",
+    "half_extent",
     "within",
     "diameter",
     "yield_force",

@@ -89,7 +89,7 @@
 //! face there is no such distance, and [`BoundaryError::Distance`] is returned.
 //!
 //! *B = 1 is the default*, the impedance of plane waves. The paper advises 1.1
-//! ([`ViscousSpring::paper`], `b = "paper"` in scenes), which reflects 4.8 % of the amplitude at normal
+//! ([`ViscousSpring::paper`], `speed_ratio = "paper"` in scenes), which reflects 4.8 % of the amplitude at normal
 //! incidence and, from about `w r/cp` = 10 up, half as much again of a P wave at 30 degrees. Nearer to
 //! the structure the springs reflect most, and the two err alike.
 //!

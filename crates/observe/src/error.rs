@@ -88,7 +88,7 @@ pub enum ObserveError {
     #[error(
     "the plane of section '{section}' intersects none of its elements{}",
         match .outside {
-            true => " with centroids in its box, but some outside: enlarge the box (`reach` in a scene)",
+            true => " with centroids in its box, but some outside: enlarge the box (`half_extent` in a scene)",
             false => "",
         }
     )]

@@ -85,10 +85,10 @@ struct ViscousKeys {
 #[serde(deny_unknown_fields)]
 struct ViscousSpringKeys {
     /// Amplitude ratio A of plane to scattered waves (dimensionless), 0 to 100; 0.8 by default.
-    a: Option<AmplitudeRatio>,
+    amplitude_ratio: Option<AmplitudeRatio>,
     /// Velocity ratio B of physical to apparent wave speed (dimensionless), 0.1 to 10; 1 by default. `"paper"` is
     /// the 1.1 of Wang, Chen & Xiao (2019), with which 4.8 % of a normally incident wave are reflected.
-    b: Option<DashpotRatio>,
+    speed_ratio: Option<DashpotRatio>,
     /// Distance from the scatterer to all faces (m), above 0; by default that of the nodes of each face.
     distance: Option<Positive>,
     /// Parameters of the faces normal to x, where they differ.
@@ -104,13 +104,13 @@ struct ViscousSpringKeys {
 }
 
 /// Parameters of the faces normal to one axis.
-#[derive(Deserialize, JsonSchema)]
+#[derive(Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxisKeys {
     /// Amplitude ratio A of these faces (dimensionless), 0 to 100.
-    a: Option<AmplitudeRatio>,
+    amplitude_ratio: Option<AmplitudeRatio>,
     /// Velocity ratio B of these faces (dimensionless), 0.1 to 10, or `"paper"`.
-    b: Option<DashpotRatio>,
+    speed_ratio: Option<DashpotRatio>,
     /// Distance from the scatterer to these faces (m), above 0.
     distance: Option<Positive>,
 }
@@ -129,12 +129,13 @@ impl ViscousSpringKeys {
     fn build(self) -> Result<ViscousSpring, ModelError> {
         let mut axes = [AxisParameters::default(); 3];
         for (axis, own) in axes.iter_mut().zip([self.x, self.y, self.z]) {
-            let (a, b, distance) = own.map_or((None, None, None), |k| (k.a, k.b, k.distance));
+            let own = own.unwrap_or_default();
+            let amplitude_ratio = own.amplitude_ratio.or(self.amplitude_ratio);
+            let speed_ratio = own.speed_ratio.or(self.speed_ratio);
             *axis = AxisParameters::new(
-                a.or(self.a)
-                    .map_or(axis.amplitude_ratio, AmplitudeRatio::get),
-                b.or(self.b).map_or(axis.speed_ratio, DashpotRatio::get),
-                distance.or(self.distance).map(Positive::get),
+                amplitude_ratio.map_or(axis.amplitude_ratio, AmplitudeRatio::get),
+                speed_ratio.map_or(axis.speed_ratio, DashpotRatio::get),
+                own.distance.or(self.distance).map(Positive::get),
             )?;
         }
         Ok(ViscousSpring {

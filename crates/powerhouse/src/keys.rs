@@ -5,6 +5,8 @@
 
 /// Keys of every `[boundary]` table, whatever its kind: kind, faces, scatterer, region.
 pub const BOUNDARY: [&str; 4] = [KIND, FACES, "scatterer", REGION];
+/// Name of the table of the boundary.
+pub const BOUNDARY_TABLE: &str = "boundary";
 /// Key of a `[boundary]` table: the name of the boundary in the registry.
 pub const KIND: &str = "kind";
 /// Key of a `[boundary]` table: the facet sets that absorb.
@@ -24,8 +26,10 @@ pub const FULL_FIELD: &str = "full-field";
 /// Key of a table under [`INPUT`]: the faces on which the incident wave alone enters.
 pub const INCIDENT_ONLY: &str = "incident-only";
 
+/// Key of `viscous-spring`: A, the ratio of the amplitudes of plane and scattered waves.
+pub const AMPLITUDE_RATIO: &str = "amplitude_ratio";
 /// Key of `viscous-spring`: B, the ratio of physical to apparent wave speed.
-pub const SPEED_RATIO: &str = "b";
+pub const SPEED_RATIO: &str = "speed_ratio";
 /// Key of `viscous-spring`: distance from the scatterer to all faces, or to those across one axis (m).
 pub const DISTANCE: &str = "distance";
 /// Keys of `viscous-spring` that hold tables with own `a`, `b` and `distance` for the faces normal to x, y and z.

@@ -160,9 +160,9 @@ pub enum Remark {
         set: String,
         /// Cut elements, area, centroid and extents of each piece.
         pieces: Vec<SectionPiece>,
-        /// Least and greatest `reach` (m) that keep the piece nearest to the section's point alone; none if no value
+        /// Least and greatest `half_extent` (m) that keep the piece nearest to the section's point alone; none if no value
         /// does.
-        reach: Option<[f64; 2]>,
+        half_extent: Option<[f64; 2]>,
     },
     /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
     /// that are fixed (small-slip assumption).
@@ -525,7 +525,7 @@ impl fmt::Display for Remark {
                 section,
                 set,
                 pieces,
-                reach,
+                half_extent,
             } => {
                 write!(
                     f,
@@ -556,14 +556,14 @@ impl fmt::Display for Remark {
                     f,
                     "its forces are the sums over all of them and its moments are about their common centroid, not those of one piece; "
                 )?;
-                match reach {
+                match half_extent {
                     Some([least, most]) => write!(
                         f,
-                        "`reach` from {least} to {most} m takes the piece nearest to `at` alone"
+                        "`half_extent` from {least} to {most} m takes the piece nearest to `at` alone"
                     ),
                     None => write!(
                         f,
-                        "for one piece alone, give a point of it as `at`, and a `reach` that leaves out the others"
+                        "for one piece alone, give a point of it as `at`, and a `half_extent` that leaves out the others"
                     ),
                 }
             }

@@ -93,6 +93,15 @@ pub enum SceneRemark {
         /// Element set of the part.
         set: String,
     },
+    /// Fact: key of the scene file that has another name now, and is read under both.
+    FormerKey {
+        /// Table of the key, such as `output.section`.
+        table: &'static str,
+        /// Name in the file.
+        former: &'static str,
+        /// Name that replaces it.
+        present: &'static str,
+    },
     /// Fact: the mesh file has nodes and elements that were left out of the mesh, or that belong to no physical group.
     MeshFile {
         /// Number of nodes without elements.
@@ -107,7 +116,7 @@ pub enum SceneRemark {
 impl SceneRemark {
     /// Returns whether this is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
-        !matches!(self, Self::MeshFile { .. })
+        !matches!(self, Self::MeshFile { .. } | Self::FormerKey { .. })
     }
 }
 
@@ -187,6 +196,14 @@ impl fmt::Display for SceneRemark {
             Self::WholeRim { set } => write!(
                 f,
                 "the rim of part '{set}' covers the whole part: all of it is elastic and undamped"
+            ),
+            Self::FormerKey {
+                table,
+                former,
+                present,
+            } => write!(
+                f,
+                "the key '{former}' of [{table}] is called '{present}' now; it is read under both names"
             ),
             Self::MeshFile {
                 nodes,

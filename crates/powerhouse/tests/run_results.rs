@@ -337,7 +337,7 @@ fn ring() -> Mesh {
         .unwrap()
 }
 
-/// A section that cuts two sides of a ring has a warning with the centre and extents of both and the values of `reach`
+/// A section that cuts two sides of a ring has a warning with the centre and extents of both and the values of `half_extent`
 /// that take one: in the remarks, in the head of the table of sections and in the summary. With such a value there is
 /// none, beyond it there is.
 #[test]
@@ -366,7 +366,11 @@ fn sections_through_both_sides_of_a_ring_are_warned_of() {
             assert_eq!(simulation.section_geometry().len(), 1);
             let remarks = simulation.remarks().iter();
             let mut found = remarks.filter_map(|remark| match remark {
-                Remark::DividedSection { pieces, reach, .. } => Some((pieces.clone(), *reach)),
+                Remark::DividedSection {
+                    pieces,
+                    half_extent,
+                    ..
+                } => Some((pieces.clone(), *half_extent)),
                 _ => None,
             });
             found.next()
@@ -394,7 +398,7 @@ fn sections_through_both_sides_of_a_ring_are_warned_of() {
             assert!(text.contains("section 'spring' cuts 2 pieces of 'lining'"));
             assert!(
                 text.contains(&shown)
-                    && text.contains(&format!("`reach` from {least} to {most} m"))
+                    && text.contains(&format!("`half_extent` from {least} to {most} m"))
             );
         }
         assert!(read("sections.csv").starts_with("# warning: "));

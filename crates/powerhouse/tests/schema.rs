@@ -61,7 +61,7 @@ fn registered_types_bring_their_keys() {
     assert!(
         damping.to_string().contains("\"reference\"") && damping.to_string().contains("\"flat\"")
     );
-    assert!(schema["$defs"]["Part"]["properties"]["rim"].is_object());
+    assert!(schema["$defs"]["Part"]["properties"]["elastic_rim"].is_object());
     let boundaries = schema["$defs"]["BoundarySection"]["allOf"]
         .as_array()
         .unwrap();

@@ -325,7 +325,11 @@ fn predictions_use_the_dashpots_of_the_scene() {
             found.unwrap().predicted
         };
         assert_ne!(error(1.0), error(1.1));
-        for (ratio, expected) in [("", 1.0), ("b = \"paper\"", 1.1), ("b = 1.1", 1.1)] {
+        for (ratio, expected) in [
+            ("", 1.0),
+            ("speed_ratio = \"paper\"", 1.1),
+            ("speed_ratio = 1.1", 1.1),
+        ] {
             // For an error that the present faces exceed, no nearer ones are tried.
             let found = advise_box(&read(ratio), 1e-6).unwrap().unchanged;
             assert_eq!(found, error(expected), "{ratio}");

@@ -110,7 +110,7 @@ pulse = { kind = "smooth", displacement = 0.01, duration = 0.25 }
 kind = "viscous-spring"
 faces = ["left", "right", "front", "back", "bottom"]
 scatterer = [60, 60, 120]
-b = 1
+speed_ratio = 1
 [time]
 duration = 0.3
 [output]

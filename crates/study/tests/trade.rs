@@ -218,7 +218,7 @@ fn ground_without_a_structure_has_a_closed_form() {
     );
     let damped = SCENE.replace(
         "material = \"rock\"\n[[wave]]",
-        "material = \"rock\"\ndamping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 10] }\nrim = 0\n[[wave]]",
+        "material = \"rock\"\ndamping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 10] }\nelastic_rim = 0\n[[wave]]",
     );
     let folder = Folder::new("damped", &damped, 8);
     let mut trade = folder

@@ -450,7 +450,7 @@ fn impossible_cuts_are_refused() {
         Some(ObserveError::EmptySection { outside: true, .. })
     ));
     // What is to blame has its name.
-    assert!(refusal.is_some_and(|error| error.to_string().contains("`reach`")));
+    assert!(refusal.is_some_and(|error| error.to_string().contains("`half_extent`")));
     assert!(refused(cut()).is_none());
     assert!(
         matches!(refused(cut()), Some(ObserveError::NameTwice { name }) if name == "cut.axial")

@@ -105,7 +105,7 @@ impl SceneFile {
         file.output.joints.retain(|history| kept(&history.joint));
         for stage in &mut file.stages {
             stage.tied.retain(kept);
-            stage.bonded.retain(kept);
+            stage.grouted.retain(kept);
         }
         file
     }

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
+use super::former::{self, FormerKey};
 use super::strict::Strict;
 use super::{Material, Parameters, SceneFile, change};
 use crate::fault::{Fault, Problem};
@@ -43,7 +44,7 @@ const JOINT: (&str, &[&str]) = (
         "unbonded",
     ],
 );
-const BOUNDARY: (&str, &[&str]) = ("boundary", &crate::keys::BOUNDARY);
+const BOUNDARY: (&str, &[&str]) = (crate::keys::BOUNDARY_TABLE, &crate::keys::BOUNDARY);
 
 /// Reads a scene from text.
 ///
@@ -107,6 +108,15 @@ impl Source {
     }
 }
 
+/// Keys of a scene's text, and of its cases, that have other names now.
+///
+/// # Errors
+/// Invalid syntax; a key under both names.
+pub(crate) fn former_keys(text: &str) -> Result<Vec<FormerKey>, Fault> {
+    let mut root = DeTable::parse(text).map_err(Fault::from_toml)?;
+    former::rename(root.get_mut())
+}
+
 /// Reads a structure whose tables with a `kind` are those of scenes.
 pub(crate) fn decode_tagged<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
     T::deserialize(Strict(Deserializer::from(tree(text)?))).map_err(Fault::from_toml)
@@ -143,6 +153,7 @@ fn tree_of<'t>(text: &'t str, case: Option<&str>) -> Result<Spanned<DeTable<'t>>
 /// Parsed text with tagged tables rewritten.
 fn tree(text: &str) -> Result<Spanned<DeTable<'_>>, Fault> {
     let mut root = DeTable::parse(text).map_err(Fault::from_toml)?;
+    former::rename(root.get_mut())?;
     tag_tables(root.get_mut())?;
     Ok(root)
 }

@@ -29,12 +29,12 @@ pub struct Part {
     /// kernel is not made have the default kernel of their kind, as have all elements by default.
     pub kernel: Option<At<String>>,
     /// Material damping; none by default. Rock along an absorbing face should be undamped, because the free field
-    /// is elastic: give the part a `rim`.
+    /// is elastic: give the part an `elastic_rim`.
     pub damping: Option<At<Damping>>,
     /// Width of the elastic, undamped zone along the absorbing faces (m), 0 or above: elements that touch a
     /// face, and elements with a node closer than this, have no damping and the elastic law, as the free field.
     /// 0: only elements that touch a face. No rim by default.
-    pub rim: Option<At<NonNegative>>,
+    pub elastic_rim: Option<At<NonNegative>>,
 }
 
 /// Material damping of a part.

@@ -17,6 +17,7 @@ mod case;
 mod change;
 mod dashpot;
 mod decode;
+mod former;
 mod function;
 mod ground;
 mod joint;
@@ -42,7 +43,7 @@ pub use at::At;
 pub use case::Case;
 pub use dashpot::DashpotRatio;
 pub use decode::{decode, decode_case};
-pub(crate) use decode::{decode_materials, decode_tagged};
+pub(crate) use decode::{decode_materials, decode_tagged, former_keys};
 pub use function::{Function, Pulse};
 pub use ground::{
     Baseline, BoundarySection, Component, Convention, Count, Ground, Length, Record, Region, Space,

@@ -73,7 +73,7 @@ pub struct History {
     /// Element number in the mesh file, or in the refined mesh: stress and state variables only, no motion.
     pub element: Option<At<u64>>,
     /// Element set in which the point is located, which selects the side of a joint or interface; all by default.
-    pub among: Option<At<String>>,
+    pub in_set: Option<At<String>>,
     /// Largest distance by which the point may be moved into an element (m), such as onto the chord of a curved
     /// wall; above 0, 0.001 by default.
     pub within: Option<At<Positive>>,
@@ -121,7 +121,7 @@ pub struct Section {
     pub along: At<[Finite; 3]>,
     /// Half the edge length (m) of a cube around `at`, along the axes, outside of which elements are ignored;
     /// unlimited by default. A plane cuts a ring twice: this selects one side.
-    pub reach: Option<Positive>,
+    pub half_extent: Option<Positive>,
 }
 
 /// Recorded quantity of a joint.

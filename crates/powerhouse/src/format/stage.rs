@@ -150,7 +150,7 @@ pub struct Stage {
     /// Names of joints that are grouted: gaps are filled in the current position, and the joint is re-initialised
     /// closed, with the bond of its law everywhere. Opening, slip and energies are counted from there.
     #[serde(default)]
-    pub bonded: Vec<At<String>>,
+    pub grouted: Vec<At<String>>,
     /// Temporary materials of parts, in force until a later stage casts the part or gives it another one, or the
     /// dynamic run starts.
     #[serde(rename = "part", default)]

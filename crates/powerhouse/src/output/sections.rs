@@ -16,13 +16,17 @@ pub(super) fn in_pieces(
         section: request.cut.name.clone(),
         set: request.set.clone(),
         pieces: geometry.pieces.clone(),
-        reach: reach_of_nearest(mesh, &request.cut.point, geometry),
+        half_extent: half_extent_of_nearest(mesh, &request.cut.point, geometry),
     })
 }
 
 /// Half edge lengths (m) of cubes around a point that contain the centroids of the elements of the nearest piece and of
 /// no other one: the least and the greatest. None if there are no such cubes.
-fn reach_of_nearest(mesh: &Mesh, point: &Vec3, geometry: &SectionGeometry) -> Option<[f64; 2]> {
+fn half_extent_of_nearest(
+    mesh: &Mesh,
+    point: &Vec3,
+    geometry: &SectionGeometry,
+) -> Option<[f64; 2]> {
     let extents = geometry.pieces.iter().map(|piece| {
         let distances = piece.elements.iter();
         let distances = distances.map(|&element| (mesh.centroid(element) - point).amax());

@@ -147,7 +147,7 @@ pub(crate) fn compose(
     let materials = materials.map(|part| (part.set.to_string(), part.material.span()));
     scene.places.materials = materials.collect();
     let rims = file.parts.iter().filter_map(|part| {
-        let rim = part.rim.as_ref()?;
+        let rim = part.elastic_rim.as_ref()?;
         Some((part.set.to_string(), rim.span()))
     });
     scene.places.rims = rims.collect();
@@ -248,7 +248,7 @@ fn parts(
                 let moving = part.moving_material();
                 moving.map_err(|error| Fault::refused(damping.span(), error))?;
             }
-            if let Some(rim) = &table.rim {
+            if let Some(rim) = &table.elastic_rim {
                 part = part.with_rim(rim.get());
             }
             Ok(part)
@@ -333,7 +333,10 @@ fn check_names(file: &SceneFile) -> Result<(), Fault> {
 
 /// Checks that no rim is wider than the body.
 fn check_rims(mesh: &Mesh, file: &SceneFile) -> Result<(), Fault> {
-    let rims = file.parts.iter().filter_map(|part| part.rim.as_ref());
+    let rims = file
+        .parts
+        .iter()
+        .filter_map(|part| part.elastic_rim.as_ref());
     for rim in rims {
         check_reach(mesh, (NonNegative::get(**rim), rim.span()))?;
     }

@@ -54,7 +54,7 @@ pub(super) fn plan(
         let from = (&request.from, &request.from_node, &request.from_set);
         let site = Site {
             names,
-            among: &None,
+            in_set: &None,
             within: &request.within,
         };
         let no_place = |keys, given: [bool; 3]| one_of(request.name.span(), keys, &given);
@@ -164,7 +164,7 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     let name = history.name.to_string();
     let site = Site {
         names,
-        among: &history.among,
+        in_set: &history.in_set,
         within: &history.within,
     };
     let of_element = |quantity| matches!(quantity, Quantity::Stress | Quantity::State);
@@ -297,7 +297,7 @@ fn motion(quantities: &[Quantity]) -> Motion {
 /// Options common to the locations of a request.
 struct Site<'s> {
     names: &'s Names<'s>,
-    among: &'s Option<At<String>>,
+    in_set: &'s Option<At<String>>,
     within: &'s Option<At<Positive>>,
 }
 
@@ -332,7 +332,7 @@ impl Site<'_> {
             check_reach(mesh, (within.get(), within.span()))?;
             spot = spot.within(within.get());
         }
-        let located = match self.among {
+        let located = match self.in_set {
             Some(set) => {
                 spot = spot.among(set);
                 let elements = self.names.elements(set)?;
@@ -349,8 +349,8 @@ impl Site<'_> {
 
     /// Checks that options of a point are not given without a point.
     fn without_point(&self) -> Result<(), Fault> {
-        let among = self.among.as_ref().map(At::span);
-        match among.or(self.within.as_ref().map(At::span)) {
+        let in_set = self.in_set.as_ref().map(At::span);
+        match in_set.or(self.within.as_ref().map(At::span)) {
             Some(span) => {
                 let key = "at".into();
                 Err(Fault::new(span, Problem::MissingKey { key }))
@@ -369,8 +369,8 @@ fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
             point,
             normal: vector(&section.normal),
             along: vector(&section.along),
-            within: section.reach.map(|reach| {
-                let half = Vec3::repeat(reach.get());
+            within: section.half_extent.map(|half| {
+                let half = Vec3::repeat(half.get());
                 (point - half, point + half)
             }),
         },

@@ -107,7 +107,7 @@ fn stage_spans(file: &SceneFile) -> StageSpans {
             ("cast", &stage.cast),
             ("bolts", &stage.bolts),
             ("joint", &stage.tied),
-            ("joint", &stage.bonded),
+            ("joint", &stage.grouted),
         ] {
             for value in values {
                 put(of_stage, key, value.as_str(), value.span());
@@ -259,7 +259,7 @@ fn stage(
     stage.cast = owned(&table.cast);
     stage.bolts = owned(&table.bolts);
     stage.tied = owned(&table.tied);
-    stage.bonded = owned(&table.bonded);
+    stage.bonded = owned(&table.grouted);
     for part in &table.parts {
         let material = named("material", &part.material, materials)?;
         stage.parts.push((part.set.to_string(), material.clone()));

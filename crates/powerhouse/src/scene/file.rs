@@ -81,6 +81,14 @@ impl Scene {
             }
         }
         let mut scene = resolve::compose(&text, &file, registry).map_err(refused)?;
+        for former in format::former_keys(&text.text).map_err(refused)? {
+            let (table, [former, present]) = (former.table, *former.names);
+            scene.remark_once(SceneRemark::FormerKey {
+                table,
+                former,
+                present,
+            });
+        }
         for (magnitude, _) in unusual {
             scene.remark_once(SceneRemark::Magnitude(magnitude));
         }

@@ -119,7 +119,7 @@ fn faults_of_stages_have_their_place() {
         ),
         (
             "bolts = [\"roof\"]",
-            "bolts = [\"roof\"]\nbonded = [§\"seam\"]",
+            "bolts = [\"roof\"]\ngrouted = [§\"seam\"]",
             "there is no joint 'seam'",
         ),
         (

@@ -215,7 +215,7 @@ fn faults_have_their_place() {
             "damping = { kind = \"flat\", ratio = 0.05, band = [1, 10], §frequencies = [1, 2] }",
             "unknown key 'frequencies'",
         ),
-        ("rim = §-1", "expected a number of 0 or above"),
+        ("elastic_rim = §-1", "expected a number of 0 or above"),
     ] {
         let column = keys.chars().position(|c| c == '§').unwrap() + 1;
         let Err(Error::Scene(fault)) = read(ELASTIC, &keys.replace('§', "")) else {
@@ -268,7 +268,7 @@ fn a_rim_is_elastic_and_undamped() {
     let of = |set: &str, material| Part::new(set, material).with_kernel(SolidKernel::Hex8Full);
     for (width, elements) in [(0.0, 136), (50.0, 136), (60.0, 200)] {
         let keys = format!(
-            "{KERNEL}damping = {{ kind = \"coefficients\", mass = 0.5, stiffness = 0 }}\nrim = {width}\n"
+            "{KERNEL}damping = {{ kind = \"coefficients\", mass = 0.5, stiffness = 0 }}\nelastic_rim = {width}\n"
         );
         let text = CUBE.replace(ELASTIC, WEAK).replace(KERNEL, &keys);
         let rimmed = of("rock", weak()).with_damping(rayleigh).with_rim(width);
@@ -318,7 +318,7 @@ fn a_rim_without_elements_is_refused() {
     let part = "set = \"outer\"\nmaterial = \"granite\"\n";
     let text = CUBE.replace(
         "set = \"rock\"\nmaterial = \"granite\"\n",
-        &format!("{part}[[part]]\nset = \"inner\"\nmaterial = \"granite\"\nrim = 20\n"),
+        &format!("{part}[[part]]\nset = \"inner\"\nmaterial = \"granite\"\nelastic_rim = 20\n"),
     );
     let scene = Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default()).unwrap();
     let Err(Error::Scene(fault)) = scene.prepare() else {

@@ -442,7 +442,7 @@ fn names_for_programs_are_those_of_scene_files() {
     let registry = Registry::default();
     let of = |name| registry.boundary_keys(name).unwrap();
     assert_eq!(of(keys::VISCOUS), [keys::INPUT]);
-    let mut springs = vec!["a", keys::SPEED_RATIO, keys::DISTANCE];
+    let mut springs = vec![keys::AMPLITUDE_RATIO, keys::SPEED_RATIO, keys::DISTANCE];
     springs.extend(keys::AXES);
     springs.extend([keys::SPREADING, keys::INPUT]);
     springs.sort_unstable();

@@ -291,11 +291,11 @@ fn boundaries() {
             ),
         ),
         (
-            "kind = \"viscous-spring\"\nb = \"paper\"",
+            "kind = \"viscous-spring\"\nspeed_ratio = \"paper\"",
             Boundary::new(ViscousSpring::paper(), SIDES),
         ),
         (
-            "kind = \"viscous-spring\"\nb = 1\nx = { b = \"paper\" }",
+            "kind = \"viscous-spring\"\nspeed_ratio = 1\nx = { speed_ratio = \"paper\" }",
             Boundary::new(
                 ViscousSpring {
                     axes: [axis(0.8, 1.1, None), default, default],
@@ -315,7 +315,7 @@ fn boundaries() {
             ),
         ),
         (
-            "kind = \"viscous-spring\"\na = 0.5\nb = 1.2\nx = { a = 1, distance = 200 }\nz = { b = 1.3 }",
+            "kind = \"viscous-spring\"\namplitude_ratio = 0.5\nspeed_ratio = 1.2\nx = { amplitude_ratio = 1, distance = 200 }\nz = { speed_ratio = 1.3 }",
             Boundary::new(
                 ViscousSpring {
                     axes: [

@@ -47,7 +47,7 @@ fn plans() {
             plan().stress("p", StressPlace::Element(8)),
         ),
         (
-            "[[output.history]]\nname = \"p\"\nat = [20, 30, 0.4]\nwithin = 0.5\namong = \"rock\"",
+            "[[output.history]]\nname = \"p\"\nat = [20, 30, 0.4]\nwithin = 0.5\nin_set = \"rock\"",
             plan().history("p", near.clone().among("rock"), Motion::ALL),
         ),
         (
@@ -67,7 +67,7 @@ fn plans() {
             plan().relative("p", Place::Node(3), spot),
         ),
         (
-            "[[output.section]]\nname = \"p\"\nset = \"rock\"\nat = [20, 30, -40]\nnormal = [0, 0, 2]\nalong = [1, 0, 0]\nreach = 60",
+            "[[output.section]]\nname = \"p\"\nset = \"rock\"\nat = [20, 30, -40]\nnormal = [0, 0, 2]\nalong = [1, 0, 0]\nhalf_extent = 60",
             plan().cut(
                 "rock",
                 CrossSection {

@@ -3,6 +3,7 @@
 mod base_motion;
 mod crack_bands;
 mod damping;
+mod former_keys;
 mod grouting;
 mod held_field;
 mod hourglass;

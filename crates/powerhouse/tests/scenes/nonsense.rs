@@ -187,13 +187,13 @@ fn what_is_of_no_use_is_refused() {
         ),
         (
             "kernel = \"hex8-full\"",
-            "rim = 1000".into(),
+            "elastic_rim = 1000".into(),
             "the diagonal of the body",
         ),
         (
             "kernel = \"hex8-full\"",
-            "rim = 1e300".into(),
-            "rim = 1e300 m is outside the usual range",
+            "elastic_rim = 1e300".into(),
+            "elastic_rim = 1e300 m is outside the usual range",
         ),
         (
             "at = [150, 150, 0]",
@@ -449,10 +449,10 @@ fn a_rim_that_is_all_is_warned_of() {
     let variants = Variants::new("whole-rim");
     let found = |rim: &str| warnings_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
     assert_eq!(
-        found("rim = 200"),
+        found("elastic_rim = 200"),
         [SceneRemark::WholeRim { set: "rock".into() }]
     );
-    assert_eq!(found("rim = 0"), []);
+    assert_eq!(found("elastic_rim = 0"), []);
 }
 
 /// Text that is not in UTF-8 is an error with line and column, a scene in UTF-16 by its encoding; an endless device is

@@ -528,7 +528,7 @@ unbonded = [{ low = [0, 0, 0], high = [6, 10, 12] }]
     let without = bonds("");
     assert!(without > 0 && without < pairs, "{without}");
     assert_eq!(
-        bonds("[[stage]]\nname = \"grout\"\nbonded = [\"seam\"]\n"),
+        bonds("[[stage]]\nname = \"grout\"\ngrouted = [\"seam\"]\n"),
         pairs
     );
 }

@@ -150,7 +150,7 @@ mod tests {
         [[part]]
         set = "rock"
         material = "rock"
-        rim = 0
+        elastic_rim = 0
         [[wave]]
         kind = "sv"
         incidence = 20

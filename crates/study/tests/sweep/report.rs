@@ -44,7 +44,7 @@ fn a_report_is_self_contained() {
                     preset = \"paper-c25\"\n[[part]]\nset = \"structure\"\nmaterial = \"concrete\"";
     let of_rock = "[[part]]\nset = \"structure\"\nmaterial = \"rock\"";
     let stronger = "[[case]]\nname = \"stronger\"\nvaries = \"pulse\"\n\
-                    boundary = { a = 0.5 }\n";
+                    boundary = { amplitude_ratio = 0.5 }\n";
     let text = SCENE.replace(of_rock, concrete) + stronger;
     std::fs::write(folder.scene(), text).unwrap();
     let sweep = folder.sweep().with_duration(0.03).unwrap();

@@ -31,7 +31,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
 
     // An added case shares a body only if nothing differs that acts before the motion.
     let softer = "[[case]]\nname = \"softer\"\nmaterial = [{ name = \"rock\", young = 8e9 }]\n\
-                  [[case]]\nname = \"stiffer\"\nboundary = { a = 0.5 }\n";
+                  [[case]]\nname = \"stiffer\"\nboundary = { amplitude_ratio = 0.5 }\n";
     std::fs::write(folder.scene(), format!("{SCENE}{softer}")).unwrap();
     let mut count = Count::default();
     let sweep = folder
@@ -116,7 +116,7 @@ part = [{ set = "structure", damping = { kind = "rayleigh", ratio = 0.05, freque
 joint = [{ name = "seam", cohesion = 1e3, dynamic_friction = 0.2 }]
 bolt = [{ name = "pins", diameter = 0.05 }]
 stage = [{ name = "opening", tolerance = 2e-3 }]
-boundary = { a = 0.5 }
+boundary = { amplitude_ratio = 0.5 }
 time = { duration = 0.02, safety = 0.5 }
 "#;
     let text = format!("{SCENE}{case}");
@@ -136,7 +136,7 @@ time = { duration = 0.02, safety = 0.5 }
         .replace("duration = 0.05", "duration = 0.02\nsafety = 0.5")
         .replace(
             "kind = \"viscous-spring\"",
-            "kind = \"viscous-spring\"\na = 0.5",
+            "kind = \"viscous-spring\"\namplitude_ratio = 0.5",
         )
         .replace(
             "set = \"structure\"\nmaterial = \"rock\"",

@@ -63,7 +63,8 @@ pub(super) fn of(table: &str, key: &str) -> UsualRange {
         (
             _,
             "at" | "from" | "low" | "high" | "box" | "scatterer" | "lines" | "x" | "y" | "z"
-            | "within" | "reach" | "rim" | "distance" | "length" | "spacing" | "longest_segment",
+            | "within" | "half_extent" | "reach" | "elastic_rim" | "rim" | "distance" | "length"
+            | "spacing" | "longest_segment",
         ) => usual::COORDINATE,
         (_, "reference") => usual::COORDINATE,
         _ => usual::NUMBER,
