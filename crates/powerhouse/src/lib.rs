@@ -135,9 +135,9 @@ pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
 pub use message::{Message, RunNotes, Topic, merge_messages};
 pub use output::{
-    BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock, HistoryRequest,
-    JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results, SectionRequest,
-    SnapshotRequest, StateRequest, StressRequest, file_name,
+    BendingError, BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock,
+    HistoryRequest, JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results,
+    SectionRequest, SnapshotRequest, StateRequest, StressRequest, file_name,
 };
 pub use part::{Kernel, Material, Part};
 pub use reduction::reduction_layer;

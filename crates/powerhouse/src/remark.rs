@@ -6,6 +6,7 @@ use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
 use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
+use crate::BendingError;
 use crate::message::{Message, Topic};
 use crate::{DampingCost, Results, SceneRemark};
 
@@ -164,6 +165,8 @@ pub enum Remark {
         /// does.
         half_extent: Option<[f64; 2]>,
     },
+    /// Warning: a section cuts bricks that are too coarse for its bending moments.
+    Bending(BendingError),
     /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
     /// that are fixed (small-slip assumption).
     LargeSlip {
@@ -277,7 +280,9 @@ impl Remark {
             | Self::TruncatedRecord { .. }
             | Self::RotatedAxis { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
-            Self::TetrahedralSection { .. } | Self::DividedSection { .. } => Topic::Sections,
+            Self::TetrahedralSection { .. } | Self::DividedSection { .. } | Self::Bending(_) => {
+                Topic::Sections
+            }
             Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
             Self::Hourglass { .. } => Topic::Energy,
             Self::NoState { .. }
@@ -321,6 +326,7 @@ impl Remark {
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
             | Self::DividedSection { .. }
+            | Self::Bending(_)
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }
@@ -521,6 +527,7 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
+            Self::Bending(error) => write!(f, "{error}"),
             Self::DividedSection {
                 section,
                 set,

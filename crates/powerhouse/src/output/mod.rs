@@ -1,5 +1,6 @@
 //! Output requests and results of a run, and their files.
 
+mod bending;
 mod bolts;
 #[cfg(feature = "pictures")]
 mod drawing;
@@ -17,6 +18,8 @@ mod state_variables;
 mod summary;
 mod vtu;
 
+pub use bending::BendingError;
+pub(crate) use bending::coarse_in_bending;
 pub use bolts::BoltForces;
 pub use folder::ResultFolder;
 pub use lock::{FolderError, FolderLock};

@@ -11,7 +11,7 @@ use powerhouse_model::{
 use super::{InitialMotion, Piece, ResidualLimit, Scene, SceneSpans, TimeStep};
 use crate::engine::{Leapfrog, Model, ModelBuilder};
 use crate::joint::{Closing, NamedSurface};
-use crate::output::{Recordings, StateVariables};
+use crate::output::{Recordings, StateVariables, coarse_in_bending};
 use crate::stage::{Staging, Timeline, last_renewal};
 use crate::{Error, InSituStress, Remark, Simulation};
 
@@ -78,6 +78,10 @@ impl Scene {
             &state_variables,
             &mut remarks,
         )?;
+        for (request, geometry) in (self.output.cuts.iter()).zip(recordings.section_geometry()) {
+            let coarse = coarse_in_bending(&self.mesh, request, geometry, &self.parts);
+            remarks.extend(coarse);
+        }
         let own = core::mem::take(&mut self.constraints);
         let mut model = {
             let mut builder = Model::builder(&self.mesh);

@@ -1,6 +1,7 @@
 //! Scenes from files and from Rust: accepted input, errors, and results of runs.
 
 mod base_motion;
+mod bending;
 mod crack_bands;
 mod damping;
 mod former_keys;

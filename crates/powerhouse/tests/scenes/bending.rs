@@ -1,0 +1,82 @@
+//! Warnings of sections through bricks that are too coarse for bending moments.
+
+use powerhouse::engine::SolidKernel;
+use powerhouse::engine::observe::CrossSection;
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::{BendingError, Material, OutputPlan, Part, Remark, Scene};
+
+const THICKNESS: f64 = 0.5;
+
+fn concrete() -> ElasticMedium {
+    ElasticMedium::new(30.0e9, 0.2, 2500.0).unwrap()
+}
+
+/// What the section in the middle of a plate of bricks is warned of: bricks of a length, in layers across the
+/// thickness, the plate turned about y by an angle (rad).
+fn warned(kernel: SolidKernel, length: f64, layers: usize, angle: f64) -> Option<BendingError> {
+    let size = Vec3::new(9.0 * length, 2.0, THICKNESS);
+    let plate = Mesh::box_of_hexes(Vec3::zeros(), size, [9, 2, layers], "lining").unwrap();
+    let (sin, cos) = angle.sin_cos();
+    let turned = |p: Vec3| Vec3::new(cos * p.x - sin * p.z, p.y, sin * p.x + cos * p.z);
+    let mesh = plate.map_positions(turned).unwrap();
+    let cut = CrossSection {
+        name: "crown".into(),
+        point: turned(Vec3::new(4.5 * length, 1.0, 0.5 * THICKNESS)),
+        normal: turned(Vec3::x()),
+        along: Vec3::y(),
+        within: None,
+    };
+    let mut part = Part::new("lining", Material::new(LinearElastic::new(concrete())));
+    part.kernel = Some(kernel.into());
+    let scene = Scene::new("plate", mesh)
+        .part(part)
+        .with_duration(0.001)
+        .with_output(OutputPlan::default().cut("lining", cut));
+    let simulation = scene.prepare().unwrap();
+    let mut remarks = simulation.remarks().iter();
+    remarks.find_map(|remark| match remark {
+        Remark::Bending(error) => Some(error.clone()),
+        _ => None,
+    })
+}
+
+/// Fully integrated bricks have `1 + G / (lambda + 2 G) (L/t)^2` times the bending stiffness, however many there are
+/// across; long ones are warned of, short ones are not.
+#[test]
+fn long_bricks_of_full_integration_are_warned_of() {
+    let medium = concrete();
+    for (ratio, layers, angle) in [(2.6, 1, 0.0), (1.0, 1, 0.7), (1.0, 3, -1.2), (2.0, 2, 2.0)] {
+        let exact = 1.0 + medium.shear() / medium.constrained() * ratio * ratio;
+        let found = warned(SolidKernel::Hex8Full, ratio * THICKNESS, layers, angle).unwrap();
+        assert_eq!(found.layers, layers);
+        assert!((found.factor / exact - 1.0).abs() < 1e-9, "{found:?}");
+        let text = found.to_string();
+        assert!(
+            text.contains("too stiff in bending") && text.contains("0.23 m long"),
+            "{text}"
+        );
+    }
+    assert_eq!(warned(SolidKernel::Hex8Full, 0.4 * THICKNESS, 1, 0.3), None);
+    assert_eq!(
+        warned(SolidKernel::Hex8BBar, 0.45 * THICKNESS, 2, 0.0),
+        None
+    );
+    assert!(warned(SolidKernel::Hex8BBar, 0.6 * THICKNESS, 2, 0.0).is_some());
+}
+
+/// Bricks of one integration point have `1 - 1/n^2` of the bending stiffness with `n` across, and hourglass resistance in
+/// place of the rest: they are warned of up to three.
+#[test]
+fn few_bricks_of_one_point_across_are_warned_of() {
+    let kernel = || SolidKernel::Hex8OnePoint(Default::default());
+    for (ratio, layers) in [(2.6, 1), (0.5, 1), (1.0, 2), (0.4, 2)] {
+        let found = warned(kernel(), ratio * THICKNESS, layers, 0.4).unwrap();
+        let rest = 1.0 - (1.0 - found.factor) * (layers * layers) as f64;
+        assert!(rest > 0.0 && rest < 0.5, "{found:?} {rest}");
+        assert!(found.to_string().contains("too soft in bending"));
+    }
+    for ratio in [0.3, 1.0, 3.0] {
+        assert_eq!(warned(kernel(), ratio * THICKNESS, 4, 0.0), None);
+    }
+}
