@@ -42,12 +42,17 @@ pub enum Error {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// Element that belongs to no part, or to several.
-    #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
+    #[error(
+        "element {element} belongs to {count} parts, but must belong to exactly one; {}",
+        crate::fault::owners(*count, sets)
+    )]
     PartCount {
         /// Number of the first such element in the mesh file.
         element: u64,
         /// Number of parts to which it belongs.
         count: usize,
+        /// Element sets of these parts; of an element without a part, all element sets that contain it.
+        sets: Vec<String>,
     },
     /// Element of a kind for which there is no kernel.
     #[error("element {element} of part '{set}' is a {kind}, for which there is no kernel")]

@@ -159,14 +159,17 @@ impl UsualRange {
             self.alternatives.iter().find(fits)
         });
         let [least, most] = self.range;
+        let usual = match self.sign {
+            // A magnitude that is too small: the range on its side of zero.
+            Sign::Both if size < least && value > 0.0 => [least, most],
+            Sign::Both if size < least => [-most, -least],
+            Sign::Both => [-most, most],
+            Sign::Ranged | Sign::OrZero => [least, most],
+        };
         Err(Magnitude {
             name: name.into(),
             value,
-            usual: if self.sign == Sign::Both {
-                [-most, most]
-            } else {
-                [least, most]
-            },
+            usual,
             unit: self.unit,
             probable_unit: probable_unit.map(|&(unit, factor)| ProbableUnit {
                 unit,
@@ -330,6 +333,22 @@ mod tests {
         assert_eq!(STRENGTH.check("it", 0.0), Ok(()));
         assert_eq!(DISPLACEMENT.check("it", -3.0), Ok(()));
         assert!(NUMBER.check("it", -1e300).is_err());
+        for (range, value) in [
+            (TIME, 1e-12),
+            (TIME, -1e-12),
+            (TIME, 1e6),
+            (PRESSURE, 0.5),
+            (PRESSURE, -2e11),
+            (NUMBER, -1e-31),
+            (PEAK, 0.1),
+            (STRENGTH, 99.0),
+        ] {
+            let Magnitude { usual, .. } = range.check("it", value).unwrap_err();
+            assert!(
+                !(usual[0]..=usual[1]).contains(&value),
+                "{value} in {usual:?}"
+            );
+        }
         assert!(YOUNG.check("it", f64::NAN).is_err());
         assert!(
             YOUNG

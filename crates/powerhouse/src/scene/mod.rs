@@ -19,6 +19,7 @@ mod surroundings;
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
 pub(crate) use file::read_text;
+pub(crate) use medium::sets_with;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
 pub use overview::{InputOverview, WaveOverview};

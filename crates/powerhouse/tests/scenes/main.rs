@@ -6,6 +6,7 @@ mod damping;
 mod grouting;
 mod held_field;
 mod hourglass;
+mod implausible;
 mod joint_history;
 mod joint_output;
 mod joint_starts;
