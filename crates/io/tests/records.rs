@@ -124,7 +124,7 @@ fn damaged_at2() {
         conflict,
         RecordFault::UnitConflict {
             found: "g",
-            declared: "gal"
+            declared: "cm/s2"
         }
     );
 }

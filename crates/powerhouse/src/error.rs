@@ -44,12 +44,17 @@ pub enum Error {
     Folder(#[from] FolderError),
     /// Solid element that belongs to no part, or element that belongs to several. Bars without a part are left out of the
     /// model and no error.
-    #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
+    #[error(
+        "element {element} belongs to {count} parts, but must belong to exactly one; {}",
+        crate::fault::owners(*count, sets)
+    )]
     PartCount {
         /// Number of the first such element in the mesh file.
         element: u64,
         /// Number of parts to which it belongs: 0, or 2 for several.
         count: usize,
+        /// Element sets of these parts; of an element without a part, all element sets that contain it.
+        sets: Vec<String>,
     },
     /// Element of a kind for which neither its part nor the software has a kernel, or element of the layer around a
     /// region (domain reduction) of another kind than the others.

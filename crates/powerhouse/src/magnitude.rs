@@ -160,14 +160,17 @@ impl UsualRange {
             self.alternatives.iter().find(fits)
         });
         let [least, most] = self.range;
+        let usual = match self.sign {
+            // A magnitude that is too small: the range on its side of zero.
+            Sign::Both if size < least && value > 0.0 => [least, most],
+            Sign::Both if size < least => [-most, -least],
+            Sign::Both => [-most, most],
+            Sign::Ranged | Sign::OrZero => [least, most],
+        };
         Err(Magnitude {
             name: name.into(),
             value,
-            usual: if self.sign == Sign::Both {
-                [-most, most]
-            } else {
-                [least, most]
-            },
+            usual,
             unit: self.unit,
             probable_unit: probable_unit.map(|&(unit, factor)| ProbableUnit {
                 unit,

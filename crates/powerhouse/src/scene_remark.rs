@@ -61,6 +61,18 @@ pub enum SceneRemark {
         /// Facet set of the face.
         face: String,
     },
+    /// Scatterer above the body.
+    ScattererAbove {
+        /// Height z of the scatterer (m).
+        height: f64,
+        /// Greatest height z of the body (m).
+        top: f64,
+    },
+    /// Springs for spherical spreading of scattered waves on a model that stands for a long body.
+    SphericalSpreading {
+        /// What makes the model one of a long body.
+        ends: &'static str,
+    },
     /// Warning: the requested sampling interval of an output is shorter than the time step, so that every step is recorded;
     /// found when the step of the run is determined.
     ShortInterval {
@@ -172,6 +184,14 @@ impl fmt::Display for SceneRemark {
             Self::AbsorbingSurface { face } => write!(
                 f,
                 "the absorbing face '{face}' lies on the free surface of the half-space: scattered waves leave through it instead of being reflected"
+            ),
+            Self::ScattererAbove { height, top } => write!(
+                f,
+                "`scatterer` is at z = {height} m, above the body, which ends at {top} m: the springs of the boundary take their distance from the centre of the structure"
+            ),
+            Self::SphericalSpreading { ends } => write!(
+                f,
+                "the springs of the boundary are those of spherical spreading, but the model is {ends}, from which scattered waves spread as cylinders: give `spreading = \"cylindrical\"`"
             ),
             Self::ShortInterval {
                 what,

@@ -5,11 +5,11 @@ use core::fmt;
 use powerhouse::engine::StableStep;
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::model::{ElementKind, QualityReport, Vec3};
-use powerhouse::{Error, Message, Remark, Scene, StageOverview, Topic};
+use powerhouse::{Error, Message, Remark, Results, Scene, StageOverview, Topic};
 
 use crate::StudyError;
 use crate::cost::{self, Cost, StepTimer};
-use crate::extent::SetExtent;
+use crate::extent::{SetExtent, separate_parts};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
@@ -43,6 +43,20 @@ pub enum Warning {
     Disconnected {
         /// Number of pieces.
         parts: usize,
+        /// Number of elements and element sets of each of them, the largest first.
+        sets: Vec<(usize, Vec<String>)>,
+    },
+    /// A results folder that cannot be created, or in which files cannot be written.
+    Folder {
+        /// Reason, with the path of the folder.
+        reason: String,
+    },
+    /// An in-situ stress that is not in equilibrium with the loads and supports of the first stage.
+    Unbalanced {
+        /// Name of the first stage.
+        stage: String,
+        /// Unbalanced force at the start of the stage over the load.
+        share: f64,
     },
     /// A part with four-node tetrahedra, which are too stiff in bending and lock in isochoric flow.
     Tetrahedra {
@@ -120,9 +134,24 @@ impl fmt::Display for Warning {
                 f,
                 "element {element} is badly distorted: scaled Jacobian {scaled_jacobian:.3} (recommended: at least {LEAST_JACOBIAN})"
             ),
-            Self::Disconnected { parts } => {
-                write!(f, "the mesh has {parts} parts that share no nodes")
+            Self::Disconnected { parts, sets } => {
+                write!(f, "the mesh has {parts} parts that share no nodes")?;
+                for (number, (elements, names)) in sets.iter().take(SHOWN_PARTS).enumerate() {
+                    let separator = if number == 0 { ": " } else { "; " };
+                    let names: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
+                    write!(f, "{separator}{elements} elements of {}", names.join(", "))?;
+                }
+                match sets.len().saturating_sub(SHOWN_PARTS) {
+                    0 => Ok(()),
+                    more => write!(f, "; {more} more"),
+                }
             }
+            Self::Folder { reason } => f.write_str(reason),
+            Self::Unbalanced { stage, share } => write!(
+                f,
+                "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}': stress, density, gravity, surface loads and supports are inconsistent, and the body moves until they agree",
+                100.0 * share
+            ),
             Self::Tetrahedra { set } => write!(
                 f,
                 "'{set}' has four-node tetrahedra: too stiff in bending, and they lock in plastic flow"
@@ -165,6 +194,9 @@ impl fmt::Display for Warning {
         }
     }
 }
+
+/// Number of parts of a disconnected mesh that a warning names.
+const SHOWN_PARTS: usize = 5;
 
 /// Report on a scene before its run: mesh quality, resolution, stable step, predicted cost and warnings.
 #[derive(Clone, Debug)]
@@ -226,6 +258,11 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
     };
+    if let Err(error) = scene.result_folder().check_writable() {
+        let reason = error.to_string();
+        warnings.push(Warning::Folder { reason });
+    }
+    let has_stress = scene.in_situ_stress().is_some();
     let mut simulation = scene.prepare()?;
     // Some remarks are made only when the step is known.
     simulation.step()?;
@@ -240,6 +277,14 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         None => None,
     };
     let of_stages = static_cost::of(&simulation, &plans, model.memory_of_stages())?;
+    let unbalanced = of_stages.as_ref().and_then(|cost| cost.unbalanced);
+    if let (Some(share), Some(stage), true) = (unbalanced, stages.first(), has_stress) {
+        let changes = stage.excavated + stage.cast > 0;
+        if !changes && share > Results::BALANCED {
+            let stage = stage.name.clone();
+            warnings.push(Warning::Unbalanced { stage, share });
+        }
+    }
     let title = simulation.title().to_owned();
     let sections = simulation.section_geometry().to_vec();
     let mut clock = StepTimer::of(&mut simulation)?;
@@ -327,6 +372,7 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
     if quality.parts > 1 + scene.joints().count() {
         warnings.push(Warning::Disconnected {
             parts: quality.parts,
+            sets: separate_parts(scene.mesh()),
         });
     }
     for part in scene.parts() {

@@ -1,5 +1,7 @@
 //! Extents of the sets of a mesh.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use powerhouse::model::{Mesh, Vec3};
 
 /// Box of the nodes of a set, along the axes.
@@ -54,4 +56,39 @@ fn extent(mesh: &Mesh, nodes: &[u32]) -> (Vec3, Vec3) {
     positions.fold((infinite, -infinite), |(low, high), position| {
         (low.inf(&position), high.sup(&position))
     })
+}
+
+/// Parts of a mesh that share no nodes, the largest first: number of elements, and the element sets that they are in.
+pub(crate) fn separate_parts(mesh: &Mesh) -> Vec<(usize, Vec<String>)> {
+    let mut root: Vec<u32> = (0..mesh.node_count() as u32).collect();
+    fn find(root: &mut [u32], mut node: u32) -> u32 {
+        while root[node as usize] != node {
+            root[node as usize] = root[root[node as usize] as usize];
+            node = root[node as usize];
+        }
+        node
+    }
+    let every = 0..mesh.element_count() as u32;
+    for element in every.clone() {
+        let nodes = mesh.nodes_of(element);
+        for &node in &nodes[1..] {
+            let (a, b) = (find(&mut root, nodes[0]), find(&mut root, node));
+            root[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut parts: BTreeMap<u32, (usize, Vec<String>)> = BTreeMap::new();
+    for element in every {
+        let part = find(&mut root, mesh.nodes_of(element)[0]);
+        parts.entry(part).or_default().0 += 1;
+    }
+    for (set, elements) in mesh.element_sets() {
+        let of = elements.iter().map(|&element| mesh.nodes_of(element)[0]);
+        let of: BTreeSet<u32> = of.map(|node| find(&mut root, node)).collect();
+        for part in of {
+            parts.entry(part).or_default().1.push(set.clone());
+        }
+    }
+    let mut parts: Vec<(usize, Vec<String>)> = parts.into_values().collect();
+    parts.sort_by(|a, b| b.0.cmp(&a.0));
+    parts
 }

@@ -35,6 +35,9 @@ pub struct StaticCost {
     pub unknown: Vec<String>,
     /// Predicted peak memory during the stages (bytes), within a third.
     pub memory: u64,
+    /// Unbalanced force at the start of the first stage over the load; none of a stage by dynamic relaxation, or
+    /// without load.
+    pub unbalanced: Option<f64>,
 }
 
 /// Duration of the trial, which lasts at least until the first correction.
@@ -263,6 +266,19 @@ fn predicted(events: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticC
     let later = each(setting_up, set_up).mul_f64(to_set_up as f64)
         + each(correcting, timed as usize).mul_f64(f64::from(left));
     let is_complete = completed == plans.len();
+    let relaxes = plans.first().is_none_or(|plan| plan.relaxes);
+    // An increment applies its share of the forces that are unbalanced at the start.
+    let unbalanced = match events.first() {
+        Some((
+            _,
+            Event::Corrected {
+                number: 0,
+                share,
+                residual,
+            },
+        )) if !relaxes => Some(residual / share),
+        _ => None,
+    };
     StaticCost {
         wall_time: before + later,
         uncertainty: if is_complete { 1.0 } else { UNCERTAINTY },
@@ -270,6 +286,7 @@ fn predicted(events: &[TimedEvent], plans: &[StagePlan], memory: u64) -> StaticC
         corrections: timed + left,
         unknown,
         memory,
+        unbalanced,
     }
 }
 
@@ -318,6 +335,7 @@ mod tests {
             (1.0, 1, 1)
         );
         assert_eq!(cost.memory, 5);
+        assert_eq!(cost.unbalanced, Some(0.04));
         // One second of set-up, three corrections of two seconds; four decades are left at half a decade each, then an
         // increment and a stage at the assumed rate.
         let begun = [

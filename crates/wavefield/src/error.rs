@@ -70,7 +70,7 @@ pub enum WaveError {
     },
     /// The incidence is grazing: under a free surface the wave and its reflection cancel.
     #[error(
-        "{kind} incidence of {degrees} degrees is above {limit} degrees: a wave along the free surface cancels with its reflection; take a smaller angle, or a full space (Site::FullSpace) whose stress does not vanish on top"
+        "{kind} incidence of {} degrees is above {limit} degrees: a wave along the free surface cancels with its reflection; take a smaller angle, or a full space, whose stress does not vanish on top", rounded(*degrees)
     )]
     GrazingIncidence {
         /// Type of the incident wave.
@@ -150,6 +150,11 @@ pub enum WaveError {
         /// Index of the field whose medium differs from that of field 0.
         index: usize,
     },
+}
+
+/// Degrees without the rounding of their conversion.
+fn rounded(degrees: f64) -> f64 {
+    (degrees * 1e9).round() / 1e9
 }
 
 impl WaveError {

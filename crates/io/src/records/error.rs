@@ -98,7 +98,7 @@ pub enum RecordFault {
     #[error("neither the file nor the caller declares the unit of acceleration")]
     NoUnit,
     /// The unit of the file is not one of acceleration, but for example of velocity.
-    #[error("the file's unit {found:?} is not a unit of acceleration (g, gal, cm/s2, m/s2)")]
+    #[error("the file's unit {found:?} is not a unit of acceleration (m/s2, cm/s2 or gal, g)")]
     UnknownUnit {
         /// Unit as written in the file.
         found: String,

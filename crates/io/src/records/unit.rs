@@ -21,11 +21,11 @@ impl AccelerationUnit {
             Self::Gravity => 9.80665,
         }
     }
-    /// Name of the unit in scenes and messages: `m/s2`, `gal` or `g`.
+    /// Name of the unit in scenes and messages: `m/s2`, `cm/s2` or `g`.
     pub fn name(self) -> &'static str {
         match self {
             Self::MetrePerSecondSquared => "m/s2",
-            Self::Gal => "gal",
+            Self::Gal => "cm/s2",
             Self::Gravity => "g",
         }
     }

@@ -481,7 +481,7 @@ fn turned(p: &Vec3, axis: &Vec3, angle: f64) -> Vec3 {
 /// area, centroid and extents; a plane across the axis, one that only grazes the crown, and a box around one leg give
 /// one piece: with every kernel, wherever the ring's axis points.
 #[test]
-fn pieces_that_do_not_touch_are_told_apart() {
+fn pieces_that_do_not_touch_are_counted() {
     for kernel in KERNELS {
         for (about, angle) in [
             (Vec3::y(), 0.0),

@@ -105,12 +105,17 @@ pub enum Problem {
         found: usize,
     },
     /// Solid element that belongs to no part, or element that belongs to several.
-    #[error("element {element} belongs to {count} parts, but must belong to exactly one")]
+    #[error(
+        "element {element} belongs to {count} parts, but must belong to exactly one; {}",
+        owners(*count, sets)
+    )]
     PartCount {
         /// Number of the first such element in the mesh file.
         element: u64,
         /// Number of parts to which it belongs: 0, or 2 for several.
         count: usize,
+        /// Element sets of these parts; of an element without a part, all element sets that contain it.
+        sets: Vec<String>,
     },
     /// Absorbing faces on several media; the free field needs one medium.
     #[error(
@@ -125,6 +130,17 @@ pub enum Problem {
     /// Value that another crate rejected; its error is the source.
     #[error("{0}")]
     Refused(Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// Parts of an element that belongs to several, or the sets of one that belongs to none.
+pub(crate) fn owners(count: usize, sets: &[String]) -> String {
+    let quoted: Vec<String> = sets.iter().map(|set| format!("'{set}'")).collect();
+    let quoted = quoted.join(", ");
+    match (count, sets) {
+        (0, []) => "no element set contains it".into(),
+        (0, _) => format!("it is in {quoted}, of which the scene has no part"),
+        _ => format!("it is in {quoted}"),
+    }
 }
 
 /// Fault of a scene file: its type, byte range and an optional hint.

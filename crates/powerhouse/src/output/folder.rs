@@ -94,6 +94,21 @@ impl ResultFolder {
         probe(&self.path.join(PROBE))
     }
 
+    /// Checks without a trace that the folder exists and files can be written in it, or that it can be created.
+    ///
+    /// # Errors
+    /// [`FolderError::Unwritable`].
+    pub fn check_writable(&self) -> Result<(), Error> {
+        let mut existing = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
+        while !existing.exists() && existing.pop() {}
+        let file = existing.join(format!("{PROBE}-{}", std::process::id()));
+        let probed = fs::write(&file, b"").and_then(|()| fs::remove_file(&file));
+        probed.map_err(|source| {
+            let folder = self.path.clone();
+            FolderError::Unwritable { folder, source }.into()
+        })
+    }
+
     /// Locks the folder for one run until the lock is dropped; creates the folder if there is none.
     ///
     /// # Errors

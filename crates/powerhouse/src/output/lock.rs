@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use powerhouse_io::{IoError, utc_date};
+use powerhouse_io::utc_date;
 use thiserror::Error;
 
 use crate::Error;
@@ -30,6 +30,17 @@ pub enum FolderError {
         folder: PathBuf,
         /// Run that holds the lock: its process and start time.
         holder: String,
+    },
+    /// Folder that cannot be created, or in which files cannot be written.
+    #[error(
+        "{}: cannot write into this folder ({source}); give another folder (--out)",
+        folder.display()
+    )]
+    Unwritable {
+        /// Path of the folder.
+        folder: PathBuf,
+        /// Cause.
+        source: std::io::Error,
     },
     /// Folder that was removed or replaced during the run, in [`FolderLock::release`] at its end.
     #[error(
@@ -80,12 +91,12 @@ impl FolderLock {
     /// Locks a folder, which is created if there is none.
     ///
     /// # Errors
-    /// [`FolderError::Busy`] if another run holds the lock, [`Error::Write`] if the file cannot be created.
+    /// [`FolderError::Busy`] if another run holds the lock, [`FolderError::Unwritable`] if the file cannot be created.
     pub(super) fn take(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(LOCK);
         let fault = |source| {
-            let file = path.clone();
-            Error::Write(IoError::File { file, source })
+            let folder = folder.to_path_buf();
+            FolderError::Unwritable { folder, source }
         };
         for _ in 0..TRIES {
             fs::create_dir_all(folder).map_err(fault)?;

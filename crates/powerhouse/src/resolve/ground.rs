@@ -7,7 +7,7 @@ use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
     Angle, EndDisplacement, HarmonicBurst, InputConvention, PlaneWave, PlaneWaveParameters,
     QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, WaveError,
-    WaveKind, ZeroMeanPulse, first_hit_corner,
+    WaveKind, ZeroMeanPulse, critical_angle, first_hit_corner,
 };
 
 use super::record::{PreparedRecord, cut_short};
@@ -281,10 +281,19 @@ fn quiet(
         .fold(0.0, f64::max);
     let delayed = quiet.iter();
     let delayed = delayed.map(|(wave, start)| wave.later(padding - own(start)));
-    let delayed = delayed.collect();
+    let delayed: Vec<PlaneWave> = delayed.collect();
     let needed = quiet.into_iter();
     let needed = needed.filter_map(|(wave, start)| Some((wave.name().to_owned(), start?)));
     let waves: Vec<(String, QuietStart)> = needed.collect();
+    for wave in delayed.iter().filter(|wave: &&PlaneWave| !wave.is_causal()) {
+        let start = waves.iter().find(|(name, _)| name == wave.name());
+        let tapered = start.filter(|(_, start)| start.taper > 0.0);
+        scene.remarks.push(Remark::PastCritical {
+            wave: wave.name().into(),
+            critical: critical_angle(&wave.parameters().medium).degrees(),
+            removed: tapered.map(|(_, start)| start.removed),
+        });
+    }
     if !waves.is_empty() {
         scene.remarks.push(Remark::QuietStart { padding, waves });
     }

@@ -12,13 +12,16 @@ mod stages;
 use std::collections::{BTreeMap, BTreeSet};
 
 use powerhouse_model::{Facet, Mesh, MeshError, Precision, Vec3};
+use serde::Deserialize;
 
 use crate::engine::{Leapfrog, OneSided};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;
-use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep};
-use crate::{Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene};
+use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep, sets_with};
+use crate::{
+    Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene, SceneRemark, keys,
+};
 
 /// Composes the scene of a file.
 pub(crate) fn compose(
@@ -119,6 +122,13 @@ pub(crate) fn compose(
             report: record.report,
             baseline: record.baseline,
         });
+        if let Some(key) = record.weak {
+            scene.remarks.push(Remark::WeakRecord {
+                name: name.clone(),
+                peak: record.report.peak_acceleration,
+                key,
+            });
+        }
         for warning in &record.warnings {
             scene.remarks.push(Remark::RecordFile {
                 name: name.clone(),
@@ -127,6 +137,7 @@ pub(crate) fn compose(
         }
     }
     scene.remarks.extend(unused_records(file));
+    scene.remarks.extend(unused_materials(file));
     scene.remarks.extend(empty_sets(&names, file));
     scene = ground::field(file, scene, &records)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
@@ -134,6 +145,10 @@ pub(crate) fn compose(
     }
     scene.threads = file.threads.as_ref().map(|threads| threads.get());
     loads::supports(&names, &file.supports, &records, &mut scene)?;
+    if let Some(section) = &file.boundary {
+        let long = long_body(file, section, &scene)?;
+        scene.remarks.extend(long);
+    }
     loads::loads(&names, &file.loads, &mut scene)?;
     stages::stages(text, &names, file, &materials, &mut scene)?;
     scene.output = output::plan(
@@ -200,6 +215,30 @@ fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
     remarks.collect()
 }
 
+/// Warning about springs for spherical spreading on a model of a long body: a slice, or a body between periodic ends or
+/// rollers on two opposite sides.
+fn long_body(
+    file: &SceneFile,
+    section: &format::BoundarySection,
+    scene: &Scene,
+) -> Result<Option<Remark>, Fault> {
+    #[derive(Deserialize)]
+    struct Spreading {
+        spreading: Option<String>,
+    }
+    if *section.kind != keys::VISCOUS_SPRING {
+        return Ok(None);
+    }
+    let Spreading { spreading } = section.parameters.decode()?;
+    let is_cylindrical = spreading.is_some_and(|spreading| spreading == keys::CYLINDRICAL);
+    let ends = match &file.mesh.slice {
+        Some(_) => Some("a slice"),
+        None => scene.repeated_by(),
+    };
+    let remark = |ends| Remark::Scene(SceneRemark::SphericalSpreading { ends });
+    Ok(ends.filter(|_| !is_cylindrical).map(remark))
+}
+
 /// Warnings about records that neither a wave nor a prescribed motion uses, in any component.
 fn unused_records(file: &SceneFile) -> Vec<Remark> {
     let of_waves = file.waves.iter().filter_map(|wave| wave.record.as_ref());
@@ -218,6 +257,21 @@ fn unused_records(file: &SceneFile) -> Vec<Remark> {
     records
         .filter(|name| is_unused(name))
         .map(|name| Remark::UnusedRecord { name })
+        .collect()
+}
+
+/// Warnings about materials that no part and no stage uses.
+fn unused_materials(file: &SceneFile) -> Vec<Remark> {
+    let of_parts = file.parts.iter().map(|part| part.material.as_str());
+    let of_stages = file.stages.iter().flat_map(|stage| &stage.parts);
+    let of_stages = of_stages.map(|part| part.material.as_str());
+    let used: BTreeSet<&str> = of_parts.chain(of_stages).collect();
+    let materials = file.materials.iter().map(|material| &material.name);
+    let unused = materials.filter(|name| !used.contains(name.as_str()));
+    unused
+        .map(|name| Remark::UnusedMaterial {
+            name: name.to_string(),
+        })
         .collect()
 }
 
@@ -290,14 +344,14 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
         for &element in names.elements(&part.set)? {
             owners[element as usize] += 1;
             if owners[element as usize] > 1 {
-                return Err(part_count(mesh, part.set.span(), element, 2));
+                return Err(part_count((mesh, file), part.set.span(), element, 2));
             }
         }
     }
     let mut elements = 0..mesh.element_count() as u32;
     let unassigned = |&e: &u32| owners[e as usize] == 0 && mesh.kind(e).is_solid();
     match (elements.find(unassigned), file.parts.last()) {
-        (Some(element), Some(part)) => Err(part_count(mesh, part.set.span(), element, 0)),
+        (Some(element), Some(part)) => Err(part_count((mesh, file), part.set.span(), element, 0)),
         _ => Ok(()),
     }
 }
@@ -380,9 +434,21 @@ fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), 
     Ok(())
 }
 
-fn part_count(mesh: &Mesh, span: core::ops::Range<usize>, element: u32, count: usize) -> Fault {
+fn part_count(
+    (mesh, file): (&Mesh, &SceneFile),
+    span: core::ops::Range<usize>,
+    element: u32,
+    count: usize,
+) -> Fault {
+    let parts = file.parts.iter().map(|part| part.set.as_str());
+    let sets = sets_with(mesh, element, parts, count);
     let element = mesh.element_tags()[element as usize];
-    Fault::new(span, Problem::PartCount { element, count })
+    let problem = Problem::PartCount {
+        element,
+        count,
+        sets,
+    };
+    Fault::new(span, problem)
 }
 
 /// Resolver of the set names and numbers of a mesh.

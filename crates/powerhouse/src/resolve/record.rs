@@ -33,9 +33,17 @@ pub(super) struct PreparedRecord {
     pub(super) convention_span: core::ops::Range<usize>,
     pub(super) report: RecordReport,
     pub(super) baseline: Option<BaselineReport>,
+    /// Key that fixes a peak that is weak for a design motion.
+    pub(super) weak: Option<&'static str>,
     /// Differences of the file from its declaration.
     pub(super) warnings: Vec<String>,
 }
+
+/// Peak ground acceleration (m/s2) of about 0.1 g below which a record is weak for a design motion, and its peak may be
+/// a number of g.
+const WEAK_PEAK: f64 = 1.0;
+/// Share of the largest peak of the components of a record from which on a component counts as the largest.
+const ALMOST_ALL: f64 = 0.999_999;
 
 /// Reads and processes all records, by name.
 pub(super) fn records(
@@ -73,6 +81,11 @@ fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRe
     let present = parts.iter().map(|(_, history, ..)| peak(history));
     let present = present.fold(0.0, f64::max);
     let end = table.end_displacement.map_or(0.0, Finite::get);
+    let weak = match (table.peak, table.units) {
+        (Some(peak), _) => (peak.get() < WEAK_PEAK).then_some("peak"),
+        (None, Some(Units::MetrePerSecondSquared)) => (present < WEAK_PEAK).then_some("units"),
+        (None, _) => None,
+    };
     let mut processed = Vec::new();
     for (part, mut history, baseline, warnings) in parts {
         let refused = |error: WaveError| Fault::refused(name.clone(), error);
@@ -85,7 +98,9 @@ fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRe
         // A record that does not end at rest is rejected here, at its name.
         let signal = history.clone().into_signal(EndDisplacement::Declared(end));
         let report = signal.map_err(refused)?.report();
+        let is_largest = peak(&history) >= table.peak.map_or(present, Positive::get) * ALMOST_ALL;
         let record = PreparedRecord {
+            weak: weak.filter(|_| is_largest),
             history,
             name: name.clone(),
             end,
@@ -161,6 +176,12 @@ fn corrected(
     match (&table.cut, &table.taper) {
         (Some(cut), taper) => {
             ordered(cut.span(), cut.map(NonNegative::get))?;
+            let (end, length) = (cut[1].get(), history.duration());
+            if end > length + 0.5 * history.step() {
+                let found = format!("a cut that ends at {end} s");
+                let expected = format!("at most {length} s, the end of the record");
+                return Err(Fault::new(cut.span(), Problem::Value { found, expected }));
+            }
             let taper = taper.as_ref().map_or(0.0, |taper| taper.get());
             history = cut_out(&history, cut.map(NonNegative::get), taper)
                 .map_err(|error| Fault::refused(cut.span(), error))?;

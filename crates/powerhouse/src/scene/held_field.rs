@@ -5,7 +5,9 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, IncidentField, Mat3, Vec3};
 
 use super::Scene;
-use super::surroundings::{TRACTION_INSTANTS, TRACTION_OF_NOTE, TRACTION_POINTS, is_held, larger};
+use super::surroundings::{
+    SIDE_TOLERANCE, TRACTION_INSTANTS, TRACTION_OF_NOTE, TRACTION_POINTS, is_held, larger,
+};
 use crate::{Error, Remark, SceneRemark};
 
 /// Share of the slowness of a plane wave along a direction below which it travels across it: that of rounding.
@@ -213,6 +215,42 @@ impl Scene {
         let greatest = slowness.flatten().fold(0.0_f64, f64::max);
         (greatest > 0.0).then(|| 1.0 / greatest)
     }
+}
+
+impl Scene {
+    /// What repeats the body along a horizontal direction without end: periodic pairs, or rollers along that direction
+    /// at both ends of the body.
+    pub(crate) fn repeated_by(&self) -> Option<&'static str> {
+        if !self.periodic.is_empty() {
+            return Some("a body between periodic ends");
+        }
+        let rollers = self.supports.iter().filter_map(|support| {
+            let along = support.held_direction()?.normalize();
+            (along.z.abs() < ACROSS).then(|| (along, support.nodes()))
+        });
+        let rollers: Vec<(Vec3, &[u32])> = rollers.collect();
+        let (low, high) = self.mesh.bounding_box();
+        let tolerance = SIDE_TOLERANCE * (high - low).norm();
+        let reaches_both = |along: &Vec3| {
+            let along_it = |node: u32| self.mesh.positions()[node as usize].dot(along);
+            let all = (0..self.mesh.node_count() as u32).map(along_it);
+            let [least, most] = range(all);
+            let parallel = rollers
+                .iter()
+                .filter(|(n, _)| n.cross(along).norm() < ACROSS);
+            let held = parallel.flat_map(|(_, nodes)| nodes.iter().map(|&node| along_it(node)));
+            let [lowest, highest] = range(held);
+            lowest - least <= tolerance && most - highest <= tolerance
+        };
+        (rollers.iter().any(|(along, _)| reaches_both(along))).then_some("a body between rollers")
+    }
+}
+
+/// Least and greatest of some numbers.
+fn range(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
 }
 
 /// Returns whether a share is above what rounding or interpolation can explain; an undefined one is.

@@ -1,6 +1,6 @@
 //! Parts and media of elements and of absorbing faces.
 
-use powerhouse_model::{ElasticMedium, Facet, MeshError, Vec3};
+use powerhouse_model::{ElasticMedium, Facet, Mesh, MeshError, Vec3};
 
 use super::Scene;
 use crate::Error;
@@ -13,9 +13,13 @@ impl Scene {
     /// Set that does not exist; solid without part, or element of several parts.
     pub fn part_of_elements(&self) -> Result<Vec<Option<usize>>, Error> {
         let mut owner = vec![None; self.mesh.element_count()];
-        let counted = |element: u32, count: usize| Error::PartCount {
-            element: self.mesh.element_tags()[element as usize],
-            count,
+        let counted = |element: u32, count: usize| {
+            let parts = self.parts.iter().map(|part| part.set.as_str());
+            Error::PartCount {
+                element: self.mesh.element_tags()[element as usize],
+                count,
+                sets: sets_with(&self.mesh, element, parts, count),
+            }
         };
         for (index, part) in self.parts.iter().enumerate() {
             for &element in self.mesh.element_set(&part.set)? {
@@ -138,5 +142,25 @@ impl Scene {
             })
         };
         Ok((low + high) / 2.0)
+    }
+}
+
+/// Element sets with an element: those of parts if it belongs to several of them, otherwise all of the mesh.
+pub(crate) fn sets_with<'s>(
+    mesh: &Mesh,
+    element: u32,
+    parts: impl Iterator<Item = &'s str>,
+    count: usize,
+) -> Vec<String> {
+    let has = |set: &str| {
+        let elements = mesh.element_set(set);
+        elements.is_ok_and(|elements| elements.contains(&element))
+    };
+    match count {
+        0 => {
+            let sets = mesh.element_sets().keys().cloned();
+            sets.filter(|set| has(set)).collect()
+        }
+        _ => parts.filter(|set| has(set)).map(str::to_owned).collect(),
     }
 }

@@ -21,6 +21,7 @@ pub(crate) use body::Piece;
 pub use boundary::Boundary;
 #[cfg(feature = "scene-files")]
 pub(crate) use file::read_text;
+pub(crate) use medium::sets_with;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
 pub use overview::{InputOverview, WaveOverview};

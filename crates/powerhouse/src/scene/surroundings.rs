@@ -24,7 +24,7 @@ pub(super) const TRACTION_OF_NOTE: f64 = 0.01;
 pub(super) const TRACTION_INSTANTS: usize = 500;
 pub(super) const TRACTION_POINTS: usize = 256;
 /// Tolerance of the distance from a side of the bounding box, over the diagonal of the mesh.
-const SIDE_TOLERANCE: f64 = 1e-6;
+pub(super) const SIDE_TOLERANCE: f64 = 1e-6;
 /// Least cosine between a support direction and the normal of a facet that it restrains: that of 45 degrees.
 const HELD: f64 = 0.707;
 /// Sides of a box except its top: name, axis, whether it is the upper one.
@@ -130,6 +130,7 @@ impl Scene {
         site: &BoundarySite,
     ) -> Result<Vec<Remark>, Error> {
         let mut remarks = Vec::new();
+        remarks.extend(self.scatterer_above());
         if site.field.is_some() {
             for part in self.parts_behind_boundary()? {
                 let part = &self.parts[part];
@@ -205,6 +206,17 @@ impl Scene {
             hold(to, along);
         }
         held
+    }
+
+    /// Warning about a scatterer that is given above the body.
+    fn scatterer_above(&self) -> Option<Remark> {
+        let (low, high) = self.mesh.bounding_box();
+        let position = self.boundary.as_ref()?.scatterer?;
+        let is_above = position.z - high.z > SIDE_TOLERANCE * (high - low).norm();
+        is_above.then(|| {
+            let (height, top) = (position.z, high.z);
+            Remark::Scene(SceneRemark::ScattererAbove { height, top })
+        })
     }
 
     /// Warnings about absorbing faces on the free surface of the half-space.

@@ -163,7 +163,7 @@ fn every_fault_has_its_place() {
         (
             "cut = [0, 20]",
             "cut = §[0, 200]",
-            "outside its permitted range",
+            "a cut that ends at 200 s, expected at most 31.18 s, the end of the record",
         ),
         (
             "kind = \"sv\"",

@@ -8,6 +8,7 @@ mod former_keys;
 mod grouting;
 mod held_field;
 mod hourglass;
+mod implausible;
 mod joint_history;
 mod joint_output;
 mod joint_starts;

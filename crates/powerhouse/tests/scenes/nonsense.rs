@@ -292,6 +292,10 @@ fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
             faces,
         )
         .replace("azimuth = 30\n", "")
+        .replace(
+            "\"viscous-spring\"",
+            "\"viscous-spring\"\nspreading = \"cylindrical\"",
+        )
         .replace("at = [150, 150, 0]", "at = [150, 25, 0]")
         .replace("[time]", &format!("{rollers}{more}[time]"));
     let path = variants.0.0.join("slice.toml");

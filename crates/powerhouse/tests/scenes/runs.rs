@@ -252,8 +252,9 @@ fn misfits_are_refused_by_name() {
         no_part,
         Err(Error::PartCount {
             element: 1,
-            count: 0
-        })
+            count: 0,
+            sets,
+        }) if sets == ["rock"]
     ));
     let twice = Scene::new("twice", cube())
         .part(Part::new("rock", rock()))
@@ -262,8 +263,9 @@ fn misfits_are_refused_by_name() {
         twice.prepare(),
         Err(Error::PartCount {
             element: 1,
-            count: 2
-        })
+            count: 2,
+            sets,
+        }) if sets == ["rock", "rock"]
     ));
     let set = Scene::new("set", cube())
         .part(Part::new("rok", rock()))

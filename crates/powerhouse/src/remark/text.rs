@@ -1,354 +1,15 @@
-//! Remarks: facts and warnings about a scene and its results.
+//! Texts of remarks.
 
 use core::fmt;
 
-use powerhouse_model::{Renewal, Vec3};
+use powerhouse_model::Renewal;
 use powerhouse_observe::SectionPiece;
-use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
 
-use crate::BendingError;
-use crate::message::{Message, Topic};
-use crate::{DampingCost, Results, SceneRemark};
-
-/// Standard gravity (m/s2).
-const STANDARD_GRAVITY: f64 = 9.806_65;
-/// Peak ground acceleration above which the unit is probably wrong (m/s2).
-const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
+use super::{LARGE_PEAK, Remark, STANDARD_GRAVITY};
+use crate::Results;
 
 /// Number of pieces of a section that a warning describes one by one.
 const SHOWN_PIECES: usize = 4;
-
-/// Remark: a fact or a warning about a scene or its results ([`is_warning`](Self::is_warning)).
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Remark {
-    /// Fact: peaks of a processed ground motion record; a warning if its peak acceleration is above 1.5 g.
-    Record {
-        /// Name of the record.
-        name: String,
-        /// Peaks and end values of the processed record.
-        report: RecordReport,
-        /// Report of the baseline correction, before the record was scaled.
-        baseline: Option<BaselineReport>,
-    },
-    /// Warning: a record file was read differently from its declaration, as with another number of samples.
-    RecordFile {
-        /// Name of the record.
-        name: String,
-        /// Difference from the declaration, in words.
-        warning: String,
-    },
-    /// Fact: conversion of a record whose convention is not `incident` to the incident wave.
-    Conversion {
-        /// Name of the wave.
-        wave: String,
-        /// Convention of the record: type of the recorded motion.
-        convention: &'static str,
-        /// Factor, or regularised division by the transfer function.
-        conversion: InputConversion,
-    },
-    /// Fact: all waves were delayed by the same time, and those past the critical angle tapered, so that the body
-    /// starts at rest.
-    QuietStart {
-        /// Delay of all waves (s).
-        padding: f64,
-        /// Names of the waves that are not below 1e-4 of their peak at the start, with the delay of each alone.
-        waves: Vec<(String, QuietStart)>,
-    },
-    /// Fact: the records of prescribed motions were delayed by the same time, so that the body starts at rest; a
-    /// warning if the waves have another delay.
-    DelayedMotion {
-        /// Delay of all prescribed motions (s).
-        padding: f64,
-        /// Records that needed a delay, with their motion at the start of the run over its peak: the larger ratio
-        /// of displacement and velocity.
-        records: Vec<(String, f64)>,
-        /// Delay of the waves of the scene (s), if there are any.
-        waves: Option<f64>,
-    },
-    /// Warning: a record is declared along x or y of a wave whose azimuth is not 0, so that these axes are not those
-    /// of the mesh.
-    RotatedAxis {
-        /// Name of the record.
-        record: String,
-        /// Convention (or component of a within motion) given in the scene.
-        convention: &'static str,
-        /// Name in the coordinates of the wave that has the same meaning without this warning.
-        clear: &'static str,
-        /// Azimuth of the wave (degrees).
-        azimuth: f64,
-    },
-    /// Warning: the body at the start of the first stage reaches above the level of a geostatic in-situ stress, which is
-    /// zero there.
-    AboveGround {
-        /// Height z of the ground surface (m).
-        level: f64,
-        /// Greatest height z of the body (m).
-        top: f64,
-    },
-    /// Warning: the run ends before 95 % of the Arias intensity of a record of the waves has arrived.
-    TruncatedRecord {
-        /// Name of the record.
-        name: String,
-        /// Share of the Arias intensity that arrives before the end of the run, 0 to 0.95.
-        share: f64,
-        /// Time at the end of the run (s).
-        run: f64,
-        /// Time at the end of the record (s), its arrival included, without the extension by a filter.
-        record: f64,
-    },
-    /// Warning: a side of the mesh other than its top is neither absorbing nor supported, and reflects waves.
-    OpenSide {
-        /// Side of the bounding box: `left`, `right` (x), `front`, `back` (y) or `bottom`.
-        side: &'static str,
-        /// Area of its free facets (m2).
-        area: f64,
-    },
-    /// Warning: the free field has traction on a free surface of the mesh beside the absorbing faces, because its own
-    /// free surface lies elsewhere or does not exist.
-    LoadedSurface {
-        /// Largest traction of the field there over the product of shear impedance and peak velocity (1), above 0.01.
-        share: f64,
-        /// Position of the point with the largest traction (m).
-        position: Vec3,
-    },
-    /// Fact: the scatterer (centre of the structure), from which boundary springs take their distance, has its default
-    /// position.
-    Scatterer {
-        /// Position of the scatterer (m).
-        position: Vec3,
-    },
-    /// Fact: the free field enters through the layer around a domain reduction region.
-    Region {
-        /// Number of elements of the region.
-        inside: usize,
-        /// Number of elements of the layer.
-        layer: usize,
-    },
-    /// Warning: a record is used by no wave or prescribed motion.
-    UnusedRecord {
-        /// Name of the record.
-        name: String,
-    },
-    /// Warning: the set of a support or load is empty, so that it has no effect.
-    EmptySet {
-        /// Name of the set.
-        set: String,
-    },
-    /// Warning: a history requests the history variables of an element whose law has none, and records nothing.
-    NoState {
-        /// Name of the history.
-        name: String,
-        /// Number of the element in the mesh file.
-        element: u64,
-    },
-    /// Warning: section forces are computed from linear tetrahedra, which are too stiff in bending.
-    TetrahedralSection {
-        /// Name of the section.
-        section: String,
-        /// Element set that it cuts.
-        set: String,
-        /// Number of cut tetrahedra.
-        elements: usize,
-        /// Number of cut elements.
-        of: usize,
-    },
-    /// Warning: a section cuts several pieces that do not touch, whose forces it adds up.
-    DividedSection {
-        /// Name of the section.
-        section: String,
-        /// Element set that it cuts.
-        set: String,
-        /// Cut elements, area, centroid and extents of each piece.
-        pieces: Vec<SectionPiece>,
-        /// Least and greatest `half_extent` (m) that keep the piece nearest to the section's point alone; none if no value
-        /// does.
-        half_extent: Option<[f64; 2]>,
-    },
-    /// Warning: a section cuts bricks that are too coarse for its bending moments.
-    Bending(BendingError),
-    /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
-    /// that are fixed (small-slip assumption).
-    LargeSlip {
-        /// Name of the joint.
-        joint: String,
-        /// Largest accumulated slip or opening of a pair over the shortest edge of the facets (1).
-        share: f64,
-    },
-    /// Fact: a joint is re-initialised in a construction stage or at the start of the run, from where its opening,
-    /// slip and energies are counted.
-    JointRenewed {
-        /// Name of the joint.
-        joint: String,
-        /// Name of the last stage that does so; `None` for the start of the run.
-        stage: Option<String>,
-        /// Whether it is grouted, or its tie is removed.
-        renewal: Renewal,
-    },
-    /// Warning: a damped part without a rim touches an absorbing face, although the free field is elastic.
-    DampedRim {
-        /// Element set of the part.
-        set: String,
-    },
-    /// Warning: a part with a nonlinear law and no rim touches an absorbing face, although the free field is elastic.
-    NonlinearRim {
-        /// Element set of the part.
-        set: String,
-        /// Name of the law.
-        law: String,
-    },
-    /// Warning: a part with a nonlinear law has stiffness-proportional damping, which is proportional to the degraded
-    /// stiffness and whose stress is not contained in any output.
-    DampedHistory {
-        /// Element set of the part.
-        set: String,
-        /// Name of the law.
-        law: String,
-    },
-    /// Warning after the run: the work of hourglass resistance is above 1 % of the internal work of a set.
-    Hourglass {
-        /// Name of the stage, of several that with the largest share; `None` for the dynamic run.
-        stage: Option<String>,
-        /// Name of the element set.
-        set: String,
-        /// Greatest work of hourglass resistance over the greatest internal work (1).
-        share: f64,
-    },
-    /// Warning after the run: the in-situ stress is not in equilibrium with loads and supports of the first stage, by
-    /// more than 5 % of the load; only if that stage neither excavates nor casts.
-    Unbalanced {
-        /// Name of the first stage.
-        stage: String,
-        /// Unbalanced force at the start of the stage over the force of the load (1).
-        share: f64,
-        /// Largest displacement until equilibrium (m).
-        displacement: f64,
-        /// Number of the node with this displacement in the mesh file.
-        node: u64,
-    },
-    /// Warning after the run: the sampling interval of an acceleration history is too long for its frequencies around its
-    /// peak: fewer than about six samples per period.
-    Undersampled {
-        /// Name of the history.
-        name: String,
-        /// Mean sampling interval (s).
-        interval: f64,
-    },
-    /// Warning after the run: the sampling interval of an acceleration envelope is too long, so that peaks are missed:
-    /// every second sample has less than 0.9 of its greatest acceleration.
-    SparseEnvelope {
-        /// Greatest acceleration of every second sample over that of all samples (1).
-        share: f64,
-    },
-    /// Fact: accuracy and cost of flat damping of a part.
-    FlatDamping {
-        /// Element set of the part.
-        set: String,
-        /// Accuracy and cost.
-        cost: DampingCost,
-    },
-    /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).
-    Rim {
-        /// Element set of the part.
-        set: String,
-        /// Width of the rim (m); 0 for the elements that touch the faces.
-        width: f64,
-        /// Number of elements of the rim.
-        elements: usize,
-        /// Number of elements of the part.
-        of: usize,
-    },
-    /// Warning: parameters of a material are inconsistent ([`Material::warnings`](crate::Material::warnings)).
-    Material {
-        /// Element set of the part.
-        set: String,
-        /// Description of the inconsistency.
-        warning: String,
-    },
-    /// Warning about an implausible value or combination in a scene, or the fact [`SceneRemark::MeshFile`].
-    Scene(SceneRemark),
-}
-
-impl Remark {
-    /// Topic of the remark: the results that it concerns.
-    pub fn topic(&self) -> Topic {
-        match self {
-            Self::Record { .. }
-            | Self::RecordFile { .. }
-            | Self::Conversion { .. }
-            | Self::DelayedMotion { .. }
-            | Self::TruncatedRecord { .. }
-            | Self::RotatedAxis { .. }
-            | Self::UnusedRecord { .. } => Topic::Input,
-            Self::TetrahedralSection { .. } | Self::DividedSection { .. } | Self::Bending(_) => {
-                Topic::Sections
-            }
-            Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
-            Self::Hourglass { .. } => Topic::Energy,
-            Self::NoState { .. }
-            | Self::Undersampled { .. }
-            | Self::SparseEnvelope { .. }
-            | Self::Scene(SceneRemark::ShortInterval { .. } | SceneRemark::LongInterval { .. }) => {
-                Topic::Histories
-            }
-            Self::Scene(
-                SceneRemark::RestrainedField { .. }
-                | SceneRemark::AsymmetricField { .. }
-                | SceneRemark::PeriodicField { .. }
-                | SceneRemark::AbsorbingSurface { .. },
-            ) => Topic::Input,
-            _ => Topic::Run,
-        }
-    }
-    /// Text and topic, as written to result files.
-    pub fn message(&self) -> Message {
-        Message {
-            about: self.topic(),
-            text: self.to_string(),
-        }
-    }
-    /// Returns whether the remark is a warning (`true`) or a fact (`false`).
-    pub fn is_warning(&self) -> bool {
-        match self {
-            Self::DelayedMotion {
-                padding,
-                waves: Some(waves),
-                ..
-            } => padding != waves,
-            Self::Scene(warning) => warning.is_warning(),
-            Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
-            Self::Unbalanced { .. }
-            | Self::Undersampled { .. }
-            | Self::SparseEnvelope { .. }
-            | Self::DampedRim { .. }
-            | Self::DampedHistory { .. }
-            | Self::Hourglass { .. }
-            | Self::LargeSlip { .. }
-            | Self::TetrahedralSection { .. }
-            | Self::DividedSection { .. }
-            | Self::Bending(_)
-            | Self::NonlinearRim { .. }
-            | Self::Material { .. }
-            | Self::UnusedRecord { .. }
-            | Self::TruncatedRecord { .. }
-            | Self::RotatedAxis { .. }
-            | Self::AboveGround { .. }
-            | Self::EmptySet { .. }
-            | Self::NoState { .. }
-            | Self::RecordFile { .. }
-            | Self::OpenSide { .. }
-            | Self::LoadedSurface { .. } => true,
-            Self::FlatDamping { .. }
-            | Self::Rim { .. }
-            | Self::Conversion { .. }
-            | Self::QuietStart { .. }
-            | Self::Region { .. }
-            | Self::JointRenewed { .. }
-            | Self::DelayedMotion { waves: None, .. }
-            | Self::Scatterer { .. } => false,
-        }
-    }
-}
 
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -395,6 +56,45 @@ impl fmt::Display for Remark {
                 Ok(())
             }
             Self::RecordFile { name, warning } => write!(f, "record '{name}': {warning}"),
+            Self::WeakRecord { name, peak, key } => {
+                let shown = |value: f64| (1e4 * value).round() / 1e4;
+                write!(
+                    f,
+                    "record '{name}': its peak of {} m/s2 (by the key `{key}`) is {:.3} g, weak for a design motion; ",
+                    shown(*peak),
+                    peak / STANDARD_GRAVITY
+                )?;
+                match *key {
+                    "peak" => write!(
+                        f,
+                        "`peak` is in m/s2, and {} g would be {:.3}",
+                        shown(*peak),
+                        peak * STANDARD_GRAVITY
+                    ),
+                    _ => write!(f, "if the file is in g, give `units = \"g\"`"),
+                }
+            }
+            Self::PastCritical {
+                wave,
+                critical,
+                removed,
+            } => {
+                write!(
+                    f,
+                    "{wave} is past the critical angle of {critical:.2} degrees (asin of the speed of S waves over that of P waves): the reflected P wave travels along the surface and decays with depth, and the ground moves before the incident wave arrives"
+                )?;
+                match removed {
+                    Some(removed) => write!(
+                        f,
+                        "; a taper removes the beginning of this motion, so that the body starts at rest: the input differs from the record by {:.1} % of its peak displacement",
+                        100.0 * removed
+                    ),
+                    None => Ok(()),
+                }
+            }
+            Self::UnusedMaterial { name } => {
+                write!(f, "material '{name}' is used by no part and no stage")
+            }
             Self::Conversion {
                 wave,
                 convention,

@@ -1,0 +1,127 @@
+//! Warnings that a check of a scene finds before its run.
+
+mod block;
+
+use block::Folder;
+use powerhouse::material::{LinearElastic, media};
+use powerhouse::model::{Mesh, Vec3};
+use powerhouse::{Material, Part, Scene};
+use powerhouse_study::{Warning, check, warnings};
+
+const GROUND: &str = r#"
+title = "ground"
+[mesh]
+file = "mesh.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 9e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "rock"
+[[load]]
+kind = "gravity"
+[in_situ_stress]
+kind = "ground"
+level = 120
+density = 2750
+lateral = 0.5
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "front", "back", "bottom"]
+scatterer = [60, 60, 60]
+[[stage]]
+name = "ground"
+support = [
+    { kind = "roller", set = "left", normal = [1, 0, 0] },
+    { kind = "roller", set = "right", normal = [1, 0, 0] },
+    { kind = "roller", set = "front", normal = [0, 1, 0] },
+    { kind = "roller", set = "back", normal = [0, 1, 0] },
+    { kind = "roller", set = "bottom", normal = [0, 0, 1] },
+]
+[time]
+duration = 0.05
+"#;
+
+/// A check states which share of the load an in-situ stress leaves unbalanced, in one increment or in several; none if it
+/// is in equilibrium.
+#[test]
+fn a_check_finds_a_stress_out_of_balance() {
+    let found = |name: &str, changes: &[(&str, &str)]| {
+        let mut text = GROUND.to_owned();
+        for (old, new) in changes {
+            assert!(text.contains(old), "{old}");
+            text = text.replacen(old, new, 1);
+        }
+        let folder = Folder::new(name, &text, 3);
+        let report = check(Scene::from_file(folder.scene()).unwrap()).unwrap();
+        report.warnings.iter().find_map(|warning| match warning {
+            Warning::Unbalanced { stage, share } => Some((stage.clone(), *share)),
+            _ => None,
+        })
+    };
+    assert_eq!(found("balanced", &[]), None);
+    let lighter = ("density = 2750\nlateral", "density = 2200\nlateral");
+    let stage = "name = \"ground\"\n";
+    let four = (stage, "name = \"ground\"\nincrements = 4\n");
+    for (name, changes) in [("once", &[lighter][..]), ("in-four", &[lighter, four])] {
+        let (stage, share) = found(name, changes).unwrap();
+        assert_eq!(stage, "ground");
+        assert!((share - 0.2).abs() < 0.03, "{name}: {share}");
+    }
+}
+
+/// Parts of a mesh that share no nodes are named by their sets, the largest first.
+#[test]
+fn separate_parts_of_a_mesh_are_named() {
+    let size = Vec3::new(30.0, 20.0, 20.0);
+    let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [3, 2, 2], "all").unwrap();
+    let every = 0..mesh.element_count() as u32;
+    let (left, right): (Vec<u32>, Vec<u32>) = every.partition(|&e| mesh.centroid(e).x < 10.0);
+    mesh.set_element_set("left", left.clone()).unwrap();
+    mesh.set_element_set("right", right.clone()).unwrap();
+    let scene = |mesh: Mesh| {
+        let rock = Material::from(LinearElastic::new(media::ROCK));
+        Scene::new("apart", mesh).part(Part::new("all", rock))
+    };
+    let texts = |mesh: Mesh| -> Vec<String> {
+        let found = warnings(&scene(mesh)).unwrap();
+        found.iter().map(ToString::to_string).collect()
+    };
+    let apart = mesh.split_between(&left, &right).unwrap().mesh;
+    let named =
+        "2 parts that share no nodes: 8 elements of 'all', 'right'; 4 elements of 'all', 'left'";
+    assert!(texts(apart).iter().any(|text| text.contains(named)));
+    assert!(
+        !texts(mesh)
+            .iter()
+            .any(|text| text.contains("share no nodes"))
+    );
+}
+
+/// A check lists the boxes of the mesh and of its sets, and warns of a results folder in which nothing can be written.
+#[test]
+fn a_check_lists_sets_and_tries_the_folder() {
+    let folder = Folder::new("tried", GROUND, 3);
+    let report = check(Scene::from_file(folder.scene()).unwrap()).unwrap();
+    assert_eq!(report.extent, (Vec3::zeros(), Vec3::repeat(120.0)));
+    let of = |name: &str| report.sets.iter().find(|set| set.set == name).unwrap();
+    assert_eq!((of("rock").of, of("rock").count), ("elements", 27));
+    let top = of("top");
+    assert_eq!((top.of, top.count), ("facets", 9));
+    assert_eq!(
+        (top.low, top.high),
+        (Vec3::z() * 120.0, Vec3::repeat(120.0))
+    );
+    let in_file = folder.scene().join("results");
+    let scene = Scene::from_file(folder.scene()).unwrap();
+    let report = check(scene.with_directory(&in_file)).unwrap();
+    let named = in_file.display().to_string();
+    assert!(
+        report.warnings.iter().any(
+            |warning| matches!(warning, Warning::Folder { reason } if reason.contains(&named))
+        )
+    );
+}
