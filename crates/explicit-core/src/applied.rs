@@ -3,6 +3,9 @@
 //! Constant loads are evaluated, summed and written once; their work follows from
 //! the displacement and is computed on demand, so that a constant weight costs no time per step.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
 use powerhouse_model::{NodalLoad, Quad, Vec3};
 use rayon::prelude::*;
 
@@ -143,7 +146,7 @@ impl AppliedLoads {
     /// Adds the loads (N) at a time (s) by engine node, without those of absorbing boundaries and without the
     /// carried forces.
     pub(crate) fn add_own(&mut self, time: f64, forces: &mut [Vec3]) {
-        self.evaluate(time);
+        self.evaluate(time, None);
         let count: usize = self.sums.lengths[..self.own].iter().sum();
         let own = self.sums.nodes[..count].iter().zip(&self.sums.forces);
         for (&node, force) in own {
@@ -153,7 +156,7 @@ impl AppliedLoads {
 
     /// Adds the loads (N) at a time (s) by engine node, without the carried forces.
     pub(crate) fn add_all(&mut self, time: f64, forces: &mut [Vec3]) {
-        self.evaluate(time);
+        self.evaluate(time, None);
         let carried = self.sums.lengths.last().copied().unwrap_or(0);
         let count = self.sums.nodes.len() - carried;
         let all = self.sums.nodes[..count].iter().zip(&self.sums.forces);
@@ -162,8 +165,9 @@ impl AppliedLoads {
         }
     }
 
-    /// Evaluates the loads at a time (s): those that change in time, and at the first call the constant ones.
-    pub(crate) fn evaluate(&mut self, time: f64) {
+    /// Evaluates the loads at a time (s): those that change in time, and at the first call the constant ones. Adds
+    /// their processor time (ns) to `spent`.
+    pub(crate) fn evaluate(&mut self, time: f64, spent: Option<&AtomicU64>) {
         let all = !core::mem::replace(&mut self.sums.known, true);
         let constant = &self.sums.constant;
         let buffers = split(&mut self.sums.forces, &self.sums.lengths);
@@ -176,8 +180,12 @@ impl AppliedLoads {
             .into_par_iter()
             .with_max_len(1)
             .for_each(|(load, forces)| {
+                let start = spent.map(|_| Instant::now());
                 forces.fill(Vec3::zeros());
                 load.add_forces(time, forces);
+                if let (Some(spent), Some(start)) = (spent, start) {
+                    spent.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+                }
             });
     }
 }

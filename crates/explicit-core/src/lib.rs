@@ -129,6 +129,7 @@ mod nodes;
 mod numbering;
 mod partition;
 mod periodic;
+mod profile;
 mod roller_nodes;
 mod run;
 mod spectrum;

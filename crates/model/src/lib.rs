@@ -42,6 +42,7 @@ mod nodal;
 mod point_law;
 mod rayleigh;
 mod state;
+mod step_profile;
 mod step_time;
 mod tensor;
 
@@ -84,6 +85,7 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use point_law::{PointAdapter, PointLaw};
 pub use state::{Cast, HistoryField, State};
+pub use step_profile::{ProfileRow, StepProfile};
 pub use step_time::StepTime;
 pub use tensor::{Principal, Strain, Stress};
 

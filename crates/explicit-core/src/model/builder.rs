@@ -305,6 +305,7 @@ impl<'a> ModelBuilder<'a> {
             prepared: None,
             kicked: false,
             uncommitted: false,
+            profiler: None,
             ledger: None,
             precision,
             speed_limit: f64::MAX,

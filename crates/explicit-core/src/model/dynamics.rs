@@ -1,14 +1,17 @@
 //! Operations of a time step: forces, kick (velocity update), constraints, drift (displacement update).
 
+use std::time::Instant;
+
 use powerhouse_model::{
-    BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
-    PredictedMotion, Quad, RunError, StepTime, Vec3,
+    BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, HistoryUpdate, MassDampingRule,
+    Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
 use super::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Nodes, Storage, with_nodes};
+use crate::profile::{BlockTimes, PROBE_INTERVAL, Phase, Profiler};
 use crate::subdomain::{NodalMotion, Subdomain};
 
 /// Terms of a force evaluation of all blocks.
@@ -20,6 +23,8 @@ pub(crate) struct BlockTerms {
     pub(crate) ledger: bool,
     /// Whether the history variables of the last step are committed first, while the block is in the cache.
     pub(crate) commit: bool,
+    /// Whether blocks compute without their stiffness damping, to measure its time.
+    pub(crate) undamped: bool,
 }
 
 impl BlockTerms {
@@ -30,6 +35,7 @@ impl BlockTerms {
             terms: ForceTerms::PLAIN,
             ledger: false,
             commit: false,
+            undamped: false,
         }
     }
 }
@@ -41,12 +47,14 @@ pub(crate) fn block_forces<S: Storage>(
     motion: NodalMotion<S>,
     forces: &mut [Quad<S>],
     evaluation: BlockTerms,
+    times: Option<&BlockTimes>,
 ) -> Option<(String, ElementFault)> {
     let BlockTerms {
         when,
         terms,
         ledger,
         commit,
+        undamped,
     } = evaluation;
     blocks
         .par_iter_mut()
@@ -54,21 +62,74 @@ pub(crate) fn block_forces<S: Storage>(
         .enumerate()
         .with_max_len(1)
         .find_map_first(|(index, (block, buffer))| {
+            let start = times.map(|_| Instant::now());
             if commit {
                 block.commit();
             }
-            let reads_velocity = block.reads_velocity(terms.damping_shift, ledger);
+            let shift = match undamped {
+                true => -block.stiffness_damping(),
+                false => terms.damping_shift,
+            };
+            let reads_velocity = block.reads_velocity(shift, ledger);
             let computed =
                 subdomain.with_copies(index, motion, reads_velocity, |displacement, velocity| {
                     let context =
                         BlockContext::new(when, Storage::view(displacement), S::view(velocity))
-                            .with_damping_shift(terms.damping_shift)
+                            .with_damping_shift(shift)
                             .with_ledger(ledger)
                             .with_history_update(terms.history_update);
                     block.forces(&context, S::view_mut(buffer))
                 });
+            if let (Some(times), Some(start)) = (times, start) {
+                times.add(index, start);
+            }
             Some((block.label().to_string(), computed.err()?))
         })
+}
+
+/// Measures the parts of element forces by extra evaluations; the evaluation of the step follows.
+fn probe<S: Storage>(
+    profiler: &mut Profiler,
+    subdomain: &Subdomain,
+    blocks: &mut [Box<dyn ElementBlock>],
+    motion: NodalMotion<S>,
+    forces: &mut [Quad<S>],
+    evaluation: &mut BlockTerms,
+) {
+    let start = Instant::now();
+    if core::mem::take(&mut evaluation.commit) {
+        blocks.par_iter_mut().for_each(|block| block.commit());
+    }
+    evaluation.terms.history_update = HistoryUpdate::Buffered;
+    let plain = BlockTerms {
+        ledger: false,
+        ..*evaluation
+    };
+    let undamped = BlockTerms {
+        undamped: true,
+        ..plain
+    };
+    let probes = &profiler.probes;
+    for (terms, times) in [
+        (plain, &probes.without_account),
+        (undamped, &probes.without_damping),
+    ] {
+        // A fault is found again by the evaluation of the step.
+        let _ = block_forces(subdomain, blocks, motion, forces, terms, Some(times));
+    }
+    blocks
+        .par_iter()
+        .zip(split(forces, &subdomain.lengths))
+        .enumerate()
+        .with_max_len(1)
+        .for_each(|(index, (block, buffer))| {
+            let start = Instant::now();
+            subdomain.with_copies(index, motion, true, |_, velocity| {
+                block.apply(Operator::Elastic, S::view(velocity), S::view_mut(buffer));
+            });
+            probes.elastic.add(index, start);
+        });
+    profiler.apart += start.elapsed();
 }
 
 impl Dynamics for Model {
@@ -88,10 +149,12 @@ impl Dynamics for Model {
 
     fn kick(&mut self, rule: MassDampingRule, step: f64) -> Result<(), RunError> {
         self.in_pool(|model| {
+            let start = model.clock();
             model.complete_kick();
             model.prepare(rule, step);
             model.predict(step);
             model.kicked = true;
+            model.spent(Phase::Groups, start);
         });
         Ok(())
     }
@@ -103,13 +166,19 @@ impl Dynamics for Model {
     fn drift(&mut self, step: f64) {
         self.in_pool(|model| {
             if model.kicked {
+                let start = model.clock();
                 model.record_first_half(step);
+                model.spent(Phase::EnergyBalance, start);
+                let start = model.clock();
                 model.kicked = false;
                 model.advance::<true>(step);
+                model.spent(Phase::Nodes, start);
                 if matches!(model.nodes, Nodes::F64(_)) {
                     model.groups.motion.has_moved(step);
                 }
+                let start = model.clock();
                 model.record_second_half(step);
+                model.spent(Phase::EnergyBalance, start);
             } else {
                 model.groups.motion.invalidate();
                 with_nodes!(&mut model.nodes, arrays => arrays.drift(step));
@@ -128,6 +197,18 @@ pub(crate) fn least_mass(masses: &[f64]) -> f64 {
 }
 
 impl Model {
+    /// The time, while a profile is measured.
+    pub(crate) fn clock(&self) -> Option<Instant> {
+        self.profiler.as_ref().map(|_| Instant::now())
+    }
+
+    /// Adds the time since `start` to a phase of the profile.
+    pub(crate) fn spent(&mut self, phase: Phase, start: Option<Instant>) {
+        if let (Some(profiler), Some(start)) = (&mut self.profiler, start) {
+            profiler.add(phase, start);
+        }
+    }
+
     /// Carries out a pending kick of the plain nodes without drift.
     pub(crate) fn complete_kick(&mut self) {
         if self.kicked {
@@ -159,6 +240,7 @@ impl Model {
             time,
             number,
             ledger,
+            profiler,
             ..
         } = self;
         let when = StepTime {
@@ -169,12 +251,32 @@ impl Model {
         let fault = with_nodes!(nodes, arrays => {
             let NodalArrays { displacement, velocity, forces, external, .. } = arrays;
             let motion = NodalMotion { displacement, velocity };
-            let evaluation = BlockTerms { when, terms, ledger: ledger.is_some(), commit };
+            let mut evaluation = BlockTerms {
+                when,
+                terms,
+                ledger: ledger.is_some(),
+                commit,
+                undamped: false,
+            };
+            let probed = profiler.as_deref().is_some_and(|_| number.is_multiple_of(PROBE_INTERVAL));
+            if let (Some(profiler), true) = (profiler.as_deref_mut(), probed) {
+                probe(profiler, subdomain, blocks, motion, forces, &mut evaluation);
+            }
+            let start = profiler.as_deref().map(|_| Instant::now());
+            let profile = profiler.as_deref();
+            let times = profile.map(|profile| match probed {
+                true => &profile.probes.whole,
+                false => &profile.blocks,
+            });
             let (fault, ()) = rayon::join(
-                || block_forces(subdomain, blocks, motion, forces, evaluation),
-                || loads.evaluate(when.time),
+                || block_forces(subdomain, blocks, motion, forces, evaluation, times),
+                || loads.evaluate(when.time, profile.map(|profile| &profile.loads)),
             );
             loads.sums.write_plain(external);
+            if let (Some(profiler), Some(start)) = (profiler.as_deref_mut(), start) {
+                profiler.forces += start.elapsed();
+                profiler.take_probed();
+            }
             fault
         });
         match fault {
@@ -239,9 +341,11 @@ impl Model {
             groups,
             ledger,
             prepared,
+            profiler,
             ..
         } = self;
-        for bound in constraints {
+        for (index, bound) in constraints.iter_mut().enumerate() {
+            let start = profiler.as_ref().map(|_| Instant::now());
             let motion = groups.motion.of(bound.groups.clone());
             if ledger.is_some() {
                 bound.predicted.clear();
@@ -261,6 +365,9 @@ impl Model {
             if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
                 let own = bound.groups.clone();
                 ledger.record_constraint(groups, prepared, own, &bound.predicted, work);
+            }
+            if let (Some(profiler), Some(start)) = (profiler.as_mut(), start) {
+                profiler.constraints[index] += start.elapsed();
             }
         }
         Ok(())

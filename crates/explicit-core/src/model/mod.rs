@@ -20,6 +20,7 @@ use crate::groups::Groups;
 use crate::ledger::Ledger;
 use crate::nodes::Nodes;
 use crate::partition::Partition;
+use crate::profile::Profiler;
 use crate::stable_step::Spectrum;
 use crate::subdomain::Subdomain;
 
@@ -86,6 +87,8 @@ pub struct Model {
     kicked: bool,
     /// Whether the history variables of a completed step are still to be committed.
     uncommitted: bool,
+    /// Measurement of the parts of time steps, while one is under way.
+    pub(crate) profiler: Option<Box<Profiler>>,
     /// The energy ledger, while one is open.
     pub(crate) ledger: Option<Box<Ledger>>,
     /// Lowest precision of any element set.

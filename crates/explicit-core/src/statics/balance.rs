@@ -170,7 +170,7 @@ impl Model {
                 velocity: &arrays.velocity,
             };
             let evaluation = BlockTerms::of_statics(when);
-            block_forces(subdomain, blocks, motion, &mut arrays.forces, evaluation)
+            block_forces(subdomain, blocks, motion, &mut arrays.forces, evaluation, None)
         });
         match fault {
             None => Ok(()),
