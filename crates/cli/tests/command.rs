@@ -296,6 +296,50 @@ fn check_warns_by_its_status() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+/// `check` lists the boxes of mesh and sets, and the sections with area, extents and centroid; a section through crown and
+/// floor of a lining is shown and warned of as two pieces.
+#[test]
+fn check_lists_sets_and_sections() {
+    let printed = |name: &str, reach: &str| {
+        let scene = Scene::new(name, |scene| scene.replace("reach = 10\n", reach));
+        text(&powerhouse(&["check", &scene.path()]).stdout)
+    };
+    let one = printed("check-section", "reach = 10\n");
+    let line = |start: &str, printed: &str| {
+        let found = printed
+            .lines()
+            .find(|line| line.trim_start().starts_with(start));
+        found
+            .unwrap_or_else(|| panic!("{start}: {printed}"))
+            .to_owned()
+    };
+    assert!(
+        one.contains("\nsets\n") && one.contains("\nsections\n"),
+        "{one}"
+    );
+    let lining = line("lining ", &one);
+    assert!(
+        lining.contains(" elements, (") && lining.ends_with(" m"),
+        "{lining}"
+    );
+    let crown = line("lining-crown", &one);
+    assert!(
+        crown.contains(" m2, ") && crown.contains(" m along and "),
+        "{crown}"
+    );
+    assert!(!one.contains("do not touch"), "{one}");
+    let both = printed("check-both", "");
+    let pieces = line("lining-crown", &both);
+    assert!(
+        pieces.ends_with("in 2 pieces that do not touch"),
+        "{pieces}"
+    );
+    assert!(
+        both.contains("section 'lining-crown' cuts 2 pieces of 'lining'"),
+        "{both}"
+    );
+}
+
 /// `check` lists joints with their law, pairs, area and worst mismatch, and how far they may slip; it
 /// warns where one meets an absorbing face.
 #[test]

@@ -89,6 +89,6 @@ pub(crate) fn separate_parts(mesh: &Mesh) -> Vec<(usize, Vec<String>)> {
         }
     }
     let mut parts: Vec<(usize, Vec<String>)> = parts.into_values().collect();
-    parts.sort_by(|a, b| b.0.cmp(&a.0));
+    parts.sort_by_key(|(count, _)| core::cmp::Reverse(*count));
     parts
 }

@@ -105,7 +105,10 @@ fn separate_parts_of_a_mesh_are_named() {
 #[test]
 fn a_check_lists_sets_and_tries_the_folder() {
     let folder = Folder::new("tried", GROUND, 3);
-    let report = check(Scene::from_file(folder.scene()).unwrap()).unwrap();
+    let scene = Scene::from_file(folder.scene()).unwrap();
+    let report = check(scene.with_directory(folder.out())).unwrap();
+    let unwritable = |warning: &Warning| matches!(warning, Warning::Folder { .. });
+    assert!(!report.warnings.iter().any(unwritable) && !folder.out().exists());
     assert_eq!(report.extent, (Vec3::zeros(), Vec3::repeat(120.0)));
     let of = |name: &str| report.sets.iter().find(|set| set.set == name).unwrap();
     assert_eq!((of("rock").of, of("rock").count), ("elements", 27));
