@@ -40,7 +40,7 @@ pub enum StepChoice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EnergyCheck {
-    /// Number of steps between two readings.
+    /// Number of time steps between two checks of the balance.
     pub every: u64,
     /// Largest permitted residual, relative to the largest stored energy or external work so far; by default 1e-7
     /// in double precision, 1e-4 in mixed, 1e-2 in single.
@@ -59,13 +59,13 @@ impl EnergyCheck {
             by_set: true,
         }
     }
-    /// The same with a largest permitted residual over the largest energy held or put in so far.
+    /// Sets the largest permitted residual, relative to the largest stored energy or external work so far.
     #[must_use]
     pub fn with_limit(mut self, limit: f64) -> Self {
         self.limit = Some(limit);
         self
     }
-    /// The same with or without a balance of each set.
+    /// Sets whether each element set has its own balance, see [`by_set`](Self::by_set).
     #[must_use]
     pub fn with_by_set(mut self, by_set: bool) -> Self {
         self.by_set = by_set;
@@ -77,9 +77,9 @@ impl EnergyCheck {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RunOptions {
-    /// Duration of the run.
+    /// Duration of the run, in seconds or in time steps.
     pub length: Length,
-    /// Choice of the time step.
+    /// Choice of the time step: the stable one, or a given one with or without a check of stability.
     pub step: StepChoice,
     /// Bound on each component of velocity (m/s), beyond which the motion counts as diverged. By
     /// default the speed at which strains reach the order of one, far beyond the theory
@@ -110,25 +110,25 @@ impl RunOptions {
             stop: None,
         }
     }
-    /// The same options with another choice of the time step.
+    /// Sets the choice of the time step.
     #[must_use]
     pub fn with_step(mut self, step: StepChoice) -> Self {
         self.step = step;
         self
     }
-    /// The same options with a bound on each component of velocity (m/s).
+    /// Sets the bound on each component of velocity (m/s), beyond which the motion counts as diverged.
     #[must_use]
     pub fn with_speed_limit(mut self, limit: f64) -> Self {
         self.speed_limit = Some(limit);
         self
     }
-    /// The same options with a check of the energy balance.
+    /// Sets the check of the energy balance, at which a run may stop.
     #[must_use]
     pub fn with_energy(mut self, check: EnergyCheck) -> Self {
         self.energy = Some(check);
         self
     }
-    /// The same options with a cancellation flag.
+    /// Sets the cancellation flag: once true, the run ends after one more step with complete output.
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
@@ -167,7 +167,7 @@ pub enum Ended {
 pub struct RunReport {
     /// Number of steps done in this run.
     pub steps: u64,
-    /// Time step (s).
+    /// Length of the time step that the run had (s).
     pub step: f64,
     /// Time of the displacement at the end (s).
     pub time: f64,
@@ -187,7 +187,7 @@ pub struct RunReport {
 /// A failed run: the error, and the report of the steps before it.
 #[derive(Debug)]
 pub struct RunFailure {
-    /// The error that ended the run.
+    /// Error that ended the run, with its step, time, and element or set where it has one.
     pub error: RunError,
     /// Report of the steps until then; none if the run was refused before its first step.
     pub report: Option<Box<RunReport>>,

@@ -8,7 +8,7 @@ use crate::{JointHistory, JointView, Mat3, Renewal, RunError, StepTime, Vec3};
 /// `step * inverse_mass * force`, nothing else; the engine then moves the nodes.
 #[non_exhaustive]
 pub struct PredictedMotion<'a> {
-    /// Number of the step.
+    /// Number of the time step, counted from 0 at the start of the run.
     pub number: u64,
     /// Time at the start of the step (s).
     pub time: f64,
@@ -54,7 +54,7 @@ impl<'a> PredictedMotion<'a> {
 pub struct ConstraintWork {
     /// Energy dissipated by friction, less the work of dilation against the pressure.
     pub friction: f64,
-    /// Energy dissipated by breaking bonds.
+    /// Energy dissipated by the bonds that break in the step (J).
     pub bond: f64,
     /// Kinetic energy lost by impact without rebound.
     pub impact: f64,
@@ -64,22 +64,22 @@ pub struct ConstraintWork {
 }
 
 impl ConstraintWork {
-    /// The same work with an energy dissipated by friction (J).
+    /// Sets the energy dissipated by friction in the step (J).
     #[must_use]
     pub const fn with_friction(self, friction: f64) -> Self {
         Self { friction, ..self }
     }
-    /// The same work with an energy dissipated by breaking bonds (J).
+    /// Sets the energy dissipated by the bonds that break in the step (J).
     #[must_use]
     pub const fn with_bond(self, bond: f64) -> Self {
         Self { bond, ..self }
     }
-    /// The same work with a kinetic energy lost by impact (J).
+    /// Sets the kinetic energy lost by impact in the step (J).
     #[must_use]
     pub const fn with_impact(self, impact: f64) -> Self {
         Self { impact, ..self }
     }
-    /// The same work with an external part (J).
+    /// Sets the work that the body does on the outside through the constraint in the step (J).
     #[must_use]
     pub const fn with_external(self, external: f64) -> Self {
         Self { external, ..self }

@@ -39,7 +39,7 @@ impl<'a, L: Lane> Geometry<'a, L> {
     pub fn vector(&self, index: usize) -> [L; 3] {
         [self.get(index), self.get(index + 1), self.get(index + 2)]
     }
-    /// A constant in every lane.
+    /// Number with the same value in every lane.
     #[inline(always)]
     pub fn constant(&self, value: f64) -> L {
         L::splat(self.token, value)
@@ -159,13 +159,13 @@ pub enum HistoryUpdate {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct BlockContext<'a> {
-    /// Time of the displacement (s).
+    /// Time at which the displacement is given (s); the velocity is that of half a step before.
     pub time: f64,
-    /// Number of steps taken before.
+    /// Number of time steps taken before this one in the run.
     pub number: u64,
     /// Length of the step (s); zero for static forces.
     pub step: f64,
-    /// Displacement (m), engine numbering.
+    /// Displacement (m), one nodal vector per node in the numbering of the engine.
     pub displacement: NodalView<'a>,
     /// Velocity half a step before `time` (m/s), engine numbering.
     pub velocity: NodalView<'a>,
@@ -194,19 +194,19 @@ impl<'a> BlockContext<'a> {
             history_update: HistoryUpdate::Buffered,
         }
     }
-    /// The same context with another storage of new history variables.
+    /// Sets where the block stores new history variables: in a buffer, or over the committed ones.
     #[must_use]
     pub fn with_history_update(mut self, update: HistoryUpdate) -> Self {
         self.history_update = update;
         self
     }
-    /// The same context with an addition to the stiffness damping coefficient (s).
+    /// Sets the addition to the stiffness damping coefficient of every block (s).
     #[must_use]
     pub fn with_damping_shift(mut self, shift: f64) -> Self {
         self.damping_shift = shift;
         self
     }
-    /// The same context with or without energy bookkeeping.
+    /// Sets whether the block accounts for its energies in this step, which costs time.
     #[must_use]
     pub fn with_ledger(mut self, ledger: bool) -> Self {
         self.ledger = ledger;
@@ -231,7 +231,7 @@ pub enum Operator {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BlockEnergy {
-    /// Stored (recoverable) strain energy.
+    /// Stored (recoverable) strain energy of the present state (J).
     pub elastic: f64,
     /// Energy stored by hourglass forces, and lost where their stiffness fell with that of the law.
     pub hourglass: f64,
@@ -274,7 +274,7 @@ impl BlockEnergy {
             ..Self::default()
         }
     }
-    /// The sum of all energies (J).
+    /// Sum of all stored and dissipated energies of the block (J).
     pub fn total(&self) -> f64 {
         self.elastic
             + self.hourglass
@@ -331,7 +331,7 @@ impl FrequencyBound {
             stiffness_damping: 0.0,
         }
     }
-    /// The same bound with a stiffness damping coefficient (s).
+    /// Sets the coefficient of damping proportional to stiffness of the element (s).
     #[must_use]
     pub fn with_stiffness_damping(mut self, coefficient: f64) -> Self {
         self.stiffness_damping = coefficient;
@@ -345,7 +345,7 @@ impl FrequencyBound {
 pub struct ElementFault {
     /// Mesh index of the element.
     pub element: u32,
-    /// Reason of the failure.
+    /// Reason of the failure in words, without the element.
     pub reason: String,
 }
 
@@ -365,7 +365,7 @@ impl ElementFault {
 pub struct Numbering {
     /// Engine number of each mesh node, and of additional nodes after them.
     pub engine_of: Vec<u32>,
-    /// Mesh index of each engine node.
+    /// Index in the mesh of each node of the engine, by the index of the node in the engine.
     pub mesh_of: Vec<u32>,
 }
 

@@ -96,7 +96,8 @@ impl FrequencyLimits {
             most_mass_damping: 0.0,
         }
     }
-    /// The same limits with damping: least and largest stiffness damping (s), largest mass damping (1/s).
+    /// Sets the least and the largest stiffness damping coefficient (s) and the largest mass damping coefficient
+    /// (1/s).
     #[must_use]
     pub fn with_damping(
         mut self,
@@ -181,28 +182,28 @@ pub trait TimeIntegrator: Send + Sync {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Fields {
-    /// Whether accelerations are read.
+    /// Whether the observer reads nodal accelerations (m/s2), which the engine otherwise may not compute.
     pub acceleration: bool,
-    /// Whether element stresses are read.
+    /// Whether the observer reads stresses of elements (Pa), which the engine otherwise may not compute.
     pub stress: bool,
     /// Whether energies of the energy balance are read.
     pub energy: bool,
 }
 
 impl Fields {
-    /// The same with or without accelerations.
+    /// Sets whether the observer reads nodal accelerations.
     #[must_use]
     pub fn with_acceleration(mut self, read: bool) -> Self {
         self.acceleration = read;
         self
     }
-    /// The same with or without element stresses.
+    /// Sets whether the observer reads stresses of elements.
     #[must_use]
     pub fn with_stress(mut self, read: bool) -> Self {
         self.stress = read;
         self
     }
-    /// The same with or without the energy ledger.
+    /// Sets whether the observer reads the energies of the energy balance.
     #[must_use]
     pub fn with_energy(mut self, read: bool) -> Self {
         self.energy = read;

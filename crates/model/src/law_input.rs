@@ -72,41 +72,41 @@ impl<'a, L: Lane> LawInput<'a, L> {
             location: None,
         }
     }
-    /// The same input with another strain.
+    /// Sets the strain at the end of the step: xx, yy, zz, xy, yz, zx, engineering shears.
     #[inline(always)]
     #[must_use]
     pub fn with_strain(mut self, strain: Strain<L>) -> Self {
         self.strain = strain;
         self
     }
-    /// The same input with other history variables, such as those of a law within a law.
+    /// Sets the history variables that the law reads, such as those of a law within a law.
     #[inline(always)]
     #[must_use]
     pub fn with_history(mut self, history: &'a [L]) -> Self {
         self.history = history;
         self
     }
-    /// The same input with an initial stress (Pa).
+    /// Sets the initial stress, which is there without strain (Pa, tension positive).
     #[inline(always)]
     #[must_use]
     pub fn with_initial(mut self, initial: Stress<L>) -> Self {
         self.initial = initial;
         self
     }
-    /// The same input in an element of one width in all directions (m).
+    /// Sets the width of the element (m), one in all directions.
     #[inline(always)]
     #[must_use]
     pub fn with_size(self, size: L) -> Self {
         self.with_extents(Extents::uniform(size))
     }
-    /// The same input in an element of other widths.
+    /// Sets the widths of the element across all directions (m), from which a law takes its crack band.
     #[inline(always)]
     #[must_use]
     pub fn with_extents(mut self, extents: Extents<L>) -> Self {
         self.extents = extents;
         self
     }
-    /// The same input at a location.
+    /// Sets the location of the point: its position and the number of its element, for laws that vary in space.
     #[inline(always)]
     #[must_use]
     pub fn with_location(mut self, location: &'a PointLocation<'a, L>) -> Self {

@@ -8,7 +8,7 @@ use crate::{JointHistory, Stress, Vec3};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct HistoryField {
-    /// Name of the variable.
+    /// Name of the history variable, as its law calls it.
     pub name: String,
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
@@ -32,9 +32,9 @@ pub struct Cast {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct State {
-    /// Time (s).
+    /// Time of the displacement (s), on the clock of the run; 0 at the start of a stage.
     pub time: f64,
-    /// Number of time steps taken.
+    /// Number of time steps taken until this time; 0 at the start of a stage.
     pub step: u64,
     /// Displacement at `time` (m), one per mesh node.
     pub displacement: Vec<Vec3>,

@@ -15,11 +15,11 @@ use core::fmt;
 pub struct Magnitude {
     /// Name of the quantity: its key, or a description.
     pub name: String,
-    /// Value (SI unit).
+    /// Value that the scene has, in the SI unit.
     pub value: f64,
     /// Usual range (SI unit); zero is also permitted for a quantity that may vanish.
     pub usual: [f64; 2],
-    /// SI unit.
+    /// SI unit of the quantity, such as `kg/m3`; empty for a dimensionless one.
     pub unit: &'static str,
     /// Unit in which the value was probably given, if it can be identified.
     pub probable_unit: Option<ProbableUnit>,
@@ -28,7 +28,7 @@ pub struct Magnitude {
 /// Unit in which a value was probably given, and its conversion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbableUnit {
-    /// Unit.
+    /// Unit that was probably meant, such as `GPa`.
     pub unit: &'static str,
     /// Value in SI units if it was given in that unit.
     pub value: f64,

@@ -50,7 +50,7 @@ impl RunNotes {
         let warnings = Vec::new();
         Self { remarks, warnings }
     }
-    /// The same with warnings that were found otherwise.
+    /// Sets the further warnings, such as those of a check before the run.
     #[must_use]
     pub fn with_warnings(mut self, warnings: Vec<Message>) -> Self {
         self.warnings = warnings;

@@ -148,7 +148,7 @@ impl Registry {
         self.built_in.boundaries.remove(&name);
         self.boundaries.insert(name, Entry::new(build));
     }
-    /// Adds or replaces an element kernel.
+    /// Adds an element kernel under a name, by which scene files refer to it; replaces one of the same name.
     pub fn add_kernel(&mut self, name: impl Into<String>, kernel: Kernel) {
         let name = name.into();
         self.built_in.kernels.remove(&name);
@@ -195,7 +195,7 @@ impl Registry {
         let built_in = &self.built_in.kernels;
         self.kernel_names().filter(|name| !built_in.contains(*name))
     }
-    /// The kernel of a name.
+    /// Element kernel of a name; none if no kernel is registered under it.
     pub fn kernel_named(&self, name: &str) -> Option<&Kernel> {
         self.kernels.get(name)
     }

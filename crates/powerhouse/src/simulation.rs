@@ -57,13 +57,13 @@ pub struct RunHooks<'a> {
 }
 
 impl<'a> RunHooks<'a> {
-    /// Sets the progress callback.
+    /// Sets the function that is called after every time step with the progress of the run.
     #[must_use]
     pub fn with_progress(mut self, progress: impl FnMut(Progress) + Send + 'a) -> Self {
         self.progress = Some(Box::new(progress));
         self
     }
-    /// Sets the cancellation flag.
+    /// Sets the cancellation flag: once true, the run ends after one more step with complete output.
     #[must_use]
     pub fn with_stop(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
@@ -87,7 +87,7 @@ impl<'a> RunHooks<'a> {
         self.equilibrated_body = Some(body);
         self
     }
-    /// Adds an observer.
+    /// Adds an observer, which sees the steps at its cadence, beside those of the output requests.
     #[must_use]
     pub fn with_observer(mut self, observer: impl Observer + 'static) -> Self {
         self.observers.push(Box::new(observer));
@@ -263,7 +263,7 @@ impl Simulation {
         }
     }
 
-    /// Replaces the scene's step.
+    /// Replaces the time step that the scene asks for.
     pub fn set_step(&mut self, step: TimeStep) {
         // An error of the step no longer concerns the scene file.
         self.source = None;

@@ -183,7 +183,7 @@ pub struct CheckReport {
     pub stages: Vec<StageOverview>,
     /// Stable time step and the element that limits it.
     pub stable: StableStep,
-    /// Predicted cost of a run.
+    /// Predicted cost of a run: steps, wall time, memory and size of its files.
     pub cost: Cost,
     /// Remarks of the composition of the scene.
     pub remarks: Vec<Remark>,

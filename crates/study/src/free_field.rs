@@ -23,9 +23,9 @@ use crate::sides::transfer_supports;
 pub struct FreeFieldReport {
     /// Numbers of elements of the box along x, y and z.
     pub cells: [usize; 3],
-    /// Time step (s).
+    /// Length of the time step of the box (s).
     pub step: f64,
-    /// Computed duration (s).
+    /// Duration for which the box is computed (s), at most that of the scene.
     pub window: f64,
     /// Errors at the compared points without damping.
     pub points: Vec<PointError>,
@@ -60,9 +60,9 @@ impl FreeFieldReport {
 pub struct PointError {
     /// Name of the point: `surface` or `structure`.
     pub name: &'static str,
-    /// Position (m).
+    /// Position of the point in the undeformed mesh (m).
     pub position: Vec3,
-    /// Relative error of displacement.
+    /// Relative L2 error of the displacement (1).
     pub displacement: f64,
     /// Relative error of velocity, in which high frequencies have more weight.
     pub velocity: f64,

@@ -10,9 +10,9 @@ use crate::sweep::{CaseOutcome, Peak};
 pub struct VariedFigure {
     /// Name of the result, with its unit.
     pub name: String,
-    /// Value in the base case.
+    /// Value of the result in the base case, in its unit.
     pub base: f64,
-    /// Value in the varied case.
+    /// Value of the result in the varied case, in its unit.
     pub here: f64,
 }
 

@@ -61,7 +61,7 @@ pub enum Linearisation {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticOptions {
-    /// Solution method.
+    /// Method by which static equilibrium is computed.
     pub method: StaticMethod,
     /// Tolerance: the largest permitted norm of the unbalanced forces over that of the load, 1e-14 to 1; 1e-8 by default.
     pub tolerance: f64,
@@ -94,25 +94,26 @@ impl Default for StaticOptions {
 }
 
 impl StaticOptions {
-    /// The same options with another method.
+    /// Sets the method by which static equilibrium is computed.
     #[must_use]
     pub fn with_method(mut self, method: StaticMethod) -> Self {
         self.method = method;
         self
     }
-    /// The same options with another tolerance.
+    /// Sets the tolerance: unbalanced force over the force of the load below which a body is in equilibrium.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;
         self
     }
-    /// The same options with another number of increments.
+    /// Sets the number of load increments.
     #[must_use]
     pub fn with_increments(mut self, increments: u32) -> Self {
         self.increments = increments;
         self
     }
-    /// The same options with another share of the unbalanced forces that is applied.
+    /// Sets the release factor: share of the unbalanced forces that the stage applies, above 0 and at most 1; the
+    /// rest is carried until the next stage.
     #[must_use]
     pub fn with_release(mut self, release: f64) -> Self {
         self.release = release;

@@ -54,7 +54,7 @@ impl MeshBuilder {
             .push(nodes.to_vec());
         self
     }
-    /// Adds nodes to a node set.
+    /// Adds nodes, by their numbers, to the node set of a name, which is made if there is none.
     pub fn node_set(&mut self, set: &str, nodes: &[u64]) -> &mut Self {
         self.node_sets
             .entry(set.into())

@@ -10,16 +10,16 @@ use crate::JointZone;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HistoryRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
-    /// A node, a set of nodes or a point.
+    /// Where the motion is recorded: at a node, as the mean of a set of nodes, or at a point of the mesh.
     pub place: Place,
-    /// Displacement, velocity, acceleration.
+    /// Which of displacement, velocity and acceleration are recorded.
     pub motion: Motion,
 }
 
 impl HistoryRequest {
-    /// A request under a name.
+    /// Request for some motions at a place, under a name.
     pub fn new(name: impl Into<String>, place: impl Into<Place>, motion: Motion) -> Self {
         Self {
             name: name.into(),
@@ -33,14 +33,14 @@ impl HistoryRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StressRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
     /// An element by its number, or around a point.
     pub place: StressPlace,
 }
 
 impl StressRequest {
-    /// A request under a name.
+    /// Request for an element, by number or around a point, under a name.
     pub fn new(name: impl Into<String>, place: impl Into<StressPlace>) -> Self {
         Self {
             name: name.into(),
@@ -53,7 +53,7 @@ impl StressRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RelativeRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
     /// The place whose displacement is recorded.
     pub at: Place,
@@ -62,7 +62,7 @@ pub struct RelativeRequest {
 }
 
 impl RelativeRequest {
-    /// A request under a name.
+    /// Request for the displacement of the place `at` relative to the place `from`, under a name.
     pub fn new(name: impl Into<String>, at: impl Into<Place>, from: impl Into<Place>) -> Self {
         Self {
             name: name.into(),
@@ -96,13 +96,13 @@ impl SectionRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EnvelopeRequest {
-    /// Displacement, velocity, acceleration.
+    /// Which of displacement, velocity and acceleration are recorded.
     pub motion: Motion,
-    /// Whether principal stresses are tracked.
+    /// Whether the greatest and the least principal stress of each element are recorded.
     pub stress: bool,
     /// The element sets; all elements if none is named.
     pub sets: Vec<String>,
-    /// Time between samples (s).
+    /// Time between two evaluations (s): peaks between them are missed.
     pub every: f64,
 }
 
@@ -116,19 +116,19 @@ impl EnvelopeRequest {
             every,
         }
     }
-    /// The same of these motions.
+    /// Sets which of displacement, velocity and acceleration are recorded.
     #[must_use]
     pub fn with_motion(mut self, motion: Motion) -> Self {
         self.motion = motion;
         self
     }
-    /// The same with or without principal stresses.
+    /// Sets whether principal stresses are recorded.
     #[must_use]
     pub fn with_stress(mut self, stress: bool) -> Self {
         self.stress = stress;
         self
     }
-    /// The same of these element sets.
+    /// Sets the element sets by name; with none, all elements are taken.
     #[must_use]
     pub fn with_sets(mut self, sets: Vec<String>) -> Self {
         self.sets = sets;
@@ -140,9 +140,9 @@ impl EnvelopeRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct JointRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
-    /// The joint's name.
+    /// Name of the joint that the pairs are of.
     pub joint: String,
     /// The node pairs among those of the joint.
     pub zone: JointZone,
@@ -185,7 +185,7 @@ impl SnapshotRequest {
             every,
         }
     }
-    /// The same with these fields.
+    /// Sets the fields that each snapshot has.
     #[must_use]
     pub fn with_fields(mut self, fields: SnapshotFields) -> Self {
         self.fields = fields;
@@ -204,24 +204,24 @@ pub struct StateRequest {
     pub places: Vec<StressRequest>,
     /// Time between samples of the greatest values (s); without one they are sampled when the run ends.
     pub every: Option<f64>,
-    /// Whether snapshots hold all variables.
+    /// Whether snapshots have all history variables of all laws.
     pub snapshots: bool,
 }
 
 impl StateRequest {
-    /// The same with the variables of an element against time.
+    /// Adds the history variables of an element against time.
     #[must_use]
     pub fn with_place(mut self, place: StressRequest) -> Self {
         self.places.push(place);
         self
     }
-    /// The same with greatest values sampled every so many seconds.
+    /// Sets the time between two evaluations of the greatest values (s).
     #[must_use]
     pub fn with_every(mut self, every: f64) -> Self {
         self.every = Some(every);
         self
     }
-    /// The same with or without all variables in snapshots.
+    /// Sets whether snapshots have all history variables of all laws.
     #[must_use]
     pub fn with_snapshots(mut self, snapshots: bool) -> Self {
         self.snapshots = snapshots;
@@ -249,7 +249,7 @@ impl StateRequest {
 pub struct OutputPlan {
     /// Time between samples of histories, relative displacements and section forces (s).
     pub every: f64,
-    /// Motions against time.
+    /// Requests for motions at places against time.
     pub histories: Vec<HistoryRequest>,
     /// Stresses of elements against time.
     pub stresses: Vec<StressRequest>,
@@ -261,11 +261,11 @@ pub struct OutputPlan {
     pub joints: Vec<JointRequest>,
     /// Time between samples of the energies (s).
     pub energies: Option<f64>,
-    /// Greatest values over the run.
+    /// Request for greatest values over the run; none are recorded without it.
     pub envelope: Option<EnvelopeRequest>,
-    /// Fields of the whole body.
+    /// Request for fields of the whole body at intervals, for ParaView; none are written without it.
     pub snapshots: Option<SnapshotRequest>,
-    /// History variables of laws.
+    /// Request for history variables of laws: against time, as greatest values, in snapshots.
     pub state: StateRequest,
 }
 
@@ -318,7 +318,7 @@ impl OutputPlan {
         self.state = state;
         self
     }
-    /// Adds the motion at a place.
+    /// Adds the motion at a place against time, under a name.
     #[must_use]
     pub fn history(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
         self.histories

@@ -28,7 +28,7 @@ const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
 pub struct EnergyResidual {
     /// Residual at the end of the run (J).
     pub energy: f64,
-    /// Its absolute value over the external work; none without external work.
+    /// Magnitude of the residual at the end over the external work; none if no external work was done.
     pub share_of_input: Option<f64>,
     /// Largest residual of the run, over the largest energy held or put in until then.
     pub largest: f64,
@@ -89,7 +89,9 @@ impl fmt::Debug for Results {
 }
 
 impl Results {
-    /// Largest unbalanced share of the load of the first stage under a given in-situ stress without a warning.
+    /// Threshold of the warning that a given in-situ stress is not in equilibrium with the weight and loads of the
+    /// first stage: unbalanced force at the start of that stage over the force of its load (1). A larger share is
+    /// [`Remark::Unbalanced`], unless the stage excavates or casts elements.
     pub const BALANCED: f64 = 0.05;
     /// Largest slip or opening over the shortest edge that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;

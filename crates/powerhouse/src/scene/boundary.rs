@@ -21,7 +21,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// A boundary on faces of the mesh.
+    /// Absorbing boundary on faces of the mesh, given by the names of their facet sets.
     pub fn new<N: Into<String>>(
         condition: impl AbsorbingBoundary + 'static,
         faces: impl IntoIterator<Item = N>,
@@ -33,7 +33,7 @@ impl Boundary {
             region: None,
         }
     }
-    /// Sets the centre of what scatters (m).
+    /// Sets the centre of the structure that scatters waves (m), from which springs take their distance.
     #[must_use]
     pub fn with_scatterer(mut self, centre: Vec3) -> Self {
         self.scatterer = Some(centre);

@@ -273,13 +273,13 @@ impl Scene {
         self.periodic.push(pairs);
         self
     }
-    /// Adds nodes with a prescribed motion.
+    /// Adds nodes whose displacement along a direction is a given function of time.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed.into());
         self
     }
-    /// Adds a load.
+    /// Adds a load: forces at nodes (N) as a function of time, in all stages and in the run.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
         self.loads.push(StagedLoad::new(Box::new(load), None));
@@ -351,13 +351,13 @@ impl Scene {
         self.initial = motion;
         self
     }
-    /// Sets the time step of the run.
+    /// Sets the time step of the run: a share of the stable one (by default all of it), or a fixed one.
     #[must_use]
     pub fn with_step(mut self, step: TimeStep) -> Self {
         self.step = step;
         self
     }
-    /// Sets the time integration scheme.
+    /// Sets the time integration scheme; leapfrog by default.
     #[must_use]
     pub fn with_integrator(mut self, integrator: impl TimeIntegrator + 'static) -> Self {
         self.integrator = Box::new(integrator);
@@ -442,7 +442,7 @@ impl Scene {
     pub fn plane_waves(&self) -> &[PlaneWave] {
         &self.waves
     }
-    /// The absorbing boundary.
+    /// Absorbing boundary of the scene; none if no face absorbs.
     pub fn boundary(&self) -> Option<&Boundary> {
         self.boundary.as_ref()
     }

@@ -18,7 +18,7 @@ pub struct WaveOverview {
     pub azimuth: f64,
     /// Record and component, or pulse, in words that differ where the motion does.
     pub motion: String,
-    /// Factor that multiplies the motion.
+    /// Factor (1) that multiplies the motion of the record or pulse.
     pub factor: f64,
 }
 

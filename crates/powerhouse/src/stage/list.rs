@@ -91,7 +91,7 @@ impl SceneStage {
         self.supports.push(support);
         self
     }
-    /// Adds a permanent load.
+    /// Adds a load that acts from this stage on, in later stages and in the run.
     #[must_use]
     pub fn load(mut self, load: impl NodalLoad + 'static) -> Self {
         self.loads.push(StagedLoad::new(Box::new(load), None));

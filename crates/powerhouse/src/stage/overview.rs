@@ -21,9 +21,9 @@ pub struct StageOverview {
     pub bolts: Vec<(String, usize)>,
     /// Parts with temporary materials: element set and name of the law.
     pub materials: Vec<(String, String)>,
-    /// Names of tied joints.
+    /// Names of the joints that are tied in the stage: without relative displacement, whatever their law.
     pub tied: Vec<String>,
-    /// Names of grouted joints.
+    /// Names of the joints that the stage grouts: closed and bonded anew in their present position.
     pub bonded: Vec<String>,
     /// Number of added supports.
     pub supports: usize,

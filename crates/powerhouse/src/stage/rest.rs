@@ -34,7 +34,7 @@ pub struct CompletedStage<'a> {
     pub state: &'a State,
     /// Total stress of each element of the mesh (Pa), mean over the element, including the in-situ stress.
     pub stress: &'a [Stress],
-    /// History variables of the laws.
+    /// Names, units and kinds of the history variables of all laws of the body.
     pub variables: &'a [HistoryVariable],
     /// Bolt groups installed so far.
     pub bolts: Vec<&'a BoltSet>,
@@ -65,7 +65,7 @@ impl EquilibratedBody {
     pub fn new(state: State, stages: Vec<StageReport>) -> Self {
         Self { state, stages }
     }
-    /// State of the body.
+    /// State of the body: displacement, inactive elements, carried forces, history variables of laws and joints.
     pub fn state(&self) -> &State {
         &self.state
     }

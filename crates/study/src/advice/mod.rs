@@ -103,9 +103,9 @@ pub struct FartherFaces {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LeftOut {
-    /// Its name in the registry.
+    /// Name of the boundary in the registry.
     pub name: String,
-    /// Why it is none.
+    /// Why the boundary is no candidate for the scene.
     pub reason: String,
 }
 

@@ -32,7 +32,7 @@ pub struct NearerFaces {
 pub struct BoxAdvice {
     /// Title of the scene.
     pub title: String,
-    /// Permitted relative error.
+    /// Relative error that the nearer faces may cause at most (1).
     pub error: f64,
     /// Predicted relative error with the faces unchanged.
     pub unchanged: f64,

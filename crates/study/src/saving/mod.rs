@@ -184,7 +184,7 @@ pub struct FormatError {
     pub format: &'static str,
     /// Documented largest relative error of a history with this format in lined openings.
     pub documented: f64,
-    /// Error in this scene.
+    /// Error of the number format as predicted for this scene.
     pub error: PredictedError,
 }
 
@@ -264,9 +264,9 @@ impl fmt::Display for FormatError {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RefusedChange {
-    /// The change.
+    /// Change of the scene that is refused.
     pub change: Change,
-    /// What refuses the changed scene.
+    /// Message of the error with which the changed scene is refused.
     pub reason: String,
 }
 
@@ -317,9 +317,9 @@ pub struct Saving {
     pub elements: f64,
     /// Ratio of the wall times of all steps with and without the change.
     pub time: f64,
-    /// Source of the time ratio.
+    /// How the ratio of times was found: measured, or estimated and by which rule.
     pub timed: &'static str,
-    /// Error of the change.
+    /// Error of results that the change causes, as predicted or measured.
     pub error: PredictedError,
 }
 

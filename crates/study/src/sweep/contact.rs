@@ -14,7 +14,7 @@ use super::damage::{Damage, STRUCTURE};
 pub struct JointCase {
     /// Name of the joint or part.
     pub name: String,
-    /// Area (m2).
+    /// Area of the joint, or of the part of it (m2), to which shares refer.
     pub area: f64,
     /// Share of the area that slipped at any time, from 0 to 1.
     pub slipped: f64,
@@ -22,9 +22,9 @@ pub struct JointCase {
     pub opened: f64,
     /// Share of the area whose bond is broken, from 0 to 1.
     pub broken: f64,
-    /// Largest accumulated slip (m).
+    /// Largest accumulated slip of any node pair at the end (m).
     pub slip: f64,
-    /// Largest opening (m).
+    /// Largest opening of any node pair over the run (m).
     pub opening: f64,
 }
 

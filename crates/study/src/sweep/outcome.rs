@@ -50,9 +50,9 @@ pub struct CaseOutcome {
     pub coverage: Option<Coverage>,
     /// Number of time steps.
     pub steps: u64,
-    /// Time step (s).
+    /// Length of the time step (s).
     pub step: f64,
-    /// Time at the end (s).
+    /// Time at the end of the run (s), on the clock of the scene.
     pub end: f64,
     /// Wall time of the dynamic run (s), without the stages.
     pub wall_time: f64,
@@ -72,9 +72,9 @@ pub struct CaseOutcome {
     /// Damage of the structure and of the element sets within it.
     #[serde(default)]
     pub parts: Vec<PartDamage>,
-    /// Results of each joint.
+    /// Slip, opening and damage of the bond of each joint of the case.
     pub joints: Vec<JointCase>,
-    /// Results of the parts of joints.
+    /// The same results of each zone of a joint that the scene's output names.
     #[serde(default)]
     pub joint_parts: Vec<JointCase>,
     /// Relation between joint failure and damage of the structure; `None` without joints.

@@ -65,11 +65,11 @@ pub struct TradeCase {
     pub name: String,
     /// Index of the level of each factor, in the order of [`TradeReport::factors`].
     pub levels: Vec<usize>,
-    /// Cost of the whole run.
+    /// Cost of the whole run, extrapolated from the measured part of it.
     pub cost: CaseCost,
     /// Largest relative L2 error among the compared histories, without the error of the reference.
     pub error: f64,
-    /// Name of the history with this error.
+    /// Name of the history with this error, such as `crown [m/s2]`.
     pub worst: String,
 }
 
@@ -111,7 +111,7 @@ pub struct TradeReport {
     pub title: String,
     /// Factors with their levels.
     pub factors: Vec<Factor>,
-    /// All finished runs.
+    /// Cost and error of every finished run, the reference included.
     pub cases: Vec<TradeCase>,
     /// Excluded histories with sensitive dependence on the input, those that change most first.
     pub sensitive: Vec<SensitiveHistory>,
