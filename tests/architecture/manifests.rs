@@ -28,11 +28,14 @@ const SHELVES: [&str; 3] = [
     "powerhouse-benches",
 ];
 
+/// The package of what tests share: not published, and a dependency of tests alone.
+const TEST_SUPPORT: &str = "powerhouse-test-support";
+
 /// Packages of the workspace that a package may depend on, in every kind of dependency.
 fn permitted(package: &str) -> Vec<&'static str> {
     let model = "powerhouse-model";
     match package {
-        "powerhouse-model" => vec![],
+        "powerhouse-model" | TEST_SUPPORT => vec![],
         "powerhouse" => [&[model][..], &SIX].concat(),
         "powerhouse-study" => vec!["powerhouse"],
         "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
@@ -115,7 +118,12 @@ const ALL_KINDS: [&str; 3] = ["dependencies", "dev-dependencies", "build-depende
 fn dependencies_form_a_star() {
     for (package, manifest) in packages() {
         let permitted = permitted(&package);
+        let compiled = dependencies(&manifest, &["dependencies", "build-dependencies"]);
+        assert!(!compiled.contains(TEST_SUPPORT), "{package}");
         for dependency in dependencies(&manifest, &ALL_KINDS) {
+            if dependency == TEST_SUPPORT {
+                continue;
+            }
             let own = dependency.starts_with("powerhouse");
             assert!(
                 !own || permitted.contains(&dependency.as_str()),
@@ -168,7 +176,7 @@ fn packages_are_set_up_alike() {
         let published = manifest["package"].get("publish").and_then(Value::as_bool);
         assert_eq!(
             published == Some(false),
-            SHELVES.contains(&package.as_str()),
+            SHELVES.contains(&package.as_str()) || package == TEST_SUPPORT,
             "{package}"
         );
         if !SHELVES.contains(&package.as_str()) && package != "powerhouse-cli" {
