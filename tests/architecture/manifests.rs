@@ -40,11 +40,14 @@ fn permitted_in_tests(package: &str) -> &'static [&'static str] {
     }
 }
 
+/// The package of what tests share: not published, and a dependency of tests alone.
+const TEST_SUPPORT: &str = "powerhouse-test-support";
+
 /// Packages of the workspace that a package may depend on, in every kind of dependency.
 fn permitted(package: &str) -> Vec<&'static str> {
     let model = "powerhouse-model";
     match package {
-        "powerhouse-model" => vec![],
+        "powerhouse-model" | TEST_SUPPORT => vec![],
         "powerhouse" => [&[model][..], &AROUND_MODEL].concat(),
         "powerhouse-study" => vec!["powerhouse"],
         "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
@@ -134,10 +137,12 @@ fn dependencies_form_a_star() {
     for (package, manifest) in packages() {
         let permitted = permitted(&package);
         let in_tests = permitted_in_tests(&package);
+        let compiled = dependencies(&manifest, &["dependencies", "build-dependencies"]);
+        assert!(!compiled.contains(TEST_SUPPORT), "{package}");
         for kind in ALL_KINDS {
             for dependency in dependencies(&manifest, &[kind]) {
                 let name = dependency.as_str();
-                let own = name.starts_with("powerhouse");
+                let own = name.starts_with("powerhouse") && name != TEST_SUPPORT;
                 let of_tests = kind == "dev-dependencies" && in_tests.contains(&name);
                 assert!(
                     !own || of_tests || permitted.contains(&name),
@@ -191,7 +196,7 @@ fn packages_are_set_up_alike() {
         let published = manifest["package"].get("publish").and_then(Value::as_bool);
         assert_eq!(
             published == Some(false),
-            SHELVES.contains(&package.as_str()),
+            SHELVES.contains(&package.as_str()) || package == TEST_SUPPORT,
             "{package}"
         );
         if !SHELVES.contains(&package.as_str()) && package != "powerhouse-cli" {

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use powerhouse_test_support::TestFolder;
+
 fn powerhouse(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_powerhouse"))
         .args(arguments)
@@ -69,7 +71,7 @@ fn errors_of_sweeps_and_reports_have_one_line() {
 
 /// A short scene in a folder of its own: the coarse cavern for a tenth of a second.
 struct Scene {
-    folder: PathBuf,
+    folder: TestFolder,
 }
 
 impl Scene {
@@ -78,9 +80,7 @@ impl Scene {
     }
     /// Another one of the scenes on the coarse mesh.
     fn of(file: &str, name: &str, change: impl Fn(String) -> String) -> Self {
-        let folder =
-            std::env::temp_dir().join(format!("powerhouse-cli-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = TestFolder::new(&format!("cli-{name}"));
         let scene = std::fs::read_to_string(data("scenes").join(file)).unwrap();
         let path = |file: &str| data(file).canonicalize().unwrap().display().to_string();
         let scene = scene
@@ -135,12 +135,6 @@ impl Scene {
             printed += &(line.unwrap() + "\n");
         }
         (run.wait_with_output().unwrap(), printed)
-    }
-}
-
-impl Drop for Scene {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.folder);
     }
 }
 

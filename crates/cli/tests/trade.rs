@@ -1,7 +1,9 @@
 //! `powerhouse trade`: output and exit status.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
+
+use powerhouse_test_support::TestFolder;
 
 fn powerhouse(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_powerhouse"));
@@ -13,13 +15,11 @@ fn text(bytes: &[u8]) -> String {
 }
 
 /// A folder with the coarse cavern in it.
-struct Folder(PathBuf);
+struct Folder(TestFolder);
 
 impl Folder {
     fn new() -> Self {
-        let folder =
-            std::env::temp_dir().join(format!("powerhouse-cli-trade-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = TestFolder::new("cli-trade");
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let data = data.canonicalize().unwrap().display().to_string();
         let scene = std::fs::read_to_string(format!("{data}/scenes/cavern_small.toml")).unwrap();
@@ -29,12 +29,6 @@ impl Folder {
     }
     fn path(&self, name: &str) -> String {
         self.0.join(name).display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1.0e-9;
 /// Work of hourglass resistance and internal work of an element set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HourglassShare {
-    /// Name of the element set.
+    /// Name of the element set that the works are of.
     pub set: String,
     /// Largest work of hourglass resistance (J), stored and dissipated.
     pub hourglass: f64,

@@ -77,9 +77,9 @@ impl EnergyCheck {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RunOptions {
-    /// Duration of the run.
+    /// Duration of the run, in seconds or in time steps.
     pub length: Length,
-    /// Choice of the time step.
+    /// Choice of the time step: the stable one, or a given one with or without a check of stability.
     pub step: StepChoice,
     /// Bound on each component of velocity (m/s), beyond which the motion counts as diverged. By
     /// default the speed at which strains reach the order of one, far beyond the theory
@@ -188,7 +188,7 @@ pub struct RunReport {
 /// A failed run: the error, and the report of the steps before it.
 #[derive(Debug)]
 pub struct RunFailure {
-    /// The error that ended the run.
+    /// Error that ended the run, with its step, time, and element or set where it has one.
     pub error: RunError,
     /// Report of the steps until then; none if the run was refused before its first step.
     pub report: Option<Box<RunReport>>,

@@ -35,7 +35,7 @@ impl Support {
             fixity: Fixity::Direction(normal),
         }
     }
-    /// The same support of other nodes (mesh indices).
+    /// Copy of the support with the same directions at other nodes (mesh indices).
     #[must_use]
     pub fn on(&self, nodes: Vec<u32>) -> Self {
         Self {

@@ -31,7 +31,7 @@ pub enum LaneWidth {
 /// Rayleigh damping of an element set: `C = mass * M + stiffness * K0`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rayleigh {
-    /// Mass-proportional coefficient (1/s).
+    /// Coefficient of damping proportional to mass, Rayleigh's alpha (1/s).
     pub mass: f64,
     /// Stiffness-proportional coefficient (s), applied to the initial elastic stiffness `K0`.
     pub stiffness: f64,
@@ -43,9 +43,9 @@ pub struct Rayleigh {
 pub struct BlockOptions {
     /// Number format of nodes and elements.
     pub precision: Precision,
-    /// Number of elements computed at once.
+    /// Number of elements that are computed at once, one in each SIMD lane.
     pub lanes: LaneWidth,
-    /// Rayleigh damping.
+    /// Rayleigh damping of the elements: coefficients proportional to mass (1/s) and to stiffness (s).
     pub damping: Rayleigh,
 }
 
@@ -73,7 +73,7 @@ impl<'a> BlockPart<'a> {
             double: false,
         }
     }
-    /// The same part with the flag for element arithmetic in double precision.
+    /// Sets whether element arithmetic is in double precision regardless of the options.
     #[must_use]
     pub fn in_double(mut self, double: bool) -> Self {
         self.double = double;

@@ -14,7 +14,7 @@ pub struct SiteFace {
     pub face: usize,
     /// Elastic medium of the elements behind the area.
     pub medium: ElasticMedium,
-    /// Outward unit normal of the area.
+    /// Unit normal of the area, out of the body.
     pub normal: Vec3,
     /// Tributary area of the node (m2).
     pub area: f64,
@@ -25,7 +25,7 @@ pub struct SiteFace {
 pub struct SiteNode {
     /// Mesh index of the node.
     pub node: u32,
-    /// Position (m).
+    /// Position of the node in the undeformed mesh (m).
     pub position: Vec3,
     /// Tributary areas of the node: one inside a plane face, two on an edge, three at a corner, also if
     /// the adjacent sides belong to the same named face. There is one entry for every face, medium and
@@ -182,13 +182,13 @@ pub struct BoundaryParts {
 }
 
 impl BoundaryParts {
-    /// The same with these springs and dashpots added.
+    /// Adds springs and dashpots of nodes.
     #[must_use]
     pub fn with_impedance(mut self, impedance: impl IntoIterator<Item = NodalImpedance>) -> Self {
         self.impedance.extend(impedance);
         self
     }
-    /// The same with these input forces added.
+    /// Adds nodal forces (N) by which the free field enters.
     #[must_use]
     pub fn with_loads(mut self, loads: Vec<Box<dyn NodalLoad>>) -> Self {
         self.loads.extend(loads);

@@ -64,17 +64,17 @@ pub struct ConstraintWork {
 }
 
 impl ConstraintWork {
-    /// The same work with an energy dissipated by friction (J).
+    /// Sets the energy dissipated by friction in the step (J).
     #[must_use]
     pub const fn with_friction(self, friction: f64) -> Self {
         Self { friction, ..self }
     }
-    /// The same work with an energy dissipated by breaking bonds (J).
+    /// Sets the energy dissipated by the bonds that break in the step (J).
     #[must_use]
     pub const fn with_bond(self, bond: f64) -> Self {
         Self { bond, ..self }
     }
-    /// The same work with a kinetic energy lost by impact (J).
+    /// Sets the kinetic energy lost by impact in the step (J).
     #[must_use]
     pub const fn with_impact(self, impact: f64) -> Self {
         Self { impact, ..self }

@@ -47,7 +47,7 @@ pub struct JointInput<'a> {
     ///
     /// Static solutions by dynamic relaxation pass the length of their own, fictitious steps.
     pub step: f64,
-    /// Time at the start of the step (s).
+    /// Time at the start of the step (s), on the clock of the run.
     pub time: f64,
     /// Tributary area over which tractions are forces (m2), [`JointPair::projected_area`].
     ///
@@ -78,13 +78,14 @@ impl<'a> JointInput<'a> {
             position: Vec3::zeros(),
         }
     }
-    /// The same input with committed history variables.
+    /// Sets the committed history variables: those at the end of the last step, in the order of
+    /// [`ContactLaw::history`].
     #[inline(always)]
     #[must_use]
     pub fn with_history(self, history: &'a [f64]) -> Self {
         Self { history, ..self }
     }
-    /// The same input with an opening (m) and the slip rate of the last step (m/s).
+    /// Sets the opening at the start of the step (m) and the slip rate of the last step along both tangents (m/s).
     #[inline(always)]
     #[must_use]
     pub fn with_motion(self, opening: f64, slip_rate: [f64; 2]) -> Self {
@@ -94,13 +95,13 @@ impl<'a> JointInput<'a> {
             ..self
         }
     }
-    /// The same input with a committed dilation (m).
+    /// Sets the committed dilation (m): the opening, at the end of the last step, at which the pair counts as closed.
     #[inline(always)]
     #[must_use]
     pub fn with_dilation(self, dilation: f64) -> Self {
         Self { dilation, ..self }
     }
-    /// The same input in a step with a start time (s), a length (s) and a compliance (m/s/Pa).
+    /// Sets start time (s) and length (s) of the step, and the compliance: relative velocity per traction (m/s/Pa).
     #[inline(always)]
     #[must_use]
     pub fn with_step(self, time: f64, step: f64, compliance: f64) -> Self {
@@ -111,7 +112,7 @@ impl<'a> JointInput<'a> {
             ..self
         }
     }
-    /// The same input at a position (m) with a tributary area (m2).
+    /// Sets the position of the pair in the undeformed mesh (m) and its tributary area (m2).
     #[inline(always)]
     #[must_use]
     pub fn with_site(self, position: Vec3, area: f64) -> Self {
@@ -174,7 +175,7 @@ impl JointResponse {
             dilation: 0.0,
         }
     }
-    /// The same response with an opening (m) at which the pair counts as closed.
+    /// Sets the dilation (m): the opening at which the pair counts as closed.
     #[inline(always)]
     #[must_use]
     pub fn with_dilation(self, dilation: f64) -> Self {
@@ -189,23 +190,23 @@ impl JointResponse {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct JointInputs<'a> {
-    /// Number of history variables per pair.
+    /// Number of history variables of the law for each pair; 0 for a law without any.
     pub variables: usize,
-    /// Committed history variables.
+    /// Committed history variables, `variables` consecutive ones for each pair.
     pub history: &'a [f64],
     /// Slip rates of the last step (m/s), see [`JointInput::slip_rate`].
     pub slip_rate: [&'a [f64]; 2],
-    /// Openings at the start of the step (m).
+    /// Normal distances of the sides at the start of the step (m), negative where they overlap.
     pub opening: &'a [f64],
     /// Relative velocities per traction (m/s/Pa), see [`JointInput::compliance`].
     pub compliance: &'a [f64],
-    /// Tributary areas (m2).
+    /// Tributary areas over which tractions are forces (m2); ones if the slice is empty.
     pub area: &'a [f64],
-    /// Positions (m), component by component.
+    /// Positions of the pairs in the undeformed mesh (m): one slice each for x, y and z.
     pub position: [&'a [f64]; 3],
     /// Length of the step (s).
     pub step: f64,
-    /// Time at the start of the step (s).
+    /// Time at the start of the step (s), on the clock of the run.
     pub time: f64,
 }
 
@@ -264,7 +265,7 @@ impl<'a> JointResponses<'a> {
             dilations: &mut [],
         }
     }
-    /// The same pairs with history variables and dilations (m).
+    /// Sets the slices for new history variables, those of a pair side by side, and for new dilations (m).
     #[inline(always)]
     #[must_use]
     pub fn with_history(self, history: &'a mut [f64], dilations: &'a mut [f64]) -> Self {

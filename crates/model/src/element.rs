@@ -39,7 +39,7 @@ impl<'a, L: Lane> Geometry<'a, L> {
     pub fn vector(&self, index: usize) -> [L; 3] {
         [self.get(index), self.get(index + 1), self.get(index + 2)]
     }
-    /// A constant in every lane.
+    /// Number with the same value in every lane.
     #[inline(always)]
     pub fn constant(&self, value: f64) -> L {
         L::splat(self.token, value)
@@ -159,9 +159,9 @@ pub enum HistoryUpdate {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct BlockContext<'a> {
-    /// Time of the displacement (s).
+    /// Time at which the displacement is given (s); the velocity is that of half a step before.
     pub time: f64,
-    /// Number of steps taken before.
+    /// Number of time steps taken before this one in the run.
     pub number: u64,
     /// Length of the step (s); zero for static forces.
     pub step: f64,
@@ -201,7 +201,7 @@ impl<'a> BlockContext<'a> {
         self.history_update = update;
         self
     }
-    /// The same context with an addition to the stiffness damping coefficient (s).
+    /// Sets the addition to the stiffness damping coefficient of every block (s).
     #[must_use]
     pub fn with_damping_shift(mut self, shift: f64) -> Self {
         self.damping_shift = shift;
@@ -275,7 +275,7 @@ impl BlockEnergy {
             ..Self::default()
         }
     }
-    /// The sum of all energies (J).
+    /// Sum of all stored and dissipated energies of the block (J).
     pub fn total(&self) -> f64 {
         self.elastic
             + self.hourglass
@@ -332,7 +332,7 @@ impl FrequencyBound {
             stiffness_damping: 0.0,
         }
     }
-    /// The same bound with a stiffness damping coefficient (s).
+    /// Sets the coefficient of damping proportional to stiffness of the element (s).
     #[must_use]
     pub fn with_stiffness_damping(mut self, coefficient: f64) -> Self {
         self.stiffness_damping = coefficient;
@@ -346,7 +346,7 @@ impl FrequencyBound {
 pub struct ElementFault {
     /// Mesh index of the element.
     pub element: u32,
-    /// Reason of the failure.
+    /// Reason of the failure in words, without the element.
     pub reason: String,
 }
 

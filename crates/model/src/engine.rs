@@ -96,7 +96,8 @@ impl FrequencyLimits {
             most_mass_damping: 0.0,
         }
     }
-    /// The same limits with damping: least and largest stiffness damping (s), largest mass damping (1/s).
+    /// Sets the least and the largest stiffness damping coefficient (s) and the largest mass damping coefficient
+    /// (1/s).
     #[must_use]
     pub fn with_damping(
         mut self,
@@ -182,9 +183,9 @@ pub trait TimeIntegrator: Send + Sync {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Fields {
-    /// Whether accelerations are read.
+    /// Whether the observer reads nodal accelerations (m/s2), which the engine otherwise may not compute.
     pub acceleration: bool,
-    /// Whether element stresses are read.
+    /// Whether the observer reads stresses of elements (Pa), which the engine otherwise may not compute.
     pub stress: bool,
     /// Whether energies of the energy balance are read.
     pub energy: bool,

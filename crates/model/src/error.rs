@@ -6,13 +6,13 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{name} = {value} is outside its permitted range [{least}, {most}]")]
 pub struct ParameterError {
-    /// Name of the parameter.
+    /// Name of the parameter, as its field or key is called.
     pub name: &'static str,
-    /// The value given.
+    /// Value that was given, in the unit of the parameter; it may be NaN or infinite.
     pub value: f64,
-    /// Least permitted value.
+    /// Least permitted value, in the unit of the parameter.
     pub least: f64,
-    /// Greatest permitted value.
+    /// Greatest permitted value, in the unit of the parameter.
     pub most: f64,
 }
 

@@ -5,11 +5,11 @@ use crate::{ElasticMedium, ModelError, Stress, Vec3};
 /// Displacement, velocity and stress of a wave field at one point and time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldMotion {
-    /// Displacement (m).
+    /// Displacement of the ground by the wave (m).
     pub displacement: Vec3,
-    /// Velocity (m/s).
+    /// Velocity of the ground in the wave (m/s).
     pub velocity: Vec3,
-    /// Stress change caused by the wave (Pa).
+    /// Change of stress by the wave (Pa, tension positive): xx, yy, zz, xy, yz, zx.
     pub stress: Stress,
 }
 

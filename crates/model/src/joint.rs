@@ -33,7 +33,7 @@ pub enum Bond {
 pub struct JointState {
     /// Contact state in the last step; at the start that of the law, or open with an initial gap.
     pub contact: ContactState,
-    /// State of the bond.
+    /// Bond of the pair: never there, intact, or broken for good.
     pub bond: Bond,
     /// Accumulated slip (m). The joint sums it up; what a law returns here is not used.
     pub slip: f64,
@@ -49,19 +49,19 @@ impl JointState {
             slip: 0.0,
         }
     }
-    /// The same state with another contact state.
+    /// Sets the contact state: sticking, sliding or open.
     #[inline(always)]
     #[must_use]
     pub const fn with_contact(self, contact: ContactState) -> Self {
         Self { contact, ..self }
     }
-    /// The same state with another bond.
+    /// Sets the bond: never there, intact or broken.
     #[inline(always)]
     #[must_use]
     pub const fn with_bond(self, bond: Bond) -> Self {
         Self { bond, ..self }
     }
-    /// The same state with an accumulated slip (m).
+    /// Sets the accumulated slip (m).
     #[inline(always)]
     #[must_use]
     pub const fn with_slip(self, slip: f64) -> Self {
@@ -124,7 +124,7 @@ impl JointPair {
     pub fn with_position(self, position: Vec3) -> Self {
         Self { position, ..self }
     }
-    /// The same pair of other nodes (mesh indices).
+    /// Sets the two nodes (mesh indices), that of the first side first; normal and areas are kept.
     #[must_use]
     pub fn with_nodes(self, nodes: [u32; 2]) -> Self {
         Self { nodes, ..self }
@@ -161,7 +161,7 @@ pub struct JointRecord {
     /// Distance of the sides along the normal (m), negative where they overlap; from where the pair was
     /// [closed anew](Self::closed_at), if it was.
     pub opening: f64,
-    /// Largest opening so far (m).
+    /// Largest opening of the pair at any step so far (m), counted as [`opening`](Self::opening) is.
     pub peak_opening: f64,
     /// Tangential displacement of the second side at which the pair sticks (m, along both tangents); none
     /// before its first step.
@@ -194,12 +194,12 @@ impl JointRecord {
             ..Self::default()
         }
     }
-    /// The same record with a traction on the first side (Pa, local components).
+    /// Sets the traction on the first side (Pa): normal component, positive in tension, and two tangential ones.
     #[must_use]
     pub fn with_traction(self, traction: Vec3) -> Self {
         Self { traction, ..self }
     }
-    /// The same record of a pair that sticks at a tangential displacement (m).
+    /// Sets the tangential displacement of the second side at which the pair sticks (m, along both tangents).
     #[must_use]
     pub fn with_anchor(self, anchor: [f64; 2]) -> Self {
         Self {
@@ -229,13 +229,13 @@ pub enum Renewal {
 pub struct JointView<'a> {
     /// Name of the joint.
     pub name: &'a str,
-    /// Name of its contact law.
+    /// Name of its contact law, such as `bonded-coulomb`.
     pub law: &'a str,
     /// Nodes, local axes and areas of the pairs.
     pub pairs: &'a [JointPair],
     /// Contact states, tractions, peak values and energies of the pairs.
     pub records: &'a [JointRecord],
-    /// History variables of the law.
+    /// Names, units and kinds of the history variables of the law; empty for a law without any.
     pub variables: &'a [HistoryVariable],
     /// Values of the history variables, those of a pair side by side.
     pub history: &'a [f64],
@@ -264,7 +264,7 @@ impl<'a> JointView<'a> {
             worst_residual: 0.0,
         }
     }
-    /// The same view with history variables and their values, those of a pair side by side.
+    /// Sets the history variables of the law and their values, those of a pair side by side.
     #[must_use]
     pub fn with_history(self, variables: &'a [HistoryVariable], history: &'a [f64]) -> Self {
         Self {
@@ -313,8 +313,7 @@ impl JointHistory {
             ..Self::default()
         }
     }
-    /// The same history with the names of history variables and their values, those of a pair side by
-    /// side.
+    /// Sets the names of the history variables of the law and their values, those of a pair side by side.
     #[must_use]
     pub fn with_history(self, variables: Vec<String>, history: Vec<f64>) -> Self {
         Self {

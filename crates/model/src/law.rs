@@ -23,7 +23,7 @@ pub enum HistoryKind {
 pub struct HistoryVariable {
     /// Name in results, such as `equivalent_plastic_strain_tension`.
     pub name: &'static str,
-    /// Unit, `1` for a dimensionless number.
+    /// Unit of the values in SI, such as `Pa`; `1` for a dimensionless number.
     pub unit: &'static str,
     /// How element values are formed from values at integration points.
     pub kind: HistoryKind,
@@ -116,21 +116,21 @@ impl<L: Lane> LawEnergy<L> {
             recovered: zero,
         }
     }
-    /// The same energies with a dissipation by plastic flow (J/m3), not negative.
+    /// Sets the energy dissipated by plastic flow (J/m3), not negative.
     #[inline(always)]
     #[must_use]
     pub fn with_plastic(mut self, plastic: L) -> Self {
         self.plastic = plastic;
         self
     }
-    /// The same energies with a dissipation by growth of damage (J/m3), not negative.
+    /// Sets the energy dissipated by growth of damage (J/m3), not negative.
     #[inline(always)]
     #[must_use]
     pub fn with_damage(mut self, damage: L) -> Self {
         self.damage = damage;
         self
     }
-    /// The same energies with an energy of regained stiffness (J/m3), not negative.
+    /// Sets the energy of regained stiffness (J/m3), not negative.
     #[inline(always)]
     #[must_use]
     pub fn with_recovered(mut self, recovered: L) -> Self {
@@ -183,8 +183,8 @@ impl<L: Lane> RemainingStiffness<L> {
         self.hourglass = share;
         self
     }
-    /// The same with the plastic strain increment of the step, which stiffness damping leaves out: components xx yy zz
-    /// xy yz zx, engineering shears.
+    /// Sets the plastic strain increment of the step, which stiffness damping leaves out: components xx yy zz xy yz
+    /// zx, engineering shears.
     #[inline(always)]
     #[must_use]
     pub fn with_plastic_strain_increment(mut self, increment: [L; 6]) -> Self {

@@ -79,21 +79,21 @@ impl<'a, L: Lane> LawInput<'a, L> {
         self.strain = strain;
         self
     }
-    /// The same input with other history variables, such as those of a law within a law.
+    /// Sets the history variables that the law reads, such as those of a law within a law.
     #[inline(always)]
     #[must_use]
     pub fn with_history(mut self, history: &'a [L]) -> Self {
         self.history = history;
         self
     }
-    /// The same input with an initial stress (Pa).
+    /// Sets the initial stress, which is there without strain (Pa, tension positive).
     #[inline(always)]
     #[must_use]
     pub fn with_initial(mut self, initial: Stress<L>) -> Self {
         self.initial = initial;
         self
     }
-    /// The same input in an element of one width in all directions (m).
+    /// Sets the width of the element (m), one in all directions.
     #[inline(always)]
     #[must_use]
     pub fn with_size(self, size: L) -> Self {
@@ -106,7 +106,7 @@ impl<'a, L: Lane> LawInput<'a, L> {
         self.extents = extents;
         self
     }
-    /// The same input at a location.
+    /// Sets the location of the point: its position and the number of its element, for laws that vary in space.
     #[inline(always)]
     #[must_use]
     pub fn with_location(mut self, location: &'a PointLocation<'a, L>) -> Self {

@@ -84,7 +84,7 @@ impl NodalView<'_> {
             Self::F32(values) => values[node].to_vector(),
         }
     }
-    /// Number of nodes of the field.
+    /// Number of nodes for which the field has a vector.
     pub fn len(&self) -> usize {
         match self {
             Self::F64(values) => values.len(),

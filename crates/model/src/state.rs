@@ -8,7 +8,7 @@ use crate::{JointHistory, Stress, Vec3};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct HistoryField {
-    /// Name of the variable.
+    /// Name of the history variable, as its law calls it.
     pub name: String,
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
@@ -34,7 +34,7 @@ pub struct Cast {
 pub struct State {
     /// Present time (s), that of the displacement; construction stages have time zero.
     pub time: f64,
-    /// Number of time steps taken.
+    /// Number of time steps taken until this time; 0 at the start of a stage.
     pub step: u64,
     /// Displacement at `time` (m), one per mesh node.
     pub displacement: Vec<Vec3>,

@@ -21,7 +21,7 @@ pub struct BoltTables {
     /// Histories: a column `NAME.greatest` for each set, the greatest axial force (N) among its segments at
     /// each time.
     pub history: HistoryTable,
-    /// Envelopes of each set.
+    /// Greatest axial force of each segment over the run with its time, one entry per set.
     pub peaks: Vec<BoltPeaks>,
 }
 

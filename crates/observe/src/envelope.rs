@@ -9,7 +9,7 @@ use super::{Motion, ObserveError, Recording, check_cadence, principal_stresses};
 pub struct PeakField {
     /// Extreme values, in the order of the nodes or elements.
     pub values: Vec<f64>,
-    /// Times of the extreme values (s).
+    /// Times of the extreme values (s), in the order of `values`.
     pub times: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ impl PeakField {
 /// observation magnitudes are negative and stresses infinite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnvelopeTable {
-    /// Mesh indices of the nodes.
+    /// Mesh indices of the nodes that the fields of motion are of, in the order of their values.
     pub nodes: Vec<u32>,
     /// Largest magnitude of displacement (m).
     pub displacement: PeakField,
@@ -46,13 +46,13 @@ pub struct EnvelopeTable {
     pub velocity: PeakField,
     /// Largest magnitude of acceleration (m/s2).
     pub acceleration: PeakField,
-    /// Mesh indices of the elements.
+    /// Mesh indices of the elements that the fields of stress are of, in the order of their values.
     pub elements: Vec<u32>,
     /// Greatest (most tensile) principal stress (Pa).
     pub greatest_stress: PeakField,
     /// Least (most compressive) principal stress (Pa).
     pub least_stress: PeakField,
-    /// Number of observed steps.
+    /// Number of time steps at which the envelope was evaluated.
     pub observations: u64,
     /// Greatest acceleration of all nodes (m/s2) over the odd and over the even observations.
     pub alternate_acceleration: [f64; 2],

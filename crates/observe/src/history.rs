@@ -86,7 +86,7 @@ pub struct HistoryBuilder {
 }
 
 impl HistoryBuilder {
-    /// Adds the motion at a location.
+    /// Records the motion at a node, the mean of a set of nodes, or a point: columns `NAME.ux`, `NAME.vx` and so on.
     #[must_use]
     pub fn motion(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
         self.channels.push(Channel::Motion {
@@ -117,7 +117,8 @@ impl HistoryBuilder {
         self.places.push((name.into(), to.into()));
         self
     }
-    /// Adds the stress of an element.
+    /// Records the mean stress of an element (Pa), by number or around a point: columns `NAME.xx` to `NAME.zx`, and
+    /// the principal stresses `NAME.s1` to `NAME.s3`.
     #[must_use]
     pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
         self.channels.push(Channel::Stress {

@@ -14,14 +14,14 @@ use super::{HistoryTable, ObserveError, Recording, check_cadence};
 pub struct JointTable {
     /// Name of the joint.
     pub name: String,
-    /// Name of its contact law.
+    /// Name of its contact law, such as `bonded-coulomb`.
     pub law: String,
-    /// Node pairs.
+    /// Nodes, local axes and areas of the pairs, in the order of the joint.
     pub pairs: Vec<JointPair>,
     /// Contact states, peak values and energies, which count every step since the joint's last re-initialisation, not the
     /// observed steps alone; what earlier stages left is included.
     pub records: Vec<JointRecord>,
-    /// History variables of the law.
+    /// Names, units and kinds of the history variables of the law; empty for a law without any.
     pub variables: Vec<HistoryVariable>,
     /// Values of the history variables, those of a pair side by side.
     pub history: Vec<f64>,
@@ -42,7 +42,7 @@ pub struct TractionPeaks {
     pub greatest_normal: PeakField,
     /// Least normal traction (Pa): the greatest pressure, where negative.
     pub least_normal: PeakField,
-    /// Greatest shear traction (Pa).
+    /// Greatest magnitude of the shear traction (Pa).
     pub greatest_shear: PeakField,
 }
 
@@ -129,26 +129,26 @@ const COLUMNS: [(&str, &str); 11] = [
 /// Request for histories and the outcome of some pairs of a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointWatch {
-    /// Name in results.
+    /// Name of the request, under which its columns and its outcome are found in results.
     pub name: String,
-    /// Name of the joint.
+    /// Name of the joint that the pairs are of.
     pub joint: String,
     /// Indices of the pairs among those of the joint.
     pub pairs: Vec<usize>,
-    /// Quantities that are recorded.
+    /// Quantities that are recorded of the pairs against time.
     pub quantities: JointQuantities,
 }
 
 /// Final contact state and peak values of observed node pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointOutcome {
-    /// Name in results.
+    /// Name of the request, under which its columns and its outcome are found in results.
     pub name: String,
-    /// Name of the joint.
+    /// Name of the joint that the pairs are of.
     pub joint: String,
-    /// Number of pairs.
+    /// Number of observed node pairs.
     pub pairs: usize,
-    /// Area of the pairs (m2).
+    /// Sum of the tributary areas of the observed pairs (m2), to which the shares refer.
     pub area: f64,
     /// Time of the first slip of any pair (s), and the index of that pair among those of the joint; `None` if none has
     /// slipped.
@@ -178,9 +178,9 @@ pub struct JointOutcome {
 /// Results of all joints of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointTables {
-    /// Last observed time (s).
+    /// Time of the last observed step (s), at which the states of `joints` are given.
     pub time: f64,
-    /// Joints at that time.
+    /// States of the node pairs of each joint at that time.
     pub joints: Vec<JointTable>,
     /// Final contact state and peak values of every [`JointWatch`].
     pub outcomes: Vec<JointOutcome>,

@@ -27,9 +27,9 @@ impl fmt::Display for PeakPlace {
 /// A peak: the value of largest magnitude of one quantity, with time and location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeakRow {
-    /// Name of the quantity.
+    /// Name of the quantity: that of a column such as `crown.ux`, or of an envelope.
     pub name: String,
-    /// Unit of the value.
+    /// Unit of the value in SI, such as `m/s2`.
     pub unit: &'static str,
     /// The value with its sign, in the [unit](Self::unit).
     pub value: f64,
@@ -53,7 +53,7 @@ pub struct PeakRow {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeakTable {
-    /// The peaks.
+    /// Peaks of the run, one for each quantity.
     pub rows: Vec<PeakRow>,
 }
 

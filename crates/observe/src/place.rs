@@ -7,9 +7,9 @@ use super::ObserveError;
 /// Selection of the kinds of motion to be recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
-    /// Whether displacement (m) is recorded.
+    /// Whether the displacement (m) is recorded: components `ux`, `uy`, `uz`.
     pub displacement: bool,
-    /// Whether velocity (m/s) is recorded.
+    /// Whether the velocity (m/s) is recorded: components `vx`, `vy`, `vz`.
     pub velocity: bool,
     /// Whether acceleration (m/s2) is recorded.
     pub acceleration: bool,
@@ -45,7 +45,7 @@ impl Motion {
 /// An observation point, given by coordinates; its values are interpolated in the element around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservationPoint {
-    /// Position (m).
+    /// Position in the undeformed mesh (m).
     pub position: Vec3,
     /// Name of the element set that contains the point; none for all solid elements. On a joint the set determines the
     /// side.
@@ -63,13 +63,13 @@ impl ObservationPoint {
             tolerance: 1e-3,
         }
     }
-    /// The same point in an element set.
+    /// Restricts the elements in which the point is sought to those of an element set, by name.
     #[must_use]
     pub fn among(mut self, elements: &str) -> Self {
         self.elements = Some(elements.into());
         self
     }
-    /// The same point with another tolerance (m), such as the distance of a round wall from its chord.
+    /// Sets the largest distance of the point from an element (m), such as that of a round wall from its chord.
     #[must_use]
     pub fn within(mut self, tolerance: f64) -> Self {
         self.tolerance = tolerance;

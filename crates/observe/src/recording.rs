@@ -30,7 +30,7 @@ impl<T> Recording<T> {
     pub fn read<R>(&self, reader: impl FnOnce(&T) -> R) -> R {
         reader(&self.lock())
     }
-    /// A copy of the results so far.
+    /// Copies the results recorded so far, also while the run goes on.
     pub fn copy(&self) -> T
     where
         T: Clone,

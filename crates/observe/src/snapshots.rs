@@ -12,7 +12,7 @@ use super::{Motion, ObserveError, check_cadence};
 /// Selection of the fields of a snapshot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SnapshotFields {
-    /// Kinds of nodal motion to be included.
+    /// Nodal motions that a snapshot has: displacement, velocity, acceleration.
     pub motion: Motion,
     /// Whether mean element stresses are included.
     pub stress: bool,
@@ -24,9 +24,9 @@ pub struct SnapshotFields {
 pub struct Snapshot<'a> {
     /// Index of the snapshot, from 0.
     pub index: u64,
-    /// Number of time steps taken.
+    /// Number of time steps taken since the start of the run.
     pub step: u64,
-    /// Time (s).
+    /// Time at which the displacement is given (s), on the clock of the run.
     pub time: f64,
     /// Displacement (m), one per mesh node.
     pub displacement: &'a [Vec3],
@@ -36,7 +36,7 @@ pub struct Snapshot<'a> {
     pub acceleration: &'a [Vec3],
     /// Mean stress (Pa), initial stress included, one per mesh element.
     pub stress: &'a [Stress],
-    /// State of the joints.
+    /// Joints of the body with the states of their node pairs at this time.
     pub joints: &'a [JointView<'a>],
     /// History variables of laws, one value per mesh element, zero where the law has no such variable.
     pub state: &'a [(HistoryVariable, Vec<f64>)],

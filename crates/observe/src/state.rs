@@ -9,7 +9,7 @@ use super::{ObserveError, PeakField, Recording, check_cadence};
 /// Envelopes of history variables, as a [`StatePeaks`] has observed them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StateTable {
-    /// Mesh indices of the elements.
+    /// Mesh indices of the elements that the fields are of, in the order of their values.
     pub elements: Vec<u32>,
     /// Maximum over time of each variable of kind [`HistoryKind::Amount`], with its time; zero in elements whose law has
     /// no such variable.

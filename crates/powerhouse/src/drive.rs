@@ -273,7 +273,7 @@ impl Material {
 pub struct PointTest {
     /// Name of the law.
     pub law: String,
-    /// History variables of the law.
+    /// Names, units and kinds of the history variables of the law; empty for a law without any.
     pub variables: Vec<HistoryVariable>,
     /// State at the start and after every step.
     pub records: Vec<PointState>,

@@ -29,7 +29,7 @@ pub struct Magnitude {
 /// Unit in which a value was probably given, and its conversion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbableUnit {
-    /// Unit.
+    /// Unit that was probably meant, such as `GPa`.
     pub unit: &'static str,
     /// Value in SI units if it was given in that unit.
     pub value: f64,

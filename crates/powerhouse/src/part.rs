@@ -93,7 +93,7 @@ impl Material {
     pub fn law(&self) -> &AnyLaw {
         &self.law
     }
-    /// The history variables of the law.
+    /// Names, units and kinds of the history variables of the law; empty for a law without any.
     pub fn history(&self) -> &[HistoryVariable] {
         self.law.history()
     }
@@ -101,7 +101,7 @@ impl Material {
     pub fn from_point_law(law: impl PointLaw + 'static) -> Self {
         Self::new(PointAdapter::new(law))
     }
-    /// The law's name.
+    /// Name of the law, such as `mohr-coulomb`.
     pub fn name(&self) -> &str {
         self.law.name()
     }
@@ -182,8 +182,12 @@ impl Kernel {
             AnyKernel::Own(kernel) => kernel.points(),
         }
     }
-    /// A factory of blocks of a material for an element set, as scenes use it; also for models that are built
-    /// without a scene.
+    /// Factory that builds the element block of a set: the elements of the set, computed together by this kernel with
+    /// the law of a material. A scene builds each of its parts by one; a program that builds a
+    /// [`Model`](powerhouse_explicit_core::Model) without a scene gives it to the
+    /// [`ModelBuilder`](powerhouse_explicit_core::ModelBuilder). `set` is the name of the element set in the mesh,
+    /// `options` have number format, lanes and Rayleigh damping. Whether the elements are of the kind of the kernel
+    /// is checked when the block is built.
     pub fn factory(
         &self,
         set: &str,
@@ -233,7 +237,7 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> OwnKernel for Own<K
 pub struct Part {
     /// Name of the element set in the mesh.
     pub set: String,
-    /// The material.
+    /// Material of the elements: constitutive law with its parameters.
     pub material: Material,
     /// Kernel of the elements of its kind; others, and all if it is none, have the default kernel of their
     /// kind.
@@ -269,8 +273,8 @@ impl Part {
         self.damping = damping.into();
         self
     }
-    /// The same with a rim (m), elastic and undamped, along the absorbing faces; 0 for the elements
-    /// that touch them alone.
+    /// Sets the width of the elastic rim (m): elements within it of an absorbing face are elastic and undamped; 0 for
+    /// the elements that touch such a face alone.
     #[must_use]
     pub fn with_rim(mut self, width: f64) -> Self {
         self.rim = Some(width);

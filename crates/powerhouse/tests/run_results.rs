@@ -1,6 +1,5 @@
 //! Results and result files of runs, including failed ones.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use powerhouse::boundary::ViscousSpring;
@@ -15,6 +14,8 @@ use powerhouse::{
     Boundary, Error, FolderError, Material, OutputPlan, Part, Registry, Remark, ResidualLimit,
     ResultFolder, Results, RunHooks, RunNotes, Scene, SnapshotRequest,
 };
+
+use powerhouse_test_support::TestFolder as Folder;
 
 const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
 
@@ -113,26 +114,6 @@ impl Observer for Fails {
     }
 }
 
-/// Separate folder for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-    fn has(&self, file: &str) -> bool {
-        self.0.join(file).exists()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 /// A failed run returns the results recorded until then; its summary states the failure.
 #[test]
 fn a_failed_run_keeps_what_it_recorded() {
@@ -153,22 +134,22 @@ fn a_failed_run_keeps_what_it_recorded() {
         times.len()
     );
 
-    let results_of = ResultFolder::new(&folder.0);
+    let results_of = ResultFolder::new(&folder);
     results_of
         .write(("cube", &mesh), &results, &RunNotes::default(), None)
         .unwrap();
-    let summary = std::fs::read_to_string(folder.0.join("summary.json")).unwrap();
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["ended"], "failed");
     assert_eq!(summary["failure"], error.to_string());
-    assert!(folder.has("histories.csv"));
+    assert!(folder.join("histories.csv").exists());
 }
 
 /// Results of an earlier run are removed before the next one; other files in the folder are kept.
 #[test]
 fn old_results_do_not_mix_with_new_ones() {
     let folder = Folder::new("mix");
-    let results_of = ResultFolder::new(&folder.0);
+    let results_of = ResultFolder::new(&folder);
     let go = |snapshots: bool| {
         let mut scene = cube();
         let mut plan = scene.output().clone();
@@ -181,23 +162,25 @@ fn old_results_do_not_mix_with_new_ones() {
         let hooks = RunHooks::default().with_snapshots(results_of.snapshots(&simulation).unwrap());
         let results = simulation.run(hooks).unwrap();
         let files = results_of.write(("cube", &mesh), &results, &RunNotes::default(), None);
-        files.unwrap().contains(&folder.0.join("snapshots.pvd"))
+        files.unwrap().contains(&folder.join("snapshots.pvd"))
     };
     assert!(go(true));
-    assert!(folder.has("snapshots/snapshots_00003.vtu") && folder.has("plots/top.svg"));
+    assert!(
+        folder.join("snapshots/snapshots_00003.vtu").exists()
+            && folder.join("plots/top.svg").exists()
+    );
     for own in ["notes.txt", "scene.toml", "plots/notes.txt"] {
-        std::fs::write(folder.0.join(own), "mine").unwrap();
+        std::fs::write(folder.join(own), "mine").unwrap();
     }
-    std::fs::rename(
-        folder.0.join("plots/top.svg"),
-        folder.0.join("plots/old.svg"),
-    )
-    .unwrap();
+    std::fs::rename(folder.join("plots/top.svg"), folder.join("plots/old.svg")).unwrap();
     assert!(!go(false));
-    assert!(!folder.has("snapshots.pvd") && !folder.has("snapshots/snapshots_00000.vtu"));
-    assert!(!folder.has("plots/old.svg") && folder.has("plots/top.svg"));
+    assert!(
+        !folder.join("snapshots.pvd").exists()
+            && !folder.join("snapshots/snapshots_00000.vtu").exists()
+    );
+    assert!(!folder.join("plots/old.svg").exists() && folder.join("plots/top.svg").exists());
     for own in ["notes.txt", "scene.toml", "plots/notes.txt"] {
-        assert!(folder.has(own), "{own}");
+        assert!(folder.join(own).exists(), "{own}");
     }
 }
 
@@ -205,24 +188,24 @@ fn old_results_do_not_mix_with_new_ones() {
 #[test]
 fn a_folder_of_others_is_left_alone() {
     let folder = Folder::new("others");
-    std::fs::create_dir_all(folder.0.join("pictures")).unwrap();
+    std::fs::create_dir_all(folder.join("pictures")).unwrap();
     let theirs = ["summary.json", "histories.csv", "pictures/holiday.png"];
     for file in theirs {
-        std::fs::write(folder.0.join(file), "{\"software\": \"another\"}").unwrap();
+        std::fs::write(folder.join(file), "{\"software\": \"another\"}").unwrap();
     }
-    ResultFolder::new(&folder.0).clear().unwrap();
-    assert!(theirs.iter().all(|file| folder.has(file)));
+    ResultFolder::new(&folder).clear().unwrap();
+    assert!(theirs.iter().all(|file| folder.join(file).exists()));
 }
 
 /// A results folder is created and tested before a run; one that cannot be created is an error with its path.
 #[test]
 fn a_folder_is_tried_before_a_run() {
     let folder = Folder::new("tried");
-    let results_of = ResultFolder::new(folder.0.join("deep/er"));
+    let results_of = ResultFolder::new(folder.join("deep/er"));
     results_of.create().unwrap();
     assert_eq!(std::fs::read_dir(results_of.path()).unwrap().count(), 0);
-    std::fs::write(folder.0.join("file"), "").unwrap();
-    let in_the_way = ResultFolder::new(folder.0.join("file"));
+    std::fs::write(folder.join("file"), "").unwrap();
+    let in_the_way = ResultFolder::new(folder.join("file"));
     let error = in_the_way.create().unwrap_err();
     assert!(error.to_string().contains("file"), "{error}");
 }
@@ -232,7 +215,7 @@ fn a_folder_is_tried_before_a_run() {
 fn a_file_sets_the_limit_of_the_balance() {
     let text = |limit: &str| {
         let mesh = "data/meshes/cavern_small.msh";
-        let mesh = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        let mesh = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
             .join("../..")
             .join(mesh);
         format!(
@@ -308,9 +291,9 @@ fn sections_through_tetrahedra_are_doubted() {
         );
         let mesh = simulation.mesh().clone();
         let results = simulation.run(RunHooks::default()).unwrap();
-        let out = ResultFolder::new(&folder.0);
+        let out = ResultFolder::new(&folder);
         out.write(("cut", &mesh), &results, &notes, None).unwrap();
-        let read = |file: &str| std::fs::read_to_string(folder.0.join(file)).unwrap_or_default();
+        let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap_or_default();
         assert_eq!(says(&read("summary.json")), doubted, "{name}");
         let table = read("sections.csv");
         assert_eq!(
@@ -319,7 +302,7 @@ fn sections_through_tetrahedra_are_doubted() {
             "{table}"
         );
         if is_cut {
-            let columns = powerhouse::io::read_table(&folder.0.join("sections.csv")).unwrap();
+            let columns = powerhouse::io::read_table(&folder.join("sections.csv")).unwrap();
             assert!(columns.len() > 1);
         }
     }
@@ -426,7 +409,7 @@ fn sections_through_both_sides_of_a_ring_are_warned_of() {
 #[test]
 fn a_folder_has_one_run_at_a_time() {
     let folder = Folder::new("lock-one");
-    let results = ResultFolder::new(&folder.0);
+    let results = ResultFolder::new(&folder);
     let first = results.lock().unwrap();
     let refused = results.lock().unwrap_err().to_string();
     let own = format!("another run (process {}, since 20", std::process::id());
@@ -435,7 +418,7 @@ fn a_folder_has_one_run_at_a_time() {
     let second = results.lock().unwrap();
     assert_eq!(second.remark(), None);
     drop(second);
-    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 0);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
 }
 
 /// The lock of a killed run is taken over, with a remark that names the run.
@@ -443,8 +426,8 @@ fn a_folder_has_one_run_at_a_time() {
 fn the_lock_of_a_dead_run_is_taken_over() {
     let folder = Folder::new("lock-dead");
     let dead = "process 1234, since 2001-02-03 04:05:06 UTC";
-    std::fs::write(folder.0.join(".powerhouse-lock"), format!("{dead}\n1.0\n")).unwrap();
-    let lock = ResultFolder::new(&folder.0).lock().unwrap();
+    std::fs::write(folder.join(".powerhouse-lock"), format!("{dead}\n1.0\n")).unwrap();
+    let lock = ResultFolder::new(&folder).lock().unwrap();
     let remark = lock.remark().unwrap();
     assert!(remark.ends_with(&format!("({dead})")), "{remark}");
 }
@@ -453,9 +436,9 @@ fn the_lock_of_a_dead_run_is_taken_over() {
 #[test]
 fn a_removed_folder_is_detected() {
     let folder = Folder::new("lock-gone");
-    let results = ResultFolder::new(&folder.0);
+    let results = ResultFolder::new(&folder);
     let lock = results.lock().unwrap();
-    std::fs::remove_dir_all(&folder.0).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
     assert!(!lock.is_held());
     let other = results.lock().unwrap();
     let refused = lock.release().unwrap_err();

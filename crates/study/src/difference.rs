@@ -9,7 +9,7 @@ use crate::StudyError;
 /// Relative difference of a motion at a recorded point between two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbeError {
-    /// Name of the history.
+    /// Name of the history, as in the output requests of both runs.
     pub probe: String,
     /// Quantity: `u` displacement, `v` velocity, `a` acceleration.
     pub quantity: char,

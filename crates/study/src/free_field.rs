@@ -61,7 +61,7 @@ impl FreeFieldReport {
 pub struct PointError {
     /// Name of the point: `surface` or `structure`.
     pub name: &'static str,
-    /// Position (m).
+    /// Position of the point in the undeformed mesh (m).
     pub position: Vec3,
     /// Relative error of displacement (1).
     pub displacement: f64,

@@ -16,9 +16,9 @@ const LEAST: f64 = 1e-9;
 pub struct ParetoPoint {
     /// Name of the alternative.
     pub name: String,
-    /// Cost, in any unit.
+    /// Cost of the alternative, in one unit for all points, such as seconds of wall time.
     pub cost: f64,
-    /// Error, in any unit.
+    /// Error of the alternative, in one unit for all points, such as a relative one.
     pub error: f64,
 }
 

@@ -1,6 +1,5 @@
 //! Boundary advice: input taken from a scene, recommendation, and use of the printed tables in scenes.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use powerhouse::boundary::{Spreading, ViscousSpring};
@@ -14,6 +13,7 @@ use powerhouse::wavefield::{
 use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
 use powerhouse_study::advice::{BoundaryKind, BoundaryProblem, Excitation, Obstacle};
 use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary, advise_box};
+use powerhouse_test_support::TestFolder;
 
 const ROCK: ElasticMedium = ElasticMedium {
     young: 9.0e9,
@@ -69,13 +69,11 @@ faces = ["left", "right", "bottom"]
 scatterer = [0, 0, -4]
 "#;
 
-struct Folder(PathBuf);
+struct Folder(TestFolder);
 
 impl Folder {
     fn new(name: &str, mesh: &Mesh) -> Self {
-        let name = format!("powerhouse-advice-{name}-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = TestFolder::new(&format!("advice-{name}"));
         write_gmsh(folder.join("opening.msh"), mesh).unwrap();
         Self(folder)
     }
@@ -83,12 +81,6 @@ impl Folder {
         let text = format!("{TEXT}{boundary}");
         let path = self.0.join("scene.toml");
         Scene::from_toml(text, path, &Registry::default()).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -10,30 +10,23 @@ use powerhouse_study::StudyError;
 use powerhouse_study::bay::{
     BAY_BOLT_ROWS, BAY_BOLTS, Bay, BayDimensions, BayMesh, BayPart, BaySize, RockEnds,
 };
+use powerhouse_test_support::TestFolder;
 
 fn mesh(size: BaySize) -> BayMesh {
     Bay::of_size(size).mesh().unwrap()
 }
 
 /// A folder that goes with the test.
-struct Folder(PathBuf);
+struct Folder(TestFolder);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
+        Self(TestFolder::new(name))
     }
     fn file(&self, name: &str, text: &str) -> PathBuf {
         let path = self.0.join(name);
         std::fs::write(&path, text).unwrap();
         path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

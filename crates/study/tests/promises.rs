@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use powerhouse::engine::observe::HistoryTable;
@@ -11,6 +11,7 @@ use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{RunHooks, Scene, TimeStep};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::{OpeningSlice, check, registry};
+use powerhouse_test_support::TestFolder;
 
 /// A scene to which no constant of the predictions was fitted.
 #[derive(Clone, Copy)]
@@ -124,14 +125,6 @@ fn cases() -> [Case; 10] {
     ]
 }
 
-struct Folder(PathBuf);
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 impl Case {
     /// The mesh with the sets `ground` and `structure`, the faces that absorb, and a place of the structure.
     fn mesh(&self) -> (Mesh, &'static str, [f64; 3]) {
@@ -183,13 +176,11 @@ impl Case {
         (mesh, faces, at)
     }
 
-    fn write(&self) -> Folder {
+    fn write(&self) -> TestFolder {
         let name = self.name.replace(' ', "-");
-        let folder = format!("powerhouse-promises-{name}-{}", std::process::id());
-        let folder = Folder(std::env::temp_dir().join(folder));
-        std::fs::create_dir_all(&folder.0).unwrap();
+        let folder = TestFolder::new(&format!("promises-{name}"));
         let (mesh, faces, at) = self.mesh();
-        write_gmsh(folder.0.join("mesh.msh"), &mesh).unwrap();
+        write_gmsh(folder.join("mesh.msh"), &mesh).unwrap();
         let record = concat!(
             env!("CARGO_MANIFEST_DIR"),
             "/../../data/records/el_centro_1940_ns.csv"
@@ -235,7 +226,7 @@ impl Case {
              quantities = [\"displacement\", \"velocity\", \"acceleration\"]"
         )
         .unwrap();
-        std::fs::write(folder.0.join("scene.toml"), text).unwrap();
+        std::fs::write(folder.join("scene.toml"), text).unwrap();
         folder
     }
 }
@@ -284,11 +275,11 @@ fn error(reference: &HistoryTable, found: &HistoryTable) -> f64 {
 /// Ratios of predicted and measured errors of the number formats, with both errors printed.
 fn ratios(case: &Case) -> Vec<(&'static str, f64, f64)> {
     let folder = case.write();
-    let (reference, _) = run(&folder.0, "f64");
+    let (reference, _) = run(&folder, "f64");
     let mut found = Vec::new();
     for format in ["mixed", "f32"] {
-        let measured = error(&reference, &run(&folder.0, format).0);
-        let promised = FormatError::of(&read(&folder.0, format)).unwrap().unwrap();
+        let measured = error(&reference, &run(&folder, format).0);
+        let promised = FormatError::of(&read(&folder, format)).unwrap().unwrap();
         match promised.error.share {
             Some(share) => {
                 println!(
@@ -378,9 +369,9 @@ fn formats_keep_the_accelerations_of_a_lining() {
             ..CASE
         };
         let folder = case.write();
-        let (reference, _) = run(&folder.0, "f64");
+        let (reference, _) = run(&folder, "f64");
         for (format, limit) in [("mixed", 0.01), ("f32", 0.03)] {
-            let found = error(&reference, &run(&folder.0, format).0);
+            let found = error(&reference, &run(&folder, format).0);
             assert!(found < limit, "{fine} {format}: {found}");
             // A format without any error is none.
             assert!(found > 0.0, "{fine} {format}");
@@ -402,12 +393,12 @@ fn savings_are_as_promised_in_ten_scenes() {
         let duration = share * case.duration;
         let case = Case { duration, ..case };
         let folder = case.write();
-        let report = check(read(&folder.0, "f64")).unwrap();
+        let report = check(read(&folder, "f64")).unwrap();
         let named = |change: &Change| report.savings.iter().find(|s| s.change == *change);
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..5 {
             for (times, format) in times.iter_mut().zip(["f64", "mixed"]) {
-                times.push(run(&folder.0, format).1);
+                times.push(run(&folder, format).1);
             }
         }
         let [own, mixed] = times.map(|mut times| {

@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
+use powerhouse_test_support::TestFolder;
 
 const SCENE: &str = r#"
 title = "block"
@@ -44,15 +45,13 @@ every = 0.1
 
 /// A block of 120 m in a folder that goes away with it.
 pub(crate) struct Block {
-    pub(crate) folder: PathBuf,
+    pub(crate) folder: TestFolder,
 }
 
 impl Block {
     /// The block with a change of its scene.
     pub(crate) fn new(name: &str, change: impl Fn(String) -> String) -> Self {
-        let name = format!("powerhouse-cli-block-{name}-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = TestFolder::new(&format!("cli-block-{name}"));
         let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(120.0), [6; 3], "rock");
         write_gmsh(folder.join("mesh.msh"), &mesh.unwrap()).unwrap();
         std::fs::write(folder.join("scene.toml"), change(SCENE.into())).unwrap();
@@ -73,12 +72,6 @@ impl Block {
     pub(crate) fn powerhouse(&self, arguments: &[&str]) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_powerhouse"));
         command.args(arguments).output().unwrap()
-    }
-}
-
-impl Drop for Block {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.folder);
     }
 }
 

@@ -47,7 +47,7 @@ pub struct AnyLaw {
 }
 
 impl AnyLaw {
-    /// A law with its type erased.
+    /// Erases the type of a law; every kernel still evaluates it in SIMD lanes.
     pub fn new<M: ConstitutiveLaw>(law: M) -> Self {
         if const { M::LINEAR } {
             return Self {

@@ -44,9 +44,9 @@ pub struct Grout {
     pub stiffness: f64,
     /// Shear strength: greatest shear force per length (N/m), above zero; infinite for grout that never slips.
     pub strength: f64,
-    /// End condition at the head.
+    /// How the head of the bolt is held: by the grout alone, or anchored to the rock.
     pub head: BoltEnd,
-    /// End condition at the toe.
+    /// How the toe of the bolt is held: by the grout alone, or anchored to the rock.
     pub toe: BoltEnd,
 }
 
@@ -203,7 +203,7 @@ impl BoltSet {
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// Number of bolts.
+    /// Number of bolts in the set, each of one or more segments.
     pub fn len(&self) -> usize {
         self.bolts.len()
     }

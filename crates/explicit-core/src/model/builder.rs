@@ -117,13 +117,13 @@ impl<'a> ModelBuilder<'a> {
         self.periodic.push(pairs);
         self
     }
-    /// Adds a prescribed motion of nodes.
+    /// Adds nodes whose displacement along a direction is a given function of time.
     #[must_use]
     pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
         self.prescribed.push(prescribed);
         self
     }
-    /// Adds a nodal load.
+    /// Adds a load: forces at nodes (N) as a function of time.
     #[must_use]
     pub fn load(mut self, load: Box<dyn NodalLoad>) -> Self {
         self.loads.push(load);

@@ -117,7 +117,7 @@ impl core::fmt::Debug for Model {
 }
 
 impl Model {
-    /// A builder of a model of a mesh.
+    /// Builder of a model of a mesh, to which element blocks, supports, loads and boundaries are added.
     pub fn builder(mesh: &Mesh) -> ModelBuilder<'_> {
         ModelBuilder::new(mesh)
     }

@@ -19,11 +19,11 @@ use powerhouse_model::{Mesh, ParameterError, Stress, Vec3};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StressField {
-    /// Elevation `z` of the surface (m).
+    /// Height z from which depth is counted (m), downwards.
     pub surface: f64,
-    /// Stress at the surface (Pa).
+    /// Stress at depth zero (Pa), tension positive: xx, yy, zz, xy, yz, zx.
     pub at_surface: Stress,
-    /// Increase of stress per depth (Pa/m).
+    /// Increase of each component of stress per depth (Pa/m); negative for compression that grows downwards.
     pub gradient: Stress,
     /// Whether the stress is zero above the surface, as in ground under its own weight.
     pub ends: bool,
@@ -54,7 +54,9 @@ impl StressField {
         })
     }
 
-    /// The initial stress (Pa) at a point (m).
+    /// Stress at a point given by its coordinates (m), of which z alone counts: `at_surface + gradient (surface - z)`
+    /// (Pa, tension positive). Above the surface it is zero if [`ends`](Self::ends) is true, and extrapolated by the
+    /// same formula otherwise.
     pub fn at(&self, point: &Vec3) -> Stress {
         let depth = self.surface - point.z;
         if self.ends && depth < 0.0 {

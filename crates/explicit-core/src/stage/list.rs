@@ -66,7 +66,7 @@ impl<'a> Stage<'a> {
         self.renewed.extend(named);
         self
     }
-    /// The same stage with other options of the static solution.
+    /// Sets the options of the static solution: method, tolerance, increments, release factor.
     #[must_use]
     pub fn options(mut self, options: StaticOptions) -> Self {
         self.options = options;
@@ -127,11 +127,11 @@ impl<'a> Stage<'a> {
 pub struct StageReport {
     /// Name of the stage.
     pub name: String,
-    /// Number of excavated elements.
+    /// Number of elements that were excavated (deactivated) in the stage.
     pub excavated: usize,
-    /// Number of cast elements.
+    /// Number of elements that were cast (activated) in the stage.
     pub cast: usize,
-    /// Report of the static solution.
+    /// Report of the static solution: numbers of operations and the residual that is left.
     pub solution: StaticReport,
     /// Largest displacement of a node from the start to the end of this stage (m), and the node's number.
     pub largest_displacement: (f64, u64),

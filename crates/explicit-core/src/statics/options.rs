@@ -61,7 +61,7 @@ pub enum Linearisation {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticOptions {
-    /// Solution method.
+    /// Method by which static equilibrium is computed.
     pub method: StaticMethod,
     /// Tolerance: the largest permitted norm of the unbalanced forces over that of the load, 1e-14 to 1; 1e-8 by default.
     pub tolerance: f64,

@@ -14,9 +14,9 @@ pub struct QualityReport {
     pub least_scaled_jacobian: f64,
     /// The user's number of the element with the least scaled Jacobian; zero if there are only bars.
     pub worst_element: u64,
-    /// Shortest edge (m).
+    /// Length of the shortest edge of any element (m).
     pub shortest_edge: f64,
-    /// Longest edge (m).
+    /// Length of the longest edge of any element (m).
     pub longest_edge: f64,
     /// Largest aspect ratio: longest over shortest edge of one element.
     pub largest_aspect: f64,

@@ -17,7 +17,7 @@ pub struct FacetGeometry {
     /// Area tributary to each node, `integral of N_a dA` (m2), exact for plane
     /// parallelograms and triangles, by 2 x 2 Gauss points for others.
     pub areas: Vec<f64>,
-    /// Centroid of its nodes (m).
+    /// Mean position of the nodes of the facet (m).
     pub centroid: Vec3,
 }
 

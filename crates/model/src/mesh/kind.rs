@@ -53,7 +53,7 @@ const WEDGE_CORNERS: [[u8; 4]; 6] = [
 ];
 
 impl ElementKind {
-    /// Number of nodes of the kind.
+    /// Number of nodes of an element of this kind.
     pub fn node_count(self) -> usize {
         match self {
             Self::Hex8 => 8,

@@ -145,15 +145,15 @@ impl Mesh {
     pub fn facet_set(&self, name: &str) -> Result<&[Facet], MeshError> {
         find("facet", &self.facet_sets, name)
     }
-    /// All element sets by name.
+    /// All element sets: mesh indices of their elements, by name.
     pub fn element_sets(&self) -> &BTreeMap<String, Vec<u32>> {
         &self.element_sets
     }
-    /// All node sets by name.
+    /// All node sets: mesh indices of their nodes, by name.
     pub fn node_sets(&self) -> &BTreeMap<String, Vec<u32>> {
         &self.node_sets
     }
-    /// All facet sets by name.
+    /// All facet sets: their facets (element and face), by name.
     pub fn facet_sets(&self) -> &BTreeMap<String, Vec<Facet>> {
         &self.facet_sets
     }

@@ -31,7 +31,7 @@ const WEDGE_CORNERS: [[f64; 3]; 6] = [
 const BAR_ENDS: [[f64; 3]; 2] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
 
 impl ElementKind {
-    /// Natural coordinates of the nodes.
+    /// Natural coordinates of the nodes of the element kind, in the order of the nodes.
     pub fn natural_corners(self) -> &'static [[f64; 3]] {
         match self {
             Self::Hex8 => &HEX_SIGNS,
@@ -103,7 +103,7 @@ impl ElementKind {
         }
     }
 
-    /// Natural coordinates of the centroid.
+    /// Natural coordinates of the centroid of the element kind.
     pub fn natural_centre(self) -> Vec3 {
         match self {
             Self::Hex8 | Self::Bar2 => Vec3::zeros(),

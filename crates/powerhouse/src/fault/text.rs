@@ -41,7 +41,7 @@ pub struct SceneFault {
 }
 
 impl SceneFault {
-    /// Fault in a text.
+    /// Fault together with the text that it was found in, from which line and column are counted.
     pub fn new(text: Arc<SceneText>, fault: Fault) -> Self {
         Self { text, fault }
     }

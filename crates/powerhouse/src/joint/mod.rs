@@ -59,18 +59,18 @@ pub enum InitialGap {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct SceneJoint {
-    /// Name in results.
+    /// Name of the joint, by which stages refer to it and its results are called.
     pub name: String,
     /// Node pairs and facets of the two sides.
     pub surface: JointSurface,
-    /// Contact law.
+    /// Contact law, which decides on the traction that each pair admits.
     pub law: Arc<dyn ContactLaw>,
     /// Traction in the static state from which displacements count, if any; not permitted in a scene with stages, which
     /// compute it.
     pub preload: Option<Preload>,
-    /// Initial gap.
+    /// Initial gap between the sides along the normal: closed, uniform, or as meshed.
     pub gap: InitialGap,
-    /// Pairs without a bond at the start.
+    /// Zones of the joint whose pairs start without a bond, such as an existing crack.
     pub unbonded: Vec<JointZone>,
 }
 

@@ -46,9 +46,9 @@ impl Preload {
 /// stress, no shear; zero above the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundStress {
-    /// Height of the ground surface (m).
+    /// Height z of the ground surface (m), at which the stress is zero.
     pub level: f64,
-    /// Density `rho` (kg/m3).
+    /// Mass density of the ground `rho` (kg/m3).
     pub density: f64,
     /// Ratio of horizontal to vertical stress (1), 0 or above.
     pub lateral: f64,
@@ -69,7 +69,7 @@ impl GroundStress {
         ground.check().map(|()| ground)
     }
 
-    /// Stress (Pa) at a height (m).
+    /// Stress (Pa, tension positive) at a height z (m); zero above the ground surface.
     pub fn at(&self, z: f64) -> Stress {
         let vertical = -self.density * GRAVITY * (self.level - z).max(0.0);
         let lateral = self.lateral * vertical;

@@ -10,16 +10,16 @@ use crate::JointZone;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HistoryRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
     /// Location: a node, a set of nodes (the mean of their motion) or a point.
     pub place: Place,
-    /// Displacement, velocity, acceleration.
+    /// Which of displacement, velocity and acceleration are recorded.
     pub motion: Motion,
 }
 
 impl HistoryRequest {
-    /// A request under a name.
+    /// Request for some motions at a place, under a name.
     pub fn new(name: impl Into<String>, place: impl Into<Place>, motion: Motion) -> Self {
         Self {
             name: name.into(),
@@ -33,14 +33,14 @@ impl HistoryRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StressRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
     /// An element by its number, or around a point.
     pub place: StressPlace,
 }
 
 impl StressRequest {
-    /// A request under a name.
+    /// Request for an element, by number or around a point, under a name.
     pub fn new(name: impl Into<String>, place: impl Into<StressPlace>) -> Self {
         Self {
             name: name.into(),
@@ -53,7 +53,7 @@ impl StressRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RelativeRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
     /// The place whose displacement is recorded.
     pub at: Place,
@@ -62,7 +62,7 @@ pub struct RelativeRequest {
 }
 
 impl RelativeRequest {
-    /// A request under a name.
+    /// Request for the displacement of the place `at` relative to the place `from`, under a name.
     pub fn new(name: impl Into<String>, at: impl Into<Place>, from: impl Into<Place>) -> Self {
         Self {
             name: name.into(),
@@ -96,13 +96,13 @@ impl SectionRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EnvelopeRequest {
-    /// Displacement, velocity, acceleration.
+    /// Which of displacement, velocity and acceleration are recorded.
     pub motion: Motion,
     /// Whether the greatest and least principal stress of each element are recorded.
     pub stress: bool,
     /// Element sets whose elements and nodes are recorded; all elements if none is named.
     pub sets: Vec<String>,
-    /// Time between samples (s).
+    /// Time between two evaluations (s): peaks between them are missed.
     pub every: f64,
 }
 
@@ -140,9 +140,9 @@ impl EnvelopeRequest {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct JointRequest {
-    /// Name of its columns in results.
+    /// Name of the request, with which its columns and plots begin (`NAME.ux`).
     pub name: String,
-    /// The joint's name.
+    /// Name of the joint that the pairs are of.
     pub joint: String,
     /// The node pairs among those of the joint.
     pub zone: JointZone,
@@ -216,7 +216,7 @@ impl StateRequest {
         self.places.push(place);
         self
     }
-    /// The same with greatest values sampled every so many seconds.
+    /// Sets the time between two evaluations of the greatest values (s).
     #[must_use]
     pub fn with_every(mut self, every: f64) -> Self {
         self.every = Some(every);
@@ -322,7 +322,7 @@ impl OutputPlan {
         self.state = state;
         self
     }
-    /// Adds the motion at a place.
+    /// Adds the motion at a place against time, under a name.
     #[must_use]
     pub fn history(mut self, name: &str, place: impl Into<Place>, motion: Motion) -> Self {
         self.histories

@@ -21,7 +21,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// A boundary on faces of the mesh.
+    /// Absorbing boundary on faces of the mesh, given by the names of their facet sets.
     pub fn new<N: Into<String>>(
         condition: impl AbsorbingBoundary + 'static,
         faces: impl IntoIterator<Item = N>,

@@ -27,9 +27,9 @@ pub enum BoltLayout {
 pub struct SceneBolts {
     /// Name in stages and results.
     pub name: String,
-    /// Layout of the bolts.
+    /// Axes of the bolts, given one by one or as a pattern on a surface.
     pub layout: BoltLayout,
-    /// Properties of bar and grout.
+    /// Section, stiffness, yield force and pretension of the bars, and their grout if they have any.
     pub parameters: BoltParameters,
 }
 

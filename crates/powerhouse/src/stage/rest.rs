@@ -36,7 +36,7 @@ pub struct CompletedStage<'a> {
     pub state: &'a State,
     /// Total stress of each element of the mesh (Pa), mean over the element, including the in-situ stress.
     pub stress: &'a [Stress],
-    /// History variables of the laws.
+    /// Names, units and kinds of the history variables of all laws of the body.
     pub variables: &'a [HistoryVariable],
     /// Bolt groups installed so far.
     pub bolts: Vec<&'a BoltSet>,

@@ -54,12 +54,12 @@ fn column(records: &[(usize, f64, f64)], duration: f64) -> Scene {
     let folder = Folder::new("base");
     let (high, counts) = (Vec3::new(10.0, 10.0, 60.0), [1, 1, 3]);
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), high, counts, "rock").unwrap();
-    write_gmsh(folder.0.join("column.msh"), &mesh).unwrap();
+    write_gmsh(folder.join("column.msh"), &mesh).unwrap();
     let mut text = format!("{COLUMN}[time]\nduration = {duration}\n");
     for &(axis, corner, swell) in records {
         let samples = record(swell).acceleration().into_iter();
         let lines: String = samples.map(|a| format!("{a:e}\n")).collect();
-        std::fs::write(folder.0.join(format!("{axis}.txt")), lines).unwrap();
+        std::fs::write(folder.join(format!("{axis}.txt")), lines).unwrap();
         let direction = Vec3::ith(axis, 1.0);
         let [x, y, z] = direction.into();
         text += &format!(
@@ -70,7 +70,7 @@ fn column(records: &[(usize, f64, f64)], duration: f64) -> Scene {
              record = \"r{axis}\"\n"
         );
     }
-    Scene::from_toml(text, folder.0.join("column.toml"), &Registry::default()).unwrap()
+    Scene::from_toml(text, folder.join("column.toml"), &Registry::default()).unwrap()
 }
 
 fn run(scene: Scene) -> (Vec<Remark>, Results) {
@@ -183,7 +183,7 @@ fn a_filter_that_rings_too_long_is_named() {
         .iter()
         .map(|a| format!("{a:e}\n"))
         .collect();
-    std::fs::write(variants.0.0.join("r.txt"), lines).unwrap();
+    std::fs::write(variants.0.join("r.txt"), lines).unwrap();
     let refused = |baseline: &str| {
         let keys = format!(
             "[[record]]\nname = \"r\"\nfile = \"r.txt\"\nunits = \"m/s2\"\ntime_step = {STEP}\n\

@@ -11,7 +11,7 @@ fn pulled(height: f64, (base, duration): (&str, f64), keys: &str) -> Result<Scen
     let folder = Folder::new("crack-band");
     let high = Vec3::new(1.0, 1.0, height);
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), high, [1, 1, 1], "bar").unwrap();
-    write_gmsh(folder.0.join("bar.msh"), &mesh).unwrap();
+    write_gmsh(folder.join("bar.msh"), &mesh).unwrap();
     let text = format!(
         r#"
 title = "bar"
@@ -46,7 +46,7 @@ at = [0.5, 0.5, 0.1]
 quantities = ["stress", "state"]
 "#
     );
-    Scene::from_toml(text, folder.0.join("bar.toml"), &Registry::default())
+    Scene::from_toml(text, folder.join("bar.toml"), &Registry::default())
 }
 
 const FULL: &str = "kernel = \"hex8-full\"";

@@ -171,7 +171,7 @@ struct NoKeys {}
 #[test]
 fn faults_have_their_place() {
     let folder = Variants::new("damping-faults").0;
-    powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    powerhouse::io::write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let mut registry = Registry::default();
     registry.add_law("no-tension", |_: NoKeys| {
         Ok(Material::from_point_law(NoTension))
@@ -180,7 +180,7 @@ fn faults_have_their_place() {
         let text = CUBE
             .replace(ELASTIC, law)
             .replace(KERNEL, &format!("{KERNEL}{keys}\n"));
-        Scene::from_toml(text, folder.0.join("cube.toml"), &registry)
+        Scene::from_toml(text, folder.join("cube.toml"), &registry)
     };
     for (keys, message) in [
         (
@@ -314,13 +314,13 @@ fn a_rim_is_elastic_and_undamped() {
 fn a_rim_without_elements_is_refused() {
     let mesh = cut(100.0);
     let folder = Folder::new("rim-idle");
-    powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &mesh).unwrap();
+    powerhouse::io::write_gmsh(folder.join("cube.msh"), &mesh).unwrap();
     let part = "set = \"outer\"\nmaterial = \"granite\"\n";
     let text = CUBE.replace(
         "set = \"rock\"\nmaterial = \"granite\"\n",
         &format!("{part}[[part]]\nset = \"inner\"\nmaterial = \"granite\"\nelastic_rim = 20\n"),
     );
-    let scene = Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default()).unwrap();
+    let scene = Scene::from_toml(text, folder.join("cube.toml"), &Registry::default()).unwrap();
     let Err(Error::Scene(fault)) = scene.prepare() else {
         panic!("an idle rim is accepted");
     };

@@ -122,7 +122,7 @@ fn stages_and_cases_have_former_names() {
     let variants = Variants::new("former-cases");
     let cases = "[[case]]\nname = \"soft\"\nboundary = { a = 0.5 }\npart = [{ set = \"rock\", rim = 60 }]\n[time]";
     let text = CUBE.replacen("[time]", cases, 1);
-    let path = variants.0.0.join("cube.toml");
+    let path = variants.0.join("cube.toml");
     let scene = Scene::from_toml(&text, &path, &Registry::default()).unwrap();
     let found = [
         ("part", ["rim", "elastic_rim"]),
@@ -154,6 +154,6 @@ fn other_boundaries_keep_their_keys() {
         Ok(Arc::new(Viscous::default()) as Arc<dyn AbsorbingBoundary>)
     });
     let text = CUBE.replacen("kind = \"viscous-spring\"", "kind = \"own\"\na = 3.0", 1);
-    let scene = Scene::from_toml(text, variants.0.0.join("cube.toml"), &registry).unwrap();
+    let scene = Scene::from_toml(text, variants.0.join("cube.toml"), &registry).unwrap();
     assert_eq!(remarks(&scene), []);
 }

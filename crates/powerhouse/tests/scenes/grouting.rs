@@ -388,7 +388,7 @@ fn grouting_is_carried_over() {
         }
     };
     let folder = Folder::new("grouting");
-    let file = folder.0.join("rest.body");
+    let file = folder.join("rest.body");
     let body = blocks.scene(plan(true), None).prepare().unwrap();
     let body = body.equilibrate(None, None).unwrap().unwrap();
     body.write(&file).unwrap();

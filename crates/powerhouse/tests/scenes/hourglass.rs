@@ -9,8 +9,8 @@ use crate::support::{Folder, run};
 
 fn scene(mesh: &Mesh, text: String) -> Scene {
     let folder = Folder::new("hourglass");
-    write_gmsh(folder.0.join("body.msh"), mesh).unwrap();
-    let path = folder.0.join("body.toml");
+    write_gmsh(folder.join("body.msh"), mesh).unwrap();
+    let path = folder.join("body.toml");
     Scene::from_toml(text, path, &Registry::default()).unwrap()
 }
 

@@ -64,7 +64,7 @@ fn history_variables_of_a_contact_law_are_results() {
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
     let folder = Folder::new("joint-history");
-    let output = ResultFolder::new(&folder.0);
+    let output = ResultFolder::new(&folder);
     let hooks = RunHooks::default().with_snapshots(output.snapshots(&simulation).unwrap());
     let results = simulation.run(hooks).unwrap();
 
@@ -107,12 +107,12 @@ fn history_variables_of_a_contact_law_are_results() {
         "joints/bedding.vtu",
         "snapshots/snapshots_00001_bedding.vtu",
     ] {
-        let vtu = std::fs::read(folder.0.join(file)).unwrap();
+        let vtu = std::fs::read(folder.join(file)).unwrap();
         let vtu = String::from_utf8_lossy(&vtu);
         for name in ["Name=\"wear\"", "Name=\"worn\""] {
             assert!(vtu.contains(name), "{file} {name}");
         }
     }
-    let header = std::fs::read_to_string(folder.0.join("joints.csv")).unwrap();
+    let header = std::fs::read_to_string(folder.join("joints.csv")).unwrap();
     assert!(header.contains("bedding.wear") && header.contains("corner.worn"));
 }

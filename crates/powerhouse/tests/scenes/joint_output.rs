@@ -271,7 +271,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
     );
 
     let folder = Folder::new("joint-columns");
-    let output = ResultFolder::new(&folder.0);
+    let output = ResultFolder::new(&folder);
     let written = output
         .write(("cube", &mesh), &results, &RunNotes::default(), None)
         .unwrap();
@@ -285,15 +285,12 @@ fn columns_hold_the_contact_states_of_the_pairs() {
         "pictures/joint-bedding-slip.png",
         "pictures/joint-bedding-peak-opening.png",
     ] {
-        assert!(
-            written.contains(&folder.0.join(name)),
-            "{name}: {written:?}"
-        );
+        assert!(written.contains(&folder.join(name)), "{name}: {written:?}");
     }
-    let columns = read_table(&folder.0.join("joints.csv")).unwrap();
+    let columns = read_table(&folder.join("joints.csv")).unwrap();
     let friction = columns.iter().find(|c| c.name == "west.friction").unwrap();
     assert_eq!(*friction.values.last().unwrap(), last("west.friction"));
-    let summary = std::fs::read_to_string(folder.0.join("summary.json")).unwrap();
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap();
     for key in [
         "\"first_slip\"",
         "\"first_crack_node\"",
@@ -303,7 +300,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
     ] {
         assert!(summary.contains(key), "{key}: {summary}");
     }
-    let vtu = std::fs::read(folder.0.join("joints/bedding.vtu")).unwrap();
+    let vtu = std::fs::read(folder.join("joints/bedding.vtu")).unwrap();
     let vtu = String::from_utf8_lossy(&vtu);
     for field in [
         "greatest normal traction",
@@ -313,8 +310,8 @@ fn columns_hold_the_contact_states_of_the_pairs() {
         assert!(vtu.contains(field), "{field}");
     }
     output.clear().unwrap();
-    assert!(!folder.0.join("plots/joint-west.svg").exists());
-    assert!(!folder.0.join("pictures/joint-bedding-slip.png").exists());
+    assert!(!folder.join("plots/joint-west.svg").exists());
+    assert!(!folder.join("pictures/joint-bedding-slip.png").exists());
 }
 
 /// Snapshots contain the facets of each joint beside the body, and are removed with them.
@@ -327,12 +324,12 @@ fn snapshots_hold_joints() {
     scene = scene.with_output(plan);
     let simulation = scene.prepare().unwrap();
     let folder = Folder::new("joint-snapshots");
-    let output = ResultFolder::new(&folder.0);
+    let output = ResultFolder::new(&folder);
     let sink = output.snapshots(&simulation).unwrap();
     let hooks = RunHooks::default().with_snapshots(sink);
     let results = simulation.run(hooks).unwrap();
     assert_eq!(results.snapshots, 4);
-    let collection = std::fs::read_to_string(folder.0.join("snapshots.pvd")).unwrap();
+    let collection = std::fs::read_to_string(folder.join("snapshots.pvd")).unwrap();
     let entries: Vec<&str> = collection
         .lines()
         .filter(|line| line.contains("<DataSet"))
@@ -349,7 +346,7 @@ fn snapshots_hold_joints() {
             .next()
             .unwrap();
         assert_eq!(file.ends_with("_bedding.vtu"), part == 1, "{file}");
-        let vtu = std::fs::read(folder.0.join(file)).unwrap();
+        let vtu = std::fs::read(folder.join(file)).unwrap();
         let vtu = String::from_utf8_lossy(&vtu);
         let size = if part == 1 {
             "NumberOfPoints=\"144\" NumberOfCells=\"36\""
@@ -361,9 +358,7 @@ fn snapshots_hold_joints() {
     }
     output.clear().unwrap();
     assert_eq!(
-        std::fs::read_dir(folder.0.join("snapshots"))
-            .unwrap()
-            .count(),
+        std::fs::read_dir(folder.join("snapshots")).unwrap().count(),
         0
     );
 }

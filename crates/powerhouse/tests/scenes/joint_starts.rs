@@ -31,7 +31,7 @@ fn with(keys: &str) -> String {
 /// at the end.
 fn equal(keys: &str, change: impl Fn(SceneJoint) -> SceneJoint) -> powerhouse::Results {
     let folder = folder("joint-start");
-    powerhouse::io::write_gmsh(folder.0.join("cube.msh"), &marked()).unwrap();
+    powerhouse::io::write_gmsh(folder.join("cube.msh"), &marked()).unwrap();
     let text = if keys.contains("law =") {
         let end = JOINT.find("law =").unwrap();
         format!("{}{keys}", &JOINT[..end])

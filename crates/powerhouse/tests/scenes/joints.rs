@@ -43,12 +43,12 @@ pub(crate) const PART: &str =
 pub(crate) fn read(folder: &Folder, joint: &str) -> Result<Scene, Error> {
     assert!(CUBE.contains(PART));
     let text = CUBE.replacen(PART, joint, 1);
-    Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default())
+    Scene::from_toml(text, folder.join("cube.toml"), &Registry::default())
 }
 
 pub(crate) fn folder(name: &str) -> Folder {
     let folder = Folder::new(name);
-    write_gmsh(folder.0.join("cube.msh"), &halves()).unwrap();
+    write_gmsh(folder.join("cube.msh"), &halves()).unwrap();
     folder
 }
 
@@ -112,17 +112,17 @@ fn a_joint_of_a_file_is_the_one_of_rust() {
     assert_eq!(name, "bedding");
     assert!((share - last("bedding.peak_opening").max(last("bedding.slip")) / 50.0).abs() < 1e-12);
 
-    let results = ResultFolder::new(folder.0.join("results"));
+    let results = ResultFolder::new(folder.join("results"));
     let written = results
         .write(("cube", &mesh), &file, &RunNotes::default(), None)
         .unwrap();
     for name in ["joints.csv", "joints/bedding.vtu"] {
         assert!(
-            written.contains(&folder.0.join("results").join(name)),
+            written.contains(&folder.join("results").join(name)),
             "{written:?}"
         );
     }
-    let vtu = std::fs::read(folder.0.join("results/joints/bedding.vtu")).unwrap();
+    let vtu = std::fs::read(folder.join("results/joints/bedding.vtu")).unwrap();
     let text = String::from_utf8_lossy(&vtu);
     assert!(
         text.contains(r#"NumberOfPoints="144" NumberOfCells="36""#),
@@ -131,7 +131,7 @@ fn a_joint_of_a_file_is_the_one_of_rust() {
     );
     assert!(text.contains("time of first slip"));
     results.clear().unwrap();
-    assert!(!folder.0.join("results/joints/bedding.vtu").exists());
+    assert!(!folder.join("results/joints/bedding.vtu").exists());
 }
 
 /// A fault of a joint is reported at its key: sets that do not exist or do not touch, both kinds of sides, an unknown law
@@ -228,7 +228,7 @@ fn large_slip_is_warned_of() {
             "displacement = 0.01",
             &format!("displacement = {displacement}"),
         );
-        let path = folder.0.join("cube.toml");
+        let path = folder.join("cube.toml");
         let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
         let mesh = scene.mesh().clone();
         (run(scene), mesh)
@@ -266,7 +266,7 @@ fn a_joint_runs_through_periodic_sides() {
             assert!(text.contains(old), "{old}");
             text = text.replacen(old, new, 1);
         }
-        Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default()).unwrap()
+        Scene::from_toml(text, folder.join("cube.toml"), &Registry::default()).unwrap()
     };
     let whole = run(scene(PART));
     let strong = JOINT.replace("cohesion = 2e4", "cohesion = 1e9");

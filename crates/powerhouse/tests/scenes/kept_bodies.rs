@@ -109,7 +109,7 @@ fn every_field_comes_back() {
     };
     let body = EquilibratedBody::new(state, vec![stage]);
     let folder = Folder::new("kept-body");
-    let file = folder.0.join("kept.body");
+    let file = folder.join("kept.body");
     body.write(&file).unwrap();
     assert_eq!(EquilibratedBody::read(&file).unwrap(), body);
 }

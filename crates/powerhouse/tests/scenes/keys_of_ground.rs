@@ -169,7 +169,7 @@ fn corrected(history: &TimeHistory, correction: BaselineCorrection) -> (TimeHist
 #[test]
 fn records() {
     let variants = Variants::new("records");
-    let write = |name: &str, text: &str| std::fs::write(variants.0.0.join(name), text).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(variants.0.join(name), text).unwrap();
     write("one.txt", &text(&samples(90)));
     let rows = samples(90).into_iter().enumerate();
     let rows: Vec<String> = rows
@@ -266,7 +266,7 @@ fn records() {
 fn conventions() {
     use SurfaceComponent::{X, Y, Z};
     let variants = Variants::new("conventions");
-    std::fs::write(variants.0.0.join("one.txt"), text(&samples(90))).unwrap();
+    std::fs::write(variants.0.join("one.txt"), text(&samples(90))).unwrap();
     let surface = InputConvention::SurfaceComponent;
     let within = |component, regularisation| InputConvention::Within {
         depth: 80.0,
@@ -336,7 +336,7 @@ fn conventions() {
 #[test]
 fn turned_axes_are_warned_of() {
     let variants = Variants::new("axes");
-    std::fs::write(variants.0.0.join("one.txt"), text(&samples(90))).unwrap();
+    std::fs::write(variants.0.join("one.txt"), text(&samples(90))).unwrap();
     let within =
         |component: &str| format!("{{ within = {{ depth = 80, component = \"{component}\" }} }}");
     let names = ["x", "y", "z", "along", "across"];
@@ -372,7 +372,7 @@ fn turned_axes_are_warned_of() {
 fn components() {
     let variants = Variants::new("components");
     let write = |name: &str, samples: &[f64]| {
-        std::fs::write(variants.0.0.join(name), text(samples)).unwrap();
+        std::fs::write(variants.0.join(name), text(samples)).unwrap();
     };
     let half: Vec<f64> = samples(80).iter().map(|a| 0.5 * a).collect();
     write("x.txt", &samples(90));

@@ -58,7 +58,7 @@ fn every_law_is_driven() {
         }
         _ => "preset = \"paper-c25\"\n".to_owned(),
     };
-    let path = folder.0.join("path.toml");
+    let path = folder.join("path.toml");
     std::fs::write(
         &path,
         "size = 0.2\n[[leg]]\nkind = \"cyclic\"\nstrains = [-2e-3, 5e-4]\nsteps = 50\n",
@@ -66,7 +66,7 @@ fn every_law_is_driven() {
     .unwrap();
     let registry = Registry::default();
     for law in registry.law_names() {
-        let file = folder.0.join("law.toml");
+        let file = folder.join("law.toml");
         let keys = keys_of(law);
         let text = format!("[[material]]\nname = \"m\"\nlaw = \"{law}\"\n{keys}");
         std::fs::write(&file, text).unwrap();

@@ -79,9 +79,9 @@ fn history_variables_are_recorded() {
     let keys = "law = \"plastic-damage\"\npreset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\ntension = { rate = 2e4 }\ncompression = { rate = 5e3 }\nresidual_stiffness = 0.01\n";
     let text = CUBE.replacen(ELASTIC, keys, 1)
         + "quantities = [\"displacement\", \"velocity\", \"acceleration\", \"state\"]\n[output.envelope]\nquantities = [\"state\"]\nevery = 0.05\n[output.snapshots]\nquantities = [\"displacement\", \"state\"]\nevery = 0.2\n";
-    let path = variants.0.0.join("cube.toml");
+    let path = variants.0.join("cube.toml");
     let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();
-    let out = powerhouse::ResultFolder::new(variants.0.0.join("out"));
+    let out = powerhouse::ResultFolder::new(variants.0.join("out"));
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
     let hooks = powerhouse::RunHooks::default().with_snapshots(out.snapshots(&simulation).unwrap());
@@ -157,7 +157,7 @@ fn a_state_request_without_history_variables_is_reported() {
     let wanted = "quantities = [\"displacement\", \"state\"]\n";
     let remarks = |law: &str| -> Vec<String> {
         let text = CUBE.replacen(ELASTIC, law, 1) + wanted;
-        let path = variants.0.0.join("cube.toml");
+        let path = variants.0.join("cube.toml");
         let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default());
         let simulation = scene.unwrap().prepare().unwrap();
         let warnings = simulation

@@ -70,7 +70,7 @@ fn magnitudes_beyond_the_usual_are_refused() {
     }
     let allowed = "allow = [\"magnitudes\"]\n";
     let text = CUBE.replace("title", &format!("{allowed}title"));
-    let folder = variants.0.0.join("cube.toml");
+    let folder = variants.0.join("cube.toml");
     let read = |old: &str, new: &str| {
         let text = text.replacen(old, new, 1);
         Scene::from_toml(text, &folder, &Registry::default()).unwrap()
@@ -149,7 +149,7 @@ fn mistaken_units_are_named() {
     // The magnitude that is refused, if any is: its text, and its value in the probable unit.
     let refused = |keys: &str| {
         let text = CUBE.replacen("[time]", &format!("{keys}\n[time]"), 1);
-        let scene = Scene::from_toml(text, variants.0.0.join("cube.toml"), &registry);
+        let scene = Scene::from_toml(text, variants.0.join("cube.toml"), &registry);
         match scene.map(|_| ()) {
             Err(Error::Scene(fault)) => match fault.problem() {
                 Problem::Magnitude(magnitude) => Some(magnitude.clone()),

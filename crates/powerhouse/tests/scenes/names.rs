@@ -69,7 +69,7 @@ fn names_with_commas_reach_their_files() {
         .unwrap();
     let mesh = scene.mesh().clone();
     let results = run(scene);
-    let folder = powerhouse::ResultFolder::new(variants.0.0.join("out"));
+    let folder = powerhouse::ResultFolder::new(variants.0.join("out"));
     folder
         .write(("cube", &mesh), &results, &RunNotes::default(), None)
         .unwrap();

@@ -283,7 +283,7 @@ fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
         [6, 1, 6],
         "rock",
     );
-    write_gmsh(variants.0.0.join("slice.msh"), &mesh.unwrap()).unwrap();
+    write_gmsh(variants.0.join("slice.msh"), &mesh.unwrap()).unwrap();
     let rollers = "[[support]]\nkind = \"roller\"\nset = \"front\"\n[[support]]\nkind = \"roller\"\nset = \"back\"\n";
     let text = CUBE
         .replace("cube.msh", "slice.msh")
@@ -298,7 +298,7 @@ fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
         )
         .replace("at = [150, 150, 0]", "at = [150, 25, 0]")
         .replace("[time]", &format!("{rollers}{more}[time]"));
-    let path = variants.0.0.join("slice.toml");
+    let path = variants.0.join("slice.toml");
     let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
     scene.prepare().unwrap().remarks().to_vec()
 }
@@ -374,7 +374,7 @@ fn an_absorbing_surface_is_warned_of() {
             .text
             .replace("[boundary]", ground)
             .replace("[150, 150, 0]\n[time]", "[150, 150, -150]\n[time]");
-        let path = variants.0.0.join("top.toml");
+        let path = variants.0.join("top.toml");
         let scene = Scene::from_toml(source, path, &Registry::default()).unwrap();
         warnings_of(scene)
     };
@@ -464,7 +464,7 @@ fn a_rim_that_is_all_is_warned_of() {
 #[test]
 fn files_are_text_and_have_an_end() {
     let variants = Variants::new("encodings");
-    let path = variants.0.0.join("scene.toml");
+    let path = variants.0.join("scene.toml");
     let refused = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
         match Scene::from_file(&path) {
@@ -503,11 +503,11 @@ fn fault_of_file(variants: &Variants, old: &str, new: &str) -> String {
 #[test]
 fn unused_nodes_of_a_mesh_are_reported() {
     let variants = Variants::new("left-out");
-    let path = variants.0.0.join("loose.msh");
+    let path = variants.0.join("loose.msh");
     let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"rock\"\n$EndPhysicalNames\n$Nodes\n6\n1 0 0 0\n2 9 0 0\n3 0 9 0\n4 0 0 9\n5 0 0 -9\n6 5 5 5\n$EndNodes\n$Elements\n3\n1 4 2 1 1 1 2 3 4\n2 4 2 0 2 1 3 2 5\n3 15 2 0 3 6\n$EndElements\n";
     fs::write(&path, file).unwrap();
     let text = "title = \"loose\"\n[mesh]\nfile = \"loose.msh\"\n[[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 9e9\npoisson = 0.25\ndensity = 2700\n[[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"ungrouped\"\nmaterial = \"m\"\n[time]\nduration = 0.1\n";
-    let scene = Scene::from_toml(text, variants.0.0.join("s.toml"), &Registry::default()).unwrap();
+    let scene = Scene::from_toml(text, variants.0.join("s.toml"), &Registry::default()).unwrap();
     let expected = SceneRemark::MeshFile {
         nodes: 1,
         dropped: 1,
@@ -530,7 +530,7 @@ fn what_is_no_record_is_named() {
         ("PEER record\nno header\n", "PEER AT2"),
         ("\0\0\u{1}", "bytes that are not text"),
     ] {
-        fs::write(variants.0.0.join("r.at2"), content).unwrap();
+        fs::write(variants.0.join("r.at2"), content).unwrap();
         let fault = fault(&variants, "[time]", record).to_string();
         assert!(fault.contains(told), "{content:?}: {fault}");
         assert!(fault.contains("r.at2"), "{fault}");

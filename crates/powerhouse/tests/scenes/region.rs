@@ -115,7 +115,7 @@ fn regions_without_a_layer_are_refused() {
             assert!(text.contains(old), "{old}");
             text = text.replacen(old, new, 1);
         }
-        let path = variants.0.0.join("cube.toml");
+        let path = variants.0.join("cube.toml");
         let scene = Scene::from_toml(text, path, &powerhouse::Registry::default());
         let Some(Error::Scene(fault)) = scene.and_then(Scene::prepare).err() else {
             panic!("{wanted}: not refused in place")

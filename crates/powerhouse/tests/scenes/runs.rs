@@ -46,9 +46,9 @@ fn a_curve_names_an_edge() {
     for (i, ends) in tags(&edge).windows(2).enumerate() {
         builder.element(10_000 + i as u64, ElementKind::Bar2, ends, &["edge"]);
     }
-    write_gmsh(folder.0.join("cube.msh"), &builder.build().unwrap()).unwrap();
+    write_gmsh(folder.join("cube.msh"), &builder.build().unwrap()).unwrap();
     let read = |scene: &str| {
-        let path = folder.0.join("cube.toml");
+        let path = folder.join("cube.toml");
         std::fs::write(&path, scene).unwrap();
         Scene::from_file(&path).unwrap()
     };
@@ -70,7 +70,7 @@ fn a_curve_names_an_edge() {
     // As a part it would need a kernel, and there is none for bars.
     let part = "[[part]]\nset = \"edge\"\nmaterial = \"granite\"\n[boundary]";
     let text = CUBE.replace("[boundary]", part);
-    let read = Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default());
+    let read = Scene::from_toml(text, folder.join("cube.toml"), &Registry::default());
     let Err(Error::Scene(fault)) = read else {
         panic!("a part of bars was accepted")
     };
@@ -85,8 +85,8 @@ fn a_curve_names_an_edge() {
 #[test]
 fn file_and_builder_are_equal() {
     let folder = Folder::new("equal");
-    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
-    let path = folder.0.join("cube.toml");
+    write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
+    let path = folder.join("cube.toml");
     std::fs::write(&path, CUBE).unwrap();
     let from_file = run(Scene::from_file(&path).unwrap());
     let from_rust = run(cube_scene());
@@ -142,7 +142,7 @@ fn registered_types_run_from_files() {
     struct Empty {}
 
     let folder = Folder::new("registered");
-    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let text = CUBE
         .replace(
             "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750",
@@ -150,7 +150,7 @@ fn registered_types_run_from_files() {
         )
         .replace("hex8-full", "my-brick")
         .replace("viscous-spring", "my-springs");
-    let scene = Scene::from_toml(text.clone(), folder.0.join("cube.toml"), &registry).unwrap();
+    let scene = Scene::from_toml(text.clone(), folder.join("cube.toml"), &registry).unwrap();
     let (own, built_in) = (run(scene), run(cube_scene()));
     for (own, built_in) in own
         .histories
@@ -178,7 +178,7 @@ fn registered_types_run_from_files() {
 #[test]
 fn a_stopped_run_leaves_complete_output() {
     let folder = Folder::new("stopped");
-    let results = ResultFolder::new(folder.0.join("out"));
+    let results = ResultFolder::new(folder.join("out"));
     let mut scene = cube_scene();
     let mut plan = scene.output().clone();
     plan.energies = Some(0.05);
@@ -320,7 +320,7 @@ fn a_body_may_start_with_the_field() {
 #[test]
 fn supports_of_a_scene_hold() {
     let folder = Folder::new("supports");
-    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let text = r#"
 title = "pressed cube"
 [mesh]
@@ -364,7 +364,7 @@ set = "front"
 name = "top"
 set = "top"
 "#;
-    let scene = Scene::from_toml(text, folder.0.join("s.toml"), &Registry::default()).unwrap();
+    let scene = Scene::from_toml(text, folder.join("s.toml"), &Registry::default()).unwrap();
     let results = run(scene);
     let peak = |name: &str| {
         let column = results.histories.column(name).unwrap();

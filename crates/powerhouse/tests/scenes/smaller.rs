@@ -188,7 +188,7 @@ fn read(variants: &Variants, changes: &[(&str, &str)]) -> Result<Scene, Error> {
         assert!(text.contains(old), "{old}");
         text = text.replacen(old, new, 1);
     }
-    Scene::from_toml(text, variants.0.0.join("cube.toml"), &Registry::default())
+    Scene::from_toml(text, variants.0.join("cube.toml"), &Registry::default())
 }
 
 /// Symmetry planes in a file equal those of Rust, and a wave that is not symmetric is an error at them.
@@ -251,7 +251,7 @@ fn a_scene_may_have_less_ground() {
     // Items on nodes that are cut off have no effect, with a warning.
     let mut mesh = Mesh::clone(whole.mesh());
     mesh.set_node_set("corner", vec![0]).unwrap();
-    write_gmsh(variants.0.0.join("corner.msh"), &mesh).unwrap();
+    write_gmsh(variants.0.join("corner.msh"), &mesh).unwrap();
     let held = "[[support]]\nkind = \"fixed\"\nset = \"corner\"\n[time]\n";
     let remarks = |keys: &str| {
         let file = [(file, keys), ("[time]\n", held)];

@@ -155,12 +155,12 @@ function = { kind = "ricker", frequency = 10, delay = 0.1 }
 
 pub(crate) fn folder(mesh: &Mesh) -> Folder {
     let folder = Folder::new("stages");
-    write_gmsh(folder.0.join("trench.msh"), mesh).unwrap();
+    write_gmsh(folder.join("trench.msh"), mesh).unwrap();
     folder
 }
 
 pub(crate) fn read(folder: &Folder, text: &str) -> Result<Scene, Error> {
-    let path = folder.0.join("trench.toml");
+    let path = folder.join("trench.toml");
     Scene::from_toml(text, path, &Registry::default())
 }
 
@@ -546,7 +546,7 @@ law = "tied"
 "#;
     let text = [MATERIALS, BOLTS, seam, ROLLERS, TRENCH].concat();
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
-    let out = ResultFolder::new(folder.0.join("out"));
+    let out = ResultFolder::new(folder.join("out"));
     let (mesh, planned) = (simulation.mesh().clone(), simulation.result_files());
     let notes = RunNotes::new(simulation.remarks().to_vec());
     let hooks = RunHooks::default().with_stages(out.stages(&simulation).unwrap());

@@ -138,7 +138,7 @@ fn the_stress_of_the_ground_comes_from_a_table() {
         .collect();
     rows.reverse();
     let header = "zz [kPa],yy [kPa],xx [kPa],element [1],xy [kPa],yz [kPa],zx [kPa]\n";
-    let file = folder.0.join("stress.csv");
+    let file = folder.join("stress.csv");
     let put = |header: &str, rows: &[String]| {
         std::fs::write(&file, format!("{header}{}", rows.concat())).unwrap();
         InSituStress::read(&file, &mesh)
@@ -238,7 +238,7 @@ fn ground_has_no_stress_above_its_level() {
         let folder = Folder::new("level");
         let high = Vec3::new(4.0, 4.0, height);
         let mesh = Mesh::box_of_hexes(Vec3::zeros(), high, [1, 1, 10], "rock").unwrap();
-        write_gmsh(folder.0.join("trench.msh"), &mesh).unwrap();
+        write_gmsh(folder.join("trench.msh"), &mesh).unwrap();
         let mut text = format!(
             "title = \"level\"\nmesh = {{ file = \"trench.msh\" }}\n\
              material = [{{ name = \"rock\", law = \"elastic\", young = 2e9, poisson = {NU}, density = 2600 }}]\n\

@@ -1,8 +1,6 @@
 //! A cube of rock under a wave, as a file and in Rust.
 
-use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::SolidKernel;
@@ -15,33 +13,14 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{Boundary, Error, Material, OutputPlan, Part, Registry, Results, RunHooks, Scene};
 
+pub(crate) use powerhouse_test_support::TestFolder as Folder;
+
 pub(crate) const ROCK: ElasticMedium = ElasticMedium {
     young: 9.0e9,
     poisson: 0.27,
     density: 2750.0,
 };
 pub(crate) const SIDES: [&str; 5] = ["left", "right", "front", "back", "bottom"];
-
-/// Separate folder for each test, removed at its end.
-pub(crate) struct Folder(pub(crate) PathBuf);
-
-impl Folder {
-    pub(crate) fn new(name: &str) -> Self {
-        // Tests run in parallel, some with one name.
-        static COUNT: AtomicUsize = AtomicUsize::new(0);
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("powerhouse-{name}-{}-{count}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
 
 pub(crate) fn cube() -> Mesh {
     cube_of(6)
@@ -134,14 +113,14 @@ pub(crate) struct Variants(pub(crate) Folder);
 impl Variants {
     pub(crate) fn new(name: &str) -> Self {
         let folder = Folder::new(name);
-        write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+        write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
         Self(folder)
     }
     /// The cube's scene with a passage replaced.
     pub(crate) fn read(&self, old: &str, new: &str) -> Result<Scene, Error> {
         assert!(CUBE.contains(old), "{old}");
         let text = CUBE.replacen(old, new, 1);
-        Scene::from_toml(text, self.0.0.join("cube.toml"), &Registry::default())
+        Scene::from_toml(text, self.0.join("cube.toml"), &Registry::default())
     }
     /// Runs the variant and its counterpart in Rust, and compares the bits.
     pub(crate) fn equal(&self, (old, new): (&str, &str), twin: Scene) {

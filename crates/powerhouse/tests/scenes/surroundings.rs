@@ -19,13 +19,13 @@ use crate::support::*;
 /// A scene from the text of the cube with some passages replaced.
 fn read(name: &str, changes: &[(&str, &str)]) -> Result<Scene, Error> {
     let folder = Folder::new(name);
-    write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+    write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let mut text = CUBE.to_owned();
     for (old, new) in changes {
         assert!(text.contains(old), "{old}");
         text = text.replacen(old, new, 1);
     }
-    Scene::from_toml(text, folder.0.join("cube.toml"), &Registry::default())
+    Scene::from_toml(text, folder.join("cube.toml"), &Registry::default())
 }
 
 fn padding(scene: &Scene) -> Option<f64> {
@@ -116,11 +116,11 @@ fn what_precedes_a_record_is_waited_for() {
         ),
     ] {
         let folder = Folder::new(name);
-        write_gmsh(folder.0.join("cube.msh"), &cube()).unwrap();
+        write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
         let sine =
             |i: usize| (0.2 * i as f64).sin() * (std::f64::consts::PI * i as f64 / 314.0).sin();
         let lines: Vec<String> = (0..=314).map(|i| format!("{}", sine(i))).collect();
-        std::fs::write(folder.0.join("r.txt"), lines.join("\n")).unwrap();
+        std::fs::write(folder.join("r.txt"), lines.join("\n")).unwrap();
         let record = format!(
             "[[record]]\nname = \"r\"\nfile = \"r.txt\"\nunits = \"m/s2\"\ntime_step = 0.01\nend_displacement = 0\n{treatment}\n"
         );
@@ -134,7 +134,7 @@ fn what_precedes_a_record_is_waited_for() {
         };
         let wave = "[[wave]]\nkind = \"sv\"\nincidence = 20\nrecord = \"r\"\n";
         let text = CUBE.replace(WAVE, &[&record, wave].concat());
-        let scene = Scene::from_toml(text, folder.0.join("s.toml"), &Registry::default()).unwrap();
+        let scene = Scene::from_toml(text, folder.join("s.toml"), &Registry::default()).unwrap();
         assert!(
             padding(&scene).unwrap() > 0.05,
             "{name}: {:?}",
@@ -310,14 +310,14 @@ fn loads_on_both_sides_are_refused() {
     let mut divided = mesh.clone();
     divided.set_facet_set("middle", half(true)).unwrap();
     let folder = Folder::new("both-sides");
-    write_gmsh(folder.0.join("cube.msh"), &divided).unwrap();
+    write_gmsh(folder.join("cube.msh"), &divided).unwrap();
     for load in [
         "kind = \"pressure\"\npressure = 1e5\n",
         "kind = \"traction\"\ntraction = [1, 0, 0]\n",
     ] {
         let load = format!("[[load]]\n{load}set = \"middle\"\n[time]");
         let text = CUBE.replace("[time]", &load);
-        let read = Scene::from_toml(text, folder.0.join("s.toml"), &Registry::default());
+        let read = Scene::from_toml(text, folder.join("s.toml"), &Registry::default());
         let Err(Error::Scene(fault)) = read else {
             panic!("{load} was accepted")
         };

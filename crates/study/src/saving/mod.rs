@@ -267,7 +267,7 @@ impl fmt::Display for FormatError {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RefusedChange {
-    /// The change.
+    /// Change of the scene that is refused.
     pub change: Change,
     /// Message of the error with which the changed scene is refused.
     pub reason: String,
@@ -322,7 +322,7 @@ pub struct Saving {
     pub time: f64,
     /// Source of the time ratio, in words: timed, or from the numbers of steps and elements.
     pub timed: &'static str,
-    /// Error of the change.
+    /// Error of results that the change causes, as predicted or measured.
     pub error: PredictedError,
 }
 

@@ -15,7 +15,7 @@ use super::damage::{Damage, STRUCTURE};
 pub struct JointCase {
     /// Name of the joint or part.
     pub name: String,
-    /// Area (m2).
+    /// Area of the joint, or of the part of it (m2), to which shares refer.
     pub area: f64,
     /// Share of the area that slipped at any time, from 0 to 1.
     pub slipped: f64,

@@ -23,7 +23,7 @@ const MARK: &str = "finished.json";
 /// Cost of a whole run, measured over the window of a trade study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseCost {
-    /// Time step (s).
+    /// Length of the time step (s).
     pub step: f64,
     /// Mean wall time of a step (s).
     pub time_of_step: f64,

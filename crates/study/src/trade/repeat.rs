@@ -131,10 +131,9 @@ fn check_remaining(
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use powerhouse::io::write_gmsh;
     use powerhouse::model::{Mesh, Vec3};
+    use powerhouse_test_support::TestFolder;
 
     use super::*;
     use crate::trade::{NoProgress, TradeCase, TradeReport};
@@ -173,24 +172,14 @@ mod tests {
     const YIELDING: &str = "law = \"mohr-coulomb\"\npreset = \"paper-rock\"";
     const ELASTIC: &str = "law = \"elastic\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750";
 
-    struct Folder(PathBuf);
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
     /// A trade study of number formats for the block, with a given perturbation of the waves.
-    fn trade(name: &str, law: &str, perturbation: Option<f64>) -> (Folder, Trade) {
-        let name = format!("powerhouse-repeat-{name}-{}", std::process::id());
-        let folder = Folder(std::env::temp_dir().join(name));
-        std::fs::create_dir_all(&folder.0).unwrap();
+    fn trade(name: &str, law: &str, perturbation: Option<f64>) -> (TestFolder, Trade) {
+        let folder = TestFolder::new(&format!("repeat-{name}"));
         let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(120.0), [6; 3], "rock");
-        write_gmsh(folder.0.join("mesh.msh"), &mesh.unwrap()).unwrap();
-        let scene = folder.0.join("scene.toml");
+        write_gmsh(folder.join("mesh.msh"), &mesh.unwrap()).unwrap();
+        let scene = folder.join("scene.toml");
         std::fs::write(&scene, SCENE.replace("LAW", law)).unwrap();
-        let trade = Trade::of_file(&scene, Some(folder.0.join("out")))
+        let trade = Trade::of_file(&scene, Some(folder.join("out")))
             .unwrap()
             .only(&["precision"]);
         let mut trade = trade.unwrap();

@@ -71,7 +71,7 @@ pub struct TradeCase {
     pub cost: CaseCost,
     /// Largest relative L2 error over the window (1) among the compared histories, without the error of the reference.
     pub error: f64,
-    /// Name of the history with this error.
+    /// Name of the history with this error, such as `crown [m/s2]`.
     pub worst: String,
 }
 

@@ -4,16 +4,15 @@ use std::path::PathBuf;
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
+use powerhouse_test_support::TestFolder;
 
 /// Folder that is removed at the end, with the mesh of a cube of 120 m in `mesh.msh` and a scene in `scene.toml`.
-pub(crate) struct Folder(pub(crate) PathBuf);
+pub(crate) struct Folder(pub(crate) TestFolder);
 
 impl Folder {
     /// The folder of a name with a scene and so many bricks along each edge of the cube.
     pub(crate) fn new(name: &str, scene: &str, bricks: usize) -> Self {
-        let name = format!("powerhouse-block-{name}-{}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&path).unwrap();
+        let path = TestFolder::new(&format!("block-{name}"));
         let size = Vec3::repeat(120.0);
         let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [bricks; 3], "rock").unwrap();
         write_gmsh(path.join("mesh.msh"), &mesh).unwrap();
@@ -25,11 +24,5 @@ impl Folder {
     }
     pub(crate) fn out(&self) -> PathBuf {
         self.0.join("out")
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -18,6 +18,7 @@ use powerhouse_study::sweep::{CaseOutcome, NoProgress, Sweep, SweepWatch};
 use powerhouse_study::{
     StudyError, read_outcomes, registry, report_gaps, sensitivity, write_report,
 };
+use powerhouse_test_support::TestFolder;
 
 const BAY: &str = "size = \"coarse\"\n[dimensions]\nbelow = 50\n";
 
@@ -146,12 +147,11 @@ fn slice(scale: f64) -> Mesh {
     mesh.map_positions(|position| position * scale).unwrap()
 }
 
-struct Folder(PathBuf);
+struct Folder(TestFolder);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("powerhouse-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
+        let path = TestFolder::new(name);
         std::fs::write(path.join("bay.toml"), BAY).unwrap();
         std::fs::write(path.join("scene.toml"), SCENE).unwrap();
         write_gmsh(path.join("mesh.msh"), &slice(1.0)).unwrap();
@@ -177,12 +177,6 @@ impl Folder {
     }
     fn sweep(&self) -> Sweep {
         Sweep::of_file(self.scene(), Some(self.0.join("out"))).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
