@@ -12,7 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Precision, RunError, TimeFunction, Vec3,
+    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, ModelSpec, Precision, RunError,
+    TimeFunction, Vec3,
 };
 
 use crate::applied::AppliedLoads;
@@ -23,7 +24,7 @@ use crate::partition::Partition;
 use crate::stable_step::Spectrum;
 use crate::subdomain::Subdomain;
 
-pub use builder::{ElementChoice, ModelBuilder};
+pub use builder::BuildModel;
 pub(crate) use dynamics::{BlockTerms, block_forces, least_mass};
 
 /// A constraint with the node groups on which it acts.
@@ -114,9 +115,9 @@ impl core::fmt::Debug for Model {
 }
 
 impl Model {
-    /// A builder of a model of a mesh.
-    pub fn builder(mesh: &Mesh) -> ModelBuilder<'_> {
-        ModelBuilder::new(mesh)
+    /// The specification of a model of a mesh, which [`BuildModel::build`] turns into the model.
+    pub fn builder(mesh: &Mesh) -> ModelSpec<'_> {
+        ModelSpec::new(mesh)
     }
     /// The mesh of the model.
     pub fn mesh(&self) -> &Mesh {
