@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use powerhouse::contact::{BondedCoulomb, Joint, JointSurface, SurfaceOptions};
 use powerhouse::engine::{
-    BlockOptions, Hex8OnePoint, Leapfrog, Model, RunOptions, SolidKernel, StepChoice, run,
+    BlockOptions, BuildModel, Hex8OnePoint, Leapfrog, Model, RunOptions, SolidKernel, StepChoice,
+    run,
 };
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{

@@ -8,8 +8,8 @@
 use std::time::Instant;
 
 use powerhouse::engine::{
-    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, Precision, RunOptions, SolidKernel,
-    StepChoice, run,
+    BlockOptions, BuildModel, EnergyCheck, Hex8OnePoint, Leapfrog, Model, Precision, RunOptions,
+    SolidKernel, StepChoice, run,
 };
 use powerhouse::material::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, LeeFenves,

@@ -11,8 +11,8 @@
 use std::time::Instant;
 
 use powerhouse::engine::{
-    BlockOptions, FacePressure, Hex8OnePoint, Model, Profile, SolidKernel, Stage, StageEvent,
-    StageModel, StaticMethod, StaticOptions, Support, run_stages, solid,
+    BlockOptions, BuildModel, FacePressure, Hex8OnePoint, Model, Profile, SolidKernel, Stage,
+    StageEvent, StageModel, StaticMethod, StaticOptions, Support, run_stages, solid,
 };
 use powerhouse::material::{ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters};
 use powerhouse::model::{ElasticMedium, Mesh, State, Vec3};

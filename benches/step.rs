@@ -4,7 +4,9 @@
 //! `cargo bench --bench step`; the inverse of the throughput is the time per element.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use powerhouse::engine::{BlockOptions, Hex8OnePoint, Leapfrog, Model, Precision, SolidKernel};
+use powerhouse::engine::{
+    BlockOptions, BuildModel, Hex8OnePoint, Leapfrog, Model, Precision, SolidKernel,
+};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{Mesh, TimeIntegrator, Vec3};
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use powerhouse::contact::{JointSurface, SurfaceOptions};
 use powerhouse::engine::{
-    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, ModelBuilder, RunOptions, RunReport,
+    BlockOptions, EnergyCheck, Hex8OnePoint, Leapfrog, Model, ModelSpec, RunOptions, RunReport,
     SolidKernel, StepChoice, Support, run,
 };
 use powerhouse::material::LinearElastic;
@@ -71,7 +71,7 @@ impl Column {
     }
 
     /// A model builder whose nodes move along one axis only.
-    pub fn along(&self, axis: usize) -> ModelBuilder<'_> {
+    pub fn along(&self, axis: usize) -> ModelSpec<'_> {
         let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
         let mut builder = Model::builder(&self.mesh);
         for (name, medium) in &self.parts {

@@ -24,9 +24,9 @@ use powerhouse::contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
 use powerhouse::engine::{
-    BlockOptions, BoltEnd, BoltParameters, BoltPattern, BoltSet, FacePressure, Grout, Hex8OnePoint,
-    Leapfrog, Model, ModelBuilder, Precision, Profile, RunOptions, SolidKernel, Stage, StageError,
-    StageEvent, StageModel, StaticOptions, StressField, Support, run, run_stages,
+    BlockOptions, BoltEnd, BoltParameters, BoltPattern, BoltSet, BuildModel, FacePressure, Grout,
+    Hex8OnePoint, Leapfrog, Model, ModelSpec, Precision, Profile, RunOptions, SolidKernel, Stage,
+    StageError, StageEvent, StageModel, StaticOptions, StressField, Support, run, run_stages,
 };
 use powerhouse::material::{
     ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters, media,
@@ -91,10 +91,10 @@ const PRESSURE: f64 = 30.0e6;
 
 /// Adds that pressure on a face.
 fn pressed<'a>(
-    builder: ModelBuilder<'a>,
+    builder: ModelSpec<'a>,
     mesh: &Mesh,
     face: &str,
-) -> Result<ModelBuilder<'a>, ModelError> {
+) -> Result<ModelSpec<'a>, ModelError> {
     let history = Box::new(|_: f64| PRESSURE);
     let load = FacePressure::new(mesh, mesh.facet_set(face)?, Profile::Uniform, history)?;
     Ok(builder.load(Box::new(load)))
@@ -237,11 +237,11 @@ impl Site {
     /// rock or concrete.
     fn body<'a>(
         &self,
-        builder: ModelBuilder<'a>,
+        builder: ModelSpec<'a>,
         seam: BondedCoulombParameters,
         lined: bool,
         precision: Precision,
-    ) -> Result<ModelBuilder<'a>, ModelError> {
+    ) -> Result<ModelSpec<'a>, ModelError> {
         let mut options = BlockOptions::default();
         options.precision = precision;
         let law = ElastoPlastic::new(MohrCoulomb::new(MohrCoulombParameters {
@@ -265,13 +265,13 @@ impl Site {
             .gravity(GRAVITY, Box::new(|_: f64| 1.0)))
     }
 
-    fn on_rollers<'a>(&self, builder: ModelBuilder<'a>) -> Result<ModelBuilder<'a>, ModelError> {
+    fn on_rollers<'a>(&self, builder: ModelSpec<'a>) -> Result<ModelSpec<'a>, ModelError> {
         FACES.iter().try_fold(builder, |builder, (face, normal)| {
             Ok(builder.support(Support::roller(nodes(&self.mesh, face)?, *normal)))
         })
     }
 
-    fn absorbing<'a>(&self, builder: ModelBuilder<'a>) -> Outcome<ModelBuilder<'a>> {
+    fn absorbing<'a>(&self, builder: ModelSpec<'a>) -> Outcome<ModelSpec<'a>> {
         let mut named = Vec::new();
         for (face, _) in FACES {
             named.push((face, self.mesh.facet_set(face)?));

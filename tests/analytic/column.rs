@@ -1,9 +1,9 @@
 //! Columns of hexahedra: natural periods, and vertical waves under a free surface.
 
+use powerhouse::engine::BuildModel;
 use powerhouse_boundary::{InputMode, Viscous};
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{ModelBuilder, Support};
-use powerhouse_model::{ElasticMedium, Vec3};
+use powerhouse_model::{ElasticMedium, ModelSpec, Support, Vec3};
 use powerhouse_tests::{Ground, field_misfit, motion_at, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 
@@ -19,7 +19,7 @@ fn column(height: f64, width: f64, bricks: usize, medium: ElasticMedium) -> Grou
 }
 
 /// Restricts the nodes to motion along one axis.
-fn along<'a>(ground: &Ground, builder: ModelBuilder<'a>, axis: usize) -> ModelBuilder<'a> {
+fn along<'a>(ground: &Ground, builder: ModelSpec<'a>, axis: usize) -> ModelSpec<'a> {
     let all: Vec<u32> = (0..ground.mesh.node_count() as u32).collect();
     let across = (0..3)
         .filter(|&other| other != axis)

@@ -2,12 +2,14 @@
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_elements::{Hex8OnePoint, SolidKernel, solid};
-use powerhouse_explicit_core::{EnergyCheck, Leapfrog, Model, RunOptions, Support, run};
 use powerhouse_material_damage::{
     DampingBand, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum, media,
 };
-use powerhouse_model::{BlockOptions, ConstitutiveLaw, Mesh, Vec3};
+use powerhouse_model::{
+    BlockOptions, ConstitutiveLaw, EnergyCheck, Mesh, RunOptions, Support, Vec3,
+};
 use powerhouse_tests::{elastic, motion_at};
 
 const BRICKS: usize = 40;

@@ -2,13 +2,13 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_elements::{FacePressure, Hex8OnePoint, Profile, SolidKernel, solid};
-use powerhouse_explicit_core::{
-    Leapfrog, Model, ModelBuilder, PeriodicPairs, RunOptions, StaticError, StaticOptions,
-    StaticReport, Support, run,
-};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, MohrCoulombParameters, media};
-use powerhouse_model::{BlockOptions, ElasticMedium, Mesh, Precision, Stress, Vec3};
+use powerhouse_model::{
+    BlockOptions, ElasticMedium, Mesh, ModelSpec, PeriodicPairs, Precision, RunOptions,
+    StaticError, StaticOptions, StaticReport, Stress, Support, Vec3,
+};
 use powerhouse_tests::{Ground, elastic};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
@@ -25,8 +25,8 @@ fn settle(model: &mut Model, options: &StaticOptions) -> Result<StaticReport, St
 }
 
 /// Roller supports on some faces of a body.
-fn on_rollers<'a>(ground: &'a Ground, faces: &[(&str, Vec3)]) -> ModelBuilder<'a> {
-    let roll = |builder: ModelBuilder<'a>, (face, normal): &(&str, Vec3)| {
+fn on_rollers<'a>(ground: &'a Ground, faces: &[(&str, Vec3)]) -> ModelSpec<'a> {
+    let roll = |builder: ModelSpec<'a>, (face, normal): &(&str, Vec3)| {
         builder.support(Support::roller(ground.face_nodes(face), *normal))
     };
     faces.iter().fold(ground.free(), roll)
@@ -169,7 +169,7 @@ fn periodic_faces_settle_as_rollers() {
 fn unsupported_bodies_are_errors() {
     let kernel = SolidKernel::Hex8OnePoint(Default::default());
     let ground = Ground::boxed(Vec3::new(10.0, 8.0, 6.0), [2, 2, 2], media::ROCK, kernel);
-    let refused = |builder: ModelBuilder| {
+    let refused = |builder: ModelSpec| {
         let builder = builder.gravity(GRAVITY, Box::new(|_: f64| 1.0));
         let error = settle(&mut builder.build().unwrap(), &StaticOptions::default());
         match error.unwrap_err() {

@@ -10,10 +10,12 @@
 //!                 ---___
 //! ```
 
+use powerhouse::engine::{BuildModel, Model};
 use powerhouse_boundary::{AxisParameters, InputMode, ViscousSpring};
 use powerhouse_elements::{FacePressure, Profile, SolidKernel};
-use powerhouse_explicit_core::{Model, Support};
-use powerhouse_model::{AbsorbingBoundary, BoundarySite, ElasticMedium, TimeFunction, Vec3};
+use powerhouse_model::{
+    AbsorbingBoundary, BoundarySite, ElasticMedium, Support, TimeFunction, Vec3,
+};
 use powerhouse_tests::{Ground, motion_at};
 
 const CAVITY: f64 = 10.0;

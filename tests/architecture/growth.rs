@@ -17,7 +17,7 @@ const OPEN: [(&str, &[&str]); 12] = [
         &["MassDampingRule", "Fields", "Cadence"],
     ),
     ("model/src/state.rs", &["State", "HistoryField"]),
-    ("explicit-core/src/run.rs", &["EnergyCheck", "RunOptions"]),
+    ("model/src/run.rs", &["EnergyCheck", "RunOptions"]),
     ("powerhouse/src/simulation.rs", &["RunHooks"]),
     (
         "powerhouse/src/output/plan.rs",

@@ -6,14 +6,19 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
+use crate::sources::rust_files;
+
 /// The workspace's own directory.
 pub(crate) fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+/// The engine that the facade chooses.
+const ENGINE: &str = "powerhouse-explicit-core";
+
 /// The crates around the model; none knows another.
 const AROUND_MODEL: [&str; 8] = [
-    "powerhouse-explicit-core",
+    ENGINE,
     "powerhouse-elements",
     "powerhouse-observe",
     "powerhouse-wavefield",
@@ -58,6 +63,8 @@ fn permitted(package: &str) -> Vec<&'static str> {
                 &AROUND_MODEL,
             ]
             .concat();
+            // They take the engine from the facade, which chooses it.
+            below.retain(|name| *name != ENGINE);
             if shelf == "powerhouse-benches" {
                 // The problems that the examples solve are those whose cost is measured.
                 below.push("powerhouse-examples");
@@ -204,4 +211,18 @@ fn packages_are_set_up_alike() {
             assert_eq!(bench, Some(false), "{package}");
         }
     }
+}
+
+/// One file chooses the engine, the facade's: no other one outside the engine's crate names it.
+#[test]
+fn one_file_chooses_the_engine() {
+    let name = ENGINE.replace('-', "_");
+    let own = Path::new("crates").join("explicit-core");
+    let naming: Vec<PathBuf> = rust_files()
+        .into_iter()
+        .filter(|(_, text)| text.contains(&name))
+        .map(|(path, _)| path.strip_prefix(workspace()).unwrap().to_path_buf())
+        .filter(|path| !path.starts_with(&own))
+        .collect();
+    assert_eq!(naming, [Path::new("crates/powerhouse/src/engine.rs")]);
 }

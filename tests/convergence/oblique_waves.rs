@@ -12,6 +12,7 @@
 //!         P 25   SV 15 degrees, azimuth 37
 //! ```
 
+use powerhouse::engine::BuildModel;
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::SolidKernel;
 use powerhouse_material_damage::media;

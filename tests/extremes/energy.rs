@@ -1,10 +1,10 @@
 //! The energy balance over long runs.
 
+use powerhouse::engine::{BuildModel, Leapfrog, run};
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{EnergyCheck, Leapfrog, RunOptions, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::Vec3;
+use powerhouse_model::{EnergyCheck, RunOptions, Vec3};
 use powerhouse_tests::{Ground, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 

@@ -1,14 +1,13 @@
 //! Joints at the ends of all ranges, in a body.
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, RunOptions, StepChoice, Support, run,
-};
 use powerhouse_model::{
-    BlockOptions, BoundaryParts, ElasticMedium, Mat3, Mesh, NodalImpedance, Vec3,
+    BlockOptions, BoundaryParts, ElasticMedium, EnergyCheck, Mat3, Mesh, NodalImpedance,
+    RunOptions, StepChoice, Support, Vec3,
 };
 use powerhouse_tests::elastic;
 

@@ -1,14 +1,14 @@
 //! Long runs at the reported step, and runs just beyond the limit.
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_boundary::{AxisParameters, InputMode, ViscousSpring};
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions, TiedPairs,
     pair_nodes,
 };
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::{ElementKind, Mesh, RunError, Vec3};
+use powerhouse_model::{ElementKind, Mesh, RunError, RunOptions, StepChoice, Vec3};
 use powerhouse_tests::{Ground, elastic};
 
 const SIZE: Vec3 = Vec3::new(10.0, 8.0, 6.0);

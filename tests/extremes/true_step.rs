@@ -5,13 +5,14 @@
 //! powers of the map stay bounded.
 
 use nalgebra::DMatrix;
+use powerhouse::engine::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_boundary::{InputMode, ViscousSpring};
 use powerhouse_contact::{Joint, JointSurface, SurfaceOptions, Tied};
 use powerhouse_elements::{BoltLine, BoltParameters, BoltSet, SolidKernel};
-use powerhouse_explicit_core::{Leapfrog, Model, OneSided, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
 use powerhouse_model::{
-    BlockOptions, ElasticMedium, ElementKind, Mesh, Rayleigh, TimeIntegrator, Vec3,
+    BlockOptions, ElasticMedium, ElementKind, Mesh, Rayleigh, RunOptions, StepChoice,
+    TimeIntegrator, Vec3,
 };
 use powerhouse_tests::{Ground, elastic};
 

@@ -1,11 +1,11 @@
 //! Independence of the bits from threads and lane width.
 
+use powerhouse::engine::{BuildModel, Leapfrog, run};
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_contact::TiedPairs;
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{Leapfrog, RunOptions, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::{IncidentField, LaneWidth, Precision, Vec3};
+use powerhouse_model::{IncidentField, LaneWidth, Precision, RunOptions, Vec3};
 use powerhouse_tests::{Ground, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 

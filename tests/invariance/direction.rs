@@ -1,10 +1,10 @@
 //! Independence of the motion from the direction of the axes.
 
+use powerhouse::engine::{BuildModel, Leapfrog, run};
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{Leapfrog, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::{Mat3, Vec3};
+use powerhouse_model::{Mat3, RunOptions, StepChoice, Vec3};
 use powerhouse_tests::{Ground, oblique_waves};
 use powerhouse_wavefield::WaveKind;
 

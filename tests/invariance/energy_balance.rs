@@ -1,11 +1,11 @@
 //! The energy balance does not change the motion, and does not evaluate laws where they are certainly elastic.
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_elements::{Hex8OnePoint, SolidKernel};
-use powerhouse_explicit_core::{EnergyCheck, Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
 use powerhouse_model::{
-    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, Mesh,
-    Precision, RemainingStiffness, Stress, Vec3,
+    BlockOptions, ConstitutiveLaw, ElasticMedium, EnergyCheck, HistoryVariable, Lane, LawEnergy,
+    LawInput, Mesh, Precision, RemainingStiffness, RunOptions, StepChoice, Stress, Vec3,
 };
 
 /// A law without an elastic domain, so that its energies are evaluated everywhere.

@@ -1,12 +1,12 @@
 //! Properties that vary in space, and kernels of one's own, leave the bits as they are.
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse::{Kernel, Material};
 use powerhouse_elements::{AnyLaw, Hex8Full, SolidKernel};
-use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
 use powerhouse_model::{
     BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Precision,
-    State, Stress, Vec3,
+    RunOptions, State, StepChoice, Stress, Vec3,
 };
 
 /// Cells of the column, each 1 m high.

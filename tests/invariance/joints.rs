@@ -2,17 +2,15 @@
 
 use core::f64::consts::TAU;
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
 use powerhouse_elements::{NodalForce, SolidKernel};
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, RunOptions, RunReport, StepChoice, Support, run,
-};
 use powerhouse_material_damage::media;
 use powerhouse_model::{
-    BlockOptions, BoundaryParts, Dynamics, ForceTerms, JointRecord, MassDampingRule, Mat3, Mesh,
-    NodalImpedance, Rayleigh, Vec3,
+    BlockOptions, BoundaryParts, Dynamics, EnergyCheck, ForceTerms, JointRecord, MassDampingRule,
+    Mat3, Mesh, NodalImpedance, Rayleigh, RunOptions, RunReport, StepChoice, Support, Vec3,
 };
 use powerhouse_tests::elastic;
 

@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse::{Kernel, Material};
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
 use powerhouse_material_damage::{
     ConeFit, DampingBand, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown,
     HoekBrownParameters, LeeFenves, Mazars, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
@@ -13,8 +13,8 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{
     BlockOptions, Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, LaneWidth,
-    MassDampingRule, Mesh, ModelError, Observer, Precision, RunError, State, StepView,
-    TimeIntegrator, Vec3,
+    MassDampingRule, Mesh, ModelError, Observer, Precision, RunError, RunOptions, State,
+    StepChoice, StepView, TimeIntegrator, Vec3,
 };
 
 /// Configuration of a run.

@@ -1,11 +1,11 @@
 //! Bodies of one elastic material.
 
+use powerhouse::engine::Model;
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{Model, ModelBuilder};
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
     AbsorbingBoundary, BlockFactory, BlockOptions, BoundarySite, ElasticMedium, ElementKind,
-    IncidentField, Mesh, Vec3,
+    IncidentField, Mesh, ModelSpec, Vec3,
 };
 
 /// The element set of every body.
@@ -101,7 +101,7 @@ impl Ground {
         boundary: &dyn AbsorbingBoundary,
         faces: &[&str],
         field: Option<&dyn IncidentField>,
-    ) -> ModelBuilder<'_> {
+    ) -> ModelSpec<'_> {
         let parts = boundary
             .build(&self.site(faces, field))
             .expect("a boundary");
@@ -109,7 +109,7 @@ impl Ground {
     }
 
     /// A model builder with the elements only.
-    pub fn free(&self) -> ModelBuilder<'_> {
+    pub fn free(&self) -> ModelSpec<'_> {
         let factory = elastic(SET, self.kernel, self.medium, self.options);
         let builder = Model::builder(&self.mesh).elements(SET, factory);
         match self.threads {

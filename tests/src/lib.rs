@@ -4,6 +4,7 @@
 //! * `analytic`: closed forms; the tolerance follows from the mesh.
 //! * `convergence`: the slope of the error against the element size.
 //! * `invariance`: independence of the results from threads, lanes and the direction of the axes.
+//! * `oracle`: the engine against a naive one that shares no code with it.
 //! * `extremes`: the stable step, and components that must not reduce it.
 //! * `regression`: stored results, with a log of the reasons of their changes.
 //! * `architecture`: the shape of the workspace.

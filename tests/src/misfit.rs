@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, Mutex};
 
-use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, run};
+use powerhouse::engine::{Leapfrog, Model, run};
 use powerhouse_model::{
     Cadence, FieldMotion, FieldSampler, Fields, Flow, IncidentField, ModelError, Observer,
-    StepView, Vec3,
+    RunOptions, StepView, Vec3,
 };
 
 /// Sums of the squared difference and of the squared field over nodes and steps.

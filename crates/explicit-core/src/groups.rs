@@ -19,12 +19,12 @@ use powerhouse_model::{MassDampingRule, Mat3, Vec3};
 
 use rayon::prelude::*;
 
+use crate::condition::Condition;
 use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
 use crate::effective_mass::inverse;
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
 use crate::roller_nodes::{RollerNode, RollerNodes};
-use crate::support::Condition;
 
 /// Pseudo-mass of an orphan node (one without active elements), over the least mass of a node of the model.
 const ORPHAN_MASS: f64 = 1e-12;

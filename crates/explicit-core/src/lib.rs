@@ -8,10 +8,12 @@
 //! [observers](powerhouse_model::Observer) in each step. Kernels, blocks and observers are in other crates, of
 //! which this one knows the traits alone.
 //!
-//! The static history before the dynamic run is a list of construction [`Stage`]s, each brought into
-//! static equilibrium by [`run_stages`]: an initial stress ([`StressField`]), death and birth of elements,
-//! bolts. A dynamic model starts from their last state ([`ModelBuilder::start`],
+//! The static history before the dynamic run is a list of construction [stages](powerhouse_model::Stage), each
+//! brought into static equilibrium by [`run_stages`]: an initial stress, death and birth of elements,
+//! bolts. A dynamic model starts from their last state ([`ModelSpec::start`](powerhouse_model::ModelSpec::start),
 //! [`Model::hand_over`]): without input it stays at rest.
+//!
+//! Programs that may run on another engine hold [`Explicit`] as an [`Engine`](powerhouse_model::Engine).
 //!
 //! A block of rock guided by rollers falls under its weight:
 //! ```
@@ -115,8 +117,10 @@
 //! computed as such, and refused where it is unstable.
 
 mod applied;
+mod condition;
 mod constrained;
 mod effective_mass;
+mod engine;
 mod exact;
 mod gather;
 mod groups;
@@ -128,7 +132,6 @@ mod node_ranges;
 mod nodes;
 mod numbering;
 mod partition;
-mod periodic;
 mod profile;
 mod roller_nodes;
 mod run;
@@ -137,25 +140,14 @@ mod stable_step;
 mod stage;
 mod statics;
 mod subdomain;
-mod support;
 mod view;
 mod weight;
 
+pub use engine::Explicit;
+pub(crate) use engine::NAME;
 pub use exact::ExactSum;
-pub use hourglass::HourglassShare;
 pub use integrator::{Leapfrog, OneSided};
-pub use model::{ElementChoice, Model, ModelBuilder};
+pub use model::{BuildModel, Model};
 pub use partition::{Partition, PartitionBlock};
-pub use periodic::PeriodicPairs;
-pub use run::{
-    Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice, run,
-    run_reporting,
-};
-pub use stable_step::StableStep;
-pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport, StressField, run_stages};
-#[cfg(feature = "direct")]
-pub use statics::Linearisation;
-pub use statics::{
-    HandOverReport, StaticError, StaticMethod, StaticOptions, StaticProgress, StaticReport,
-};
-pub use support::{Prescribed, Support};
+pub use run::{run, run_reporting};
+pub use stage::run_stages;

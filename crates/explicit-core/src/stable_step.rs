@@ -1,42 +1,11 @@
 //! The stable time step, and the element that limits it.
 
-use powerhouse_model::{FrequencyLimits, LimitingTerm, RunError, TimeIntegrator};
+use powerhouse_model::{FrequencyLimits, LimitingTerm, RunError, StableStep, TimeIntegrator};
 
 use crate::Model;
 
 /// Safety factor of the stable step on the stability limit.
 const SAFETY: f64 = 0.98;
-
-/// The stable time step of a model under an integration scheme, and the element that limits it.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct StableStep {
-    /// Stable step (s): 0.98 of the stability limit of the assembled model with damping.
-    pub step: f64,
-    /// Stability limit of central differences for the undamped assembled elastic model (s), `2 / w` with the highest
-    /// angular frequency `w` (rad/s): joints open, boundary impedances left out. If the Lanczos method did not converge,
-    /// `w` is at least the highest frequency of a single element.
-    pub assembled_limit: f64,
-    /// Least stability bound of a single element, damping included (s); infinite if the blocks
-    /// report no element bounds.
-    pub element_bound: f64,
-    /// The user's number of the limiting element, which has the least bound.
-    pub element: u64,
-    /// Name of the limiting element's set.
-    pub set: String,
-    /// Cause of the limit: stiffness damping if its coefficient exceeds half the bound,
-    /// mass damping if it alone permits no longer step, else the stiffness.
-    pub term: LimitingTerm,
-    /// Number of elements whose bound is within 5 % of the least one.
-    pub similar_elements: usize,
-    /// Least bound (s) of all other sets, the upper limit of the gain from coarsening this set;
-    /// none if there is no other set.
-    pub next_set_bound: Option<f64>,
-    /// Number of operator products of the Lanczos method.
-    pub iterations: usize,
-    /// Whether the Lanczos method converged; if not, the element bound is used.
-    pub converged: bool,
-}
 
 /// Highest frequency and damping of a model, computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,18 +31,9 @@ impl Model {
     pub fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError> {
         let limits = self.frequency_limits();
         let spectrum = self.spectrum();
-        let mut report = StableStep {
-            step: integrator.stable_step(&limits)?,
-            assembled_limit: 2.0 / spectrum.highest,
-            element_bound: f64::INFINITY,
-            element: 0,
-            set: String::new(),
-            term: LimitingTerm::Stiffness,
-            similar_elements: 0,
-            next_set_bound: None,
-            iterations: spectrum.iterations,
-            converged: spectrum.converged,
-        };
+        let step = integrator.stable_step(&limits)?;
+        let mut report = StableStep::new(step, 2.0 / spectrum.highest);
+        (report.iterations, report.converged) = (spectrum.iterations, spectrum.converged);
         let mut bounds: Vec<(f64, f64, u32, &str)> = Vec::new();
         for block in &self.blocks {
             for bound in block.frequency_bounds() {

@@ -6,15 +6,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use powerhouse_elements::NodalForce;
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, ModelBuilder, OneSided, Prescribed, RunOptions, RunReport,
-    StepChoice, Support, run,
-};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, BoundaryParts, Constant,
-    Constraint, ConstraintWork, ElementBlock, ElementFault, ElementKind, FrequencyBound,
-    HistoryField, Mat3, Mesh, ModelError, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
-    Operator, Precision, PredictedMotion, RunError, Stress, TimeFunction, TimeIntegrator, Vec3,
+    Constraint, ConstraintWork, ElementBlock, ElementFault, ElementKind, EnergyCheck,
+    FrequencyBound, HistoryField, Mat3, Mesh, ModelError, ModelSpec, NodalImpedance, NodalLoad,
+    NodalView, NodalViewMut, Operator, Precision, PredictedMotion, Prescribed, RunError,
+    RunOptions, RunReport, StepChoice, Stress, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 use support::{Links, hex_box, random_vectors};
 
@@ -23,7 +21,7 @@ fn rock() -> Links {
 }
 
 /// Dashpots and springs on five faces, oblique in part, and a pulse on the top.
-fn box_with_input(mesh: &Mesh, links: Links) -> ModelBuilder<'_> {
+fn box_with_input(mesh: &Mesh, links: Links) -> ModelSpec<'_> {
     let faces = ["x0", "x1", "y0", "y1", "z0"];
     let impedance = faces.iter().flat_map(|face| mesh.node_set(face).unwrap());
     let impedance = impedance.map(|&node| {

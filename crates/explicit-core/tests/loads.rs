@@ -3,11 +3,11 @@
 mod support;
 
 use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
-use powerhouse_explicit_core::{Leapfrog, Model, RunOptions, StepChoice, run};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     BlockContext, BlockEnergy, BoundaryParts, ElementBlock, ElementFault, ElementKind, ExtraBlock,
     FrequencyBound, HistoryField, Mat3, Mesh, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
-    Operator, Quad, Rayleigh, Stress, Vec3,
+    Operator, Quad, Rayleigh, RunOptions, StepChoice, Stress, Vec3,
 };
 use support::{Links, chain};
 

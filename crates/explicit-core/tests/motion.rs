@@ -3,12 +3,10 @@
 mod support;
 
 use powerhouse_elements::NodalForce;
-use powerhouse_explicit_core::{
-    Leapfrog, Model, PeriodicPairs, Prescribed, RunOptions, StepChoice, Support, run,
-};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     Cadence, ElementKind, Fields, Flow, Mat3, Mesh, ModelError, NodalImpedance, Observer,
-    Precision, State, StepView, Vec3,
+    PeriodicPairs, Precision, Prescribed, RunOptions, State, StepChoice, StepView, Support, Vec3,
 };
 use support::{Links, chain, hex_box, random_vectors};
 
@@ -243,10 +241,7 @@ fn pairs(mesh: &Mesh) -> PeriodicPairs {
     PeriodicPairs::by_translation(mesh, set("y0"), set("y1"), 1e-9).unwrap()
 }
 
-fn with_everything(
-    mesh: &Mesh,
-    precision: Precision,
-) -> powerhouse_explicit_core::ModelBuilder<'_> {
+fn with_everything(mesh: &Mesh, precision: Precision) -> powerhouse_model::ModelSpec<'_> {
     let set = |name| mesh.node_set(name).unwrap().to_vec();
     let impedance = set("x0").into_iter().map(|node| {
         NodalImpedance::new(

@@ -3,10 +3,10 @@
 mod support;
 
 use powerhouse_elements::NodalForce;
-use powerhouse_explicit_core::{Model, ModelBuilder, PeriodicPairs, Prescribed, Support};
+use powerhouse_explicit_core::{BuildModel, Model};
 use powerhouse_model::{
-    BoundaryParts, ElementKind, EngineError, Mat3, Mesh, MeshError, ModelError, NodalImpedance,
-    Precision, Vec3,
+    BoundaryParts, ElementKind, EngineError, Mat3, Mesh, MeshError, ModelError, ModelSpec,
+    NodalImpedance, PeriodicPairs, Precision, Prescribed, Support, Vec3,
 };
 use support::{Links, chain, hex_box};
 
@@ -14,11 +14,11 @@ fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)
 }
 
-fn model(mesh: &Mesh) -> ModelBuilder<'_> {
+fn model(mesh: &Mesh) -> ModelSpec<'_> {
     Model::builder(mesh).elements("rock", rock().boxed())
 }
 
-fn refusal(builder: ModelBuilder) -> EngineError {
+fn refusal(builder: ModelSpec) -> EngineError {
     match builder.build().unwrap_err() {
         ModelError::Refused { source, .. } => *source.downcast::<EngineError>().unwrap(),
         other => panic!("{other}"),

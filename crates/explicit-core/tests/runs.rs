@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use powerhouse_elements::NodalForce;
-use powerhouse_explicit_core::{Ended, Leapfrog, Model, RunOptions, StepChoice, Support, run};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
-    Cadence, ElementKind, Fields, Flow, ModelError, Observer, ParameterError, RunError, StepView,
-    Vec3,
+    Cadence, ElementKind, Ended, Fields, Flow, ModelError, Observer, ParameterError, RunError,
+    RunOptions, StepChoice, StepView, Support, Vec3,
 };
 use support::{Links, chain};
 

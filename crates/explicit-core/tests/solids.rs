@@ -3,13 +3,11 @@
 mod support;
 
 use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Tet4, Wedge6, solid};
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, RunOptions, StepChoice, Support, run,
-};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
-    BlockFactory, BlockOptions, BoundaryParts, ConstitutiveLaw, ElasticMedium, HistoryVariable,
-    Lane, LaneWidth, LawInput, Mat3, Mesh, NodalImpedance, Precision, Rayleigh, RunError, State,
-    Stress, Vec3,
+    BlockFactory, BlockOptions, BoundaryParts, ConstitutiveLaw, ElasticMedium, EnergyCheck,
+    HistoryVariable, Lane, LaneWidth, LawInput, Mat3, Mesh, NodalImpedance, Precision, Rayleigh,
+    RunError, RunOptions, State, StepChoice, Stress, Support, Vec3,
 };
 use support::{dense_limit, noise, random_vectors};
 
@@ -227,7 +225,7 @@ fn a_wave_in_a_column_arrives_at_its_speed() {
         .support(Support::roller(nodes("right"), Vec3::x()))
         .support(Support::roller(nodes("front"), Vec3::y()))
         .support(Support::roller(nodes("back"), Vec3::y()))
-        .prescribed(powerhouse_explicit_core::Prescribed {
+        .prescribed(powerhouse_model::Prescribed {
             nodes: nodes("bottom"),
             direction: Vec3::z(),
             displacement: Box::new(ramp),

@@ -2,10 +2,11 @@
 
 mod support;
 
-use powerhouse_explicit_core::{
-    Leapfrog, Model, OneSided, PeriodicPairs, RunOptions, StepChoice, Support, run,
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
+use powerhouse_model::{
+    ElementKind, LimitingTerm, PeriodicPairs, RunError, RunOptions, StepChoice, Support,
+    TimeIntegrator, Vec3,
 };
-use powerhouse_model::{ElementKind, LimitingTerm, RunError, TimeIntegrator, Vec3};
 use support::{Links, chain, dense_limit, hex_box, random_vectors};
 
 fn rock() -> Links {

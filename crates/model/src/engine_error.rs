@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// An invalid model, refused before the run. Nodes and elements are named by the user's numbers.
 ///
-/// Where no other operation is named, [`ModelBuilder::build`](crate::ModelBuilder::build) returns it, as the source of a
+/// Where no other operation is named, [`Engine::build`](crate::Engine::build) returns it, as the source of a
 /// [`ModelError::Refused`].
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]

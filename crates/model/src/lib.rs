@@ -3,7 +3,8 @@
 //! This crate defines the data that the engine reads or two of the other crates exchange: the
 //! [mesh](Mesh) with its named sets, [tensors](Stress), [elastic media](ElasticMedium), the
 //! [state](State) of a body, and the traits of element kernels, constitutive laws,
-//! incident fields, absorbing boundaries, joints, time integrators and observers. It computes nothing
+//! incident fields, absorbing boundaries, joints, time integrators, observers and engines, with what an [`Engine`]
+//! builds a model from ([`ModelSpec`]) and what its runs and static solutions report. It computes nothing
 //! beyond geometry and tensor algebra.
 //!
 //! # Conventions
@@ -28,9 +29,11 @@ mod element;
 mod embedded_bars;
 mod engine;
 mod engine_error;
+mod engine_model;
 mod error;
 mod extents;
 mod field;
+mod hourglass;
 mod joint;
 mod lane;
 mod law;
@@ -39,11 +42,19 @@ mod load;
 mod medium;
 mod mesh;
 mod nodal;
+mod periodic;
 mod point_law;
 mod rayleigh;
+mod run;
+mod spec;
+mod stable_step;
+mod stage;
 mod state;
+mod statics;
 mod step_profile;
 mod step_time;
+mod stress_field;
+mod support;
 mod tensor;
 
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
@@ -64,9 +75,11 @@ pub use engine::{
     StepView, TimeIntegrator,
 };
 pub use engine_error::{ElementExtent, EngineError};
+pub use engine_model::{Engine, EngineModel};
 pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use field::{FieldMotion, FieldSampler, IncidentField};
+pub use hourglass::HourglassShare;
 pub use joint::{
     Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
@@ -83,10 +96,23 @@ pub use mesh::{
     QualityReport, Split,
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
+pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
+pub use run::{
+    Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,
+};
+pub use spec::{ElementChoice, ModelSpec};
+pub use stable_step::StableStep;
+pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport};
 pub use state::{Cast, HistoryField, State};
+pub use statics::{
+    HandOverReport, Linearisation, StaticError, StaticMethod, StaticOptions, StaticProgress,
+    StaticReport,
+};
 pub use step_profile::{ProfileRow, StepProfile};
 pub use step_time::StepTime;
+pub use stress_field::StressField;
+pub use support::{Prescribed, Support};
 pub use tensor::{Principal, Strain, Stress};
 
 /// The crate of linear algebra whose vectors and matrices stand in public signatures, in the version in use.

@@ -1,9 +1,23 @@
-//! The engine that runs a scene, the elements that it computes and the observers of its steps.
+//! The engine that runs a scene unless another one is given, the elements that it computes and the observers of
+//! its steps.
+//!
+//! Scenes and studies know an [`Engine`] alone; this is the one place that chooses it.
+
+use std::sync::Arc;
 
 pub use powerhouse_elements::*;
 pub use powerhouse_explicit_core::*;
 pub use powerhouse_model::{
-    BlockFactory, BlockOptions, BlockPart, ElementExtent, EngineError, LaneWidth, Precision,
-    Rayleigh,
+    BlockFactory, BlockOptions, BlockPart, ElementChoice, ElementExtent, Ended, EnergyCheck,
+    Engine, EngineError, EngineModel, HandOverReport, HourglassShare, LaneWidth, Length,
+    Linearisation, ModelSpec, PeriodicPairs, Precision, Prescribed, Progress, Rayleigh, RunFailure,
+    RunOptions, RunReport, StableStep, Stage, StageError, StageEvent, StageModel, StageReport,
+    StaticError, StaticMethod, StaticOptions, StaticProgress, StaticReport, StepChoice,
+    StressField, Support,
 };
 pub use powerhouse_observe as observe;
+
+/// The engine of scenes and registries to which none is given.
+pub(crate) fn standard_engine() -> Arc<dyn Engine> {
+    Arc::new(Explicit)
+}

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use powerhouse_contact::ContactError;
-use powerhouse_model::{MeshError, ModelError, ParameterError, RunError};
+use powerhouse_model::{MeshError, ModelError, ParameterError, RunError, StageError, StaticError};
 use thiserror::Error;
 
-use crate::engine::{StageError, StaticError};
 use crate::{
     FolderError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
     SceneFault, StagingError,

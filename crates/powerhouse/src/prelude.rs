@@ -22,10 +22,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub use crate::engine::{Precision, Prescribed, SolidKernel, StaticOptions, Support};
 pub use powerhouse_boundary::{Viscous, ViscousSpring};
+pub use powerhouse_elements::SolidKernel;
 pub use powerhouse_material_damage::{LinearElastic, media};
-pub use powerhouse_model::{ElasticMedium, Mesh, Vec3};
+pub use powerhouse_model::{
+    ElasticMedium, Mesh, Precision, Prescribed, StaticOptions, Support, Vec3,
+};
 pub use powerhouse_observe::{Motion, Place};
 pub use powerhouse_wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, TimeHistory, WaveKind,

@@ -4,11 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use powerhouse_model::{AbsorbingBoundary, ContactLaw, Mesh, ModelError};
+use powerhouse_model::{AbsorbingBoundary, ContactLaw, Engine, Mesh, ModelError};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
+use crate::engine::standard_engine;
 use crate::fault::{Fault, Problem};
 use crate::format::{
     At, BoundarySection, JointSection, Material as MaterialTable, Parameters, SceneFile,
@@ -52,6 +53,7 @@ pub struct Registry {
     mesh_generators: BTreeMap<String, MeshGenerator>,
     built_in: BuiltIn,
     version: String,
+    engine: Arc<dyn Engine>,
 }
 
 /// Names of the boundaries and kernels that come with the software and were not replaced.
@@ -116,6 +118,7 @@ impl Default for Registry {
             mesh_generators: BTreeMap::new(),
             built_in: BuiltIn::default(),
             version: String::new(),
+            engine: standard_engine(),
         };
         builtin::register(&mut registry);
         registry.built_in = BuiltIn {
@@ -183,6 +186,16 @@ impl Registry {
     /// Version of a program's own laws, boundaries and kernels; empty unless it was set.
     pub fn version(&self) -> &str {
         &self.version
+    }
+    /// Sets the engine that computes the scenes read with this registry.
+    #[must_use]
+    pub fn with_engine(mut self, engine: Arc<dyn Engine>) -> Self {
+        self.engine = engine;
+        self
+    }
+    /// The engine that computes the scenes read with this registry.
+    pub fn engine(&self) -> &Arc<dyn Engine> {
+        &self.engine
     }
     /// Names of the boundaries that were added to, or replace, those of the software.
     pub fn added_boundary_names(&self) -> impl Iterator<Item = &str> {

@@ -6,14 +6,11 @@ use std::time::{Duration, Instant};
 
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
-    Cadence, HistoryVariable, IncidentField, Mesh, ModelError, Observer, TimeIntegrator,
+    Cadence, EnergyCheck, EngineModel, HistoryVariable, IncidentField, Mesh, ModelError, Observer,
+    Progress, RunFailure, RunOptions, StableStep, StepChoice, TimeIntegrator,
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
-use crate::engine::{
-    EnergyCheck, Model, Progress, RunFailure, RunOptions, StableStep, StepChoice, run,
-    run_reporting,
-};
 use crate::output::{FinishedRun, Named, OutputPlan, Recordings, Results};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
@@ -101,7 +98,7 @@ impl<'a> RunHooks<'a> {
 pub struct Simulation {
     pub(crate) title: String,
     pub(crate) mesh: Arc<Mesh>,
-    pub(crate) model: Model,
+    pub(crate) model: Box<dyn EngineModel>,
     pub(crate) integrator: Box<dyn TimeIntegrator>,
     pub(crate) step: TimeStep,
     pub(crate) duration: f64,
@@ -133,8 +130,8 @@ impl Simulation {
     }
     /// The engine's model. Before a run the model of a scene with stages has the elements and bolts
     /// that move, unloaded: the run takes it through the stages.
-    pub fn model(&self) -> &Model {
-        &self.model
+    pub fn model(&self) -> &dyn EngineModel {
+        self.model.as_ref()
     }
     /// The output requests.
     pub fn output(&self) -> &OutputPlan {
@@ -341,8 +338,7 @@ impl Simulation {
         }
         observers.extend(hooks.observers);
         let mut progress = hooks.progress.unwrap_or_else(|| Box::new(|_| {}));
-        let outcome = run_reporting(
-            &mut self.model,
+        let outcome = self.model.run(
             self.integrator.as_ref(),
             &options,
             &mut observers,
@@ -350,7 +346,7 @@ impl Simulation {
         );
         let wall_time = started.elapsed();
         let staging = self.staging.as_ref();
-        let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(&mut self.model));
+        let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(self.model.as_mut()));
         let finish = |report| {
             let mut results = recordings.finish(FinishedRun {
                 run: report,
@@ -403,8 +399,7 @@ impl Simulation {
         let step = self.step()?;
         let options = self.options(RunOptions::steps(count + 2), step);
         let (mut started, mut taken) = (Instant::now(), Duration::ZERO);
-        run(
-            &mut self.model,
+        let run = self.model.run(
             self.integrator.as_ref(),
             &options,
             &mut self.observers,
@@ -416,7 +411,8 @@ impl Simulation {
                     taken = started.elapsed();
                 }
             },
-        )?;
+        );
+        run.map_err(|failure| failure.error)?;
         Ok(taken)
     }
 }

@@ -136,6 +136,7 @@ impl FreeFieldCheck {
             let mut boundary = boundary.clone();
             boundary.region = region;
             let mut composed = Scene::new(format!("{}: free field", scene.title()), mesh.clone())
+                .with_engine(scene.engine().clone())
                 .part(part)
                 .with_shared_field(field.clone())
                 .with_boundary(boundary)

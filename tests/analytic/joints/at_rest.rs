@@ -1,28 +1,21 @@
 //! Joints that slide and open on the way to rest.
 
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{
-    Leapfrog, Model, ModelBuilder, RunOptions, StaticError, StaticMethod, StaticOptions,
-    StaticReport, Support, run,
-};
 use powerhouse_material_damage::media;
 use powerhouse_model::{
-    Bond, BoundaryParts, ContactState, JointRecord, Mat3, Mesh, NodalImpedance, Vec3,
+    Bond, BoundaryParts, ContactState, JointRecord, Mat3, Mesh, ModelSpec, NodalImpedance,
+    RunOptions, StaticError, StaticMethod, StaticOptions, StaticReport, Support, Vec3,
 };
 use powerhouse_tests::elastic;
 
 use super::Column;
 
 /// Springs (N/m) along an axis, shared by some nodes.
-fn sprung<'a>(
-    builder: ModelBuilder<'a>,
-    nodes: &[u32],
-    axis: usize,
-    stiffness: f64,
-) -> ModelBuilder<'a> {
+fn sprung<'a>(builder: ModelSpec<'a>, nodes: &[u32], axis: usize, stiffness: f64) -> ModelSpec<'a> {
     let mut spring = Mat3::zeros();
     spring[(axis, axis)] = stiffness / nodes.len() as f64;
     let impedance = nodes
@@ -45,7 +38,7 @@ fn records(model: &Model) -> Vec<JointRecord> {
 }
 
 /// The corrections of Newton refuse a joint that moves, by name, and point to the relaxation.
-fn newton_refuses(builder: ModelBuilder, name: &str) {
+fn newton_refuses(builder: ModelSpec, name: &str) {
     let refused = (builder.build().unwrap()).equilibrate(&StaticOptions::default(), &mut |_| {});
     let error = refused.unwrap_err();
     assert!(matches!(&error, StaticError::JointMoves { joint, .. } if joint == name));

@@ -1,8 +1,8 @@
 //! Bars that meet.
 
+use powerhouse::engine::BuildModel;
 use powerhouse_contact::{Frictionless, Joint};
-use powerhouse_explicit_core::Support;
-use powerhouse_model::{ElasticMedium, Vec3};
+use powerhouse_model::{ElasticMedium, Support, Vec3};
 
 use super::{Column, watched};
 

@@ -1,9 +1,9 @@
 //! Interfaces that hold.
 
+use powerhouse::engine::{BuildModel, Leapfrog, run};
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
-use powerhouse_explicit_core::{Leapfrog, RunOptions, StepChoice, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::Vec3;
+use powerhouse_model::{RunOptions, StepChoice, Vec3};
 
 use super::{Column, even_step, watched};
 
@@ -88,7 +88,7 @@ fn a_joint_that_sticks_is_no_joint() {
             vec![(12, media::ROCK)]
         };
         let column = Column::new(&parts, 0.8);
-        let mut builder = powerhouse_explicit_core::Model::builder(&column.mesh).threads(1);
+        let mut builder = powerhouse::engine::Model::builder(&column.mesh).threads(1);
         for (name, medium) in &column.parts {
             let kernel = powerhouse_elements::SolidKernel::Hex8OnePoint(Default::default());
             let factory = powerhouse_tests::elastic(name, kernel, *medium, Default::default());

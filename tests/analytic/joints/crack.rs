@@ -1,5 +1,6 @@
 //! A crack where a reflected pulse pulls.
 
+use powerhouse::engine::BuildModel;
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
 use powerhouse_material_damage::media;
 use powerhouse_model::{Bond, ContactState};

@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use powerhouse::engine::BuildModel;
 use powerhouse_contact::{BondedCoulomb, Joint};
 use powerhouse_material_damage::media;
 use powerhouse_model::{Constraint, Vec3};

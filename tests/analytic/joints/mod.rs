@@ -11,14 +11,13 @@ mod rate_and_state;
 
 use std::sync::{Arc, Mutex};
 
+use powerhouse::engine::{Leapfrog, Model, run};
 use powerhouse_contact::{JointSurface, SurfaceOptions};
 use powerhouse_elements::{NodalForce, SolidKernel};
-use powerhouse_explicit_core::{
-    Leapfrog, Model, ModelBuilder, RunOptions, RunReport, StepChoice, Support, run,
-};
 use powerhouse_model::{
     BoundaryParts, Cadence, ElasticMedium, Fields, Flow, JointRecord, Mat3, Mesh, ModelError,
-    NodalImpedance, Observer, StepView, Vec3,
+    ModelSpec, NodalImpedance, Observer, RunOptions, RunReport, StepChoice, StepView, Support,
+    Vec3,
 };
 use powerhouse_tests::elastic;
 
@@ -76,7 +75,7 @@ impl Column {
     }
 
     /// A model in the making whose nodes move along one axis alone.
-    pub(crate) fn along(&self, axis: usize) -> ModelBuilder<'_> {
+    pub(crate) fn along(&self, axis: usize) -> ModelSpec<'_> {
         let kernel = SolidKernel::Hex8OnePoint(Default::default());
         let mut builder = Model::builder(&self.mesh).threads(1);
         for (name, medium) in &self.parts {
@@ -94,11 +93,11 @@ impl Column {
     /// by time in s) along an axis that enters at the foot; the media are those of the ends.
     pub(crate) fn open<'a>(
         &self,
-        builder: ModelBuilder<'a>,
+        builder: ModelSpec<'a>,
         axis: usize,
         impedance: [f64; 2],
         wave: impl Fn(f64) -> f64 + Send + Sync + 'static,
-    ) -> ModelBuilder<'a> {
+    ) -> ModelSpec<'a> {
         let mut parts = BoundaryParts::default();
         for (level, impedance) in [0.0, self.height].into_iter().zip(impedance) {
             let dashpot = Mat3::identity() * (impedance / 4.0);
@@ -171,7 +170,7 @@ pub(crate) fn watched(
     };
     let options = RunOptions::seconds(duration)
         .with_step(StepChoice::Fixed(step))
-        .with_energy(powerhouse_explicit_core::EnergyCheck::every(50));
+        .with_energy(powerhouse_model::EnergyCheck::every(50));
     let report = run(
         model,
         &Leapfrog,

@@ -1,8 +1,8 @@
 //! Motions of extreme amplitudes, and motions on top of a rigid displacement.
 
-use powerhouse_explicit_core::{Model, RunOptions, StepChoice, run};
+use powerhouse::engine::{Model, run};
 use powerhouse_material_damage::media;
-use powerhouse_model::{RunError, Vec3};
+use powerhouse_model::{RunError, RunOptions, StepChoice, Vec3};
 
 use super::cell::{Cell, Found, Refusal, Row};
 use super::column::Column;

@@ -1,8 +1,8 @@
 //! A column of the atlas: kernel, number format and scheme.
 
+use powerhouse::engine::{Leapfrog, OneSided};
 use powerhouse::{Kernel, Material};
 use powerhouse_elements::{Hex8OnePoint, SolidKernel};
-use powerhouse_explicit_core::{Leapfrog, OneSided};
 use powerhouse_model::{
     BlockFactory, BlockOptions, ElementKind, Mesh, MeshError, Precision, Rayleigh, TimeIntegrator,
     Vec3,

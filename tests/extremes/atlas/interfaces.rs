@@ -1,9 +1,9 @@
 //! Joints at the ends of all ranges.
 
+use powerhouse::engine::{BuildModel, Model};
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Joint, JointSurface, SurfaceOptions,
 };
-use powerhouse_explicit_core::Model;
 use powerhouse_material_damage::media;
 use powerhouse_model::{ElasticMedium, Rayleigh, Vec3};
 

@@ -1,7 +1,7 @@
 //! Loss of stiffness and of neighbouring elements, and softening.
 
 use powerhouse::Material;
-use powerhouse_explicit_core::Model;
+use powerhouse::engine::{BuildModel, Model};
 use powerhouse_material_damage::{media, presets};
 use powerhouse_model::{Rayleigh, State, Vec3};
 

@@ -1,6 +1,6 @@
 //! Media: nearly incompressible ones, auxetic ones, and contrasts.
 
-use powerhouse_explicit_core::Model;
+use powerhouse::engine::{BuildModel, Model};
 use powerhouse_material_damage::media;
 use powerhouse_model::{ElasticMedium, Rayleigh};
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use powerhouse::engine::{BuildModel, Model};
 use powerhouse_boundary::{AxisParameters, ViscousSpring};
-use powerhouse_explicit_core::Model;
 use powerhouse_material_damage::media;
 use powerhouse_model::{AbsorbingBoundary, BoundarySite, IncidentField, Rayleigh, Vec3};
 use powerhouse_wavefield::{

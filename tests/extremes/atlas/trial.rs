@@ -1,11 +1,12 @@
 //! Test of a cell: a model is built, set in motion, run and judged.
 
 use powerhouse::Material;
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, RunFailure, RunOptions, RunReport, StepChoice, run_reporting,
-};
+use powerhouse::engine::{BuildModel, Leapfrog, Model, run_reporting};
 use powerhouse_material_damage::LinearElastic;
-use powerhouse_model::{ElasticMedium, Mat3, Mesh, Rayleigh, Vec3};
+use powerhouse_model::{
+    ElasticMedium, EnergyCheck, Mat3, Mesh, Rayleigh, RunFailure, RunOptions, RunReport,
+    StepChoice, Vec3,
+};
 
 use super::cell::{Cell, Found, Refusal};
 use super::column::Column;

@@ -8,14 +8,14 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstraintWork, MassDampingRule, NodalView, Precision, Quad,
-    StepTime, Vec3,
+    BlockContext, BlockEnergy, ConstraintWork, HourglassShare, MassDampingRule, NodalView,
+    Precision, Quad, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
+use crate::Model;
 use crate::groups::Groups;
 use crate::nodes::with_nodes;
-use crate::{HourglassShare, Model};
 use sum::{Sum, total};
 use work::{MidStep, NodalWork, RangeWork};
 

@@ -1,11 +1,10 @@
 //! Assembly of a model from a mesh, element sets, boundary conditions and loads.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use powerhouse_model::{
-    BlockFactory, BoundaryParts, Constraint, ElementBlock, EngineError, Mat3, Mesh, ModelError,
-    NodalLoad, Precision, State, TimeFunction, Vec3,
+    BlockFactory, Constraint, ElementBlock, ElementChoice, EngineError, Mat3, Mesh, ModelError,
+    ModelSpec, NodalLoad, Precision,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
@@ -17,27 +16,6 @@ use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::subdomain::{Numbering, Subdomain};
 use crate::weight::Weight;
-use crate::{PeriodicPairs, Prescribed, Support};
-
-/// A selection of elements: a named set, or mesh indices.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ElementChoice {
-    /// The elements of a named set of the mesh.
-    Set(String),
-    /// The elements with these mesh indices.
-    Elements(Vec<u32>),
-}
-
-impl From<&str> for ElementChoice {
-    fn from(name: &str) -> Self {
-        Self::Set(name.into())
-    }
-}
-impl From<Vec<u32>> for ElementChoice {
-    fn from(elements: Vec<u32>) -> Self {
-        Self::Elements(elements)
-    }
-}
 
 /// Elements per block by default. Large blocks share few nodes: on 132,651 distorted bricks and one
 /// thread a step takes 0.87 of the time at 16,384 elements that it takes at 2048. Small blocks occupy
@@ -48,147 +26,24 @@ const BLOCKS: usize = 16;
 /// Largest permitted number of threads; starting more would take minutes.
 const MOST_THREADS: usize = 4096;
 
-/// Builder of a [`Model`]: elements, boundary conditions, loads, constraints and initial state; all input is
-/// checked in [`build`](Self::build).
-pub struct ModelBuilder<'a> {
-    mesh: &'a Mesh,
-    sets: Vec<ElementSet>,
-    supports: Vec<Support>,
-    periodic: Vec<PeriodicPairs>,
-    prescribed: Vec<Prescribed>,
-    loads: Vec<Box<dyn NodalLoad>>,
-    weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
-    boundaries: Vec<BoundaryParts>,
-    constraints: Vec<Box<dyn Constraint>>,
-    embedded: Vec<Box<dyn ElementBlock>>,
-    start: InitialState,
-    threads: Option<usize>,
-    stop: Option<Arc<AtomicBool>>,
-    block_size: Option<usize>,
-}
-
-impl<'a> ModelBuilder<'a> {
-    pub(super) fn new(mesh: &'a Mesh) -> Self {
-        Self {
-            mesh,
-            sets: Vec::new(),
-            supports: Vec::new(),
-            periodic: Vec::new(),
-            prescribed: Vec::new(),
-            loads: Vec::new(),
-            weights: Vec::new(),
-            boundaries: Vec::new(),
-            constraints: Vec::new(),
-            embedded: Vec::new(),
-            start: InitialState::default(),
-            threads: None,
-            stop: None,
-            block_size: None,
-        }
-    }
-    /// Sets the initial state, such as that of the stage before: elements that are
-    /// [absent](State::absent) in it are inactive and their nodes have no mass; the strain of
-    /// [cast](State::casts) elements is measured from their own reference configuration.
-    #[must_use]
-    pub fn start(mut self, state: State) -> Self {
-        self.start = InitialState { state: Some(state) };
-        self
-    }
-    /// Adds elements, by set or by mesh index, with the factory of their blocks. Every element of the mesh must
-    /// belong to exactly one set; absent elements may be left out.
-    #[must_use]
-    pub fn elements(
-        mut self,
-        choice: impl Into<ElementChoice>,
-        factory: Box<dyn BlockFactory>,
-    ) -> Self {
-        self.sets.push((choice.into(), factory));
-        self
-    }
-    /// Adds a support (fixed or roller-supported nodes).
-    #[must_use]
-    pub fn support(mut self, support: Support) -> Self {
-        self.supports.push(support);
-        self
-    }
-    /// Adds periodic pairs: pairs of nodes with a common motion.
-    #[must_use]
-    pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
-        self.periodic.push(pairs);
-        self
-    }
-    /// Adds nodes whose displacement along a direction is a given function of time.
-    #[must_use]
-    pub fn prescribed(mut self, prescribed: Prescribed) -> Self {
-        self.prescribed.push(prescribed);
-        self
-    }
-    /// Adds a load: forces at nodes (N) as a function of time.
-    #[must_use]
-    pub fn load(mut self, load: Box<dyn NodalLoad>) -> Self {
-        self.loads.push(load);
-        self
-    }
-    /// Adds the weight: lumped mass times an acceleration (m/s2) times a function of time.
-    #[must_use]
-    pub fn gravity(mut self, acceleration: Vec3, history: Box<dyn TimeFunction>) -> Self {
-        self.weights.push((acceleration, history));
-        self
-    }
-    /// Adds the springs, dashpots, loads and blocks of an absorbing boundary.
-    #[must_use]
-    pub fn boundary(mut self, parts: BoundaryParts) -> Self {
-        self.boundaries.push(parts);
-        self
-    }
-    /// Adds a constraint, such as joints, which corrects predicted velocities.
-    #[must_use]
-    pub fn constraint(mut self, constraint: Box<dyn Constraint>) -> Self {
-        self.constraints.push(constraint);
-        self
-    }
-    /// Adds an embedded block: elements that act on nodes of the mesh, such as
-    /// bolts. Its history variables have names of their
-    /// own, under which a state stores them. If the initial state has no such variables, the block is installed at the
-    /// present displacement, without force but for its pretension.
-    #[must_use]
-    pub fn embed(mut self, block: Box<dyn ElementBlock>) -> Self {
-        self.embedded.push(block);
-        self
-    }
-    /// Sets the number of threads, 1 to 4096, by default all of the machine; the results are bitwise the same.
-    #[must_use]
-    pub fn threads(mut self, threads: usize) -> Self {
-        self.threads = Some(threads);
-        self
-    }
-    /// Sets the cancellation flag of static solutions: soon after it becomes true they end with
-    /// [`StaticError::Interrupted`](crate::StaticError::Interrupted). Dynamic runs have
-    /// [`RunOptions::stop`](crate::RunOptions::stop).
-    #[must_use]
-    pub fn stop_on(mut self, flag: Arc<AtomicBool>) -> Self {
-        self.stop = Some(flag);
-        self
-    }
-    /// Sets the number of elements per block, at least one; by default a sixteenth of the mesh, but 2048 to 16,384.
-    /// Results depend on it by rounding.
-    #[must_use]
-    pub fn block_size(mut self, elements: usize) -> Self {
-        self.block_size = Some(elements.max(1));
-        self
-    }
-
+/// Building of a model of this engine from its specification.
+pub trait BuildModel {
     /// Checks the input and builds the model.
     ///
     /// # Errors
     /// An [`EngineError`] (as the source of [`ModelError::Refused`]) that names the node, element or
     /// set, or the error of a factory.
-    pub fn build(self) -> Result<Model, ModelError> {
+    fn build(self) -> Result<Model, ModelError>;
+}
+
+impl BuildModel for ModelSpec<'_> {
+    fn build(self) -> Result<Model, ModelError> {
         let pool = match self.threads {
             Some(threads) => Some(start_threads(threads)?),
             None => None,
         };
         let mesh = self.mesh;
+        let start = InitialState { state: self.start };
         let precision = coarsest(&self.sets)?;
         let block_size = self.block_size.unwrap_or_else(|| {
             let share = mesh.element_count() / BLOCKS;
@@ -197,7 +52,7 @@ impl<'a> ModelBuilder<'a> {
         let Solids {
             partition,
             mut blocks,
-        } = build_blocks(mesh, &self.sets, &self.start, block_size)?;
+        } = build_blocks(mesh, &self.sets, &start, block_size)?;
         let mut numbering = Numbering::of(&partition, mesh);
         let orphans: Vec<u32> = (partition.orphans.iter())
             .map(|&node| numbering.local_of[node as usize])
@@ -314,7 +169,7 @@ impl<'a> ModelBuilder<'a> {
             pool,
             stop: self.stop,
         };
-        if let Some(state) = self.start.state {
+        if let Some(state) = start.state {
             model.absent.clone_from(&state.absent);
             model.casts.clone_from(&state.casts);
             model.set_state(&state)?;

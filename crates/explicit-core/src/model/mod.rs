@@ -12,7 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, Precision, RunError, TimeFunction, Vec3,
+    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, ModelSpec, Precision, RunError,
+    TimeFunction, Vec3,
 };
 
 use crate::applied::AppliedLoads;
@@ -24,7 +25,7 @@ use crate::profile::Profiler;
 use crate::stable_step::Spectrum;
 use crate::subdomain::Subdomain;
 
-pub use builder::{ElementChoice, ModelBuilder};
+pub use builder::BuildModel;
 pub(crate) use dynamics::{BlockTerms, block_forces, least_mass};
 
 /// A constraint with the node groups on which it acts.
@@ -117,9 +118,9 @@ impl core::fmt::Debug for Model {
 }
 
 impl Model {
-    /// Builder of a model of a mesh, to which element blocks, supports, loads and boundaries are added.
-    pub fn builder(mesh: &Mesh) -> ModelBuilder<'_> {
-        ModelBuilder::new(mesh)
+    /// The specification of a model of a mesh, which [`BuildModel::build`] turns into the model.
+    pub fn builder(mesh: &Mesh) -> ModelSpec<'_> {
+        ModelSpec::new(mesh)
     }
     /// The mesh of the model.
     pub fn mesh(&self) -> &Mesh {

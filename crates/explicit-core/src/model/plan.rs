@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::{Constraint, EngineError, Mat3, Mesh, NodalImpedance};
+use powerhouse_model::{
+    Constraint, EngineError, Mat3, Mesh, NodalImpedance, PeriodicPairs, Prescribed, Support,
+};
 
 use crate::groups::NodeGroup;
 use crate::subdomain::Numbering;
-use crate::{PeriodicPairs, Prescribed, Support};
 
 pub(super) fn engine_node(part: &str, node: u32, numbers: &[u32]) -> Result<u32, EngineError> {
     let found = numbers.get(node as usize).copied();

@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-use powerhouse_model::{EngineError, Mesh, MeshError, Quad, State, Vec3};
+use powerhouse_model::{ElementChoice, EngineError, Mesh, MeshError, Quad, State, Vec3};
 
+use super::Model;
 use super::builder::ElementSet;
-use super::{ElementChoice, Model};
 
 /// Active elements of one set with the same reference configuration and precision.
 pub(super) struct ElementSubset<'a> {

@@ -3,17 +3,15 @@
 use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
 use powerhouse_model::{
     BlockEnergy, BlockOptions, BoundaryParts, Constant, ConstitutiveLaw, Constraint,
-    ConstraintWork, ElasticMedium, HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalImpedance,
-    PredictedMotion, Rayleigh, RunError, Stress, Vec3,
+    ConstraintWork, ElasticMedium, EnergyCheck, HistoryVariable, Lane, LawInput, Mat3, Mesh,
+    ModelSpec, NodalImpedance, PredictedMotion, Prescribed, Rayleigh, RunError, RunOptions,
+    StaticMethod, StaticOptions, Stress, Support, Vec3,
 };
 
 use super::NodeRanges;
 use crate::gather::SlotTable;
 use crate::ledger::total_energy;
-use crate::{
-    EnergyCheck, Leapfrog, Model, ModelBuilder, Prescribed, RunOptions, StaticMethod,
-    StaticOptions, Support, run,
-};
+use crate::{BuildModel, Leapfrog, Model, run};
 
 impl NodeRanges {
     /// The same ranges in another order.
@@ -98,7 +96,7 @@ fn face(mesh: &Mesh, name: &str) -> Vec<u32> {
 }
 
 /// The body in twelve blocks, with mass damping.
-fn body(mesh: &Mesh, threads: usize) -> ModelBuilder<'_> {
+fn body(mesh: &Mesh, threads: usize) -> ModelSpec<'_> {
     let rock = Softening(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
     let mut options = BlockOptions::default();
     options.damping = Rayleigh {

@@ -1,23 +1,12 @@
 //! Forces that balance a body in static equilibrium, and the transition to a dynamic stage.
 
-use powerhouse_model::{DisjointSets, Quad, StepTime, Vec3};
+use powerhouse_model::{DisjointSets, HandOverReport, Quad, StaticError, StepTime, Vec3};
 use rayon::prelude::*;
 
-use super::StaticError;
 use crate::Model;
 use crate::model::{BlockTerms, block_forces};
 use crate::nodes::with_nodes;
 use crate::subdomain::NodalMotion;
-
-/// Report of the transition from a static to a dynamic stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HandOverReport {
-    /// Norm of the carried forces (N), which balance the body in addition to its loads.
-    pub carried_forces: f64,
-    /// Norm of their difference from the carried forces of the stage before, over that of the internal forces; of the
-    /// order of rounding in a consistent model.
-    pub difference: f64,
-}
 
 /// Length of step (s) at which the stress of a viscoelastic law differs from its static stress.
 const SOME_STEP: f64 = 1.0e-3;
@@ -25,7 +14,7 @@ const SOME_STEP: f64 = 1.0e-3;
 const SAME: f64 = 1.0e-6;
 
 impl Model {
-    /// Begins a dynamic stage from the static state that the model [started](crate::ModelBuilder::start) with; without
+    /// Begins a dynamic stage from the static state that the model [started](powerhouse_model::ModelSpec::start) with; without
     /// input the body stays at rest.
     ///
     /// Velocities are set to zero. Springs and blocks of boundaries, and the displacement that observers receive, refer

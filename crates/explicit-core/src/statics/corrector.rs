@@ -1,15 +1,13 @@
 //! Displacement corrections from unbalanced forces.
 
 #[cfg(feature = "direct")]
-use powerhouse_model::Operator;
-use powerhouse_model::Vec3;
+use powerhouse_model::{Linearisation, Operator};
+use powerhouse_model::{StaticError, StaticMethod, StaticReport, Vec3};
 
 #[cfg(feature = "direct")]
 use super::direct::Factor;
-#[cfg(feature = "direct")]
-use super::options::Linearisation;
+use super::gradients;
 use super::system::System;
-use super::{StaticError, StaticMethod, StaticReport, gradients};
 
 /// Linear solver of the static method in use.
 pub(super) enum Corrector {
@@ -46,6 +44,10 @@ impl Corrector {
                 factor.factor(system, Operator::Elastic)?;
                 Ok(Self::Elastic(factor))
             }
+            other => Err(StaticError::NoMethod {
+                engine: crate::NAME.into(),
+                method: other.name(),
+            }),
         }
     }
 

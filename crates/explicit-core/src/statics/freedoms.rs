@@ -2,8 +2,8 @@
 
 use powerhouse_model::{Mat3, Vec3};
 
+use crate::condition::Condition;
 use crate::groups::NodeGroup;
-use crate::support::Condition;
 
 /// Lead of a node without unknowns.
 const FIXED: u32 = u32::MAX;

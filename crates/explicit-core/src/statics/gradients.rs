@@ -1,9 +1,8 @@
 //! Preconditioned conjugate gradients.
 
-use powerhouse_model::Vec3;
+use powerhouse_model::{StaticError, Vec3};
 use rayon::prelude::*;
 
-use super::StaticError;
 use super::system::System;
 
 /// Largest number of products over the cube root of the number of unknowns.

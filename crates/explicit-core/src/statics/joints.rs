@@ -1,10 +1,9 @@
 //! Joints and ties in static solutions: pairs that stick are tied, as long as their law admits the tractions.
 
 use powerhouse_model::{
-    ContactState, DisjointSets, JointHistory, Mat3, PredictedMotion, StepTime, Vec3,
+    ContactState, DisjointSets, JointHistory, Mat3, PredictedMotion, StaticError, StepTime, Vec3,
 };
 
-use super::StaticError;
 use crate::Model;
 use crate::groups::NodeGroup;
 use crate::model::least_mass;

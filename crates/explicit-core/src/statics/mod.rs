@@ -5,24 +5,18 @@ mod balance;
 mod corrector;
 #[cfg(feature = "direct")]
 mod direct;
-pub(crate) mod error;
 #[cfg(feature = "direct")]
 mod freedoms;
 mod gradients;
 mod joints;
 mod mixing;
-mod options;
 mod relaxation;
 mod support_check;
 mod system;
 
-pub use balance::HandOverReport;
-pub use error::StaticError;
-#[cfg(feature = "direct")]
-pub use options::Linearisation;
-pub use options::{StaticMethod, StaticOptions};
-
-use powerhouse_model::Vec3;
+use powerhouse_model::{
+    StaticError, StaticMethod, StaticOptions, StaticProgress, StaticReport, Vec3,
+};
 
 use crate::Model;
 use corrector::Corrector;
@@ -30,41 +24,6 @@ use joints::ConnectedPairs;
 use mixing::Mixing;
 use relaxation::Relaxation;
 use system::System;
-
-/// Report of a static solution: numbers of operations and residual.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StaticReport {
-    /// Number of load increments tried, including those that were repeated by halves.
-    pub increments: u32,
-    /// Number of displacement corrections in all increments.
-    pub corrections: u32,
-    /// Number of products of the elastic operator with a vector.
-    pub products: u64,
-    /// Number of factorisations of the operator; zero without a direct solver.
-    pub factorisations: u32,
-    /// Number of entries of the Cholesky factor, eight bytes each; zero without a direct solver.
-    pub factor_entries: u64,
-    /// Number of steps of the dynamic relaxation in all increments; zero with the other methods.
-    pub steps: u64,
-    /// Norm of the unbalanced forces at the end over that of the load (1), at most the tolerance.
-    pub residual: f64,
-    /// Norm of the load (N): the largest of the norms of applied forces, forces of the initial stress,
-    /// and unbalanced forces at the start.
-    pub load: f64,
-    /// Norm of the unbalanced forces at the start over that of the load (1).
-    pub unbalanced: f64,
-}
-
-/// Progress of a static solution, passed to the progress callback after each correction or a hundred steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticProgress {
-    /// Load factor of the increment, 0 to 1.
-    pub share: f64,
-    /// Number of corrections in this increment, or of steps of a dynamic relaxation.
-    pub correction: u32,
-    /// Norm of the unbalanced forces over that of the load.
-    pub residual: f64,
-}
 
 /// Number of earlier corrections in the Anderson acceleration.
 const KEPT_CORRECTIONS: usize = 8;

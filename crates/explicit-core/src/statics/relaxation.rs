@@ -1,10 +1,10 @@
 //! Dynamic relaxation: static equilibrium as the limit of a damped motion.
 
-use powerhouse_model::{Mat3, Operator, Vec3};
+use powerhouse_model::{Mat3, Operator, StaticError, StaticProgress, StaticReport, Vec3};
 use rayon::prelude::*;
 
 use super::system::System;
-use super::{FORCING, Increment, StaticError, StaticProgress, StaticReport, gradients};
+use super::{FORCING, Increment, gradients};
 use crate::model::least_mass;
 
 /// Length of a step in pseudo-time (s); results do not depend on it.

@@ -1,9 +1,8 @@
 //! Check for unrestrained rigid body motion.
 
 use nalgebra::{Matrix3x6, Matrix6, Vector6};
-use powerhouse_model::{DisjointSets, Mat3, Vec3};
+use powerhouse_model::{DisjointSets, Mat3, StaticError, Vec3};
 
-use super::StaticError;
 use super::joints::ConnectedPairs;
 use crate::Model;
 

@@ -1,11 +1,11 @@
 //! The static equilibrium equations of a model in the displacements of its free nodes.
 
-use powerhouse_model::{ElementBlock, Mat3, Operator, Quad, Vec3};
+use powerhouse_model::{ElementBlock, Mat3, Operator, Quad, StaticError, StaticMethod, Vec3};
 use rayon::prelude::*;
 
+use super::Increment;
 #[cfg(feature = "direct")]
 use super::freedoms::DegreesOfFreedom;
-use super::{Increment, StaticError, StaticMethod};
 use crate::Model;
 use crate::groups::NodeGroup;
 use crate::node_ranges::NodeRanges;

@@ -4,13 +4,11 @@ use nalgebra::DMatrix;
 use powerhouse_elements::{
     BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSet, Grout, NodalForce,
 };
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, Prescribed, RunOptions, Stage, StageModel, StaticOptions,
-    StepChoice, Support, run, run_stages,
-};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run, run_stages};
 use powerhouse_model::{
-    BlockContext, BlockPart, Cadence, ElasticMedium, ElementBlock, Mesh, NodalView, NodalViewMut,
-    Operator, Quad, State, StepTime, Strain, Vec3,
+    BlockContext, BlockPart, Cadence, ElasticMedium, ElementBlock, EnergyCheck, Mesh, NodalView,
+    NodalViewMut, Operator, Prescribed, Quad, RunOptions, Stage, StageModel, State, StaticOptions,
+    StepChoice, StepTime, Strain, Support, Vec3,
 };
 use powerhouse_observe::BoltHistories;
 

@@ -1,13 +1,11 @@
 //! The direct solver against the conjugate gradients.
 
 use powerhouse_elements::{BoltLine, BoltParameters, BoltSet};
-use powerhouse_explicit_core::{
-    Linearisation, Model, ModelBuilder, Prescribed, Stage, StageModel, StaticError, StaticMethod,
-    StaticOptions, StaticReport, Support, run_stages,
-};
+use powerhouse_explicit_core::{BuildModel, Model, run_stages};
 use powerhouse_model::{
-    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Precision,
-    State, Stress, Vec3,
+    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Linearisation,
+    Mesh, ModelSpec, Precision, Prescribed, Stage, StageModel, State, StaticError, StaticMethod,
+    StaticOptions, StaticReport, Stress, Support, Vec3,
 };
 
 use super::ties::{Weld, cut_through};
@@ -24,7 +22,7 @@ fn by(method: StaticMethod) -> StaticOptions {
 }
 
 /// The displacement of a model in static equilibrium, and the report of the solution.
-fn at_rest(builder: ModelBuilder, method: StaticMethod) -> (Vec<Vec3>, StaticReport) {
+fn at_rest(builder: ModelSpec, method: StaticMethod) -> (Vec<Vec3>, StaticReport) {
     let mut model = builder.build().unwrap();
     let report = model.equilibrate(&by(method), &mut |_| {}).unwrap();
     let nodes = 0..model.mesh().node_count() as u32;

@@ -1,10 +1,10 @@
 //! Elements that go and come.
 
-use powerhouse_explicit_core::{
-    Model, Stage, StageError, StageEvent, StageModel, StaticError, StaticOptions, StressField,
-    run_stages,
+use powerhouse_explicit_core::{BuildModel, Model, run_stages};
+use powerhouse_model::{
+    Mesh, Stage, StageError, StageEvent, StageModel, State, StaticError, StaticOptions, Stress,
+    StressField, Vec3,
 };
-use powerhouse_model::{Mesh, State, Stress, Vec3};
 
 use super::{GRAVITY, bent_box, elastic, elastic_body, largest, on_rollers, rock};
 
@@ -184,7 +184,7 @@ fn stages_that_cannot_be_are_refused() {
     let middle = between(&mesh, [0.0, 0.0, 15.0], [10.0, 10.0, 25.0]);
     let body: Box<StageModel> = Box::new(|builder| {
         let bottom = mesh.nodes_of_facets(mesh.facet_set("bottom")?);
-        let fixed = powerhouse_explicit_core::Support::fixed(bottom);
+        let fixed = powerhouse_model::Support::fixed(bottom);
         let builder = builder.elements("ground", elastic("ground", rock()));
         Ok(builder
             .support(fixed)

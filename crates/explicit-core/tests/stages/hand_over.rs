@@ -1,12 +1,11 @@
 //! From rest to motion: other supports, the same forces.
 
 use powerhouse_elements::NodalForce;
-use powerhouse_explicit_core::{
-    EnergyCheck, Leapfrog, Model, ModelBuilder, RunOptions, StaticError, StaticOptions, run,
-};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
-    Cadence, ConstitutiveLaw, ElasticMedium, Fields, Flow, HistoryVariable, Lane, LawInput, Mesh,
-    ModelError, Observer, Precision, State, StepView, Stress, Vec3,
+    Cadence, ConstitutiveLaw, ElasticMedium, EnergyCheck, Fields, Flow, HistoryVariable, Lane,
+    LawInput, Mesh, ModelError, ModelSpec, Observer, Precision, RunOptions, State, StaticError,
+    StaticOptions, StepView, Stress, Vec3,
 };
 
 use super::{
@@ -20,7 +19,7 @@ fn block() -> Mesh {
 }
 
 /// The block in static equilibrium on rollers under its weight, to a coarse tolerance.
-fn at_rest(mesh: &Mesh, builder: ModelBuilder, tolerance: f64) -> State {
+fn at_rest(mesh: &Mesh, builder: ModelSpec, tolerance: f64) -> State {
     let builder = on_rollers(mesh, builder).gravity(GRAVITY, Box::new(|_: f64| 1.0));
     let mut model = builder.build().unwrap();
     let options = StaticOptions::default().with_tolerance(tolerance);

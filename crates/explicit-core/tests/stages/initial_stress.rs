@@ -1,7 +1,7 @@
 //! Stress that was there first.
 
-use powerhouse_explicit_core::{Model, StaticOptions, StressField};
-use powerhouse_model::{Mesh, Precision, State, Vec3};
+use powerhouse_explicit_core::{BuildModel, Model};
+use powerhouse_model::{Mesh, Precision, State, StaticOptions, StressField, Vec3};
 
 use super::{GRAVITY, elastic_body, face_nodes, on_rollers, rock, weak};
 

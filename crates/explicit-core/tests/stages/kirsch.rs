@@ -1,8 +1,8 @@
 //! A hole in an elastic plane.
 
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{Model, StaticOptions, Support};
-use powerhouse_model::{ElasticMedium, Mesh, NodalLoad, Stress, Vec3};
+use powerhouse_explicit_core::{BuildModel, Model};
+use powerhouse_model::{ElasticMedium, Mesh, NodalLoad, StaticOptions, Stress, Support, Vec3};
 
 use super::{Elastic, rock};
 

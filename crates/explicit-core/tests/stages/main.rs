@@ -13,10 +13,10 @@ mod sections;
 mod ties;
 
 use powerhouse_elements::{Hex8OnePoint, SolidKernel};
-use powerhouse_explicit_core::{Model, ModelBuilder, Support};
+use powerhouse_explicit_core::Model;
 use powerhouse_model::{
     BlockFactory, BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput,
-    Mesh, NodalImpedance, Precision, Strain, Stress, Vec3,
+    Mesh, ModelSpec, NodalImpedance, Precision, Strain, Stress, Support, Vec3,
 };
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
@@ -144,20 +144,20 @@ fn face_nodes(mesh: &Mesh, face: &str) -> Vec<u32> {
 }
 
 /// Elements of a mesh of one set, elastic.
-fn elastic_body(mesh: &Mesh) -> ModelBuilder<'_> {
+fn elastic_body(mesh: &Mesh) -> ModelSpec<'_> {
     Model::builder(mesh).elements("ground", elastic("ground", rock()))
 }
 
 /// Rollers on the sides and at the bottom.
-fn on_rollers<'a>(mesh: &Mesh, builder: ModelBuilder<'a>) -> ModelBuilder<'a> {
-    let roll = |builder: ModelBuilder<'a>, (face, normal): &(&str, Vec3)| {
+fn on_rollers<'a>(mesh: &Mesh, builder: ModelSpec<'a>) -> ModelSpec<'a> {
+    let roll = |builder: ModelSpec<'a>, (face, normal): &(&str, Vec3)| {
         builder.support(Support::roller(face_nodes(mesh, face), *normal))
     };
     SIDES.iter().fold(builder, roll)
 }
 
 /// Springs and dashpots on the sides and at the bottom, of rock that reaches `distance` metres on.
-fn absorbing<'a>(mesh: &Mesh, builder: ModelBuilder<'a>, distance: f64) -> ModelBuilder<'a> {
+fn absorbing<'a>(mesh: &Mesh, builder: ModelSpec<'a>, distance: f64) -> ModelSpec<'a> {
     let medium = rock();
     let mut impedance = Vec::new();
     for (face, normal) in SIDES {

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use powerhouse_explicit_core::{Model, StaticError, StaticMethod, StaticOptions, Support};
-use powerhouse_model::{ElasticMedium, Mesh, Vec3};
+use powerhouse_explicit_core::{BuildModel, Model};
+use powerhouse_model::{
+    ElasticMedium, Mesh, StaticError, StaticMethod, StaticOptions, Support, Vec3,
+};
 
 use super::{GRAVITY, elastic, face_nodes, rock};
 
@@ -40,7 +42,7 @@ fn what_nothing_holds_is_refused_by_name() {
         StaticMethod::ConjugateGradients,
         StaticMethod::DynamicRelaxation,
         #[cfg(feature = "direct")]
-        StaticMethod::Cholesky(powerhouse_explicit_core::Linearisation::Elastic),
+        StaticMethod::Cholesky(powerhouse_model::Linearisation::Elastic),
     ];
     let inside: Vec<u64> = (mesh.nodes_of_elements(&seam).iter())
         .map(|&node| mesh.node_tags()[node as usize])

@@ -1,19 +1,17 @@
 //! Dynamic relaxation of bodies without joints.
 
-use powerhouse_explicit_core::{
-    Model, ModelBuilder, Prescribed, StaticError, StaticMethod, StaticOptions, StaticReport,
-    Support,
-};
+use powerhouse_explicit_core::{BuildModel, Model};
 use powerhouse_model::{
-    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Precision,
-    Stress, Vec3,
+    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, ModelSpec,
+    Precision, Prescribed, StaticError, StaticMethod, StaticOptions, StaticReport, Stress, Support,
+    Vec3,
 };
 
 use super::{
     BRICK, GRAVITY, absorbing, bent_box, elastic_body, face_nodes, largest, on_rollers, rock, weak,
 };
 
-fn at_rest(builder: ModelBuilder, options: &StaticOptions) -> (Vec<Vec3>, StaticReport) {
+fn at_rest(builder: ModelSpec, options: &StaticOptions) -> (Vec<Vec3>, StaticReport) {
     let mut model = builder.build().unwrap();
     let report = model.equilibrate(options, &mut |_| {}).unwrap();
     let nodes = 0..model.mesh().node_count() as u32;
@@ -21,7 +19,7 @@ fn at_rest(builder: ModelBuilder, options: &StaticOptions) -> (Vec<Vec3>, Static
 }
 
 /// Compares the displacements of a body under its weight by both methods.
-fn alike<'a>(built: &dyn Fn() -> ModelBuilder<'a>, increments: u32) {
+fn alike<'a>(built: &dyn Fn() -> ModelSpec<'a>, increments: u32) {
     let gradients = StaticOptions::default()
         .with_tolerance(1.0e-11)
         .with_increments(increments);

@@ -1,12 +1,10 @@
 //! Section forces of a body that went through stages.
 
 use powerhouse_elements::{NodalForce, SolidKernel};
-use powerhouse_explicit_core::{
-    Leapfrog, Model, RunOptions, Stage, StageModel, StaticOptions, StressField, Support, run,
-    run_stages,
-};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run, run_stages};
 use powerhouse_model::{
-    BlockFactory, BlockOptions, Cadence, Mesh, Observer, Precision, State, Vec3,
+    BlockFactory, BlockOptions, Cadence, Mesh, Observer, Precision, RunOptions, Stage, StageModel,
+    State, StaticOptions, StressField, Support, Vec3,
 };
 use powerhouse_observe::{CrossSection, SectionForces};
 

@@ -1,9 +1,10 @@
 //! What constraints hold together.
 
-use powerhouse_explicit_core::{
-    Leapfrog, ModelBuilder, RunOptions, StaticError, StaticOptions, Support, run,
+use powerhouse_explicit_core::{BuildModel, Leapfrog, run};
+use powerhouse_model::{
+    Constraint, ConstraintWork, Mesh, ModelSpec, PredictedMotion, RunError, RunOptions, State,
+    StaticError, StaticOptions, Support, Vec3,
 };
-use powerhouse_model::{Constraint, ConstraintWork, Mesh, PredictedMotion, RunError, State, Vec3};
 
 use super::{GRAVITY, bent_box, elastic_body, face_nodes, largest};
 
@@ -79,7 +80,7 @@ fn tied_bodies_rest_as_one() {
     let (cut, nodes) = cut_through(&whole, 4.5);
     let cut = &cut;
     assert_eq!(nodes.len(), 2 * 5 * 4);
-    fn supported<'a>(mesh: &Mesh, builder: ModelBuilder<'a>) -> ModelBuilder<'a> {
+    fn supported<'a>(mesh: &Mesh, builder: ModelSpec<'a>) -> ModelSpec<'a> {
         builder
             .support(Support::fixed(face_nodes(mesh, "bottom")))
             .gravity(GRAVITY + Vec3::x(), Box::new(|_: f64| 1.0))

@@ -6,7 +6,10 @@ use std::time::Duration;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_elements::BoltSet;
-use powerhouse_model::{Cadence, JointRecord, Mesh, ModelError, Observer};
+use powerhouse_model::{
+    Cadence, HandOverReport, HourglassShare, JointRecord, Mesh, ModelError, Observer, RunReport,
+    StageReport,
+};
 use powerhouse_observe::{
     BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
@@ -15,7 +18,6 @@ use powerhouse_observe::{
 
 use super::{BoltForces, JointRequest, OutputPlan, StateVariables};
 use super::{sampling, sections};
-use crate::engine::{HandOverReport, HourglassShare, RunReport, StageReport};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 

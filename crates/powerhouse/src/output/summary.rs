@@ -1,11 +1,10 @@
 //! Summary file of a run.
 
-use powerhouse_model::Mesh;
+use powerhouse_model::{Ended, Mesh, StageReport};
 use powerhouse_observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use serde::Serialize;
 
 use super::{BoltForces, Results};
-use crate::engine::{Ended, StageReport};
 use crate::message::{Message, RunNotes};
 
 /// Content of `summary.json`.

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
-use powerhouse_model::{Constant, Facet, NodalLoad, Table, TimeFunction, Vec3};
+use powerhouse_model::{
+    Constant, Facet, NodalLoad, PeriodicPairs, Prescribed, Support, Table, TimeFunction, Vec3,
+};
 use powerhouse_wavefield::{
     BaselineCorrection, EndDisplacement, QuietStartLimits, RecordSignal, Signal,
 };
@@ -12,7 +14,6 @@ use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
 use crate::acting::GRAVITY;
 use crate::acting::StagedLoad;
-use crate::engine::{PeriodicPairs, Prescribed, Support};
 use crate::fault::{Fault, Problem};
 use crate::format::{self, At, Finite, Function, Load, Positive, WATER_DENSITY};
 use crate::scene::InitialMotion;

@@ -2,16 +2,14 @@
 
 use std::collections::BTreeMap;
 
-#[cfg(feature = "direct")]
-use crate::engine::Linearisation;
 use powerhouse_elements::{BoltLine, BoltParameters, BoltPattern};
-use powerhouse_model::{Facet, Mesh, Stress};
+#[cfg(feature = "direct")]
+use powerhouse_model::Linearisation;
+use powerhouse_model::{Facet, Mesh, StaticMethod, StaticOptions, Stress, StressField, Support};
 
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::acting::GRAVITY;
-use crate::engine;
-use crate::engine::{StaticMethod, StaticOptions, StressField, Support};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;
@@ -209,12 +207,15 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
         area,
         yield_force: or_unlimited(&bolts.yield_force),
         pretension: bolts.pretension.as_ref().map_or(0.0, |force| force.get()),
-        grout: bolts.grout.as_ref().map(|grout| engine::Grout {
-            stiffness: grout.stiffness.get(),
-            strength: grout.strength.map_or(f64::INFINITY, Positive::get),
-            head: end(grout.head),
-            toe: end(grout.toe),
-        }),
+        grout: bolts
+            .grout
+            .as_ref()
+            .map(|grout| powerhouse_elements::Grout {
+                stiffness: grout.stiffness.get(),
+                strength: grout.strength.map_or(f64::INFINITY, Positive::get),
+                head: end(grout.head),
+                toe: end(grout.toe),
+            }),
         longest_segment: or_unlimited(&bolts.longest_segment),
     };
     parameters.check().map_err(|error| {
@@ -237,10 +238,10 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
     })
 }
 
-fn end(end: format::BoltEnd) -> engine::BoltEnd {
+fn end(end: format::BoltEnd) -> powerhouse_elements::BoltEnd {
     match end {
-        format::BoltEnd::Free => engine::BoltEnd::Free,
-        format::BoltEnd::Anchored => engine::BoltEnd::Anchored,
+        format::BoltEnd::Free => powerhouse_elements::BoltEnd::Free,
+        format::BoltEnd::Anchored => powerhouse_elements::BoltEnd::Anchored,
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::collections::HashSet;
 
-use powerhouse_model::{BlockFactory, BlockOptions, ElementKind, Precision, Rayleigh};
+use powerhouse_model::{
+    BlockFactory, BlockOptions, ElementKind, ModelSpec, Precision, Prescribed, Rayleigh,
+};
 
 use super::Scene;
 use crate::acting::{StagedLoad, function};
-use crate::engine::{ModelBuilder, Prescribed};
 use crate::{Damping, DampingCost, Error, Kernel, Material, Part, Remark, SceneRemark};
 
 /// Elements of one part with one kernel and one material.
@@ -93,19 +94,19 @@ impl Scene {
     /// a stage with their values at the start of the run, in the dynamic run as functions of time.
     pub(crate) fn acted_on<'a>(
         &self,
-        mut builder: ModelBuilder<'a>,
+        mut spec: ModelSpec<'a>,
         stage: Option<usize>,
-    ) -> ModelBuilder<'a> {
+    ) -> ModelSpec<'a> {
         let held_at = stage.map(|_| self.start);
         let stages = &self.stages[..stage.map_or(self.stages.len(), |stage| stage + 1)];
         for support in &self.supports {
-            builder = builder.support(support.clone());
+            spec = spec.support(support.clone());
         }
         for pairs in &self.periodic {
-            builder = builder.periodic(pairs.clone());
+            spec = spec.periodic(pairs.clone());
         }
         for driven in &self.prescribed {
-            builder = builder.prescribed(Prescribed {
+            spec = spec.prescribed(Prescribed {
                 nodes: driven.nodes.clone(),
                 direction: driven.direction,
                 displacement: function(&driven.displacement, held_at),
@@ -114,14 +115,14 @@ impl Scene {
         let loads = stages.iter().flat_map(|stage| &stage.loads);
         for staged in self.loads.iter().chain(loads) {
             if self.is_applied(staged, stage) {
-                builder = builder.load(staged.load.held(held_at));
+                spec = spec.load(staged.load.held(held_at));
             }
         }
         let weights = stages.iter().flat_map(|stage| &stage.weights);
         for (acceleration, history) in self.weights.iter().chain(weights) {
-            builder = builder.gravity(*acceleration, function(history, held_at));
+            spec = spec.gravity(*acceleration, function(history, held_at));
         }
-        builder
+        spec
     }
 
     /// Returns whether a load is not yet removed in a stage, or in the dynamic run.

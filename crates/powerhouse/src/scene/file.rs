@@ -104,6 +104,7 @@ impl Scene {
         scene.cases_on_request = on_request.map(|case| case.name.to_string()).collect();
         scene.case = case.map(str::to_owned);
         scene.registry = Some(registry.clone());
+        scene.engine = registry.engine().clone();
         scene.source = Some(text);
         Ok(scene)
     }

@@ -1,10 +1,10 @@
 //! Constraints of the joints of a scene.
 
 use powerhouse_contact::Joint;
+use powerhouse_model::PeriodicPairs;
 
 use super::Scene;
 use crate::Error;
-use crate::engine::PeriodicPairs;
 use crate::joint::{Closing, NamedJoint, NamedSurface};
 
 /// Group of joints with common nodes, and their nodes.

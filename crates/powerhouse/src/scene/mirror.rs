@@ -1,11 +1,10 @@
 //! Planes of symmetry or antisymmetry of body and motion.
 
-use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
+use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Support, Vec3};
 use thiserror::Error;
 
 use super::{Scene, SceneSpans};
 use crate::Error;
-use crate::engine::Support;
 
 /// Parity of the motion about a symmetry plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -36,8 +36,8 @@ use std::sync::Arc;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
-    Constraint, ContactLaw, IncidentField, Mesh, ModelError, NodalLoad, Precision, TimeFunction,
-    TimeIntegrator, Vec3,
+    Constraint, ContactLaw, Engine, IncidentField, Mesh, ModelError, NodalLoad, PeriodicPairs,
+    Precision, Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 
 use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
@@ -45,7 +45,7 @@ use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
 #[cfg(feature = "scene-files")]
 use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
-use crate::engine::{Leapfrog, PeriodicPairs, Prescribed, Support};
+use crate::engine::{Leapfrog, standard_engine};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
 
@@ -171,6 +171,7 @@ pub struct Scene {
     pub(crate) input: InputOverview,
     #[cfg(feature = "scene-files")]
     pub(crate) registry: Option<Registry>,
+    pub(crate) engine: Arc<dyn Engine>,
 }
 
 impl Scene {
@@ -217,7 +218,14 @@ impl Scene {
             input: InputOverview::default(),
             #[cfg(feature = "scene-files")]
             registry: None,
+            engine: standard_engine(),
         }
+    }
+    /// Sets the engine that computes the scene, in place of the standard one.
+    #[must_use]
+    pub fn with_engine(mut self, engine: Arc<dyn Engine>) -> Self {
+        self.engine = engine;
+        self
     }
     /// Adds a part; every solid element of the mesh must belong to exactly one, every bar to at most one.
     #[must_use]
@@ -427,6 +435,11 @@ impl Scene {
     /// The registry that the scene was read with; none for one that was composed without.
     pub fn registry(&self) -> Option<&Registry> {
         self.registry.as_ref()
+    }
+
+    /// The engine that computes the scene.
+    pub fn engine(&self) -> &Arc<dyn Engine> {
+        &self.engine
     }
 
     /// The title.

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use powerhouse_boundary::DomainReduction;
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, Facet, IncidentField, Mat3,
-    NodalImpedance, State, Vec3,
+    ModelSpec, NodalImpedance, State, Vec3,
 };
 
 use super::{InitialMotion, Piece, ResidualLimit, Scene, SceneSpans, TimeStep};
-use crate::engine::{Leapfrog, Model, ModelBuilder};
+use crate::engine::Leapfrog;
 use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, StateVariables, coarse_in_bending};
 use crate::stage::{Staging, Timeline, last_renewal};
@@ -18,9 +18,9 @@ use crate::{Error, InSituStress, Remark, Simulation};
 /// Tolerance of heights above a level, over the diagonal of the mesh.
 const ROUNDING_OF_PLACE: f64 = 1e-9;
 
-/// Model builder with all components, and the joint surfaces by name.
+/// Specification of a model with all components, and the joint surfaces by name.
 pub(crate) struct Moving<'a> {
-    pub(crate) builder: ModelBuilder<'a>,
+    pub(crate) spec: ModelSpec<'a>,
     surfaces: Vec<NamedSurface>,
 }
 
@@ -84,21 +84,21 @@ impl Scene {
         }
         let own = core::mem::take(&mut self.constraints);
         let mut model = {
-            let mut builder = Model::builder(&self.mesh);
+            let mut spec = ModelSpec::new(&self.mesh);
             if let Some(timeline) = &timeline {
-                builder = builder.start(timeline.bare_state(self.mesh.node_count()));
+                spec = spec.start(timeline.bare_state(self.mesh.node_count()));
             }
             for constraint in own {
-                builder = builder.constraint(constraint);
+                spec = spec.constraint(constraint);
             }
-            let Moving { builder, surfaces } =
-                self.moving(builder, &pieces, timeline.as_ref(), &mut remarks)?;
+            let Moving { spec, surfaces } =
+                self.moving(spec, &pieces, timeline.as_ref(), &mut remarks)?;
             recordings.watch_joints(&self.output, &self.mesh, surfaces, &mut observers)?;
             if let Some(timeline) = &timeline {
                 let bolts = timeline.bolts(self.stages.len());
                 recordings.watch_bolts(&self.output, bolts, &mut observers)?;
             }
-            builder.build()?
+            self.engine.build(spec)?
         };
         self.remarks.append(&mut remarks);
         if timeline.is_none() {
@@ -154,39 +154,39 @@ impl Scene {
         (field.ends && above).then_some(Remark::AboveGround { level, top })
     }
 
-    /// Builder of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.
+    /// Specification of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.
     pub(crate) fn moving<'a>(
         &self,
-        mut builder: ModelBuilder<'a>,
+        mut spec: ModelSpec<'a>,
         pieces: &[Piece],
         timeline: Option<&Timeline>,
         remarks: &mut Vec<Remark>,
     ) -> Result<Moving<'a>, Error> {
         for piece in pieces {
             let factory = piece.moving(&self.parts[piece.part], self.precision);
-            builder = builder.elements(piece.elements.clone(), factory);
+            spec = spec.elements(piece.elements.clone(), factory);
         }
         let present = timeline.and_then(Timeline::present);
         let parts = self.boundary_parts(present, remarks)?;
         let warnings = self.gravity_warnings(parts.as_ref());
         remarks.extend(warnings.into_iter().map(Remark::Scene));
         if let Some(parts) = parts {
-            builder = builder.boundary(parts);
+            spec = spec.boundary(parts);
         }
-        builder = self.acted_on(builder, None);
+        spec = self.acted_on(spec, None);
         let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own)?;
         for joint in joints {
-            builder = builder.constraint(Box::new(joint) as Box<dyn Constraint>);
+            spec = spec.constraint(Box::new(joint) as Box<dyn Constraint>);
         }
         if let Some(timeline) = timeline {
             for bolts in timeline.bolts(self.stages.len()) {
-                builder = builder.embed(bolts.block());
+                spec = spec.embed(bolts.block());
             }
         }
         if let Some(threads) = self.threads_taken() {
-            builder = builder.threads(threads);
+            spec = spec.threads(threads);
         }
-        Ok(Moving { builder, surfaces })
+        Ok(Moving { spec, surfaces })
     }
 
     /// Springs and dashpots of the absorbing boundary; `None` without a boundary. Faces of elements that are inactive in

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use powerhouse_model::{BoundaryParts, Mesh, Vec3};
+use powerhouse_model::{BoundaryParts, Mesh, Support, Vec3};
 
 use super::Scene;
-use crate::engine::Support;
 use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
 use crate::scene_remark::SceneRemark;

@@ -4,10 +4,9 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use powerhouse_model::{EngineError, ModelError, RunError};
+use powerhouse_model::{EngineError, ModelError, RunError, StageError};
 use powerhouse_observe::ObserveError;
 
-use crate::engine::StageError;
 use crate::{Error, Fault, MagnitudeOf, SceneFault, SceneText};
 
 /// Hint on a field that is not negligible at the start of a body at rest.

@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::engine::StressField;
 use powerhouse_io::{IoError, TableColumn, read_table};
-use powerhouse_model::{Mesh, Stress};
+use powerhouse_model::{Mesh, Stress, StressField};
 use thiserror::Error;
 
 /// Names of the stress components, in the order of [`Stress`].

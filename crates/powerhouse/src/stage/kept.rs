@@ -7,13 +7,12 @@ use std::path::Path;
 
 use powerhouse_io::write_whole;
 use powerhouse_model::{
-    Bond, Cast, ContactState, HistoryField, JointHistory, JointRecord, JointState, State, Stress,
-    Vec3,
+    Bond, Cast, ContactState, HistoryField, HourglassShare, JointHistory, JointRecord, JointState,
+    StageReport, State, StaticReport, Stress, Vec3,
 };
 
 use super::EquilibratedBody;
 use crate::Error;
-use crate::engine::{HourglassShare, StageReport, StaticReport};
 
 /// Head of a file; the number is the version of the format, which changes with the fields.
 const HEAD: &[u8] = b"powerhouse body at rest 4\n";

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use powerhouse_model::{NodalLoad, Renewal, TimeFunction, Vec3};
+use powerhouse_model::{NodalLoad, Renewal, StaticOptions, Support, TimeFunction, Vec3};
 
 use crate::Material;
 use crate::acting::{SharedFunction, StagedLoad};
-use crate::engine::{StaticOptions, Support};
 use crate::joint::Closing;
 
 /// Construction stage: changes of the model, followed by the computation of static equilibrium.

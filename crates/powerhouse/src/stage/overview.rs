@@ -1,8 +1,8 @@
 //! Overview of construction stages.
 
 use super::Timeline;
-use crate::engine::StaticOptions;
 use crate::{Error, Scene};
+use powerhouse_model::StaticOptions;
 
 /// Overview of a construction stage: numbers of changed elements, bolts, supports and loads.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,14 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_elements::BoltSet;
-use powerhouse_model::{HistoryVariable, Mesh, ModelError, State, Stress};
+use powerhouse_model::{
+    EngineModel, HandOverReport, HistoryVariable, Mesh, ModelError, ModelSpec, Stage, StageError,
+    StageEvent, StageModel, StageReport, State, StaticError, StaticProgress, Stress,
+};
 
 use super::Timeline;
 use super::list::renewal;
-use crate::engine::{
-    HandOverReport, Model, ModelBuilder, Stage, StageError, StageEvent, StageModel, StageReport,
-    StaticError, StaticProgress, run_stages,
-};
 use crate::scene::Piece;
 use crate::{BoltForces, Error, Scene};
 
@@ -97,7 +96,7 @@ pub(crate) struct Staging {
 
 impl Staging {
     /// Axial forces of all bolts in the dynamic model.
-    pub(crate) fn forces(&self, model: &mut Model) -> Vec<BoltForces> {
+    pub(crate) fn forces(&self, model: &mut dyn EngineModel) -> Vec<BoltForces> {
         let mut bolts = self
             .timeline
             .bolts(self.timeline.configurations.len())
@@ -114,7 +113,7 @@ impl Staging {
     pub(crate) fn set_in_motion(
         &self,
         body: EquilibratedBody,
-    ) -> Result<(Model, StagingOutcome), Error> {
+    ) -> Result<(Box<dyn EngineModel>, StagingOutcome), Error> {
         let EquilibratedBody { state, stages } = body;
         let expected = self.timeline.bare_state(self.scene.mesh.node_count());
         if state.absent != expected.absent
@@ -181,15 +180,15 @@ impl Staging {
     ) -> Result<(State, Vec<Stress>, StageReport), Error> {
         let (mesh, stage) = (&*self.scene.mesh, &self.scene.stages[index]);
         let configuration = &self.timeline.configurations[index];
-        let body: Box<StageModel> = Box::new(|builder| {
-            let builder = match stop {
-                Some(stop) => builder.stop_on(stop.clone()),
-                None => builder,
+        let body: Box<StageModel> = Box::new(|spec| {
+            let spec = match stop {
+                Some(stop) => spec.stop_on(stop.clone()),
+                None => spec,
             };
-            let built = self.static_model(builder, index);
+            let built = self.static_model(spec, index);
             built.map_err(|error| ModelError::refused("stage", error))
         });
-        let engine = Stage::new(&stage.name, body)
+        let stage = Stage::new(&stage.name, body)
             .excavate(&configuration.excavated)
             .cast(&configuration.cast)
             .renew_joints(configuration.renewed.iter().cloned())
@@ -204,8 +203,11 @@ impl Staging {
             StageEvent::Equilibrated { model, .. } => stress = model.stress_changes(),
             _ => {}
         };
-        let (state, mut reports) =
-            run_stages(mesh, state, &[engine], &mut watch).map_err(|error| match error {
+        let (state, mut reports) = self
+            .scene
+            .engine
+            .run_stages(mesh, state, &[stage], &mut watch)
+            .map_err(|error| match error {
                 StageError::NotEquilibrated {
                     stage,
                     source: StaticError::Interrupted,
@@ -222,45 +224,45 @@ impl Staging {
     /// Adds elements, supports, joints and bolts of a stage to its static model.
     fn static_model<'a>(
         &self,
-        mut builder: ModelBuilder<'a>,
+        mut spec: ModelSpec<'a>,
         index: usize,
-    ) -> Result<ModelBuilder<'a>, Error> {
+    ) -> Result<ModelSpec<'a>, Error> {
         let (scene, configuration) = (&self.scene, &self.timeline.configurations[index]);
         for piece in &self.pieces {
             let own = configuration.materials.get(&piece.part);
             let factory = piece.resting(&scene.parts[piece.part], own);
-            builder = builder.elements(piece.elements.clone(), factory);
+            spec = spec.elements(piece.elements.clone(), factory);
         }
-        let mut builder = scene.acted_on(builder, Some(index));
+        let mut spec = scene.acted_on(spec, Some(index));
         for support in scene.stages[..=index]
             .iter()
             .flat_map(|stage| &stage.supports)
         {
-            builder = builder.support(support.clone());
+            spec = spec.support(support.clone());
         }
         let closing = |name: &str| scene.stages[index].closing(name);
         for joint in scene.constraints_of_joints(closing)?.0 {
-            builder = builder.constraint(Box::new(joint));
+            spec = spec.constraint(Box::new(joint));
         }
         for bolts in self.timeline.bolts(index + 1) {
-            builder = builder.embed(bolts.block());
+            spec = spec.embed(bolts.block());
         }
         Ok(match scene.threads_taken() {
-            Some(threads) => builder.threads(threads),
-            None => builder,
+            Some(threads) => spec.threads(threads),
+            None => spec,
         })
     }
 
     /// Builds the dynamic model from the state of the last stage.
-    fn hand_over(&self, mut state: State) -> Result<(Model, HandOverReport), Error> {
+    fn hand_over(&self, mut state: State) -> Result<(Box<dyn EngineModel>, HandOverReport), Error> {
         let scene = &self.scene;
         state.time = scene.start;
         let stages = &scene.stages;
         let renewal_of = |name: &str| renewal(stages, stages.len(), name);
         (state.joints).retain(|joint| renewal_of(&joint.name).is_none());
-        let builder = Model::builder(&scene.mesh).start(state);
-        let found = scene.moving(builder, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
-        let mut model = found.builder.build()?;
+        let spec = ModelSpec::new(&scene.mesh).start(state);
+        let found = scene.moving(spec, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
+        let mut model = scene.engine.build(found.spec)?;
         for joint in &scene.joints {
             if let Some(renewal) = renewal_of(&joint.name) {
                 model.renew_joint(&joint.name, renewal);

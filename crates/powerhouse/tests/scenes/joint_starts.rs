@@ -80,7 +80,8 @@ fn preloads() {
         let (mesh, joint) = twin(&halves());
         let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint.with_preload(preload));
         let simulation = scene.prepare().unwrap();
-        let view = simulation.model().joints().next().unwrap();
+        let joints = simulation.model().joints();
+        let view = &joints[0];
         for (pair, record) in view.pairs.iter().zip(view.records) {
             let carried = pair.to_global(&record.traction);
             assert!((carried - expected).norm() < 1e-9 * weight, "{keys}");
@@ -153,7 +154,8 @@ fn a_meshed_gap_is_the_distance_of_the_nodes() {
     let scene = cube_scene_of(apart, &["lower", "upper"]).joint(joint);
     let simulation = scene.with_duration(1e-9).prepare().unwrap();
     let model = simulation.model();
-    let view = model.joints().next().unwrap();
+    let joints = model.joints();
+    let view = &joints[0];
     for (pair, record) in view.pairs.iter().zip(view.records) {
         let x = simulation.mesh().positions()[pair.nodes[0] as usize].x;
         let open = record.state.contact == ContactState::Open;

@@ -12,9 +12,8 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
-use powerhouse_model::{Operator, Vec3};
+use powerhouse_model::{Operator, StaticError, Vec3};
 
-use super::StaticError;
 use super::system::System;
 use pattern::Pattern;
 

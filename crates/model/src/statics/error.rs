@@ -1,6 +1,6 @@
 //! Errors of static solutions.
 
-use powerhouse_model::ParameterError;
+use crate::ParameterError;
 use thiserror::Error;
 
 /// Failure of a static solution. Nodes and elements are named by the user's numbers.
@@ -10,6 +10,14 @@ pub enum StaticError {
     /// A solution option outside its permitted range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// A solution method that the engine does not have.
+    #[error("the engine '{engine}' has no static solution by {method}")]
+    NoMethod {
+        /// Name of the engine.
+        engine: String,
+        /// Name of the method.
+        method: &'static str,
+    },
     /// An unsupported part of the model, which can move as a rigid body; found before the solution.
     #[error(
         "the connected part with element {element} of set '{set}' ({elements} elements) can {motion} freely"
@@ -146,7 +154,7 @@ pub enum StaticError {
         /// Change of the solution options that may help.
         advice: &'static str,
     },
-    /// Cancellation by the flag of [`ModelBuilder::stop_on`](crate::ModelBuilder::stop_on).
+    /// Cancellation by the flag of [`ModelSpec::stop_on`](crate::ModelSpec::stop_on).
     #[error("interrupted")]
     Interrupted,
     /// Conjugate gradients that do not converge.

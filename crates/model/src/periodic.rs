@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use powerhouse_model::{EngineError, Mesh, ParameterError, Vec3};
+use crate::{EngineError, Mesh, ParameterError, Vec3};
 
 /// Periodic boundary conditions: pairs of tied nodes, with a common motion under the sum of their masses and forces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

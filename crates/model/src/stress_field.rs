@@ -1,6 +1,6 @@
 //! In-situ stress before the first stage.
 
-use powerhouse_model::{Mesh, ParameterError, Stress, Vec3};
+use crate::{Mesh, ParameterError, Stress, Vec3};
 
 /// An initial (in-situ) stress that varies linearly with depth,
 ///
@@ -9,8 +9,7 @@ use powerhouse_model::{Mesh, ParameterError, Stress, Vec3};
 /// which holds above the surface too, unless it [ends](Self::ends) there.
 ///
 /// ```
-/// use powerhouse_explicit_core::StressField;
-/// use powerhouse_model::Vec3;
+/// use powerhouse_model::{StressField, Vec3};
 /// // Rock of 27 kN/m3 under a surface at z = 0, with lateral stress ratios 0.8 along x and 1.2 along y.
 /// let field = StressField::geostatic(0.0, 27.0e3, [0.8, 1.2])?;
 /// let stress = field.at(&Vec3::new(3.0, 4.0, -100.0));
@@ -68,7 +67,7 @@ impl StressField {
     }
 
     /// The initial stress (Pa) at the centroid of every element of a mesh, for
-    /// [`State::initial_stress`](powerhouse_model::State::initial_stress).
+    /// [`State::initial_stress`](crate::State::initial_stress).
     pub fn of_elements(&self, mesh: &Mesh) -> Vec<Stress> {
         let elements = 0..mesh.element_count() as u32;
         elements

@@ -1,14 +1,14 @@
-//! Sequences of construction stages.
+//! Construction stages before a dynamic run.
 
-use powerhouse_model::{Mesh, ModelError, Renewal, State};
 use thiserror::Error;
 
 use crate::{
-    HourglassShare, Model, ModelBuilder, StaticError, StaticOptions, StaticProgress, StaticReport,
+    Engine, EngineModel, HourglassShare, Mesh, ModelError, ModelSpec, Renewal, State, StaticError,
+    StaticOptions, StaticProgress, StaticReport,
 };
 
-/// A function that completes the builder of a stage's model; the builder has the mesh and the initial state.
-pub type StageModel<'a> = dyn Fn(ModelBuilder<'_>) -> Result<ModelBuilder<'_>, ModelError> + 'a;
+/// A function that completes the specification of a stage's model, which has the mesh and the initial state.
+pub type StageModel<'a> = dyn Fn(ModelSpec<'_>) -> Result<ModelSpec<'_>, ModelError> + 'a;
 
 /// A construction stage: elements excavated or cast, and the complete model that is then brought into static
 /// equilibrium.
@@ -26,11 +26,11 @@ pub struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// A stage with a name for reports and a function that completes its model, from a
-    /// builder that starts with the state of the stage before.
+    /// A stage with a name for reports and a function that completes the specification of its
+    /// model, which starts with the state of the stage before.
     pub fn new(
         name: impl Into<String>,
-        build: impl Fn(ModelBuilder<'_>) -> Result<ModelBuilder<'_>, ModelError> + 'a,
+        build: impl Fn(ModelSpec<'_>) -> Result<ModelSpec<'_>, ModelError> + 'a,
     ) -> Self {
         Self {
             name: name.into(),
@@ -78,7 +78,12 @@ impl<'a> Stage<'a> {
     }
 
     /// The model of the stage, before equilibration.
-    fn model(&self, mesh: &Mesh, mut state: State) -> Result<Model, StageError> {
+    fn model<E: Engine + ?Sized>(
+        &self,
+        engine: &E,
+        mesh: &Mesh,
+        mut state: State,
+    ) -> Result<Box<dyn EngineModel>, StageError> {
         let mut absent = vec![false; mesh.element_count()];
         for &element in &state.absent {
             if let Some(flag) = absent.get_mut(element as usize) {
@@ -109,8 +114,8 @@ impl<'a> Stage<'a> {
         }
         let renewed = |name: &String| self.renewed.iter().any(|(renewed, _)| renewed == name);
         (state.joints).retain(|joint| !renewed(&joint.name));
-        let built = (self.build)(Model::builder(mesh).start(state));
-        let built = built.and_then(ModelBuilder::build);
+        let built = (self.build)(ModelSpec::new(mesh).start(state));
+        let built = built.and_then(|spec| engine.build(spec));
         let mut model = built.map_err(|source| StageError::Model {
             stage: self.name.clone(),
             source,
@@ -139,8 +144,7 @@ pub struct StageReport {
     pub hourglass: Vec<HourglassShare>,
 }
 
-/// Event in the solution of stages, passed to the callback of [`run_stages`].
-#[derive(Debug)]
+/// Event in the solution of stages, passed to the callback of [`Engine::run_stages`].
 #[non_exhaustive]
 pub enum StageEvent<'a> {
     /// Progress of the static solution of a stage; many times in a stage.
@@ -153,7 +157,7 @@ pub enum StageEvent<'a> {
     /// A stage has reached static equilibrium; its results can be written. Once for each stage.
     Equilibrated {
         /// The model in static equilibrium.
-        model: &'a Model,
+        model: &'a dyn EngineModel,
         /// Report of the stage.
         report: &'a StageReport,
     },
@@ -191,54 +195,9 @@ pub enum StageError {
     },
 }
 
-/// Solves a sequence of construction stages from an initial state, such as
-/// [`State::at_rest`] with an initial stress; returns the final state, from which a dynamic
-/// model [starts](ModelBuilder::start) with [`Model::hand_over`], and a report of each
-/// stage.
-///
-/// A column of rock under its weight loses its upper half:
-/// ```
-/// use powerhouse_elements::{Hex8OnePoint, solid};
-/// use powerhouse_explicit_core::*;
-/// use powerhouse_model::*;
-/// # #[derive(Clone)]
-/// # struct Linear(ElasticMedium);
-/// # impl ConstitutiveLaw for Linear {
-/// #     const LINEAR: bool = true;
-/// #     fn name(&self) -> &str { "linear" }
-/// #     fn medium(&self) -> ElasticMedium { self.0 }
-/// #     fn history(&self) -> &'static [HistoryVariable] { &[] }
-/// #     fn stress_change<L: Lane>(&self, input: &LawInput<L>, _new_history: &mut [L]) -> Stress<L> {
-/// #         let one = input.strain.0[0].constant(1.0);
-/// #         Stress::elastic(one.constant(self.0.lambda()), one.constant(self.0.shear()), &input.strain)
-/// #     }
-/// # }
-/// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(1.0, 1.0, 8.0), [1, 1, 8], "rock")?;
-/// let upper = mesh.elements_in_box(&Vec3::new(0.0, 0.0, 4.0), &Vec3::new(1.0, 1.0, 8.0));
-/// let law = Linear(ElasticMedium::new(9.0e9, 0.0, 2750.0)?);
-/// let bottom = mesh.nodes_of_facets(mesh.facet_set("bottom")?);
-/// let body: Box<StageModel> = Box::new(|builder| {
-///     let rock = solid("rock", Hex8OnePoint::default(), law.clone(), BlockOptions::default());
-///     Ok(builder.elements("rock", rock)
-///         .support(Support::fixed(bottom.clone()))
-///         .gravity(Vec3::new(0.0, 0.0, -9.81), Box::new(|_: f64| 1.0)))
-/// });
-/// let stages = [
-///     Stage::new("weight", &body),
-///     Stage::new("excavation", &body).excavate(&upper),
-/// ];
-/// let first = State::at_rest(mesh.node_count());
-/// let (state, reports) = run_stages(&mesh, first, &stages, &mut |_| {})?;
-/// assert_eq!((state.absent.len(), reports[1].excavated), (4, 4));
-/// // Heave by the removed weight of four metres of rock over the four metres that remain.
-/// let risen = 2750.0 * 9.81 * 4.0 * 4.0 / 9.0e9;
-/// assert!((reports[1].largest_displacement.0 / risen - 1.0).abs() < 1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// The error of the first stage that fails, see [`StageError`].
-pub fn run_stages(
+/// The final state and the reports of a sequence of stages, see [`Engine::run_stages`].
+pub(crate) fn run_stages<E: Engine + ?Sized>(
+    engine: &E,
     mesh: &Mesh,
     first: State,
     stages: &[Stage],
@@ -249,7 +208,7 @@ pub fn run_stages(
     let mut reports = Vec::new();
     for stage in stages {
         let before = state.displacement.clone();
-        let mut model = stage.model(mesh, state.next_stage(nodes))?;
+        let mut model = stage.model(engine, mesh, state.next_stage(nodes))?;
         let name = stage.name.as_str();
         let mut progress = |progress| {
             watch(StageEvent::Progress {
@@ -277,7 +236,7 @@ pub fn run_stages(
             hourglass: model.hourglass_shares(),
         };
         watch(StageEvent::Equilibrated {
-            model: &model,
+            model: &*model,
             report: &report,
         });
         reports.push(report);

@@ -1,6 +1,6 @@
 //! Options of static solutions: method, tolerance, increments.
 
-use powerhouse_model::ParameterError;
+use crate::ParameterError;
 
 /// Solution method for static equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,13 +10,12 @@ pub enum StaticMethod {
     /// nodal 3 x 3 diagonals; no matrix is assembled.
     #[default]
     ConjugateGradients,
-    /// Corrections with a sparse Cholesky factor, ordered by nested dissection.
+    /// Corrections with a sparse Cholesky factor, ordered by nested dissection, in engines that have a direct solver.
     ///
     /// Efficient where one factor serves many corrections and memory permits: a cube of 30 bricks a
     /// side has 9.3e7 entries in its factor and takes 0.9 GiB, one of 60 has 1.54e9 and takes 12.7 GiB
     /// (`cargo bench --bench statics --features direct -- cholesky 60`). On two busy cores that took
     /// 713 s; conjugate gradients took 23 s, 390 products and 0.2 GiB (`-- gradients 60`).
-    #[cfg(feature = "direct")]
     Cholesky(Linearisation),
     /// Dynamic relaxation: damped explicit steps in pseudo-time until the body is in static equilibrium, with the laws of
     /// joints evaluated in every step. For joints that slide and open, and for softening, where Newton's method does
@@ -36,7 +35,6 @@ pub enum StaticMethod {
 }
 
 /// The operator that a direct solver factors.
-#[cfg(feature = "direct")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Linearisation {
     /// The elastic operator, factored once; corrections are accelerated with earlier ones (modified Newton method).
@@ -54,7 +52,7 @@ pub enum Linearisation {
 /// Options of a static solution.
 ///
 /// ```
-/// use powerhouse_explicit_core::StaticOptions;
+/// use powerhouse_model::StaticOptions;
 /// let options = StaticOptions::default().with_tolerance(1.0e-10);
 /// assert!(options.check().is_ok());
 /// assert!(options.with_tolerance(0.0).check().is_err());
@@ -77,6 +75,18 @@ pub struct StaticOptions {
     /// less, the remainder stays balanced by carried forces until the next solution, as by the support of a tunnel
     /// face nearby.
     pub release: f64,
+}
+
+impl StaticMethod {
+    /// Name of the method in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ConjugateGradients => "conjugate gradients",
+            Self::Cholesky(Linearisation::Elastic) => "Cholesky",
+            Self::Cholesky(Linearisation::Tangent) => "Newton",
+            Self::DynamicRelaxation => "dynamic relaxation",
+        }
+    }
 }
 
 impl Default for StaticOptions {

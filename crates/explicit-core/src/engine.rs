@@ -1,0 +1,94 @@
+//! The engine as others see it: by the traits of the model crate.
+
+use powerhouse_model::{
+    Engine, EngineModel, FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh,
+    ModelError, ModelSpec, Observer, Progress, Renewal, RunError, RunFailure, RunOptions,
+    RunReport, StableStep, State, StaticError, StaticOptions, StaticProgress, StaticReport, Stress,
+    TimeIntegrator, Vec3,
+};
+
+use crate::{BuildModel, Model, run_reporting};
+
+/// Name of this engine in reports.
+pub(crate) const NAME: &str = "explicit-core";
+
+/// The explicit engine of this crate: element blocks in parallel on the threads of one machine, with results that
+/// are bitwise independent of their number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Explicit;
+
+impl Engine for Explicit {
+    fn name(&self) -> &str {
+        NAME
+    }
+    fn build(&self, spec: ModelSpec) -> Result<Box<dyn EngineModel>, ModelError> {
+        Ok(Box::new(spec.build()?))
+    }
+}
+
+impl EngineModel for Model {
+    fn mesh(&self) -> &Mesh {
+        self.mesh()
+    }
+    fn time(&self) -> f64 {
+        self.time()
+    }
+    fn steps_taken(&self) -> u64 {
+        self.steps_taken()
+    }
+    fn mass(&self, node: u32) -> f64 {
+        self.mass(node)
+    }
+    fn displacement(&self, node: u32) -> Vec3 {
+        self.displacement(node)
+    }
+    fn velocity(&self, node: u32) -> Vec3 {
+        self.velocity(node)
+    }
+    fn joints(&self) -> Vec<JointView<'_>> {
+        self.joints().collect()
+    }
+    fn stress_changes(&self) -> Vec<Stress> {
+        self.stress_changes()
+    }
+    fn hourglass_shares(&self) -> Vec<HourglassShare> {
+        self.hourglass_shares()
+    }
+    fn set_initial(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
+        self.set_initial(displacement, velocity)
+    }
+    fn state(&mut self) -> State {
+        self.state()
+    }
+    fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
+        self.set_state(state)
+    }
+    fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
+        self.renew_joint(joint, renewal)
+    }
+    fn frequency_limits(&mut self) -> FrequencyLimits {
+        self.frequency_limits()
+    }
+    fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError> {
+        self.stable_step(integrator)
+    }
+    fn run(
+        &mut self,
+        integrator: &dyn TimeIntegrator,
+        options: &RunOptions,
+        observers: &mut [Box<dyn Observer>],
+        progress: &mut (dyn FnMut(Progress) + Send),
+    ) -> Result<RunReport, RunFailure> {
+        run_reporting(self, integrator, options, observers, progress)
+    }
+    fn equilibrate(
+        &mut self,
+        options: &StaticOptions,
+        progress: &mut (dyn FnMut(StaticProgress) + Send),
+    ) -> Result<StaticReport, StaticError> {
+        self.equilibrate(options, progress)
+    }
+    fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError> {
+        self.hand_over(tolerance)
+    }
+}

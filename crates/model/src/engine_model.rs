@@ -1,0 +1,129 @@
+//! Engines, and the models that they build.
+
+use crate::stage::run_stages;
+use crate::{
+    FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh, ModelError, ModelSpec,
+    Observer, Progress, Renewal, RunError, RunFailure, RunOptions, RunReport, StableStep, Stage,
+    StageError, StageEvent, StageReport, State, StaticError, StaticOptions, StaticProgress,
+    StaticReport, Stress, TimeIntegrator, Vec3,
+};
+
+/// A finite element engine: it builds models from their specification.
+pub trait Engine: Send + Sync {
+    /// Name of the engine in reports.
+    fn name(&self) -> &str;
+    /// Checks a specification and builds its model.
+    ///
+    /// # Errors
+    /// An [`EngineError`](crate::EngineError), as the source of [`ModelError::Refused`], that names the node,
+    /// element or set; the error of a factory; whatever the engine does not support.
+    fn build(&self, spec: ModelSpec) -> Result<Box<dyn EngineModel>, ModelError>;
+    /// Solves a sequence of construction stages from an initial state, such as [`State::at_rest`] with an initial
+    /// stress; returns the final state, from which a dynamic model [starts](ModelSpec::start) with
+    /// [`EngineModel::hand_over`], and a report of each stage.
+    ///
+    /// # Errors
+    /// The error of the first stage that fails, see [`StageError`].
+    fn run_stages(
+        &self,
+        mesh: &Mesh,
+        first: State,
+        stages: &[Stage],
+        watch: &mut (dyn FnMut(StageEvent) + Send),
+    ) -> Result<(State, Vec<StageReport>), StageError> {
+        run_stages(self, mesh, first, stages, watch)
+    }
+}
+
+/// A model of an engine with its present state: masses, motion, static and dynamic solutions. Nodes and elements
+/// are mesh indices.
+pub trait EngineModel: Send {
+    /// The mesh of the model.
+    fn mesh(&self) -> &Mesh;
+    /// Present time (s), that of the displacement.
+    fn time(&self) -> f64;
+    /// Number of time steps taken, those of continued runs included.
+    fn steps_taken(&self) -> u64;
+    /// Lumped mass (kg) of a node.
+    ///
+    /// # Panics
+    /// If the node is out of range.
+    fn mass(&self, node: u32) -> f64;
+    /// Displacement (m) of a node at [`time`](Self::time), in all stages together.
+    ///
+    /// # Panics
+    /// If the node is out of range.
+    fn displacement(&self, node: u32) -> Vec3;
+    /// Velocity (m/s) of a node, half a step before [`time`](Self::time).
+    ///
+    /// # Panics
+    /// If the node is out of range.
+    fn velocity(&self, node: u32) -> Vec3;
+    /// The joints of all constraints, with the state of their node pairs.
+    fn joints(&self) -> Vec<JointView<'_>>;
+    /// Mean stress change (Pa) of each element of the mesh against its initial stress, from the committed history
+    /// variables; zero in absent elements.
+    fn stress_changes(&self) -> Vec<Stress>;
+    /// Stored hourglass and internal energy of each element set at the present time.
+    fn hourglass_shares(&self) -> Vec<HourglassShare>;
+    /// Sets the initial motion: displacement (m) at the present time and velocity (m/s) half a step before it, one
+    /// per node. Velocity components along supports are set to zero.
+    ///
+    /// # Errors
+    /// Wrong lengths, numbers that are not finite or out of range, tied nodes with different velocities.
+    fn set_initial(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError>;
+    /// The complete state of the body, from which another model of the same mesh continues; additional nodes of
+    /// boundaries follow those of the mesh.
+    fn state(&mut self) -> State;
+    /// Sets the state of the body, from which a run continues as if it had not been interrupted.
+    ///
+    /// # Errors
+    /// A state of other elements, joints or lengths.
+    fn set_state(&mut self, state: &State) -> Result<(), ModelError>;
+    /// Resets a joint at the present displacement, from which its opening and slip are measured from then on;
+    /// returns whether the model has a joint of that name.
+    fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool;
+    /// Highest frequency and damping of the model, input of the stability limit of a scheme.
+    fn frequency_limits(&mut self) -> FrequencyLimits;
+    /// The stable step of the model under an integration scheme, and the element that limits it.
+    ///
+    /// # Errors
+    /// If the scheme is unstable at every step under the model's damping.
+    fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError>;
+    /// Integrates the model in time and calls observers; `progress` is called after every step.
+    ///
+    /// In a step from `t` to `t + dt` observers receive the state at `t`, when the velocities before and after are
+    /// both known. The run therefore ends one step after the last output state, and a continued run repeats no
+    /// state. Observers receive the last step whatever their cadence, and [`Observer::finish`] is called in every
+    /// case.
+    ///
+    /// # Errors
+    /// An option out of range or an unstable step, before the first step; a divergence, a failed element,
+    /// constraint or observer, or an energy residual above its limit, during the run, with the report of the steps
+    /// before it.
+    fn run(
+        &mut self,
+        integrator: &dyn TimeIntegrator,
+        options: &RunOptions,
+        observers: &mut [Box<dyn Observer>],
+        progress: &mut (dyn FnMut(Progress) + Send),
+    ) -> Result<RunReport, RunFailure>;
+    /// Brings the model into static equilibrium under its loads at its present time. At the end velocities are
+    /// zero, and forces that balance the body in addition to its loads are part of its state.
+    ///
+    /// # Errors
+    /// See [`StaticError`]; the model is then in the state of the last converged increment.
+    fn equilibrate(
+        &mut self,
+        options: &StaticOptions,
+        progress: &mut (dyn FnMut(StaticProgress) + Send),
+    ) -> Result<StaticReport, StaticError>;
+    /// Begins a dynamic stage from the static state that the model started with; without input the body stays at
+    /// rest.
+    ///
+    /// # Errors
+    /// [`StaticError::CarriedForcesChanged`] if the forces that hold the body differ from those of the stage before
+    /// by more than `tolerance` (0 to 1) times the internal forces; [`StaticError::Viscoelastic`] if a law would
+    /// relax the static stress.
+    fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError>;
+}
