@@ -52,6 +52,9 @@ enum Command {
         /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
+        /// Measure and print the wall time of the parts of time steps: elements by set, law, damping, joints, output.
+        #[arg(long)]
+        profile: bool,
     },
     /// Check a scene without running it: mesh, resolved frequencies, stable step, predicted cost, warnings.
     Check {
@@ -180,7 +183,12 @@ fn main() -> ExitCode {
         Command::Check { .. } | Command::Advise { .. } | Command::Schema
     );
     let outcome = match command {
-        Command::Run { scene, out, case } => run::run(&scene, case.as_deref(), out),
+        Command::Run {
+            scene,
+            out,
+            case,
+            profile,
+        } => run::run(&scene, case.as_deref(), out, profile),
         Command::Check {
             scene,
             free_field: false,

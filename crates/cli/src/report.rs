@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::terminal::say;
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::engine::{Ended, StableStep};
-use powerhouse::model::{LimitingTerm, Mesh, Vec3};
+use powerhouse::model::{LimitingTerm, Mesh, StepProfile, Vec3};
 use powerhouse::{
     CompletedStage, Error, Remark, Results, RunNotes, Simulation, StageOverview, Topic,
     merge_messages,
@@ -332,6 +332,20 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
         run.time,
         1e9 * wall / (run.steps as f64 * mesh.element_count() as f64),
     );
+}
+
+/// Prints the wall time of the parts of time steps.
+pub(crate) fn profile(profile: &StepProfile) {
+    say!(
+        "\nwall time of {} steps: {:.3} ms each, of which {:.1} % are in the parts below",
+        profile.steps,
+        1e3 * profile.seconds / profile.steps as f64,
+        100.0 * profile.covered()
+    );
+    for row in &profile.rows {
+        let share = 100.0 * row.seconds / profile.seconds;
+        say!("  {share:5.1} %  {}", row.part);
+    }
 }
 
 /// Prints the results of a run and its files.

@@ -44,7 +44,7 @@ impl StageSink for Stages {
 }
 
 /// Runs the free-field check if the scene requests it, runs the scene, and writes the results, also of a failed run.
-pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outcome {
+pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile: bool) -> Outcome {
     let scene = read(path, case)?;
     let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
     let text = scene.source().map(|source| source.text.clone());
@@ -84,6 +84,7 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
     let hooks = RunHooks::default()
         .with_progress(display.hook())
         .with_stop(stop)
+        .with_profile(profile)
         .with_snapshots(folder.snapshots(&simulation)?)
         .with_stages(Box::new(Stages::new(
             folder.stages(&simulation)?,
@@ -102,6 +103,9 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>) -> Outc
         Err(error) => return Err(error.into()),
     };
     report::end_of_run(&mesh, &results);
+    if let Some(profile) = &results.run.profile {
+        report::profile(profile);
+    }
     let is_held = lock.is_held();
     let written = folder.write((&title, &mesh), &results, &notes, text.as_deref());
     if let (Err(_), Some(failure)) = (&written, &failure) {

@@ -1,6 +1,7 @@
 //! Dynamic runs: time loop, observers, energy check, termination.
 
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use powerhouse_model::{
     Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, HourglassShare, Length,
@@ -9,6 +10,7 @@ use powerhouse_model::{
 };
 
 use crate::Model;
+use crate::profile::{Phase, Profiler};
 use crate::view::View;
 
 /// Integrates a model in time as [`run`] does; a failure comes with the report of the steps before it.
@@ -109,6 +111,11 @@ fn run_steps(
     if options.energy.is_some() || wanted {
         model.open_ledger(options.energy.is_some_and(|check| check.by_set));
     }
+    if options.profile {
+        let (blocks, constraints) = (model.blocks.len(), model.constraints.len());
+        model.profiler = Some(Box::new(Profiler::new(blocks, constraints)));
+    }
+    let started = Instant::now();
     let mut time_loop = TimeLoop {
         observers,
         energy: options.energy,
@@ -122,6 +129,7 @@ fn run_steps(
         model,
     };
     let result = time_loop.run(integrator, options, step, planned, progress);
+    let wall = started.elapsed();
     let TimeLoop {
         model,
         energies,
@@ -134,7 +142,13 @@ fn run_steps(
         hourglass = model.hourglass_shares();
     }
     model.close_ledger();
+    let profile = model.profiler.take().map(|profiler| {
+        let constraints = model.constraints.iter();
+        let names: Vec<&str> = constraints.map(|bound| bound.constraint.name()).collect();
+        profiler.report(done, wall, &model.blocks, &names)
+    });
     let mut report = RunReport::new(done, step, model.time());
+    report.profile = profile;
     report.stable = stable;
     report.energies = energies;
     report.energy_residual = residual;
@@ -269,7 +283,16 @@ impl TimeLoop<'_> {
 
     /// Calls the observers that are due; if one stops the run, the others receive the step as the last one.
     fn observe(&mut self, step: f64) -> Result<(), RunError> {
+        let start = self.model.clock();
         self.read_energies(step)?;
+        self.model.spent(Phase::EnergyBalance, start);
+        let start = self.model.clock();
+        let observed = self.call_observers(step);
+        self.model.spent(Phase::Observers, start);
+        observed
+    }
+
+    fn call_observers(&mut self, step: f64) -> Result<(), RunError> {
         let due: Vec<bool> = (self.observers.iter())
             .map(|observer| self.is_due(observer.cadence(), step))
             .collect();

@@ -53,6 +53,9 @@ pub struct RunHooks<'a> {
     pub equilibrated_body: Option<EquilibratedBody>,
     /// Observers of the dynamic run beside those of the scene's output requests, called after them; one may stop the run.
     pub observers: Vec<Box<dyn Observer>>,
+    /// Whether the wall time of the parts of time steps is measured, see [`RunReport::profile`](powerhouse_model::RunReport::profile)
+    /// in [`Results::run`]. The motion is the same to the bit; steps take some per cent longer. False by default.
+    pub profile: bool,
 }
 
 impl<'a> RunHooks<'a> {
@@ -72,6 +75,12 @@ impl<'a> RunHooks<'a> {
     #[must_use]
     pub fn with_snapshots(mut self, sink: Box<dyn SnapshotSink>) -> Self {
         self.snapshots = Some(sink);
+        self
+    }
+    /// Sets whether the wall time of the parts of time steps is [measured](Self::profile).
+    #[must_use]
+    pub fn with_profile(mut self, profile: bool) -> Self {
+        self.profile = profile;
         self
     }
     /// Sets the [receiver](Self::stages) of the progress and the state of construction stages.
@@ -324,6 +333,7 @@ impl Simulation {
         }
         let mut options = self.options(RunOptions::seconds(self.duration), step);
         options.stop = hooks.stop;
+        options.profile = hooks.profile;
         let (recordings, mut observers) = (self.recordings, self.observers);
         let taken = Arc::new(AtomicU64::new(0));
         if let (Some(request), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {

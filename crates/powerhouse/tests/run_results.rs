@@ -372,9 +372,9 @@ fn sections_through_both_sides_of_a_ring_are_warned_of() {
         let notes = RunNotes::new(simulation.remarks().to_vec());
         let mesh = simulation.mesh().clone();
         let results = simulation.run(RunHooks::default()).unwrap();
-        let out = ResultFolder::new(&folder.0);
+        let out = ResultFolder::new(&folder);
         out.write(("ring", &mesh), &results, &notes, None).unwrap();
-        let read = |file: &str| std::fs::read_to_string(folder.0.join(file)).unwrap_or_default();
+        let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap_or_default();
         let centre = pieces[0].centroid;
         let shown = format!("({:.3}, {:.3}, {:.3}) m", centre.x, centre.y, centre.z);
         for text in [read("summary.json"), read("sections.csv")] {
