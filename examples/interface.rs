@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 use powerhouse::contact::{BondedCoulomb, Joint, Tied};
-use powerhouse::engine::NodalForce;
+use powerhouse::engine::{BuildModel, NodalForce};
 use powerhouse::material::media;
 use powerhouse::model::{BoundaryParts, Constraint, Mat3, NodalImpedance, Vec3};
 
