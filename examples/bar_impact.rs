@@ -18,7 +18,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use powerhouse::contact::{Frictionless, Joint};
-use powerhouse::engine::Support;
+use powerhouse::engine::{BuildModel, Support};
 use powerhouse::model::{ElasticMedium, Vec3};
 use powerhouse_examples::Figures;
 use powerhouse_examples::column::{Column, watch};

@@ -22,7 +22,7 @@ use std::f64::consts::{PI, TAU};
 use std::process::ExitCode;
 
 use powerhouse::contact::{BondedCoulomb, Joint};
-use powerhouse::engine::{Leapfrog, Prescribed, RunOptions, StepChoice, run};
+use powerhouse::engine::{BuildModel, Leapfrog, Prescribed, RunOptions, StepChoice, run};
 use powerhouse::model::{ElasticMedium, Vec3};
 use powerhouse_examples::column::Column;
 use powerhouse_examples::interface::{closed_form, computed};

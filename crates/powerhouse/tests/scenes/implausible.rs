@@ -295,11 +295,11 @@ fn an_element_of_two_parts_is_refused_with_their_names() {
 #[test]
 fn an_unwritable_folder_is_named() {
     let folder = Folder::new("unwritable");
-    let new = ResultFolder::new(folder.0.join("deep/new"));
+    let new = ResultFolder::new(folder.join("deep/new"));
     new.check_writable().unwrap();
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
-    fs::write(folder.0.join("file"), "").unwrap();
-    let path = folder.0.join("file/results");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+    fs::write(folder.join("file"), "").unwrap();
+    let path = folder.join("file/results");
     let within_file = ResultFolder::new(&path);
     let refusals = [
         within_file.check_writable().unwrap_err(),
