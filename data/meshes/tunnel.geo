@@ -1,5 +1,5 @@
-// A lined tunnel and 2 m of its rock. Metres; y along the tunnel, z up, free surface at z = 0.
-radius = 5; thickness = 0.5; depth = 30; w = 40; h = 60; length = 2;
+// A lined tunnel and 1 m of its rock. Metres; y along the tunnel, z up, free surface at z = 0.
+radius = 5; thickness = 0.5; depth = 30; w = 40; h = 60; length = 1;
 Point(1) = {0, 0, -depth};
 For i In {0:3}
   a = Pi / 4 + i * Pi / 2; inner = radius; outer = radius + thickness;
@@ -21,7 +21,7 @@ EndFor
 Curve Loop(5) = {30:33}; Curve Loop(6) = {20:23};
 Plane Surface(5) = {5, 6};
 Transfinite Curve{10:13, 20:23} = 9;    // 8 elements along a quarter of the ring,
-Transfinite Curve{40:43} = 3;           // 2 across its thickness
+Transfinite Curve{40:43} = 5;           // 4 across its thickness: fewer are too soft in bending
 Transfinite Surface{1:4};
 Recombine Surface{:};                   // quadrilaterals, so that the extrusion gives bricks
 Mesh.Algorithm = 8;
