@@ -165,8 +165,8 @@ pub enum EngineError {
         /// Number of the node.
         node: u64,
     },
-    /// A load on both sides of a face, in the constructors of [`FacePressure`](crate::FacePressure) and
-    /// [`FaceTraction`](crate::FaceTraction): a pressure cancels, a traction counts twice.
+    /// A load on both sides of a face, in the constructors of `FacePressure` and
+    /// `FaceTraction`: a pressure cancels, a traction counts twice.
     #[error(
         "the loaded facets include both sides of the face between elements {element} and {other}"
     )]
@@ -211,7 +211,7 @@ pub enum EngineError {
         /// Largest permitted distance (m).
         tolerance: f64,
     },
-    /// Tied nodes with different initial velocities, where a motion or state is [set](crate::Model::set_initial).
+    /// Tied nodes with different initial velocities, where a motion or state is [set](crate::EngineModel::set_initial).
     #[error("node {node} is tied to node {partner} but has another initial velocity")]
     TiedVelocity {
         /// Number of the node.
@@ -219,7 +219,7 @@ pub enum EngineError {
         /// Number of the node to which it is tied.
         partner: u64,
     },
-    /// A state or initial motion that is [set](crate::Model::set_state), of the wrong length or with numbers that are not
+    /// A state or initial motion that is [set](crate::EngineModel::set_state), of the wrong length or with numbers that are not
     /// finite.
     #[error(
         "the {what} has {found} entries instead of {expected}, or holds a number that is not finite"
@@ -232,7 +232,7 @@ pub enum EngineError {
         /// Number of entries required.
         expected: usize,
     },
-    /// An initial motion that is [set](crate::Model::set_initial) and whose forces would underflow or overflow in single
+    /// An initial motion that is [set](crate::EngineModel::set_initial) and whose forces would underflow or overflow in single
     /// precision.
     #[error(
         "the largest component {largest:.3e} of the initial {what} is outside [{least:e}, {most:e}]: forces would leave the range of single precision"
@@ -248,7 +248,7 @@ pub enum EngineError {
         /// Greatest permitted component (m or m/s).
         most: f64,
     },
-    /// A joint of a state that is [set](crate::Model::set_state) and that the model lacks, or has with other pairs.
+    /// A joint of a state that is [set](crate::EngineModel::set_state) and that the model lacks, or has with other pairs.
     #[error("the state has a joint '{name}' of {pairs} pairs, which the model does not have")]
     UnknownJoint {
         /// Name of the joint.
@@ -256,7 +256,7 @@ pub enum EngineError {
         /// Number of its pairs in the state.
         pairs: usize,
     },
-    /// A state that is [set](crate::Model::set_state) and whose absent or cast elements differ from those of the model.
+    /// A state that is [set](crate::EngineModel::set_state) and whose absent or cast elements differ from those of the model.
     #[error("the absent or cast elements of the state differ from those of the model")]
     OtherElements,
     /// A number of threads outside 1 to 4096, or one that the operating system cannot start.

@@ -111,7 +111,7 @@ pub enum StaticError {
         reason: String,
     },
     /// Carried forces that differ from those of the stage before by more than the tolerance, in
-    /// [`Model::hand_over`](crate::Model::hand_over).
+    /// [`EngineModel::hand_over`](crate::EngineModel::hand_over).
     #[error(
         "the forces carried over to the dynamic stage differ from those of the stage before by \
         {difference:.3e} of the internal forces (permitted: {tolerance:.1e}), most at node {node}: a load, an \
@@ -126,7 +126,7 @@ pub enum StaticError {
         node: u64,
     },
     /// A viscoelastic law in a set with static stress, which its relaxation mechanisms would dissipate, in
-    /// [`Model::hand_over`](crate::Model::hand_over).
+    /// [`EngineModel::hand_over`](crate::EngineModel::hand_over).
     #[error(
         "the law of set '{set}' is viscoelastic: its relaxation would reduce the static stress, which must be \
         given as initial stress of this set"
