@@ -324,7 +324,7 @@ fn a_rim_without_elements_is_refused() {
     let Err(Error::Scene(fault)) = scene.prepare() else {
         panic!("an idle rim is accepted");
     };
-    assert_eq!(fault.position(), (17, 7), "{fault}");
+    assert_eq!(fault.position(), (17, 15), "{fault}");
     let parts = [("inner", Some(20.0)), ("outer", None)].map(|(set, rim)| {
         let part = Part::new(set, elastic());
         match rim {

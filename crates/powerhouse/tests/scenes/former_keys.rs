@@ -93,7 +93,7 @@ fn a_key_has_one_name() {
     let variants = Variants::new("former-twice");
     for (_, old, keys, [former, present]) in KEYS {
         let (before, value) = keys.split_once("{}").unwrap();
-        // In a table in braces the second key stands beside the first, otherwise on the next line.
+        // The second key follows the first in a table in braces, otherwise on the next line.
         let both = match value.trim_end_matches([' ', '}', ']']) {
             inner if inner.len() < value.len() => {
                 format!("{before}{former}{inner}, {present}{value}")
