@@ -20,8 +20,8 @@ For i In {0:3}
 EndFor
 Curve Loop(5) = {30:33}; Curve Loop(6) = {20:23};
 Plane Surface(5) = {5, 6};
-Transfinite Curve{10:13, 20:23} = 9;    // 8 elements along a quarter of the ring,
-Transfinite Curve{40:43} = 5;           // 4 across its thickness: fewer are too soft in bending
+Transfinite Curve{10:13, 20:23} = 25;   // 24 elements along a quarter of the ring,
+Transfinite Curve{40:43} = 5;           // 4 across its thickness: longer ones, or fewer, err in bending
 Transfinite Surface{1:4};
 Recombine Surface{:};                   // quadrilaterals, so that the extrusion gives bricks
 Mesh.Algorithm = 8;

@@ -294,11 +294,11 @@ fn check_warns_by_its_status() {
 /// floor of a lining is shown and warned of as two pieces.
 #[test]
 fn check_lists_sets_and_sections() {
-    let printed = |name: &str, reach: &str| {
-        let scene = Scene::new(name, |scene| scene.replace("reach = 10\n", reach));
+    let printed = |name: &str, limit: &str| {
+        let scene = Scene::new(name, |scene| scene.replace("half_extent = 10\n", limit));
         text(&powerhouse(&["check", &scene.path()]).stdout)
     };
-    let one = printed("check-section", "reach = 10\n");
+    let one = printed("check-section", "half_extent = 10\n");
     let line = |start: &str, printed: &str| {
         let found = printed
             .lines()

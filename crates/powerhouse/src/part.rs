@@ -184,8 +184,7 @@ impl Kernel {
     }
     /// Factory that builds the element block of a set: the elements of the set, computed together by this kernel with
     /// the law of a material. A scene builds each of its parts by one; a program that builds a
-    /// [`Model`](powerhouse_explicit_core::Model) without a scene gives it to the
-    /// [`ModelBuilder`](powerhouse_explicit_core::ModelBuilder). `set` is the name of the element set in the mesh,
+    /// model without a scene gives it to the [`ModelSpec`](powerhouse_model::ModelSpec). `set` is the name of the element set in the mesh,
     /// `options` have number format, lanes and Rayleigh damping. Whether the elements are of the kind of the kernel
     /// is checked when the block is built.
     pub fn factory(

@@ -30,6 +30,11 @@ pub struct BendingError {
     pub factor: f64,
 }
 
+/// Length of bricks of full integration over the thickness of a section at which shear makes it 8 % too stiff in bending.
+const LONGEST_OF_FULL: f64 = 0.45;
+/// The same of bricks of one point, with their hourglass resistance.
+const LONGEST_OF_ONE_POINT: f64 = 0.7;
+
 impl BendingError {
     /// Largest error of the bending stiffness without a warning.
     pub const LIMIT: f64 = 0.1;
@@ -53,8 +58,9 @@ impl fmt::Display for BendingError {
         };
         write!(
             f,
-            "section '{section}' cuts bricks of '{set}' that are {verb} in bending: {length:.2} m long with {layers} across {thickness:.2} m, kernel '{kernel}', have {factor:.2} times the bending stiffness; where the ground imposes the curvature its moments err by as much, axial forces do not. Within 10 % are bricks of 'hex8-full' or 'hex8-b-bar' at most {:.2} m long, and at least 4 across of 'hex8-one-point'",
-            0.45 * thickness
+            "section '{section}' cuts bricks of '{set}' that are {verb} in bending: {length:.2} m long with {layers} across {thickness:.2} m, kernel '{kernel}', have {factor:.2} times the bending stiffness; where the ground imposes the curvature its moments err by up to as much, axial forces do not. Within 10 % are bricks of 'hex8-full' or 'hex8-b-bar' at most {:.3} m long, and of 'hex8-one-point' at most {:.3} m long with at least 4 across",
+            LONGEST_OF_FULL * thickness,
+            LONGEST_OF_ONE_POINT * thickness
         )
     }
 }
@@ -78,7 +84,9 @@ pub(crate) fn coarse_in_bending(
     let extent = |direction: &Vec3| median(bricks.clone().map(|&e| extent_of(mesh, e, direction)));
     let length = extent(&geometry.normal)?;
     let layers = (piece.depth / extent(&geometry.across)?).round().max(1.0) as usize;
-    let factor = bending_stiffness(&kernel, part, length / piece.depth, layers)?;
+    let width = extent(&geometry.along)?;
+    let size = [length / piece.depth, width / piece.depth];
+    let factor = bending_stiffness(&kernel, part, size, layers)?;
     ((factor - 1.0).abs() > BendingError::LIMIT).then(|| {
         Remark::Bending(BendingError {
             section: request.cut.name.clone(),
@@ -108,12 +116,17 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.get(values.len() / 2).copied().filter(|&v| v > 0.0)
 }
 
-/// Elastic bending stiffness of `layers` bricks across a beam of unit thickness and a length, over that of the beam: the
-/// energy of the nodal displacements `u_x = x z` of a unit curvature, which a brick can only follow by shearing.
-/// Strains across the beam are held in both.
-fn bending_stiffness(kernel: &Kernel, part: &Part, length: f64, layers: usize) -> Option<f64> {
+/// Elastic bending stiffness of `layers` bricks across a beam of unit thickness, of a length and a width, over that of the
+/// beam: the energy of the nodal displacements `u_x = x z` of a unit curvature, which a brick can only follow by shearing,
+/// or against its hourglass resistance. Strains across the beam are held in both.
+fn bending_stiffness(
+    kernel: &Kernel,
+    part: &Part,
+    [length, width]: [f64; 2],
+    layers: usize,
+) -> Option<f64> {
     const LAYERS: usize = 64;
-    let low = Vec3::new(-0.5 * length, -0.5, -0.5);
+    let low = Vec3::new(-0.5 * length, -0.5 * width, -0.5);
     let cells = [1, 1, layers.min(LAYERS)];
     let beam = Mesh::box_of_hexes(low, -low, cells, &part.set).ok()?;
     let elements: Vec<u32> = (0..beam.element_count() as u32).collect();
@@ -133,6 +146,6 @@ fn bending_stiffness(kernel: &Kernel, part: &Part, length: f64, layers: usize) -
     );
     let work = displacement.iter().zip(&forces);
     let work: f64 = work.map(|(u, f)| u.to_vector().dot(&f.to_vector())).sum();
-    let exact = elastic.medium().constrained() * length / 12.0;
+    let exact = elastic.medium().constrained() * length * width / 12.0;
     Some(work / exact)
 }

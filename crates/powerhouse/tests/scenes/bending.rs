@@ -53,7 +53,7 @@ fn long_bricks_of_full_integration_are_warned_of() {
         assert!((found.factor / exact - 1.0).abs() < 1e-9, "{found:?}");
         let text = found.to_string();
         assert!(
-            text.contains("too stiff in bending") && text.contains("0.23 m long"),
+            text.contains("too stiff in bending") && text.contains("0.225 m long"),
             "{text}"
         );
     }
@@ -65,18 +65,27 @@ fn long_bricks_of_full_integration_are_warned_of() {
     assert!(warned(SolidKernel::Hex8BBar, 0.6 * THICKNESS, 2, 0.0).is_some());
 }
 
-/// Bricks of one integration point have `1 - 1/n^2` of the bending stiffness with `n` across, and hourglass resistance in
-/// place of the rest: they are warned of up to three.
+/// Bricks of one integration point have `1 - 1/n^2` of the bending stiffness with `n` across, and that of their hourglass
+/// resistance, a twentieth of `(lambda + 2 G) sum 1/h_i^2`, which grows with the square of their length: they are warned
+/// of where few are across, and where they are long.
 #[test]
-fn few_bricks_of_one_point_across_are_warned_of() {
+fn few_or_long_bricks_of_one_point_are_warned_of() {
     let kernel = || SolidKernel::Hex8OnePoint(Default::default());
-    for (ratio, layers) in [(2.6, 1), (0.5, 1), (1.0, 2), (0.4, 2)] {
+    for (ratio, layers) in [(2.6, 1), (0.5, 1), (0.6, 2), (2.0, 4), (1.2, 6)] {
         let found = warned(kernel(), ratio * THICKNESS, layers, 0.4).unwrap();
-        let rest = 1.0 - (1.0 - found.factor) * (layers * layers) as f64;
-        assert!(rest > 0.0 && rest < 0.5, "{found:?} {rest}");
-        assert!(found.to_string().contains("too soft in bending"));
+        let height = THICKNESS / layers as f64;
+        let sides = [ratio * THICKNESS, 1.0, height];
+        let squares: f64 = sides.iter().map(|side| (height / side).powi(2)).sum();
+        let hourglass = 0.15 * ratio * ratio * squares;
+        let exact = 1.0 - 1.0 / (layers * layers) as f64 + hourglass;
+        assert!(
+            (found.factor / exact - 1.0).abs() < 1e-9,
+            "{found:?} {exact}"
+        );
+        let verb = if exact > 1.0 { "too stiff" } else { "too soft" };
+        assert!(found.to_string().contains(verb), "{found}");
     }
-    for ratio in [0.3, 1.0, 3.0] {
-        assert_eq!(warned(kernel(), ratio * THICKNESS, 4, 0.0), None);
+    for (ratio, layers) in [(0.3, 4), (0.7, 4), (0.7, 8)] {
+        assert_eq!(warned(kernel(), ratio * THICKNESS, layers, 0.0), None);
     }
 }

@@ -58,7 +58,7 @@ fn finished_cases_are_kept_and_stages_are_shared() {
         (all.map(str::to_owned).to_vec(), 0)
     );
     // A key of a case changes that case alone.
-    let stiffer = softer.replace("a = 0.5", "a = 0.6");
+    let stiffer = softer.replace("amplitude_ratio = 0.5", "amplitude_ratio = 0.6");
     std::fs::write(folder.scene(), format!("{SCENE}{stiffer}")).unwrap();
     let mut count = Count::default();
     folder.sweep().run(None, &mut count).unwrap();
