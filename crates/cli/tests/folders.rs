@@ -81,7 +81,17 @@ fn a_folder_that_vanishes_is_an_error() {
     // At once, while the run goes on writing.
     std::fs::rename(block.out(), block.folder.join("elsewhere")).unwrap();
     let begun = Instant::now();
-    while !block.out().join("snapshots.pvd").exists() {
+    // The collection may be written anew before the next snapshot.
+    let lists_one = || {
+        let collection = std::fs::read_to_string(block.out().join("snapshots.pvd"));
+        let collection = collection.unwrap_or_default();
+        let mut names = collection
+            .split("file=\"")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next());
+        names.any(|name| block.out().join(name).exists())
+    };
+    while !lists_one() {
         assert!(begun.elapsed() < Duration::from_secs(120));
         std::thread::sleep(Duration::from_millis(5));
     }

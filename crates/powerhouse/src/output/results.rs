@@ -271,6 +271,7 @@ impl Recordings {
                     .add_section(mesh, &request.cut, &elements)
                     .map_err(model)?;
                 remarks.extend(sections::in_pieces(mesh, request, geometry));
+                remarks.extend(sections::hollow(request, geometry));
                 remarks.extend(sections::through_tetrahedra(mesh, request, &elements));
             }
             recordings.section_geometry = forces.geometries().cloned().collect();

@@ -20,6 +20,24 @@ pub(super) fn in_pieces(
     })
 }
 
+/// Share of the product of its extents that the area of a section fills, below which it is a frame or a ring.
+const FILLED: f64 = 0.5;
+
+/// Warning about a section in one piece that is a frame or a ring, such as that of a closed lining.
+pub(super) fn hollow(request: &SectionRequest, geometry: &SectionGeometry) -> Option<Remark> {
+    let [piece] = &geometry.pieces[..] else {
+        return None;
+    };
+    let filled = piece.area / (piece.width * piece.depth);
+    (filled < FILLED).then(|| Remark::HollowSection {
+        section: request.cut.name.clone(),
+        set: request.set.clone(),
+        filled,
+        width: piece.width,
+        depth: piece.depth,
+    })
+}
+
 /// Half edge lengths (m) of cubes around a point that contain the centroids of the elements of the nearest piece and of
 /// no other one: the least and the greatest. None if there are no such cubes.
 fn half_extent_of_nearest(

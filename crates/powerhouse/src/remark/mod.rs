@@ -185,6 +185,19 @@ pub enum Remark {
         /// does.
         half_extent: Option<[f64; 2]>,
     },
+    /// Warning: a section fills less than half of its extents, as that of a closed lining: its forces are those of a frame.
+    HollowSection {
+        /// Name of the section.
+        section: String,
+        /// Element set that it cuts.
+        set: String,
+        /// Area over the product of width and depth (1), below 0.5.
+        filled: f64,
+        /// Extent (m) along the section's `along`.
+        width: f64,
+        /// Extent (m) across.
+        depth: f64,
+    },
     /// Warning: a section cuts bricks that are too coarse for its bending moments.
     Bending(BendingError),
     /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
@@ -302,9 +315,10 @@ impl Remark {
             | Self::TruncatedRecord { .. }
             | Self::RotatedAxis { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
-            Self::TetrahedralSection { .. } | Self::DividedSection { .. } | Self::Bending(_) => {
-                Topic::Sections
-            }
+            Self::TetrahedralSection { .. }
+            | Self::DividedSection { .. }
+            | Self::HollowSection { .. }
+            | Self::Bending(_) => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
             Self::Hourglass { .. } => Topic::Energy,
             Self::NoState { .. }
@@ -348,6 +362,7 @@ impl Remark {
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
             | Self::DividedSection { .. }
+            | Self::HollowSection { .. }
             | Self::Bending(_)
             | Self::NonlinearRim { .. }
             | Self::Material { .. }

@@ -227,6 +227,17 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
             ),
+            Self::HollowSection {
+                section,
+                set,
+                filled,
+                width,
+                depth,
+            } => write!(
+                f,
+                "section '{section}' of '{set}' fills {:.0} % of its {width:.3} m along and {depth:.3} m across: it cuts a frame or a ring, and its forces and moments are those of all of it; for one side give a point of it as `at`, and a `half_extent` that leaves out the others",
+                100.0 * filled
+            ),
             Self::Bending(error) => write!(f, "{error}"),
             Self::DividedSection {
                 section,

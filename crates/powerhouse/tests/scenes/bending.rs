@@ -62,7 +62,8 @@ fn long_bricks_of_full_integration_are_warned_of() {
         warned(SolidKernel::Hex8BBar, 0.45 * THICKNESS, 2, 0.0),
         None
     );
-    assert!(warned(SolidKernel::Hex8BBar, 0.6 * THICKNESS, 2, 0.0).is_some());
+    assert!(warned(SolidKernel::Hex8BBar, THICKNESS, 2, 0.0).is_some());
+    assert!(warned(SolidKernel::Hex8BBar, 0.3 * THICKNESS, 1, 0.0).is_some());
 }
 
 /// Bricks of one integration point have `1 - 1/n^2` of the bending stiffness with `n` across, and that of their hourglass
