@@ -78,7 +78,7 @@ fn kernels_move_alike() {
 
 /// Fails if a body of a law moves differently, or as if it were elastic.
 ///
-/// Yielding, and still more softening, enlarge any difference: permitted is what becomes of a difference of
+/// Yielding, and still more softening, enlarge any difference: permitted is the growth of a difference of
 /// [`LIMIT`] in the initial velocities, where that is more.
 fn law<M: ConstitutiveLaw>(law: M) {
     let mesh = boxed(Mesh::box_of_hexes, 0.05);

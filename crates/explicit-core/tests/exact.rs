@@ -33,7 +33,7 @@ fn is_nearest(found: f64, exact: &BigInt) -> bool {
     };
     let distance = |number: f64| (place(number) - exact).magnitude().clone();
     let neighbours = [found.next_down(), found.next_up()];
-    let is_even = found.to_bits() % 2 == 0;
+    let is_even = found.to_bits().is_multiple_of(2);
     !found.is_nan()
         && neighbours.iter().all(|&other| {
             let (own, others) = (distance(found), distance(other));
