@@ -424,3 +424,40 @@ fn kinetic_energy_is_never_negative() {
     }
     assert!(turned > 0, "the scheme's own form is never negative here");
 }
+
+/// A measurement of the parts of a step changes no bit of the motion and of the energies, and names elements, boundaries
+/// and the energy balance.
+#[test]
+fn a_profile_changes_no_bit() {
+    let mesh = hex_box([3, 3, 3], 1.0, 0.2);
+    let options = RunOptions::steps(130).with_energy(EnergyCheck::every(7));
+    let measured = |profile: bool| {
+        let mut model = box_with_input(&mesh, rock()).build().unwrap();
+        let options = options.clone().with_profile(profile);
+        let report = go(&mut model, &Leapfrog, &options).unwrap();
+        (model.state(), report)
+    };
+    let (plain, profiled) = (measured(false), measured(true));
+    assert_eq!(plain.0, profiled.0);
+    assert_eq!(plain.1.energies, profiled.1.energies);
+    assert_eq!(plain.1.profile, None);
+    let profile = profiled.1.profile.unwrap();
+    assert_eq!(profile.steps, 130);
+    for part in [
+        "elements of 'rock'",
+        "boundaries",
+        "energy balance",
+        "update of all nodes",
+    ] {
+        let mut rows = profile.rows.iter();
+        assert!(
+            rows.any(|row| row.part.starts_with(part)),
+            "{part}: {profile:?}"
+        );
+    }
+    let falling = profile
+        .rows
+        .windows(2)
+        .all(|pair| pair[0].seconds >= pair[1].seconds);
+    assert!(falling && profile.covered() > 0.0);
+}
