@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 
 use powerhouse_model::{ElementBlock, ProfileRow, StepProfile};
 
+use crate::model::blocks_by_label;
+
 /// Interval (steps) at which the parts of element blocks are separated.
 pub(crate) const PROBE_INTERVAL: u64 = 50;
 
@@ -78,14 +80,13 @@ impl Phase {
 
 /// Profile of a run while it is measured.
 pub(crate) struct Profiler {
+    /// Processor times of the blocks in the steps without probes.
     pub(crate) blocks: BlockTimes,
     /// Processor time of the loads.
     pub(crate) loads: AtomicU64,
     /// Wall time of the evaluation of forces and loads.
     pub(crate) forces: Duration,
     pub(crate) probes: Probes,
-    /// Processor time (ns) of probed steps that is part of that of all steps already, by block.
-    taken: Vec<u64>,
     phases: [Duration; 4],
     /// Wall time of each constraint.
     pub(crate) constraints: Vec<Duration>,
@@ -106,22 +107,15 @@ impl Profiler {
                 without_damping: times(),
                 elastic: times(),
             },
-            taken: vec![0; blocks],
             phases: [Duration::ZERO; 4],
             constraints: vec![Duration::ZERO; constraints],
             apart: Duration::ZERO,
         }
     }
 
-    /// Adds the times of the last probed step, if there is one, to those of all steps.
-    pub(crate) fn take_probed(&mut self) {
-        for (whole, (probed, taken)) in
-            (self.blocks.0.iter_mut()).zip(self.probes.whole.0.iter_mut().zip(&mut self.taken))
-        {
-            let probed = *probed.get_mut();
-            *whole.get_mut() += probed - *taken;
-            *taken = probed;
-        }
+    /// Processor time (s) of the forces of a block in all steps, probed ones included.
+    fn of_block(&self, block: usize) -> f64 {
+        self.blocks.seconds(block) + self.probes.whole.seconds(block)
     }
 
     /// Adds the time since `start` to a phase.
@@ -139,7 +133,7 @@ impl Profiler {
     ) -> StepProfile {
         let seconds = wall.saturating_sub(self.apart).as_secs_f64();
         let loads = self.loads.load(Ordering::Relaxed) as f64 * 1e-9;
-        let of_blocks: f64 = (0..blocks.len()).map(|b| self.blocks.seconds(b)).sum();
+        let of_blocks: f64 = (0..blocks.len()).map(|block| self.of_block(block)).sum();
         let processor = of_blocks + loads;
         let scale = if processor > 0.0 {
             self.forces.as_secs_f64() / processor
@@ -147,9 +141,9 @@ impl Profiler {
             0.0
         };
         let mut rows = vec![ProfileRow::new("loads and wave input", scale * loads)];
-        for (label, of_set) in by_label(blocks) {
+        for (label, of_set) in blocks_by_label(blocks) {
             let sum = |times: &BlockTimes| of_set.iter().map(|&b| times.seconds(b)).sum::<f64>();
-            let whole = scale * sum(&self.blocks);
+            let whole = scale * of_set.iter().map(|&b| self.of_block(b)).sum::<f64>();
             let probes = &self.probes;
             let parts = shares([
                 sum(&probes.elastic),
@@ -197,18 +191,6 @@ fn shares(times: [f64; 4]) -> Option<[f64; 4]> {
         before = time;
         share
     }))
-}
-
-/// Indices of the blocks of each label, in the order of the labels' first blocks.
-fn by_label(blocks: &[Box<dyn ElementBlock>]) -> Vec<(&str, Vec<usize>)> {
-    let mut sets: Vec<(&str, Vec<usize>)> = Vec::new();
-    for (index, block) in blocks.iter().enumerate() {
-        match sets.iter_mut().find(|(label, _)| *label == block.label()) {
-            Some((_, of_set)) => of_set.push(index),
-            None => sets.push((block.label(), vec![index])),
-        }
-    }
-    sets
 }
 
 #[cfg(test)]

@@ -275,7 +275,6 @@ impl Model {
             loads.sums.write_plain(external);
             if let (Some(profiler), Some(start)) = (profiler.as_deref_mut(), start) {
                 profiler.forces += start.elapsed();
-                profiler.take_probed();
             }
             fault
         });

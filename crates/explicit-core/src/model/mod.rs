@@ -105,6 +105,18 @@ pub struct Model {
     stop: Option<Arc<AtomicBool>>,
 }
 
+/// Indices of the blocks of each label, in the order of the labels' first blocks.
+pub(crate) fn blocks_by_label(blocks: &[Box<dyn ElementBlock>]) -> Vec<(&str, Vec<usize>)> {
+    let mut sets: Vec<(&str, Vec<usize>)> = Vec::new();
+    for (index, block) in blocks.iter().enumerate() {
+        match sets.iter_mut().find(|(label, _)| *label == block.label()) {
+            Some((_, of_set)) => of_set.push(index),
+            None => sets.push((block.label(), vec![index])),
+        }
+    }
+    sets
+}
+
 impl core::fmt::Debug for Model {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Model")
