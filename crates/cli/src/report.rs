@@ -176,6 +176,13 @@ pub(crate) fn check(report: &CheckReport) {
         cost.steps,
         duration(cost.wall_time)
     );
+    if let Some(profile) = &cost.profile {
+        say!(
+            "shares of a step, from {} steps at the start of the run, before anything yields or slips:",
+            profile.steps
+        );
+        shares(profile, LEAST_SHARE);
+    }
     if let Some(stages) = &cost.stages {
         static_cost(stages);
     }
@@ -342,9 +349,25 @@ pub(crate) fn profile(profile: &StepProfile) {
         1e3 * profile.seconds / profile.steps as f64,
         100.0 * profile.covered()
     );
+    shares(profile, 0.0);
+}
+
+/// Share of a step (%) below which a check does not list a part of its own.
+const LEAST_SHARE: f64 = 2.0;
+
+/// Prints the shares of the parts of a step; those below a share (%) together.
+fn shares(profile: &StepProfile, least: f64) {
+    let mut rest = 0.0;
     for row in &profile.rows {
         let share = 100.0 * row.seconds / profile.seconds;
-        say!("  {share:5.1} %  {}", row.part);
+        if share >= least {
+            say!("  {share:5.1} %  {}", row.part);
+        } else {
+            rest += share;
+        }
+    }
+    if rest > 0.0 {
+        say!("  {rest:5.1} %  all other parts");
     }
 }
 

@@ -77,6 +77,7 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
     }
     folder.clear()?;
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
+    folder.begin(&title)?;
     let notes = RunNotes::new(simulation.remarks().to_vec())
         .with_warnings(warnings.iter().map(Warning::message).collect());
     let bars = MultiProgress::new();
@@ -85,6 +86,7 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
         .with_progress(display.hook())
         .with_stop(stop)
         .with_profile(profile)
+        .with_tables(folder.tables())
         .with_snapshots(folder.snapshots(&simulation)?)
         .with_stages(Box::new(Stages::new(
             folder.stages(&simulation)?,
@@ -116,6 +118,9 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
     // Released after all files are written, so that no results are lost.
     if !is_held {
         lock.release()?;
+    }
+    for advice in &results.advice {
+        warn_aside!("note: {advice}");
     }
     match (failure, results.run.ended) {
         (Some(failure), _) => Err(failure.into()),

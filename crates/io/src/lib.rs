@@ -97,7 +97,10 @@ pub use records::{
 };
 #[cfg(feature = "json")]
 pub use summary::write_summary;
-pub use table::{TableColumn, csv_cell, read_table, write_noted_table, write_table};
+pub use table::{
+    GrowingColumn, GrowingTable, TableColumn, csv_cell, parse_table, read_table, write_noted_table,
+    write_table,
+};
 #[cfg(feature = "vtu")]
 pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};
 pub use whole::{Unread, read_whole};

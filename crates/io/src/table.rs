@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::fs::OpenOptions;
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
 
 use crate::{IoError, write_whole};
 
@@ -53,7 +55,7 @@ pub fn write_noted_table(
     for line in notes.iter().flat_map(|note| note.lines()) {
         let _ = writeln!(text, "# {line}");
     }
-    for (index, column) in columns.iter().enumerate() {
+    for column in columns {
         if column.values.len() != rows {
             return Err(IoError::Length {
                 file: file.into(),
@@ -62,14 +64,7 @@ pub fn write_noted_table(
                 expected: rows,
             });
         }
-        for name in [&column.name, &column.unit] {
-            if name.contains(char::is_control) {
-                return Err(IoError::Name {
-                    file: file.into(),
-                    name: name.clone(),
-                });
-            }
-        }
+        check_names(file, [&column.name, &column.unit])?;
         if let Some(index) = column.values.iter().position(|value| !value.is_finite()) {
             return Err(IoError::NotFinite {
                 file: file.into(),
@@ -78,19 +73,136 @@ pub fn write_noted_table(
                 value: column.values[index],
             });
         }
-        let separator = if index == 0 { "" } else { "," };
-        let head = format!("{} [{}]", column.name, column.unit);
-        let _ = write!(text, "{separator}{}", csv_cell(&head));
     }
-    text.push('\n');
+    write_head(
+        &mut text,
+        columns.iter().map(|column| (&*column.name, &*column.unit)),
+    );
     for row in 0..rows {
-        for (index, column) in columns.iter().enumerate() {
-            let separator = if index == 0 { "" } else { "," };
-            let _ = write!(text, "{separator}{:e}", column.values[row]);
-        }
-        text.push('\n');
+        write_row(&mut text, columns.iter().map(|column| column.values[row]));
     }
     write_whole(file, text.as_bytes())
+}
+
+fn check_names(file: &Path, names: [&str; 2]) -> Result<(), IoError> {
+    match names.iter().find(|name| name.contains(char::is_control)) {
+        Some(&name) => Err(IoError::Name {
+            file: file.into(),
+            name: name.into(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Writes the line of column headers, each a name with its unit.
+fn write_head<'a>(text: &mut String, columns: impl Iterator<Item = (&'a str, &'a str)>) {
+    for (index, (name, unit)) in columns.enumerate() {
+        let separator = if index == 0 { "" } else { "," };
+        let _ = write!(text, "{separator}{}", csv_cell(&format!("{name} [{unit}]")));
+    }
+    text.push('\n');
+}
+
+/// Writes the line of a row.
+fn write_row(text: &mut String, values: impl Iterator<Item = f64>) {
+    for (index, value) in values.enumerate() {
+        let separator = if index == 0 { "" } else { "," };
+        let _ = write!(text, "{separator}{value:e}");
+    }
+    text.push('\n');
+}
+
+/// Column of a table that grows: the values so far.
+#[derive(Clone, Copy, Debug)]
+pub struct GrowingColumn<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// Unit.
+    pub unit: &'a str,
+    /// Values of all rows so far.
+    pub values: &'a [f64],
+}
+
+/// Table (CSV) on disk that grows while a run goes on: new rows are appended in whole lines, so that a program that is
+/// killed loses no more than the rows since the last call. The lines are those of [`write_table`].
+///
+/// ```
+/// use powerhouse_io::{GrowingColumn, GrowingTable, read_table};
+/// let file = std::env::temp_dir().join(format!("growing-{}.csv", std::process::id()));
+/// let mut table = GrowingTable::new(&file);
+/// let rows = |values| [GrowingColumn { name: "time", unit: "s", values }];
+/// table.append(&rows(&[0.0, 0.1]))?;
+/// table.append(&rows(&[0.0, 0.1, 0.2]))?;
+/// assert_eq!(read_table(&file)?[0].values, [0.0, 0.1, 0.2]);
+/// # std::fs::remove_file(&file)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct GrowingTable {
+    file: PathBuf,
+    /// Rows and bytes on disk.
+    rows: usize,
+    bytes: u64,
+}
+
+impl GrowingTable {
+    /// Table at a path, which is created with the first rows, in place of an earlier file.
+    pub fn new(file: impl Into<PathBuf>) -> Self {
+        Self {
+            file: file.into(),
+            rows: 0,
+            bytes: 0,
+        }
+    }
+
+    /// Appends the rows that are not on disk yet; nothing if there are none. After an error the next call tries again.
+    ///
+    /// # Errors
+    /// A name with control characters; the file that could not be written.
+    pub fn append(&mut self, columns: &[GrowingColumn<'_>]) -> Result<(), IoError> {
+        // A row is complete when all its values are there.
+        let rows = columns.iter().map(|column| column.values.len()).min();
+        let rows = rows.unwrap_or(0);
+        if rows <= self.rows {
+            return Ok(());
+        }
+        // A file that was removed or cut off meanwhile is written anew.
+        let found = std::fs::metadata(&self.file).map_or(0, |file| file.len());
+        if found < self.bytes {
+            (self.rows, self.bytes) = (0, 0);
+        }
+        let mut text = String::new();
+        if self.rows == 0 {
+            for column in columns {
+                check_names(&self.file, [column.name, column.unit])?;
+            }
+            let heads = columns.iter().map(|column| (column.name, column.unit));
+            write_head(&mut text, heads);
+        }
+        for row in self.rows..rows {
+            write_row(&mut text, columns.iter().map(|column| column.values[row]));
+        }
+        let written = self.write_from_end(text.as_bytes());
+        written.map_err(IoError::file(&self.file))?;
+        self.rows = rows;
+        self.bytes += text.len() as u64;
+        Ok(())
+    }
+
+    /// Writes after the rows on disk, in place of what an append that failed has left of its lines.
+    fn write_from_end(&self, text: &[u8]) -> std::io::Result<()> {
+        if let Some(folder) = self.file.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let mut file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&self.file)?;
+        file.set_len(self.bytes)?;
+        file.seek(SeekFrom::End(0))?;
+        file.write_all(text)
+    }
 }
 
 /// Cell of a CSV file: in quotes, with quotes doubled, if it has a comma, a quote or a line break
@@ -127,18 +239,34 @@ fn cells_of(line: &str) -> Vec<String> {
     cells
 }
 
+/// Largest size of a table (bytes).
+const LARGEST: u64 = 4 << 30;
+
 /// Reads a table that [`write_table`] wrote.
 ///
 /// # Errors
 /// [`IoError::File`] for a file that cannot be read; [`IoError::Table`], with the line: an empty file, a column header
 /// without unit, a row with another number of columns, or a number that cannot be parsed.
 pub fn read_table(file: &Path) -> Result<Vec<TableColumn>, IoError> {
-    let text = std::fs::read_to_string(file).map_err(IoError::file(file))?;
+    let bytes = crate::read_whole(file, LARGEST).map_err(IoError::file(file))?;
+    parse_table(&bytes, file)
+}
+
+/// Reads a table from memory, as [`read_table`]. `file` is used in messages.
+///
+/// # Errors
+/// [`IoError::Table`], as [`read_table`], and for bytes that are not UTF-8.
+pub fn parse_table(bytes: &[u8], file: &Path) -> Result<Vec<TableColumn>, IoError> {
     let fault = |line: usize, reason: String| IoError::Table {
         file: file.into(),
         line,
         reason,
     };
+    let text = str::from_utf8(bytes).map_err(|error| {
+        let valid = &bytes[..error.valid_up_to()];
+        let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
+        fault(line, "a byte is not UTF-8 text".into())
+    })?;
     let mut lines = (text.lines().enumerate()).skip_while(|(_, line)| line.starts_with('#'));
     let (_, header) = lines
         .next()

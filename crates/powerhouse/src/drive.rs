@@ -1,7 +1,7 @@
 //! Single-point test of a material along a strain or stress path, both read from files.
 
 use core::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use powerhouse_io::TableColumn;
@@ -18,6 +18,8 @@ use crate::{Error, Material, Registry};
 
 /// Default number of steps of a leg.
 const STEPS: usize = 100;
+/// Largest number of steps of a path.
+const MOST_STEPS: usize = 1_000_000;
 /// Components of stress and strain, shears last.
 const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
@@ -33,7 +35,8 @@ const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 /// steps = 200                      # 100 by default
 /// ```
 ///
-/// Legs are applied one after the other, each in equal steps from the current strain to its target.
+/// Legs are applied one after the other, each in equal steps from the current strain to its target; a path has at most
+/// a million steps.
 ///
 /// | kind | keys | loading |
 /// |---|---|---|
@@ -114,36 +117,49 @@ struct Prescribed {
 }
 
 impl Leg {
-    /// Targets of the leg in order, from the current strains, and the number of steps to each.
-    fn targets(&self, now: &PointState) -> Result<(Vec<[Control; 6]>, usize), Fault> {
-        let (targets, steps) = match self {
-            Self::Uniaxial { strain, steps } => (vec![Control::uniaxial(strain.get())], steps),
+    /// Number of steps to each target.
+    fn steps_to_target(&self) -> usize {
+        let steps = match self {
+            Self::Uniaxial { steps, .. }
+            | Self::Triaxial { steps, .. }
+            | Self::Biaxial { steps, .. }
+            | Self::PlaneStrain { steps, .. }
+            | Self::SimpleShear { steps, .. }
+            | Self::Cyclic { steps, .. } => steps,
+            Self::Mixed(mixed) => &mixed.steps,
+        };
+        steps.map_or(STEPS, NonZeroUsize::get)
+    }
+
+    /// Number of steps to all targets, or the largest number there is.
+    fn steps(&self) -> usize {
+        let targets = match self {
+            Self::Cyclic { strains, .. } => strains.len(),
+            _ => 1,
+        };
+        self.steps_to_target().saturating_mul(targets)
+    }
+
+    /// Targets of the leg in order, from the current strains.
+    fn targets(&self, now: &PointState) -> Result<Vec<[Control; 6]>, Fault> {
+        let target = match self {
+            Self::Uniaxial { strain, .. } => Control::uniaxial(strain.get()),
             Self::Triaxial {
-                lateral,
-                strain,
-                steps,
-            } => (vec![Control::triaxial(lateral.get(), strain.get())], steps),
-            Self::Biaxial { strain, steps } => (vec![Control::biaxial(strain.get())], steps),
+                lateral, strain, ..
+            } => Control::triaxial(lateral.get(), strain.get()),
+            Self::Biaxial { strain, .. } => Control::biaxial(strain.get()),
             Self::PlaneStrain {
-                lateral,
-                strain,
-                steps,
-            } => {
-                let target = Control::plane_strain(lateral.get(), strain.get());
-                (vec![target], steps)
-            }
-            Self::SimpleShear {
-                strain,
-                normal,
-                steps,
-            } => {
+                lateral, strain, ..
+            } => Control::plane_strain(lateral.get(), strain.get()),
+            Self::SimpleShear { strain, normal, .. } => {
                 let normal = normal.map_or([0.0; 3], |normal| normal.map(Finite::get));
-                (vec![Control::simple_shear(normal, strain.get())], steps)
+                Control::simple_shear(normal, strain.get())
             }
-            Self::Cyclic { strains, steps } => {
+            Self::Cyclic { strains, .. } => {
                 let strains = strains.iter();
-                let targets = strains.map(|strain| Control::uniaxial(strain.get()));
-                (targets.collect(), steps)
+                return Ok(strains
+                    .map(|strain| Control::uniaxial(strain.get()))
+                    .collect());
             }
             Self::Mixed(mixed) => {
                 let Mixed {
@@ -153,7 +169,7 @@ impl Leg {
                     xy,
                     yz,
                     zx,
-                    steps,
+                    ..
                 } = &**mixed;
                 let mut target = now.strain.0.map(Control::Strain);
                 for (control, prescribed) in target.iter_mut().zip([xx, yy, zz, xy, yz, zx]) {
@@ -161,10 +177,10 @@ impl Leg {
                         *control = prescribed.control(prescribed.span())?;
                     }
                 }
-                (vec![target], steps)
+                target
             }
         };
-        Ok((targets, steps.map_or(STEPS, NonZeroUsize::get)))
+        Ok(vec![target])
     }
 }
 
@@ -182,24 +198,45 @@ impl Prescribed {
     }
 }
 
-fn read(path: &Path) -> Result<Arc<SceneText>, Error> {
-    let text = crate::scene::read_text(path)?;
-    Ok(Arc::new(SceneText {
-        path: path.into(),
-        text,
-    }))
-}
-
 impl PointPath {
     /// Reads the strain and stress path (loading path) of a single-point test from a TOML file.
     ///
     /// # Errors
     /// File that cannot be read, or a fault in it with line and column.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let text = read(path.as_ref())?;
+        let path = path.as_ref();
+        Self::from_toml(crate::scene::read_text(path)?, path)
+    }
+
+    /// Strain and stress path of a text in TOML. `path` is used in messages.
+    ///
+    /// # Errors
+    /// A fault in the text with line and column; a leg after which there are more than a million steps.
+    pub fn from_toml(text: impl Into<String>, path: impl Into<PathBuf>) -> Result<Self, Error> {
+        let text = Arc::new(SceneText {
+            path: path.into(),
+            text: text.into(),
+        });
         let file = format::decode_tagged(&text.text);
-        let file = file.map_err(|fault| SceneFault::new(text.clone(), fault))?;
+        let file: PathFile = file.map_err(|fault| SceneFault::new(text.clone(), fault))?;
+        let mut steps = 0_usize;
+        for leg in &file.legs {
+            let before = steps;
+            steps = steps.saturating_add(leg.steps());
+            if steps > MOST_STEPS {
+                let problem = Problem::Value {
+                    found: format!("{} steps after {before}", leg.steps()),
+                    expected: format!("at most {MOST_STEPS} steps in a path"),
+                };
+                return Err(SceneFault::new(text, Fault::new(leg.span(), problem)).into());
+            }
+        }
         Ok(Self { text, file })
+    }
+
+    /// Number of steps of all legs, at most a million.
+    pub fn steps(&self) -> usize {
+        self.file.legs.iter().map(|leg| leg.steps()).sum()
     }
 
     /// Computes the response of a material point along the path.
@@ -221,9 +258,9 @@ impl PointPath {
         let mut records = vec![point.state().clone()];
         for leg in &self.file.legs {
             let located = |fault| Error::from(SceneFault::new(self.text.clone(), fault));
-            let (targets, steps) = leg.targets(point.state()).map_err(located)?;
+            let targets = leg.targets(point.state()).map_err(located)?;
             for target in targets {
-                let advanced = point.advance(target, steps);
+                let advanced = point.advance(target, leg.steps_to_target());
                 records.extend(advanced.map_err(|e| located(Fault::refused(leg.span(), e)))?);
             }
         }
@@ -246,7 +283,25 @@ impl Material {
         name: Option<&str>,
         registry: &Registry,
     ) -> Result<Self, Error> {
-        let text = read(path.as_ref())?;
+        let path = path.as_ref();
+        Self::from_toml(crate::scene::read_text(path)?, path, name, registry)
+    }
+
+    /// Material of a text in TOML with `[[material]]` tables, as [`from_file`](Self::from_file). `path` is used in
+    /// messages.
+    ///
+    /// # Errors
+    /// A fault in the text with line and column.
+    pub fn from_toml(
+        text: impl Into<String>,
+        path: impl Into<PathBuf>,
+        name: Option<&str>,
+        registry: &Registry,
+    ) -> Result<Self, Error> {
+        let text = Arc::new(SceneText {
+            path: path.into(),
+            text: text.into(),
+        });
         let found = format::decode_materials(&text.text).and_then(|tables| {
             let available = || tables.iter().map(|table| table.name.to_string()).collect();
             let selected = match name {
@@ -343,7 +398,7 @@ impl PointTest {
     /// # Errors
     /// File that could not be written.
     #[cfg(feature = "pictures")]
-    pub fn write(&self, folder: &Path) -> Result<[std::path::PathBuf; 2], Error> {
+    pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2], Error> {
         let files = [folder.join("point.csv"), folder.join("point.svg")];
         let columns = self.columns();
         write_table(&files[0], &columns)?;

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
     Cadence, EnergyCheck, EngineModel, HistoryVariable, IncidentField, Mesh, ModelError, Observer,
-    Progress, RunFailure, RunOptions, StableStep, StepChoice, TimeIntegrator,
+    Progress, RunFailure, RunOptions, StableStep, StepChoice, StepProfile, TimeIntegrator,
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
-use crate::output::{FinishedRun, Named, OutputPlan, Recordings, Results};
+use crate::output::{self, FinishedRun, Named, OutputPlan, Recordings, Results, RunningTables};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
 use crate::{Error, Remark, SceneRemark, SceneText};
@@ -53,6 +53,8 @@ pub struct RunHooks<'a> {
     pub equilibrated_body: Option<EquilibratedBody>,
     /// Observers of the dynamic run beside those of the scene's output requests, called after them; one may stop the run.
     pub observers: Vec<Box<dyn Observer>>,
+    /// Tables of histories that grow on disk during the dynamic run.
+    pub tables: Option<RunningTables>,
     /// Whether the wall time of the parts of time steps is measured, see [`RunReport::profile`](powerhouse_model::RunReport::profile)
     /// in [`Results::run`]. The motion is the same to the bit; steps take some per cent longer. False by default.
     pub profile: bool,
@@ -75,6 +77,13 @@ impl<'a> RunHooks<'a> {
     #[must_use]
     pub fn with_snapshots(mut self, sink: Box<dyn SnapshotSink>) -> Self {
         self.snapshots = Some(sink);
+        self
+    }
+    /// Sets the [tables](Self::tables) that grow on disk during the dynamic run, from
+    /// [`ResultFolder::tables`](crate::ResultFolder::tables).
+    #[must_use]
+    pub fn with_tables(mut self, tables: RunningTables) -> Self {
+        self.tables = Some(tables);
         self
     }
     /// Sets whether the wall time of the parts of time steps is [measured](Self::profile).
@@ -348,6 +357,13 @@ impl Simulation {
         }
         observers.extend(hooks.observers);
         let mut progress = hooks.progress.unwrap_or_else(|| Box::new(|_| {}));
+        let mut tables = hooks.tables;
+        let mut progress = |now: Progress| {
+            if let Some(tables) = &mut tables {
+                tables.update(&recordings);
+            }
+            progress(now);
+        };
         let outcome = self.model.run(
             self.integrator.as_ref(),
             &options,
@@ -375,10 +391,11 @@ impl Simulation {
             Ok(report) => Ok(finish(report)),
             Err(RunFailure { error, report }) => Err(match report {
                 None => error.into(),
-                Some(report) => Error::Failed {
-                    error,
-                    results: Box::new(finish(*report)),
-                },
+                Some(report) => {
+                    let mut results = Box::new(finish(*report));
+                    results.advice = output::advice(&error, &results.run);
+                    Error::Failed { error, results }
+                }
             }),
         }
     }
@@ -424,6 +441,25 @@ impl Simulation {
         );
         run.map_err(|failure| failure.error)?;
         Ok(taken)
+    }
+
+    /// Wall time of the parts of `count` time steps of the dynamic run with all that is recorded, without stages. The
+    /// model has moved afterwards, as after [`time_steps`](Self::time_steps).
+    ///
+    /// # Errors
+    /// As [`time_steps`](Self::time_steps).
+    pub fn profile_steps(&mut self, count: u64) -> Result<StepProfile, Error> {
+        let step = self.step()?;
+        let mut options = self.options(RunOptions::steps(count), step);
+        options.profile = true;
+        let run = self.model.run(
+            self.integrator.as_ref(),
+            &options,
+            &mut self.observers,
+            &mut |_| {},
+        );
+        let report = run.map_err(|failure| failure.error)?;
+        Ok(report.profile.unwrap_or_default())
     }
 }
 

@@ -71,8 +71,23 @@ fn the_energy_balance_is_checked() {
         match run(scene) {
             Err(Error::Failed {
                 error: RunError::EnergyResidual { set, residual, .. },
-                ..
-            }) => assert!(set == "rock" && residual.abs() < 1e-12),
+                results,
+            }) => {
+                assert!(set == "rock" && residual.abs() < 1e-12);
+                // What limited the step, a shorter one, and where to look.
+                let stable = results.run.stable.unwrap();
+                let [limit, shorter, place] = &results.advice[..] else {
+                    panic!("{:?}", results.advice)
+                };
+                let element = format!("element {} of set 'rock'", stable.element);
+                assert!(
+                    limit.contains(&element) && limit.contains("100 %"),
+                    "{limit}"
+                );
+                let half = format!("{:.4e} s", 0.5 * results.run.step);
+                assert!(shorter.contains(&half), "{shorter}");
+                assert!(place.contains("set 'rock'"), "{place}");
+            }
             other => panic!("{other:?}"),
         }
         let unchecked = cube()
@@ -125,6 +140,8 @@ fn a_failed_run_keeps_what_it_recorded() {
         panic!("the observer's failure went unheard")
     };
     assert!(matches!(&error, RunError::Observer { name, step: 9, .. } if name == "doubter"));
+    // An observer's error says it all.
+    assert!(results.advice.is_empty(), "{:?}", results.advice);
     assert_eq!(results.run.steps, 9);
     assert_eq!(results.run.ended, Ended::Failed(error.to_string()));
     let times = &results.histories.times;
@@ -445,4 +462,55 @@ fn a_removed_folder_is_detected() {
     assert!(matches!(refused, Error::Folder(FolderError::Gone { .. })));
     // Dropping the first lock did not remove the lock file of the other run.
     assert!(other.is_held());
+}
+
+/// Tables are on disk while the run goes on, in lines of the final tables, and a summary says that it goes on: a run
+/// that is killed leaves them. A file that is removed meanwhile comes again.
+#[test]
+fn tables_grow_while_the_run_goes_on() {
+    let folder = Folder::new("growing-tables");
+    let results = ResultFolder::new(&*folder);
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
+    let simulation = cube().with_duration(0.9).prepare().unwrap();
+    let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
+    results.begin(&title).unwrap();
+    let mut seen = Vec::new();
+    let tables = results.tables().with_interval(std::time::Duration::ZERO);
+    let hooks = RunHooks::default()
+        .with_tables(tables)
+        .with_progress(|now| {
+            if now.done.is_multiple_of(4) {
+                seen.push((now.time, ["histories.csv", "energies.csv"].map(read)));
+            }
+            if now.done == 20 {
+                let summary = read("summary.json");
+                assert!(summary.contains("incomplete"), "{summary}");
+                std::fs::remove_file(folder.join("energies.csv")).unwrap();
+            }
+        });
+    let outcome = simulation.run(hooks).unwrap();
+    let notes = RunNotes::default();
+    results
+        .write((&title, &mesh), &outcome, &notes, None)
+        .unwrap();
+    assert!(seen.len() > 3, "{}", seen.len());
+    for (index, name) in ["histories.csv", "energies.csv"].into_iter().enumerate() {
+        let end = read(name);
+        for (time, texts) in &seen {
+            let text = &texts[index];
+            assert!(
+                end.starts_with(text) && text.ends_with('\n'),
+                "{name}, {time} s"
+            );
+            // The last row is younger than an interval of the output and two steps.
+            let last = text.lines().last().unwrap().split(',').next().unwrap();
+            let last: f64 = last.parse().unwrap();
+            assert!(
+                time - last < 0.01 + 2.0 * outcome.run.step,
+                "{name}: {last} s of {time} s"
+            );
+        }
+        let rows = |text: &str| text.lines().count();
+        assert!(rows(&seen[0].1[index]) < rows(&seen[2].1[index]), "{name}");
+    }
 }

@@ -289,10 +289,12 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
     let sections = simulation.section_geometry().to_vec();
     let mut clock = StepTimer::of(&mut simulation)?;
     let of_step = clock.time_of_step()?;
+    let profile = clock.profile(of_step)?;
     let cost = Cost {
         steps,
         step,
         wall_time: of_step.mul_f64(steps as f64),
+        profile,
         stages: of_stages,
         self_check,
         memory: model.memory(steps),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
-use powerhouse::model::{HistoryKind, Mesh};
+use powerhouse::model::{HistoryKind, Mesh, StepProfile};
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
@@ -20,6 +20,8 @@ pub struct Cost {
     /// Wall time of the dynamic run with its recording, extrapolated from some timed steps; stages, free-field check and
     /// writing of files excluded.
     pub wall_time: Duration,
+    /// Wall time of the parts of some of the timed steps; `None` for a run that is too short for it.
+    pub profile: Option<StepProfile>,
     /// Predicted cost of the construction stages before the run; `None` without stages.
     pub stages: Option<StaticCost>,
     /// Predicted wall time of the free-field check before the run; `None` if the scene does not request one.
@@ -41,6 +43,10 @@ const TURNS: u64 = 7;
 const TURN: Duration = Duration::from_millis(60);
 const SHARE_OF_TURN: f64 = 0.01;
 const SHORTEST_TURN: Duration = Duration::from_millis(40);
+/// Least number of steps of a profile, its wall time, and its greatest share of the run.
+const LEAST_PROFILE: u64 = 50;
+const PROFILE: Duration = Duration::from_millis(300);
+const SHARE_OF_PROFILE: f64 = 0.01;
 /// Least number of steps of an alternation.
 const LEAST_TURN: u64 = 4;
 
@@ -95,6 +101,19 @@ impl<'a> StepTimer<'a> {
             count *= 2;
         }
         Ok(of_step)
+    }
+
+    /// The wall time of the parts of steps, one of which takes about `of_step`; `None` for a run of which they would be
+    /// more than a hundredth.
+    pub(crate) fn profile(&mut self, of_step: Duration) -> Result<Option<StepProfile>, StudyError> {
+        let wanted = PROFILE.as_secs_f64() / of_step.as_secs_f64().max(1e-9);
+        let most = (SHARE_OF_PROFILE * self.steps as f64) as u64;
+        let count = (wanted as u64).max(LEAST_PROFILE).min(most).min(self.left);
+        if count < LEAST_PROFILE {
+            return Ok(None);
+        }
+        self.left -= count;
+        Ok(Some(self.simulation.profile_steps(count)?))
     }
 
     /// The wall time of a step over that of another simulation, one of whose steps takes about `of_step`; `None` if

@@ -15,8 +15,9 @@ use powerhouse_observe::{HistoryTable, SnapshotSink};
 use super::drawing;
 use super::joints::JointFacets;
 use super::lock::{FolderError, FolderLock};
+use super::running::RunningTables;
 use super::stages::StageFiles;
-use super::summary::Summary;
+use super::summary::{Begun, Summary};
 use super::{Results, file_name, vtu};
 use crate::message::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
@@ -45,7 +46,8 @@ use crate::{Error, Simulation, StageSink};
 /// Inactive elements (excavated, or not yet cast) are left out of pictures; in VTU files the field `present` is 0 (1
 /// for active ones) and all other fields are NaN or -1 (see [`powerhouse_io::VtuWriter`]).
 ///
-/// Every file is written completely or not at all. Before a run, [`lock`](Self::lock) excludes other runs,
+/// Every file is written completely or not at all, but for the tables of histories during the run, which
+/// [grow](Self::tables) by whole lines. Before a run, [`lock`](Self::lock) excludes other runs,
 /// [`prove`](Self::prove) checks that all files can be written, and [`clear`](Self::clear) removes the results of an
 /// earlier run.
 #[derive(Clone, Debug)]
@@ -201,6 +203,21 @@ impl ResultFolder {
             name.starts_with(start) && name.ends_with(end)
         });
         files.map(|entry| entry.path()).collect()
+    }
+
+    /// Marks the folder as that of a run that has begun: a summary without results, of the state `incomplete`, which
+    /// remains if the run is killed.
+    ///
+    /// # Errors
+    /// File that could not be written.
+    pub fn begin(&self, title: &str) -> Result<(), Error> {
+        write_summary(&self.path.join(SUMMARY), &Begun::new(title))?;
+        Ok(())
+    }
+
+    /// Tables of histories, which grow in the folder while the run goes on.
+    pub fn tables(&self) -> RunningTables {
+        RunningTables::new(&self.path)
     }
 
     /// Snapshot writer for the body and the sides of its joints: VTU files and a PVD collection.

@@ -88,6 +88,8 @@ pub struct Results {
     /// Greatest axial force (N, tension positive) of each bolt group against time, column `NAME.greatest`; the first row
     /// is the state after the stages.
     pub bolt_histories: HistoryTable,
+    /// Advice on a run that failed: what limited its time step, and what may help; empty otherwise.
+    pub advice: Vec<String>,
 }
 
 /// Shows the report of the run only, so that an error with results is readable.
@@ -345,6 +347,22 @@ impl Recordings {
         Ok(())
     }
 
+    /// Reads each recorded table of histories as it is now, with its place in the list of their files.
+    pub(super) fn each_table(&self, mut reader: impl FnMut(usize, &HistoryTable)) {
+        let plain = [&self.histories, &self.sections, &self.energies];
+        for (index, recording) in plain.into_iter().enumerate() {
+            if let Some(recording) = recording {
+                recording.read(|table| reader(index, table));
+            }
+        }
+        if let Some(joints) = &self.joints {
+            joints.read(|tables| reader(plain.len(), &tables.history));
+        }
+        if let Some(bolts) = &self.bolts {
+            bolts.read(|tables| reader(plain.len() + 1, &tables.history));
+        }
+    }
+
     /// Geometry of the sections, in the order of their requests.
     pub(crate) fn section_geometry(&self) -> &[SectionGeometry] {
         &self.section_geometry
@@ -410,6 +428,7 @@ impl Recordings {
             hand_over: None,
             bolts,
             bolt_histories: history,
+            advice: Vec::new(),
         }
     }
 }

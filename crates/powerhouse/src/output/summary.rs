@@ -17,6 +17,9 @@ pub(super) struct Summary {
     ended: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<String>,
+    /// What limited the step of a run that failed, and what may help
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    advice: Vec<String>,
     steps: u64,
     /// s
     step: f64,
@@ -48,6 +51,35 @@ pub(super) struct Summary {
     /// Paths relative to the folder, without the summary
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<String>,
+}
+
+/// State of a run whose files are not all written.
+const INCOMPLETE: &str = "incomplete";
+
+/// Name and version of this software.
+fn software() -> String {
+    format!("powerhouse {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// Content of `summary.json` while the run goes on.
+#[derive(Debug, Serialize)]
+pub(super) struct Begun {
+    title: String,
+    software: String,
+    ended: &'static str,
+    failure: &'static str,
+}
+
+impl Begun {
+    /// Summary of a run of a title that has begun.
+    pub(super) fn new(title: &str) -> Self {
+        Self {
+            title: title.into(),
+            software: software(),
+            ended: INCOMPLETE,
+            failure: "the run goes on, or was ended from outside; the tables hold what it computed until then",
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -183,7 +215,7 @@ struct Residual {
 impl Summary {
     /// Marks the summary as incomplete for a reason; returns the previous end state and failure.
     pub(super) fn interrupt(&mut self, reason: &str) -> (String, Option<String>) {
-        let ended = core::mem::replace(&mut self.ended, "incomplete".into());
+        let ended = core::mem::replace(&mut self.ended, INCOMPLETE.into());
         (ended, self.failure.replace(reason.into()))
     }
 
@@ -197,7 +229,7 @@ impl Summary {
         let run = &results.run;
         Self {
             title: title.into(),
-            software: format!("powerhouse {}", env!("CARGO_PKG_VERSION")),
+            software: software(),
             nodes: mesh.node_count(),
             elements: mesh.element_count(),
             ended: match &run.ended {
@@ -210,6 +242,7 @@ impl Summary {
                 Ended::Failed(error) => Some(error.clone()),
                 _ => None,
             },
+            advice: results.advice.clone(),
             steps: run.steps,
             step: run.step,
             end_time: run.time,

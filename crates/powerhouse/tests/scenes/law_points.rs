@@ -83,3 +83,25 @@ fn every_law_is_driven() {
         assert_eq!(has_changed, law != "elastic", "{law}");
     }
 }
+
+/// Paths have at most a million steps, so that none of them takes the machine's memory: the error names the leg.
+#[test]
+fn endless_paths_are_refused() {
+    let leg =
+        |steps: u64| format!("[[leg]]\nkind = \"uniaxial\"\nstrain = 1e-3\nsteps = {steps}\n");
+    let read = |text: String| powerhouse::PointPath::from_toml(text, "path.toml");
+    let longest = read(leg(600_000) + &leg(400_000)).unwrap();
+    assert_eq!(longest.steps(), 1_000_000);
+    for (text, line) in [
+        (leg(600_000) + &leg(400_001), "path.toml:5"),
+        (leg(u64::MAX >> 1) + &leg(1), "path.toml:1"),
+        (
+            "[[leg]]\nkind = \"cyclic\"\nstrains = [1e-3, 2e-3, 0]\nsteps = 400_000\n".into(),
+            "path.toml:1",
+        ),
+    ] {
+        let error = read(text).unwrap_err().to_string();
+        assert!(error.contains(line), "{error}");
+        assert!(error.contains("at most 1000000 steps"), "{error}");
+    }
+}

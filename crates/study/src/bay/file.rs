@@ -1,11 +1,14 @@
 //! Reading of a bay from a file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::{Bay, BayDimensions, BaySize, RockEnds};
 use crate::StudyError;
+
+/// Largest size of the file of a bay (bytes).
+const LARGEST: u64 = 1 << 20;
 
 /// Keys of the file of a bay.
 #[derive(Deserialize)]
@@ -28,11 +31,22 @@ impl Bay {
     /// [`StudyError::Read`], [`StudyError::BayFile`] with the line, [`StudyError::Parameter`].
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, StudyError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| StudyError::Read {
+        let unread = |source| StudyError::Read {
             file: path.into(),
             source,
-        })?;
-        let read: BayFile = toml::from_str(&text).map_err(|source| StudyError::BayFile {
+        };
+        let bytes = powerhouse::io::read_whole(path, LARGEST).map_err(unread)?;
+        let text = String::from_utf8(bytes)
+            .map_err(|error| unread(std::io::Error::new(std::io::ErrorKind::InvalidData, error)))?;
+        Self::from_toml(&text, path)
+    }
+
+    /// Bay of a text in TOML, with the keys of [`from_file`](Self::from_file). `path` is used in messages.
+    ///
+    /// # Errors
+    /// [`StudyError::BayFile`] with the line, [`StudyError::Parameter`].
+    pub fn from_toml(text: &str, path: impl Into<PathBuf>) -> Result<Self, StudyError> {
+        let read: BayFile = toml::from_str(text).map_err(|source| StudyError::BayFile {
             file: path.into(),
             source: Box::new(source),
         })?;

@@ -72,7 +72,10 @@ impl Sweep {
         warnings.extend(coverage.as_ref().and_then(Coverage::warning));
         let notes = RunNotes::new(simulation.remarks().to_vec()).with_warnings(warnings);
         locked(control.watch).warns(case, &notes, lock.remark());
-        let mut hooks = RunHooks::default().with_snapshots(folder.snapshots(&simulation)?);
+        folder.begin(&title)?;
+        let mut hooks = RunHooks::default()
+            .with_snapshots(folder.snapshots(&simulation)?)
+            .with_tables(folder.tables());
         hooks.equilibrated_body =
             equilibrated(&simulation, (case, &body), &folder, (control, bodies))?;
         hooks.progress = locked(control.watch).progress(case);

@@ -3,6 +3,7 @@
 mod elastic;
 mod invariance;
 mod location;
+mod memory;
 mod remaining;
 mod state;
 

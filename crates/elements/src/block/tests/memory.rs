@@ -1,0 +1,71 @@
+//! Unchecked reads, views as lanes and prefetching: what an interpreter that finds undefined behaviour can run
+//! (`cargo +nightly miri test -p powerhouse-elements --lib tests::memory`).
+
+use powerhouse_model::{Lane, Quad, Vec3};
+
+use crate::block::memory::{Cache, Connectivity, as_lanes, as_lanes_mut, prefetch};
+use crate::block::numbers::AlignedNumbers;
+use crate::lanes::BatchScalar;
+
+/// Values of the nodes of an element are read by their local indices.
+#[test]
+fn nodes_are_read_by_element() {
+    let connectivity = Connectivity::new(vec![[0, 2], [2, 1], [1, 1]]);
+    let nodes: Vec<Quad<f32>> = (0..3)
+        .map(|n| Quad::from_vector(&Vec3::new(f64::from(n), 0.5, -1.0)))
+        .collect();
+    let later = connectivity.over(&nodes).elements(1, 2);
+    let first = |j, a| later.value(j, a)[0];
+    assert_eq!(
+        [first(0, 0), first(0, 1), first(1, 0), first(1, 1)],
+        [2.0, 1.0, 1.0, 1.0]
+    );
+}
+
+/// Fewer nodes than the indices need are refused before any read.
+#[test]
+#[should_panic(expected = "exceeds the number of nodes")]
+fn missing_nodes_are_refused() {
+    let connectivity = Connectivity::new(vec![[0, 3]]);
+    connectivity.over(&[Quad::<f64>::default(); 3]);
+}
+
+/// No element beyond the last is read.
+#[test]
+#[should_panic(expected = "range")]
+fn missing_elements_are_refused() {
+    let connectivity = Connectivity::new(vec![[0, 1], [1, 0]]);
+    connectivity
+        .over(&[Quad::<f64>::default(); 2])
+        .elements(1, 2);
+}
+
+/// Lanes view the numbers that they are stored as, and write them.
+#[test]
+fn lanes_are_views_of_numbers() {
+    fn check<S: BatchScalar + From<u8> + PartialEq + core::fmt::Debug>() {
+        type Narrow<S> = <S as BatchScalar>::Wide<pulp::Scalar>;
+        let token = pulp::Scalar::new();
+        let width = <Narrow<S> as Lane>::WIDTH;
+        let mut numbers = AlignedNumbers::<S>::zeros(3 * width);
+        for (i, number) in numbers.as_mut_slice().iter_mut().enumerate() {
+            *number = S::from(i as u8);
+        }
+        let lanes = as_lanes::<Narrow<S>>(token, numbers.as_slice());
+        assert_eq!(lanes.len(), 3);
+        let copied = lanes[1];
+        as_lanes_mut::<Narrow<S>>(token, numbers.as_mut_slice())[2] = copied;
+        assert_eq!(numbers.as_slice()[2 * width], S::from(width as u8));
+    }
+    check::<f64>();
+    check::<f32>();
+}
+
+/// Prefetching reads nothing: also beyond the end, and of nothing.
+#[test]
+fn prefetching_has_no_bounds() {
+    let numbers = [1.0_f64; 4];
+    prefetch(Cache::Nearest, &numbers, 2, 100);
+    prefetch(Cache::Second, &numbers, 1 << 40, 64);
+    prefetch::<f64>(Cache::Nearest, &[], 0, 8);
+}

@@ -1,0 +1,23 @@
+//! Meshes of Gmsh, versions 2.2 and 4.1, text and binary.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use powerhouse::io::parse_gmsh;
+use powerhouse_fuzz::limited;
+
+fuzz_target!(|bytes: &[u8]| {
+    let read = limited(bytes.len(), || parse_gmsh(bytes));
+    match read {
+        Ok(read) => {
+            let mesh = &read.mesh;
+            assert!(mesh.element_count() > 0, "a mesh has elements");
+            let nodes = mesh.node_count() as u32;
+            for element in 0..mesh.element_count() as u32 {
+                let named = mesh.nodes_of(element);
+                assert!(named.iter().all(|&node| node < nodes));
+            }
+            assert!(!read.report.to_string().is_empty());
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+});
