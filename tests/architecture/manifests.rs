@@ -79,13 +79,15 @@ fn permitted(package: &str) -> Vec<&'static str> {
 /// alone where a dependency is optional.
 fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
     match package {
-        "powerhouse-model" => Some(&["nalgebra", "thiserror", "serde"]),
+        "powerhouse-model" => Some(&["nalgebra", "thiserror", "serde", "postcard"]),
         "powerhouse-boundary" | "powerhouse-material-damage" => Some(&["nalgebra", "thiserror"]),
-        "powerhouse-contact" => Some(&["nalgebra", "thiserror", "pulp"]),
+        "powerhouse-contact" => Some(&["nalgebra", "thiserror", "pulp", "serde"]),
         "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
-        "powerhouse-observe" => Some(&["thiserror"]),
-        "powerhouse-elements" => Some(&["pulp"]),
-        "powerhouse-explicit-core" => Some(&["nalgebra", "thiserror", "rayon", "pulp", "faer"]),
+        "powerhouse-observe" => Some(&["thiserror", "serde"]),
+        "powerhouse-elements" => Some(&["pulp", "serde"]),
+        "powerhouse-explicit-core" => {
+            Some(&["nalgebra", "thiserror", "rayon", "pulp", "faer", "serde"])
+        }
         _ => None,
     }
 }

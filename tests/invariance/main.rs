@@ -7,3 +7,4 @@ mod energy_balance;
 mod graded;
 mod joints;
 mod laws;
+mod resume;

@@ -6,8 +6,9 @@ use powerhouse_model::{
     ForceTerms, FrequencyLimits, HandOverReport, HourglassShare, JointView, Length,
     MassDampingRule, Mat3, Mesh, ModelError, ModelSpec, NodalLoad, NodalView, NodalViewMut,
     Observer, PeriodicPairs, PredictedMotion, Progress, Quad, Renewal, RunError, RunFailure,
-    RunOptions, RunReport, StableStep, State, StaticError, StaticOptions, StaticProgress,
-    StaticReport, StepChoice, StepTime, StepView, Stress, TimeFunction, TimeIntegrator, Vec3,
+    RunOptions, RunReport, StableStep, State, StateError, StaticError, StaticOptions,
+    StaticProgress, StaticReport, StepChoice, StepTime, StepView, Stress, TimeFunction,
+    TimeIntegrator, Vec3,
 };
 
 /// The naive engine: one block for each element set, one node after another, no energy balance, no statics.
@@ -492,6 +493,14 @@ impl EngineModel for NaiveModel {
             error,
             report: None,
         };
+        if options.resume.is_some() {
+            return Err(fail(RunError::State {
+                part: "the run".into(),
+                source: StateError::Refused {
+                    reason: "this engine cannot resume runs".into(),
+                },
+            }));
+        }
         let step = match options.step {
             StepChoice::Stable => self.stable_step(integrator).map_err(fail)?.step,
             StepChoice::Fixed(step) | StepChoice::Unchecked(step) => step,

@@ -107,6 +107,15 @@ impl AppliedLoads {
         }
     }
 
+    /// All loads, without carried forces.
+    pub(crate) fn all(&self) -> &[Box<dyn NodalLoad>] {
+        &self.loads
+    }
+    /// The same, mutable.
+    pub(crate) fn all_mut(&mut self) -> &mut [Box<dyn NodalLoad>] {
+        &mut self.loads
+    }
+
     /// Whether there are loads or carried forces.
     pub(crate) fn any(&self) -> bool {
         !(self.loads.is_empty() && self.carried.is_empty())

@@ -135,6 +135,7 @@ mod partition;
 mod profile;
 mod roller_nodes;
 mod run;
+mod saved;
 mod spectrum;
 mod stable_step;
 mod stage;

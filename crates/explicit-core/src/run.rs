@@ -4,13 +4,14 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use powerhouse_model::{
-    Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, HourglassShare, Length,
+    Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
     MassDampingRule, Observer, ParameterError, Precision, Progress, RunError, RunFailure,
-    RunOptions, RunReport, StableStep, StepChoice, StepView, TimeIntegrator,
+    RunOptions, RunReport, StableStep, StateError, StepChoice, StepView, TimeIntegrator,
 };
 
 use crate::Model;
 use crate::profile::{Phase, Profiler};
+use crate::saved::{Readings, restore_observers};
 use crate::view::View;
 
 /// Integrates a model in time as [`run`] does; a failure comes with the report of the steps before it.
@@ -94,7 +95,9 @@ fn run_steps(
     if let Some(limit) = options.speed_limit {
         ParameterError::check("speed limit", limit, f64::MIN_POSITIVE, f64::MAX)?;
     }
-    let (step, stable) = choose_step(model, integrator, options.step)?;
+    let resumed = options.resume.as_deref();
+    let restored = resumed.map(|saved| model.restore_run(saved)).transpose()?;
+    let (step, stable) = choose_step(model, integrator, options, resumed.map(|saved| saved.step))?;
     let planned = match options.length {
         Length::Steps(count) => count,
         // The last output state is the first at or past the end.
@@ -111,6 +114,10 @@ fn run_steps(
     if options.energy.is_some() || wanted {
         model.open_ledger(options.energy.is_some_and(|check| check.by_set));
     }
+    if let (Some(saved), Some(restored)) = (resumed, &restored) {
+        model.restore_ledger(restored)?;
+        restore_observers(saved, observers)?;
+    }
     if options.profile {
         let (blocks, constraints) = (model.blocks.len(), model.constraints.len());
         model.profiler = Some(Box::new(Profiler::new(blocks, constraints)));
@@ -119,25 +126,28 @@ fn run_steps(
     let mut time_loop = TimeLoop {
         observers,
         energy: options.energy,
-        energies: Vec::new(),
-        residual: 0.0,
-        hourglass: Vec::new(),
+        readings: restored
+            .map(|restored| restored.readings)
+            .unwrap_or_default(),
         last: false,
         stopped_by: None,
         failure: None,
-        done: 0,
+        done: resumed.map_or(0, |saved| saved.done),
         model,
     };
     let result = time_loop.run(integrator, options, step, planned, progress);
     let wall = started.elapsed();
     let TimeLoop {
         model,
-        energies,
-        residual,
-        mut hourglass,
+        readings,
         done,
         ..
     } = time_loop;
+    let Readings {
+        energies,
+        residual,
+        mut hourglass,
+    } = readings;
     if model.ledger.is_none() {
         hourglass = model.hourglass_shares();
     }
@@ -160,22 +170,35 @@ fn run_steps(
 fn choose_step(
     model: &mut Model,
     integrator: &dyn TimeIntegrator,
-    choice: StepChoice,
+    options: &RunOptions,
+    resumed: Option<f64>,
 ) -> Result<(f64, Option<StableStep>), RunError> {
-    match choice {
+    // The step of a resumed run is the same to the bit: a choice that gives another one is that of another run.
+    let (step, stable) = match options.step {
         StepChoice::Stable => {
             let stable = model.stable_step(integrator)?;
-            Ok((stable.step, Some(stable)))
+            (stable.step, Some(stable))
         }
         StepChoice::Fixed(step) => {
             let limits = model.frequency_limits();
             integrator.check(&limits, step)?;
-            Ok((step, Some(model.stable_step(integrator)?)))
+            (step, Some(model.stable_step(integrator)?))
         }
         StepChoice::Unchecked(step) => {
             ParameterError::check("step", step, f64::MIN_POSITIVE, f64::MAX)?;
-            Ok((step, None))
+            (step, None)
         }
+    };
+    match resumed {
+        Some(saved) if saved.to_bits() != step.to_bits() => Err(RunError::State {
+            part: "the run".into(),
+            source: StateError::Foreign {
+                what: "the time step (s)",
+                found: saved.to_string(),
+                expected: step.to_string(),
+            },
+        }),
+        _ => Ok((step, stable)),
     }
 }
 
@@ -185,10 +208,7 @@ struct TimeLoop<'a> {
     model: &'a mut Model,
     observers: &'a mut [Box<dyn Observer>],
     energy: Option<EnergyCheck>,
-    /// Last reading of the energy ledger, and largest residual so far.
-    energies: Vec<(&'static str, f64)>,
-    residual: f64,
-    hourglass: Vec<HourglassShare>,
+    readings: Readings,
     last: bool,
     stopped_by: Option<String>,
     failure: Option<RunError>,
@@ -213,6 +233,10 @@ impl TimeLoop<'_> {
         };
         while self.done < planned {
             let stopped = raised();
+            if stopped {
+                // The next step is the last one of this run, but not of one that goes on.
+                self.checkpoint(options, step)?;
+            }
             self.last = stopped || self.done + 1 == planned;
             integrator.step(self, step)?;
             if let Some(failure) = self.failure.take() {
@@ -222,15 +246,30 @@ impl TimeLoop<'_> {
                 return Err(fault);
             }
             self.done += 1;
-            progress(Progress::new(self.done, planned, self.model.time));
+            let reached = Progress::new(self.done, planned, self.model.time);
+            progress(reached);
             if let Some(name) = self.stopped_by.take() {
                 return Ok(Ended::Observer(name));
             }
             if stopped {
                 return Ok(Ended::Stopped);
             }
+            let sink = options.checkpoints.as_ref();
+            if self.done < planned && sink.is_some_and(|sink| sink.is_due(&reached)) {
+                self.checkpoint(options, step)?;
+            }
         }
         Ok(Ended::Completed)
+    }
+
+    /// Passes the present state of the run to the receiver of checkpoints, if there is one.
+    fn checkpoint(&mut self, options: &RunOptions, step: f64) -> Result<(), RunError> {
+        let Some(sink) = &options.checkpoints else {
+            return Ok(());
+        };
+        let saved = (self.model).save_run((self.done, step), &self.readings, self.observers)?;
+        let taken = sink.take(saved);
+        taken.map_err(|source| failed("checkpoint", self.model.number, source))
     }
 
     fn is_due(&self, cadence: Cadence, step: f64) -> bool {
@@ -259,9 +298,10 @@ impl TimeLoop<'_> {
         let Some(reading) = self.model.read_ledger(step) else {
             return Ok(());
         };
-        self.energies = reading.columns;
-        self.hourglass = reading.hourglass;
-        self.residual = self.residual.max(reading.residual.abs());
+        self.readings.energies = reading.columns;
+        self.readings.hourglass = reading.hourglass;
+        let residual = &mut self.readings.residual;
+        *residual = residual.max(reading.residual.abs());
         let Some(check) = self.energy else {
             return Ok(());
         };
@@ -299,7 +339,7 @@ impl TimeLoop<'_> {
         if !due.contains(&true) {
             return Ok(());
         }
-        let view = View::new(self.model, step, &self.energies);
+        let view = View::new(self.model, step, &self.readings.energies);
         // If an observer that is due stops the run, the step is the last one for the others too.
         for round in [true, false] {
             for (observer, _) in self

@@ -2,13 +2,15 @@
 
 use powerhouse_model::{FrequencyLimits, LimitingTerm, RunError, StableStep, TimeIntegrator};
 
+use serde::{Deserialize, Serialize};
+
 use crate::Model;
 
 /// Safety factor of the stable step on the stability limit.
 const SAFETY: f64 = 0.98;
 
 /// Highest frequency and damping of a model, computed once.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spectrum {
     /// Highest angular frequency of the assembled model (rad/s).
     highest: f64,

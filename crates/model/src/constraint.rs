@@ -1,6 +1,6 @@
 //! Kinematic constraints and joints, which correct a predicted motion.
 
-use crate::{JointHistory, JointView, Mat3, Renewal, RunError, StepTime, Vec3};
+use crate::{JointHistory, JointView, Mat3, Renewal, RunError, StateError, StepTime, Vec3};
 
 /// Motion of a constraint's nodes as the integrator predicts it without the constraint.
 ///
@@ -148,5 +148,21 @@ pub trait Constraint: Send {
     /// none by default.
     fn renew(&mut self, _joint: &str, _renewal: Renewal, _displacement: &[Vec3]) -> bool {
         false
+    }
+    /// State of the constraint between two steps as bytes, with that of its joints, from which an equal constraint goes
+    /// on in a resumed run. None by default: a constraint without joints and other history has none, and the engine keeps
+    /// the joints of one that has no state of its own by their [views](Self::joints).
+    ///
+    /// # Errors
+    /// A state that cannot be saved.
+    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
+        Ok(None)
+    }
+    /// Restores a state that an equal constraint [saved](Self::save_state).
+    ///
+    /// # Errors
+    /// A state of another constraint; by default every one.
+    fn restore_state(&mut self, _saved: &[u8]) -> Result<(), StateError> {
+        Err(StateError::Unexpected)
     }
 }

@@ -1,8 +1,8 @@
 //! Elements: kernels, which compute one batch of elements in lanes, and blocks of elements.
 
 use crate::{
-    ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Quad, StepTime, Strain, Stress,
-    Vec3,
+    ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Quad, StateError, StepTime,
+    Strain, Stress, Vec3,
 };
 
 /// Geometry numbers of one batch of elements, computed once by a kernel and read at every step.
@@ -231,6 +231,7 @@ pub enum Operator {
 /// Energies of a block (J): stored ones of the present state, and accumulated dissipation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BlockEnergy {
     /// Stored (recoverable) strain energy (J) of the present state.
     pub elastic: f64,
@@ -291,6 +292,7 @@ impl BlockEnergy {
 /// Term that limits the stable time step of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LimitingTerm {
     /// Stiffness and mass of the element.
     Stiffness,
@@ -522,5 +524,23 @@ pub trait ElementBlock: Send + Sync {
             .values
             .get(index * field.points..(index + 1) * field.points)?;
         Some(values.iter().sum::<f64>() / field.points as f64)
+    }
+    /// State of the block between two steps as bytes, with the committed history variables, from which a block of the
+    /// same elements goes on in a resumed run. None by default: the engine then keeps the [`history`](Self::history),
+    /// which suffices for blocks whose energies follow from it.
+    ///
+    /// The bytes are in the order of [`elements`](Self::elements), so that blocks of other lane widths can restore them.
+    ///
+    /// # Errors
+    /// A state that cannot be saved.
+    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
+        Ok(None)
+    }
+    /// Restores a state that a block of the same elements [saved](Self::save_state).
+    ///
+    /// # Errors
+    /// A state of another block; by default every one.
+    fn restore_state(&mut self, _saved: &[u8]) -> Result<(), StateError> {
+        Err(StateError::Unexpected)
     }
 }

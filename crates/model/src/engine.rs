@@ -1,6 +1,8 @@
 //! Interfaces of time integration and observation.
 
-use crate::{HistoryUpdate, JointView, ModelError, ParameterError, RunError, Stress, Vec3};
+use crate::{
+    HistoryUpdate, JointView, ModelError, ParameterError, RunError, StateError, Stress, Vec3,
+};
 
 /// Time discretisation of mass-proportional damping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -354,5 +356,20 @@ pub trait Observer: Send {
     /// Any error, which fails the run.
     fn finish(&mut self) -> Result<(), ModelError> {
         Ok(())
+    }
+    /// State of the observer between two steps as bytes, such as the samples recorded so far, from which an equal
+    /// observer goes on in a resumed run; empty by default, for observers without such a state.
+    ///
+    /// # Errors
+    /// A state that cannot be saved.
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        Ok(Vec::new())
+    }
+    /// Restores a state that an equal observer [saved](Self::save_state), before the first step of a resumed run.
+    ///
+    /// # Errors
+    /// A state of another observer; by default every state that is not empty.
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        StateError::expect_none(saved)
     }
 }

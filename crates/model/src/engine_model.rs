@@ -98,7 +98,8 @@ pub trait EngineModel: Send {
     /// case.
     ///
     /// # Errors
-    /// An option out of range or an unstable step, before the first step; a divergence, a failed element,
+    /// An option out of range, an unstable step or a saved state of another run, before the first step, all of them if
+    /// the engine cannot resume runs; a divergence, a failed element,
     /// constraint or observer, or an energy residual above its limit, during the run, with the report of the steps
     /// before it.
     fn run(

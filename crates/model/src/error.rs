@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::StateError;
+
 /// A parameter value outside its permitted range.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{name} = {value} is outside its permitted range [{least}, {most}]")]
@@ -156,6 +158,14 @@ pub enum RunError {
         step: u64,
         /// Cause of the failure.
         reason: String,
+    },
+    /// A saved state from which the run cannot go on, before the first step, or a state that cannot be saved.
+    #[error("the state of {part}: {source}")]
+    State {
+        /// Part of the run whose state it is, such as a block of elements.
+        part: String,
+        /// Cause of the failure.
+        source: StateError,
     },
     /// An error of an observer, in a step or when it completed its output.
     #[error("observer '{name}' at step {step}: {source}")]

@@ -5,6 +5,7 @@ const ROUNDING: f64 = 1.0e-9;
 
 /// Work of hourglass resistance and internal work of an element set.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HourglassShare {
     /// Name of the element set.
     pub set: String,

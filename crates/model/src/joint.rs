@@ -4,6 +4,7 @@ use crate::{HistoryVariable, Vec3};
 
 /// Contact state of a node pair: sticking, sliding or open.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactState {
     /// Stick: in contact without relative motion.
     #[default]
@@ -16,6 +17,7 @@ pub enum ContactState {
 
 /// Bond of a node pair: never there, intact or broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Bond {
     /// There has never been a bond since the joint was made or last re-initialised.
     #[default]
@@ -30,6 +32,7 @@ pub enum Bond {
 /// law has.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointState {
     /// Contact state in the last step; at the start that of the law, or open with an initial gap.
     pub contact: ContactState,
@@ -72,6 +75,7 @@ impl JointState {
 /// Node pair of a joint: two nodes that face each other, with their local axes and tributary area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointPair {
     /// Mesh indices of the two nodes, that of the first side first.
     pub nodes: [u32; 2],
@@ -153,6 +157,7 @@ impl JointPair {
 /// that begins there. The history variables of its law are beside it, see [`JointView::history`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointRecord {
     /// Contact state, bond and accumulated slip.
     pub state: JointState,
@@ -288,6 +293,7 @@ impl<'a> JointView<'a> {
 /// State of a joint as stages and checkpoints keep it.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointHistory {
     /// Name of the joint.
     pub name: String,

@@ -5,6 +5,7 @@ use crate::{ElasticDomain, ElasticMedium, Lane, LawInput, ModelError, Stress};
 /// Kind of a history variable: how the values at the integration points become one value per element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum HistoryKind {
     /// A scalar amount, such as damage: the element value is the mean over its integration points, an
     /// envelope is the maximum over time.
@@ -27,6 +28,32 @@ pub struct HistoryVariable {
     pub unit: &'static str,
     /// How element values are formed from values at integration points.
     pub kind: HistoryKind,
+}
+
+/// With names that are kept for the life of the process, see [`interned`](crate::interned).
+#[cfg(feature = "serde")]
+mod encoding {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::{HistoryKind, HistoryVariable};
+    use crate::interned;
+
+    impl Serialize for HistoryVariable {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            (self.name, self.unit, self.kind).serialize(serializer)
+        }
+    }
+
+    impl<'de> Deserialize<'de> for HistoryVariable {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            let (name, unit, kind) = <(String, String, HistoryKind)>::deserialize(deserializer)?;
+            Ok(Self {
+                name: interned(&name),
+                unit: interned(&unit),
+                kind,
+            })
+        }
+    }
 }
 
 impl HistoryVariable {

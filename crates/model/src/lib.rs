@@ -46,10 +46,12 @@ mod periodic;
 mod point_law;
 mod rayleigh;
 mod run;
+mod saved_run;
 mod spec;
 mod stable_step;
 mod stage;
 mod state;
+mod state_error;
 mod statics;
 mod step_profile;
 mod step_time;
@@ -101,10 +103,14 @@ pub use point_law::{PointAdapter, PointLaw};
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,
 };
+pub use saved_run::{CheckpointSink, SavedRun, SavedSection};
+#[cfg(feature = "serde")]
+pub use saved_run::{decode, encode, interned};
 pub use spec::{ElementChoice, ModelSpec};
 pub use stable_step::StableStep;
 pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport};
 pub use state::{Cast, HistoryField, State};
+pub use state_error::StateError;
 pub use statics::{
     HandOverReport, Linearisation, StaticError, StaticMethod, StaticOptions, StaticProgress,
     StaticReport,

@@ -1,6 +1,6 @@
 //! Nodal loads and functions of time.
 
-use crate::{ParameterError, Vec3};
+use crate::{ParameterError, StateError, Vec3};
 
 /// A scalar function of time (s).
 ///
@@ -135,5 +135,19 @@ pub trait NodalLoad: Send {
     /// Whether the forces are constant in time, so that the engine evaluates them only once; false by default.
     fn is_constant(&self) -> bool {
         false
+    }
+    /// State of the load between two steps as bytes, if its forces depend on more than the time; empty by default.
+    ///
+    /// # Errors
+    /// A state that cannot be saved.
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        Ok(Vec::new())
+    }
+    /// Restores a state that an equal load [saved](Self::save_state).
+    ///
+    /// # Errors
+    /// A state of another load; by default every state that is not empty.
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        StateError::expect_none(saved)
     }
 }

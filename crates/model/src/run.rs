@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::{HourglassShare, RunError, StableStep, StepProfile};
+use crate::{CheckpointSink, HourglassShare, RunError, SavedRun, StableStep, StepProfile};
 
 /// Duration of a run, as time or number of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +86,13 @@ pub struct RunOptions {
     /// Whether the wall time of the parts of a step is measured ([`RunReport::profile`]); the motion is the same to the
     /// bit, and steps take some per cent longer. False by default.
     pub profile: bool,
+    /// Receiver of the state of the run between two steps, when it asks for one, and when the cancellation flag is set:
+    /// then before the step that ends the run.
+    pub checkpoints: Option<Arc<dyn CheckpointSink>>,
+    /// State from which the run goes on to the same bits as one that was not interrupted. The model is built as that of
+    /// the run that saved the state was, and has moved no further; the duration counts from the start of that run. The
+    /// step, whose choice must be the same, is that of the saved state to the bit and is not computed again.
+    pub resume: Option<Arc<SavedRun>>,
 }
 
 impl RunOptions {
@@ -105,7 +112,21 @@ impl RunOptions {
             energy: None,
             stop: None,
             profile: false,
+            checkpoints: None,
+            resume: None,
         }
+    }
+    /// Sets the [receiver of checkpoints](Self::checkpoints).
+    #[must_use]
+    pub fn with_checkpoints(mut self, sink: Arc<dyn CheckpointSink>) -> Self {
+        self.checkpoints = Some(sink);
+        self
+    }
+    /// Sets the [saved state](Self::resume) from which the run goes on.
+    #[must_use]
+    pub fn with_resume(mut self, saved: Arc<SavedRun>) -> Self {
+        self.resume = Some(saved);
+        self
     }
     /// The same options with or without a measurement of the wall time of the parts of a step.
     #[must_use]

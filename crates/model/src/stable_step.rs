@@ -5,6 +5,7 @@ use crate::LimitingTerm;
 /// The stable time step of a model under an integration scheme, and the element that limits it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StableStep {
     /// Stable step (s): 0.98 of the stability limit of the assembled model with damping.
     pub step: f64,

@@ -129,6 +129,7 @@ impl<'a> Stage<'a> {
 
 /// Report of a construction stage.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StageReport {
     /// Name of the stage.
     pub name: String,

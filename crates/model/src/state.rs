@@ -7,6 +7,7 @@ use crate::{JointHistory, Stress, Vec3};
 /// Values of one history variable (internal state variable) at the integration points of an element set.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HistoryField {
     /// Name of the history variable, as its law calls it.
     pub name: String,
@@ -21,6 +22,7 @@ pub struct HistoryField {
 /// Cast elements (element birth) with their stress-free reference configuration, from which their
 /// strain is measured.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cast {
     /// Mesh indices of the elements.
     pub elements: Vec<u32>,
@@ -31,6 +33,7 @@ pub struct Cast {
 /// State of a body from which a stage, a run or another engine continues, keyed by mesh indices.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Present time (s), that of the displacement; construction stages have time zero.
     pub time: f64,

@@ -6,6 +6,7 @@ macro_rules! symmetric_tensor {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name<L = f64>(pub [L; 6]);
 
         impl<L: Lane> $name<L> {

@@ -1,13 +1,14 @@
 //! Histories and envelopes of axial bolt forces.
 
 use powerhouse_model::{
-    AXIAL_FORCE, Cadence, EmbeddedBars, Fields, Flow, ModelError, Observer, StepView,
+    AXIAL_FORCE, Cadence, EmbeddedBars, Fields, Flow, ModelError, Observer, StateError, StepView,
 };
+use serde::{Deserialize, Serialize};
 
 use super::{HistoryTable, ObserveError, PeakField, Recording, check_cadence};
 
 /// Envelope of the axial forces of a set of bolts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoltPeaks {
     /// Name of the set of bolts.
     pub name: String,
@@ -16,7 +17,7 @@ pub struct BoltPeaks {
 }
 
 /// Results of [`BoltHistories`]: histories and envelopes of axial forces.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BoltTables {
     /// Histories: a column `NAME.greatest` for each set, the greatest axial force (N) among its segments at
     /// each time.
@@ -73,6 +74,20 @@ impl Observer for BoltHistories {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            let sizes = |tables: &BoltTables| -> Vec<(String, usize)> {
+                let peaks = tables.peaks.iter();
+                peaks
+                    .map(|set| (set.name.clone(), set.greatest.values.len()))
+                    .collect()
+            };
+            StateError::expect_same("the list of bolts", sizes(found), sizes(here))
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let time = view.time();

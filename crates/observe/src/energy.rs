@@ -1,6 +1,6 @@
 //! Histories of the energy balance.
 
-use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StepView};
+use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StateError, StepView};
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 
@@ -41,6 +41,20 @@ impl Observer for EnergyHistory {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            // There are no columns before the first observed step.
+            match here.columns.is_empty() {
+                true => Ok(()),
+                false => {
+                    StateError::expect_same("the list of columns", found.names(), here.names())
+                }
+            }
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let energies = view.energies();

@@ -1,11 +1,14 @@
 //! Envelopes: extreme values over time, with their times.
 
-use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Vec3};
+use powerhouse_model::{
+    Cadence, Fields, Flow, Mesh, ModelError, Observer, StateError, StepView, Vec3,
+};
+use serde::{Deserialize, Serialize};
 
 use super::{Motion, ObserveError, Recording, check_cadence, principal_stresses};
 
 /// Envelope of a field: the extreme value at each node or element, with its time.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PeakField {
     /// Extreme values, in the order of the nodes or elements.
     pub values: Vec<f64>,
@@ -36,7 +39,7 @@ impl PeakField {
 
 /// Results of an [`Envelope`]. Fields that were not requested are empty; before the first
 /// observation magnitudes are negative and stresses infinite.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnvelopeTable {
     /// Mesh indices of the nodes that the fields of motion are of, in the order of their values.
     pub nodes: Vec<u32>,
@@ -187,6 +190,20 @@ impl Observer for Envelope {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            StateError::expect_same("the list of nodes", &found.nodes, &here.nodes)?;
+            StateError::expect_same("the list of elements", &found.elements, &here.elements)?;
+            let sizes = |table: &EnvelopeTable| {
+                [&table.displacement, &table.velocity, &table.acceleration]
+                    .map(|field| field.values.len())
+            };
+            StateError::expect_same("the size of its fields", sizes(found), sizes(here))
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let time = view.time();

@@ -1,7 +1,8 @@
 //! Histories of motion, stress and history variables.
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StepView, Stress, Vec3,
+    Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StateError, StepView,
+    Stress, Vec3,
 };
 
 use super::place::{ActiveElements, Probe, elements, probes};
@@ -296,6 +297,14 @@ impl Observer for History {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            StateError::expect_same("the list of columns", found.names(), here.names())
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         self.row.clear();

@@ -2,14 +2,15 @@
 
 use powerhouse_model::{
     Bond, Cadence, ContactState, Fields, Flow, HistoryKind, HistoryVariable, JointPair,
-    JointRecord, JointView, ModelError, Observer, StepView,
+    JointRecord, JointView, ModelError, Observer, StateError, StepView,
 };
+use serde::{Deserialize, Serialize};
 
 use super::envelope::PeakField;
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 
 /// Node pairs of a joint with their state at the last observed time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct JointTable {
     /// Name of the joint.
@@ -36,7 +37,7 @@ pub struct JointTable {
 }
 
 /// Extreme tractions of each pair (Pa) and their times, at the observed steps.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TractionPeaks {
     /// Greatest normal traction (Pa), tension positive.
     pub greatest_normal: PeakField,
@@ -140,7 +141,7 @@ pub struct JointWatch {
 }
 
 /// Final contact state and peak values of observed node pairs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointOutcome {
     /// Name of the request, under which its columns and its outcome are found in results.
     pub name: String,
@@ -176,7 +177,7 @@ pub struct JointOutcome {
 }
 
 /// Results of all joints of a body.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointTables {
     /// Time of the last observed step (s), at which the states of `joints` are given.
     pub time: f64,
@@ -401,6 +402,18 @@ impl Observer for JointHistories {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            // The columns of history variables follow in the first observed step.
+            let names = found.history.names();
+            let has = |name: &String| names.contains(name);
+            let all = here.history.names().iter().all(has);
+            StateError::expect_same("whether it has all columns", all, true)
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let (joints, time) = (view.joints(), view.time());

@@ -2,6 +2,10 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use powerhouse_model::{StateError, decode, encode};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 /// Shared access to the results of an observer, during and after a run.
 ///
 /// ```
@@ -36,6 +40,28 @@ impl<T> Recording<T> {
         T: Clone,
     {
         self.lock().clone()
+    }
+    /// The results recorded so far as bytes.
+    pub(super) fn save(&self) -> Result<Vec<u8>, StateError>
+    where
+        T: Serialize,
+    {
+        encode(&*self.lock())
+    }
+    /// Restores results that were [saved](Self::save), if `check` accepts them in place of the present ones.
+    pub(super) fn restore(
+        &self,
+        saved: &[u8],
+        check: impl FnOnce(&T, &T) -> Result<(), StateError>,
+    ) -> Result<(), StateError>
+    where
+        T: DeserializeOwned,
+    {
+        let found: T = decode(saved)?;
+        let mut present = self.lock();
+        check(&found, &present)?;
+        *present = found;
+        Ok(())
     }
     /// Locks the results. Only complete rows are written under the lock, so that the data stay valid after a panic.
     pub(super) fn lock(&self) -> MutexGuard<'_, T> {

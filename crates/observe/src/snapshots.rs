@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, HistoryVariable, JointView, Mesh, ModelError, Observer, StepView,
-    Stress, Vec3,
+    Cadence, Fields, Flow, HistoryVariable, JointView, Mesh, ModelError, Observer, StateError,
+    StepView, Stress, Vec3, decode, encode,
 };
 
 use super::{Motion, ObserveError, check_cadence};
@@ -68,6 +68,21 @@ pub trait SnapshotSink: Send {
     /// Any error, which fails the run.
     fn finish(&mut self) -> Result<(), Box<dyn Error + Send + Sync>> {
         Ok(())
+    }
+    /// State of the receiver between two steps as bytes, such as the list of the files written so far, from which an
+    /// equal receiver goes on in a resumed run; empty by default.
+    ///
+    /// # Errors
+    /// A state that cannot be saved.
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        Ok(Vec::new())
+    }
+    /// Restores a state that an equal receiver [saved](Self::save_state).
+    ///
+    /// # Errors
+    /// A state of another receiver; by default every state that is not empty.
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        StateError::expect_none(saved)
     }
 }
 
@@ -160,6 +175,15 @@ impl Observer for Snapshots {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        encode(&(self.taken, self.sink.save_state()?))
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        let (taken, of_sink): (u64, Vec<u8>) = decode(saved)?;
+        self.sink.restore_state(&of_sink)?;
+        self.taken = taken;
+        Ok(())
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let Motion {

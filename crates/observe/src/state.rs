@@ -1,13 +1,15 @@
 //! Envelopes (maxima over time) of the history variables of laws.
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, HistoryKind, HistoryVariable, Mesh, ModelError, Observer, StepView,
+    Cadence, Fields, Flow, HistoryKind, HistoryVariable, Mesh, ModelError, Observer, StateError,
+    StepView,
 };
+use serde::{Deserialize, Serialize};
 
 use super::{ObserveError, PeakField, Recording, check_cadence};
 
 /// Envelopes of history variables, as a [`StatePeaks`] has observed them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StateTable {
     /// Mesh indices of the elements that the fields are of, in the order of their values.
     pub elements: Vec<u32>,
@@ -82,6 +84,21 @@ impl Observer for StatePeaks {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            StateError::expect_same("the list of elements", &found.elements, &here.elements)?;
+            let variables = |table: &StateTable| -> Vec<HistoryVariable> {
+                let peaks = table.peaks.iter().map(|peak| peak.0);
+                peaks
+                    .chain(table.flags.iter().map(|flags| flags.0))
+                    .collect()
+            };
+            StateError::expect_same("the list of variables", variables(found), variables(here))
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let time = view.time();

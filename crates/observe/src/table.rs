@@ -1,5 +1,8 @@
 //! Tables of named time histories.
 
+use powerhouse_model::interned;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use super::ObserveError;
 
 /// A time history of one quantity, with name and unit.
@@ -11,6 +14,23 @@ pub struct Column {
     pub unit: &'static str,
     /// Values, one per time of the table.
     pub values: Vec<f64>,
+}
+
+impl Serialize for Column {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (&self.name, self.unit, &self.values).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Column {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (name, unit, values) = <(String, String, Vec<f64>)>::deserialize(deserializer)?;
+        Ok(Self {
+            name,
+            unit: interned(&unit),
+            values,
+        })
+    }
 }
 
 /// Number of samples before and after the greatest one over which [`Column::roughness`] sums.
@@ -44,7 +64,7 @@ impl Column {
 }
 
 /// A table of time histories with common times.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HistoryTable {
     /// Times (s), rising.
     pub times: Vec<f64>,
@@ -72,6 +92,13 @@ impl HistoryTable {
             values: Vec::new(),
         });
         Ok(())
+    }
+    /// Names of the columns.
+    pub(super) fn names(&self) -> Vec<String> {
+        self.columns
+            .iter()
+            .map(|column| column.name.clone())
+            .collect()
     }
     /// Adds a row, one value per column.
     pub(super) fn push(&mut self, time: f64, row: &[f64]) {

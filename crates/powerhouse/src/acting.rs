@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use powerhouse_model::{NodalLoad, TimeFunction, Vec3};
+use powerhouse_model::{NodalLoad, StateError, TimeFunction, Vec3};
 
 /// Acceleration of gravity (m/s2) unless a scene gives another.
 pub(crate) const GRAVITY: f64 = 9.81;
@@ -90,5 +90,13 @@ impl NodalLoad for SharedLoad {
     }
     fn is_constant(&self) -> bool {
         self.constant || self.held_at.is_some()
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        let load = self.load.lock().unwrap_or_else(PoisonError::into_inner);
+        load.save_state()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        let mut load = self.load.lock().unwrap_or_else(PoisonError::into_inner);
+        load.restore_state(saved)
     }
 }

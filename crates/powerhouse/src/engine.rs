@@ -8,12 +8,12 @@ use std::sync::Arc;
 pub use powerhouse_elements::*;
 pub use powerhouse_explicit_core::*;
 pub use powerhouse_model::{
-    BlockFactory, BlockOptions, BlockPart, ElementChoice, ElementExtent, Ended, EnergyCheck,
-    Engine, EngineError, EngineModel, HandOverReport, HourglassShare, LaneWidth, Length,
-    Linearisation, ModelSpec, PeriodicPairs, Precision, Prescribed, Progress, Rayleigh, RunFailure,
-    RunOptions, RunReport, StableStep, Stage, StageError, StageEvent, StageModel, StageReport,
-    StaticError, StaticMethod, StaticOptions, StaticProgress, StaticReport, StepChoice,
-    StressField, Support,
+    BlockFactory, BlockOptions, BlockPart, CheckpointSink, ElementChoice, ElementExtent, Ended,
+    EnergyCheck, Engine, EngineError, EngineModel, HandOverReport, HourglassShare, LaneWidth,
+    Length, Linearisation, ModelSpec, PeriodicPairs, Precision, Prescribed, Progress, Rayleigh,
+    RunFailure, RunOptions, RunReport, SavedRun, SavedSection, StableStep, Stage, StageError,
+    StageEvent, StageModel, StageReport, StateError, StaticError, StaticMethod, StaticOptions,
+    StaticProgress, StaticReport, StepChoice, StressField, Support,
 };
 pub use powerhouse_observe as observe;
 

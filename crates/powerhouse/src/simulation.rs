@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
-    Cadence, EnergyCheck, EngineModel, HistoryVariable, IncidentField, Mesh, ModelError, Observer,
-    Progress, RunFailure, RunOptions, StableStep, StepChoice, StepProfile, TimeIntegrator,
+    Cadence, CheckpointSink, EnergyCheck, EngineModel, HistoryVariable, IncidentField, Mesh,
+    ModelError, Observer, Progress, RunFailure, RunOptions, SavedRun, StableStep, StateError,
+    StepChoice, StepProfile, TimeIntegrator, decode, encode,
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
@@ -58,9 +59,28 @@ pub struct RunHooks<'a> {
     /// Whether the wall time of the parts of time steps is measured, see [`RunReport::profile`](powerhouse_model::RunReport::profile)
     /// in [`Results::run`]. The motion is the same to the bit; steps take some per cent longer. False by default.
     pub profile: bool,
+    /// Receiver of the state of the dynamic run between two steps, from which a run can be resumed, such as a writer of
+    /// checkpoint files.
+    pub checkpoints: Option<Arc<dyn CheckpointSink>>,
+    /// State of the same scene's dynamic run, which goes on from it to the same bits. The
+    /// [equilibrated body](Self::equilibrated_body) of that run must be given with it if the scene has stages, and the same
+    /// observers; the number of threads may differ.
+    pub resume: Option<Arc<SavedRun>>,
 }
 
 impl<'a> RunHooks<'a> {
+    /// Sets the [receiver of checkpoints](Self::checkpoints).
+    #[must_use]
+    pub fn with_checkpoints(mut self, sink: Arc<dyn CheckpointSink>) -> Self {
+        self.checkpoints = Some(sink);
+        self
+    }
+    /// Sets the [state](Self::resume) from which the dynamic run goes on.
+    #[must_use]
+    pub fn with_resume(mut self, saved: Arc<SavedRun>) -> Self {
+        self.resume = Some(saved);
+        self
+    }
     /// Sets the [progress callback](Self::progress), called with the steps done and planned and the present time.
     #[must_use]
     pub fn with_progress(mut self, progress: impl FnMut(Progress) + Send + 'a) -> Self {
@@ -322,7 +342,13 @@ impl Simulation {
     /// before its time.
     pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
-        let step = self.step()?;
+        let step = match &hooks.resume {
+            Some(saved) => {
+                self.check_intervals(saved.step);
+                saved.step
+            }
+            None => self.step()?,
+        };
         let mut rested = None;
         if let Some(staging) = &self.staging {
             let body = match hooks.equilibrated_body {
@@ -334,7 +360,7 @@ impl Simulation {
             self.model = model;
             rested = Some(stages);
         }
-        if let Some(field) = self.initial.take() {
+        if let Some(field) = self.initial.take().filter(|_| hooks.resume.is_none()) {
             let nodes = self.mesh.positions();
             let (displacement, velocity) =
                 field_motion(field.as_ref(), nodes, self.model.time(), step)?;
@@ -343,6 +369,7 @@ impl Simulation {
         let mut options = self.options(RunOptions::seconds(self.duration), step);
         options.stop = hooks.stop;
         options.profile = hooks.profile;
+        (options.checkpoints, options.resume) = (hooks.checkpoints, hooks.resume);
         let (recordings, mut observers) = (self.recordings, self.observers);
         let taken = Arc::new(AtomicU64::new(0));
         if let (Some(request), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
@@ -477,5 +504,14 @@ impl SnapshotSink for Counted {
     }
     fn finish(&mut self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         self.0.finish()
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        encode(&(self.1.load(Ordering::Relaxed), self.0.save_state()?))
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        let (count, of_sink): (u64, Vec<u8>) = decode(saved)?;
+        self.0.restore_state(&of_sink)?;
+        self.1.store(count, Ordering::Relaxed);
+        Ok(())
     }
 }

@@ -5,6 +5,7 @@ mod group;
 mod history;
 mod isolated;
 mod matrices;
+mod saved;
 mod solve;
 
 use core::ops::Range;
@@ -13,7 +14,7 @@ use std::collections::{HashMap, VecDeque};
 use powerhouse_model::{
     Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointHistory, JointInput,
     JointPair, JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, Renewal,
-    RunError, Vec3,
+    RunError, StateError, Vec3,
 };
 
 use crate::ContactError;
@@ -480,6 +481,14 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         }
         self.history[member.history()].copy_from_slice(&values);
         true
+    }
+
+    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
+        self.saved().map(Some)
+    }
+
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.put_saved(saved)
     }
 
     fn renew(&mut self, joint: &str, renewal: Renewal, displacement: &[Vec3]) -> bool {

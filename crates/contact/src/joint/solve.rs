@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::{Bond, ContactLaw, ContactState, JointInput, JointState, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::matrices::Matrices;
 
@@ -25,7 +26,7 @@ fn tolerance(sweeps: u32) -> f64 {
 }
 
 /// Effort of the solution of a group, and its residual.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Effort {
     /// Number of sweeps.
     pub(super) sweeps: u32,

@@ -1,10 +1,12 @@
 //! Energy bookkeeping: dissipation and other work that is accumulated step by step.
 
-use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad};
+use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad, StateError};
+use serde::{Deserialize, Serialize};
 
 use super::batches::Batch;
 use super::numbers::AlignedNumbers;
 use super::operations::Energy;
+use super::saved::{Numbers, Places};
 use super::survey::each_lane;
 use super::transfer::NodeScalar;
 use super::{Block, in_double};
@@ -92,6 +94,99 @@ impl<S: BatchScalar> Account<S> {
             balanced: &mut self.balanced,
             velocity: &self.velocity,
         }
+    }
+}
+
+/// Saved energy bookkeeping of a block, in the order of its elements.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct SavedAccount {
+    number: Option<u64>,
+    velocity: Vec<[f64; 3]>,
+    velocity_energy: f64,
+    /// Stresses of the elements with energy bookkeeping.
+    stress: Option<Numbers>,
+    shares: Option<Numbers>,
+    damping_stress: Option<Numbers>,
+    has_energies: bool,
+    damped: bool,
+    stored: f64,
+    spent: BlockEnergy,
+}
+
+impl<S: BatchScalar> Account<S> {
+    /// Whether each batch had energy bookkeeping at the last step; empty before any.
+    pub(super) fn balanced(&self) -> &[bool] {
+        &self.balanced
+    }
+
+    /// State between two steps, for a number of integration points per element.
+    pub(super) fn saved(
+        &self,
+        places: Places,
+        points: usize,
+        balanced: impl Fn(usize) -> bool,
+    ) -> SavedAccount {
+        let kept = |numbers: &AlignedNumbers<S>| !numbers.as_slice().is_empty();
+        let stress = kept(&self.stress).then(|| {
+            let store = self.stress.as_slice();
+            places.take(store, 6 * points, balanced)
+        });
+        let shares = kept(&self.shares).then(|| places.take(self.shares.as_slice(), 1, |_| true));
+        let damping_stress = kept(&self.damping_stress).then(|| {
+            let store = self.damping_stress.as_slice();
+            places.take(store, 6 * points, |_| true)
+        });
+        SavedAccount {
+            number: self.number,
+            velocity: self.velocity.iter().map(|v| v.to_vector().into()).collect(),
+            velocity_energy: self.velocity_energy,
+            stress,
+            shares,
+            damping_stress,
+            has_energies: self.has_energies,
+            damped: self.damped,
+            stored: self.stored,
+            spent: self.spent,
+        }
+    }
+
+    /// Restores a saved state; `of_batches` says which batches had energy bookkeeping, `balanced` which elements.
+    pub(super) fn restore(
+        &mut self,
+        saved: SavedAccount,
+        places: Places,
+        points: usize,
+        of_batches: Vec<bool>,
+        balanced: impl Fn(usize) -> bool,
+    ) -> Result<(), StateError> {
+        let store = |numbers: &Option<Numbers>, count: usize, chosen: &dyn Fn(usize) -> bool| {
+            let Some(numbers) = numbers else {
+                return Ok(AlignedNumbers::zeros(0));
+            };
+            let mut store = AlignedNumbers::zeros(count * places.padded);
+            places.put(numbers, store.as_mut_slice(), count, chosen)?;
+            Ok::<_, StateError>(store)
+        };
+        let (stress, shares) = (&saved.stress, &saved.shares);
+        let velocity = saved.velocity.iter().map(|&[x, y, z]| Quad::new(x, y, z));
+        *self = Self {
+            number: saved.number,
+            velocity: velocity.collect(),
+            velocity_energy: saved.velocity_energy,
+            balanced: if stress.is_some() {
+                of_batches
+            } else {
+                Vec::new()
+            },
+            stress: store(stress, 6 * points, &balanced)?,
+            has_energies: saved.has_energies,
+            shares: store(shares, 1, &|_| true)?,
+            damping_stress: store(&saved.damping_stress, 6 * points, &|_| true)?,
+            damped: saved.damped,
+            stored: saved.stored,
+            spent: saved.spent,
+        };
+        Ok(())
     }
 }
 

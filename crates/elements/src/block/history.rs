@@ -278,11 +278,60 @@ impl<S: BatchScalar> History<S> {
                     let index = self.index(arrangement, element, (point, v));
                     let index = batch * self.numbers() + index;
                     let state = &mut self.states[batch];
-                    state.zero &= value == 0.0;
+                    // A zero with a sign is a value of its own.
+                    state.zero &= value.to_bits() == 0;
                     let store = &mut self.stores[usize::from(state.side)];
                     store.as_mut_slice()[index] = S::from_f64(value);
                 }
             }
+        }
+    }
+
+    /// Names of the history variables.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.variables.iter().map(|variable| variable.name)
+    }
+    /// Number of values per element.
+    pub(super) fn per_element(&self) -> usize {
+        self.points * self.variables.len()
+    }
+    /// Whether the committed history of a batch may differ from zero, and whether the last commit changed it.
+    pub(super) fn flags(&self, batch: usize) -> (bool, bool) {
+        let state = self.states.get(batch);
+        state.map_or((false, false), |state| (!state.zero, state.active))
+    }
+    /// Committed values of an element, point after point.
+    pub(super) fn of_element(
+        &self,
+        arrangement: &Arrangement,
+        element: usize,
+    ) -> impl Iterator<Item = S> {
+        let committed = self.committed(element / self.width.max(1));
+        (0..self.per_element()).map(move |number| {
+            let place = arrangement.place(element % self.width, number, 0);
+            committed.map_or(S::default(), |numbers| numbers[place])
+        })
+    }
+    /// Makes the history of all batches zero, with their flags: whether it may differ from zero, and whether the last
+    /// commit changed it.
+    pub(super) fn restore(&mut self, touched: &[bool], active: &[bool]) {
+        for ((state, &touched), &active) in self.states.iter_mut().zip(touched).zip(active) {
+            *state = BatchState {
+                side: 0,
+                changed: false,
+                overwritten: false,
+                zero: !touched,
+                active,
+            };
+        }
+        self.stores[0].as_mut_slice().fill(S::default());
+    }
+    /// Sets the committed values of an element, point after point, on the side of a [restored](Self::restore) history.
+    pub(super) fn put_element(&mut self, arrangement: &Arrangement, element: usize, values: &[S]) {
+        let start = element / self.width * self.numbers();
+        for (number, value) in values.iter().enumerate() {
+            let place = arrangement.place(element % self.width, number, 0);
+            self.stores[0].as_mut_slice()[start + place] = *value;
         }
     }
 

@@ -16,6 +16,7 @@ mod memory;
 mod numbers;
 mod operations;
 mod remaining;
+mod saved;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -26,8 +27,8 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
-    HistoryField, HistoryUpdate, Mat3, NodalView, NodalViewMut, Operator, Quad, Rayleigh, Stress,
-    Vec3,
+    HistoryField, HistoryUpdate, Mat3, NodalView, NodalViewMut, Operator, Quad, Rayleigh,
+    StateError, Stress, Vec3,
 };
 
 use crate::lanes::{Arrangement, BatchScalar, Lanes};
@@ -564,5 +565,11 @@ where
     fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
         self.history
             .element_value(&self.arrangement, index, variable)
+    }
+    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
+        self.saved().map(Some)
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.restore(saved)
     }
 }

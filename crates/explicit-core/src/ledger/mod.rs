@@ -1,6 +1,7 @@
 //! The energy ledger (energy balance of a run): energy stored and dissipated in elements, dissipated at nodes, and
 //! external work.
 
+mod saved;
 mod sum;
 mod work;
 
@@ -19,6 +20,7 @@ use crate::nodes::with_nodes;
 use sum::{Sum, total};
 use work::{MidStep, NodalWork, RangeWork};
 
+pub(crate) use saved::SavedLedger;
 pub(crate) use sum::total_energy;
 
 /// Factor between the reference energy of the residual and the energy lost to underflow in single precision.

@@ -1,11 +1,12 @@
 //! Sums over the steps, and exact sums of them over the body.
 
 use powerhouse_model::BlockEnergy;
+use serde::{Deserialize, Serialize};
 
 use crate::exact::ExactSum;
 
 /// A compensated sum, accurate for terms of very different size (Neumaier 1974).
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Sum {
     value: f64,
     lost: f64,

@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use powerhouse_model::{MassDampingRule, Vec3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::sum::{Sum, total};
 use crate::Model;
@@ -14,7 +15,7 @@ use crate::nodes::{Nodes, with_nodes};
 
 /// Work of nodal forces (J): energy dissipated or stored by damping, dashpots and springs, and external work of loads
 /// and prescribed motion.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct NodalWork<T> {
     pub(super) mass_damping: T,
     pub(super) dashpots: T,

@@ -221,6 +221,17 @@ impl Model {
     /// The complete state of the body, from which another model of the same mesh continues, in the mesh's numbering;
     /// additional nodes of boundaries follow those of the mesh.
     pub fn state(&mut self) -> State {
+        let mut state = self.body_state();
+        state.history = merged(self.blocks.iter().map(|b| (b.label(), b.history())));
+        state.joints = self
+            .joints()
+            .map(|joint| JointHistory::from(&joint))
+            .collect();
+        state
+    }
+
+    /// The state without history variables and joints; those of the last step are committed.
+    pub(crate) fn body_state(&mut self) -> State {
         self.complete_kick();
         self.commit();
         let local_of = &self.subdomain.numbering.local_of;
@@ -241,11 +252,6 @@ impl Model {
         state.absent.clone_from(&self.absent);
         state.casts.clone_from(&self.casts);
         state.carried_forces = forces;
-        state.history = merged(self.blocks.iter().map(|b| (b.label(), b.history())));
-        state.joints = self
-            .joints()
-            .map(|joint| JointHistory::from(&joint))
-            .collect();
         state
     }
 

@@ -35,6 +35,16 @@ impl PvdCollection {
         &self.file
     }
 
+    /// Entries written so far: time (s), part and file, from which [`restore`](Self::restore) goes on.
+    pub fn entries(&self) -> &[(f64, usize, String)] {
+        &self.entries
+    }
+
+    /// Goes on from a number of instants and their entries, whose files are beside the collection file.
+    pub fn restore(&mut self, instants: usize, entries: Vec<(f64, usize, String)>) {
+        (self.instants, self.entries) = (instants, entries);
+    }
+
     /// Number of instants that have been written.
     pub fn len(&self) -> usize {
         self.instants

@@ -2,6 +2,7 @@
 
 /// Report of a static solution: numbers of operations and residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StaticReport {
     /// Number of load increments tried, including those that were repeated by halves.
     pub increments: u32,
@@ -37,6 +38,7 @@ pub struct StaticProgress {
 
 /// Report of the transition from a static to a dynamic stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandOverReport {
     /// Norm of the carried forces (N), which balance the body in addition to its loads.
     pub carried_forces: f64,

@@ -4,7 +4,9 @@ mod functional;
 mod pieces;
 mod plane;
 
-use powerhouse_model::{Cadence, Fields, Flow, Mesh, ModelError, Observer, StepView, Vec3};
+use powerhouse_model::{
+    Cadence, Fields, Flow, Mesh, ModelError, Observer, StateError, StepView, Vec3,
+};
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 use functional::Functional;
@@ -272,6 +274,14 @@ impl Observer for SectionForces {
     }
     fn cadence(&self) -> Cadence {
         self.cadence
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.recording.save()
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.recording.restore(saved, |found, here| {
+            StateError::expect_same("the list of columns", found.names(), here.names())
+        })
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         self.row.clear();

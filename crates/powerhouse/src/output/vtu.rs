@@ -6,7 +6,9 @@ use powerhouse_contact::JointSurface;
 #[cfg(feature = "pictures")]
 use powerhouse_io::PictureField;
 use powerhouse_io::{FieldPrecision, IoError, PvdCollection, VtuField, VtuNumbers, VtuWriter};
-use powerhouse_model::{HistoryKind, HistoryVariable, Mesh, Stress, Vec3};
+use powerhouse_model::{
+    HistoryKind, HistoryVariable, Mesh, StateError, Stress, Vec3, decode, encode,
+};
 use powerhouse_observe::{EnvelopeTable, PeakField, Snapshot, SnapshotSink, StateTable};
 
 use super::file_name;
@@ -118,6 +120,14 @@ impl SnapshotSink for SnapshotFiles {
     }
     fn finish(&mut self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         Ok(self.collection.keep_existing()?)
+    }
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        encode(&(self.collection.len(), self.collection.entries()))
+    }
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        let (instants, entries) = decode(saved)?;
+        self.collection.restore(instants, entries);
+        Ok(())
     }
 }
 

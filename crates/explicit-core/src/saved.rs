@@ -1,0 +1,269 @@
+//! State of a run between two steps: of the body, of every block, constraint, load and observer, and of the energy
+//! balance.
+//!
+//! Each part encodes its own state, in one section. What follows from the model alone is not saved: it is computed
+//! again to the same bits, but for the highest frequency, which costs some tens of force evaluations.
+
+use std::collections::HashMap;
+
+use powerhouse_model::{
+    HistoryField, HourglassShare, JointHistory, Observer, Precision, RunError, SavedRun,
+    SavedSection, State, StateError, decode, encode, interned,
+};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::Model;
+use crate::ledger::SavedLedger;
+use crate::stable_step::Spectrum;
+
+/// Section of the state of the run itself.
+const RUN: &str = "run";
+/// Section of the motion of the body.
+const BODY: &str = "body";
+
+/// Readings of the energy ledger so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Readings {
+    /// Last reading, by column (J).
+    #[serde(deserialize_with = "columns")]
+    pub(crate) energies: Columns,
+    /// Largest residual.
+    pub(crate) residual: f64,
+    pub(crate) hourglass: Vec<HourglassShare>,
+}
+
+/// Columns of the energy balance (name, J).
+type Columns = Vec<(&'static str, f64)>;
+
+fn columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns, D::Error> {
+    let columns = Vec::<(String, f64)>::deserialize(deserializer)?;
+    let named = columns.iter();
+    Ok(named
+        .map(|(name, energy)| (interned(name), *energy))
+        .collect())
+}
+
+/// Saved state of the run itself, and properties of its model that must be the same.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct RestoredRun {
+    precision: u8,
+    /// Fingerprint of the partition of the elements into blocks.
+    partition: u64,
+    pub(crate) readings: Readings,
+    spectrum: Option<Spectrum>,
+    ledger: Option<SavedLedger>,
+}
+
+/// Name of the section of a part.
+fn name(kind: &str, index: usize, label: &str) -> String {
+    format!("{kind} {index}: {label}")
+}
+
+/// The error of a part of a run.
+fn of_part(part: &str) -> impl FnOnce(StateError) -> RunError {
+    move |source| RunError::State {
+        part: part.into(),
+        source,
+    }
+}
+
+/// Adds a section with the state of a part.
+fn add(
+    saved: &mut SavedRun,
+    name: String,
+    bytes: Result<Vec<u8>, StateError>,
+) -> Result<(), RunError> {
+    let bytes = bytes.map_err(of_part(&name))?;
+    saved.sections.push(SavedSection { name, bytes });
+    Ok(())
+}
+
+/// Sections of a saved run by name, without those that were taken.
+struct Sections<'a>(HashMap<&'a str, &'a [u8]>);
+
+impl<'a> Sections<'a> {
+    fn of(saved: &'a SavedRun) -> Self {
+        let sections = saved.sections.iter();
+        Self(
+            sections
+                .map(|s| (s.name.as_str(), s.bytes.as_slice()))
+                .collect(),
+        )
+    }
+    fn take(&mut self, name: &str) -> Option<&'a [u8]> {
+        self.0.remove(name)
+    }
+    fn expect(&mut self, name: &str) -> Result<&'a [u8], RunError> {
+        let found = self.take(name).ok_or(StateError::Missing);
+        found.map_err(of_part(name))
+    }
+    fn decode<T: serde::de::DeserializeOwned>(&mut self, name: &str) -> Result<T, RunError> {
+        decode(self.expect(name)?).map_err(of_part(name))
+    }
+    /// Accepts sections of observers alone.
+    fn expect_observers(self) -> Result<(), RunError> {
+        let mut names: Vec<&str> = self.0.into_keys().collect();
+        names.retain(|name| !name.starts_with(OBSERVER));
+        names.sort_unstable();
+        match names.first() {
+            None => Ok(()),
+            Some(name) => Err(of_part(name)(StateError::Unexpected)),
+        }
+    }
+}
+
+/// Start of the names of sections of observers.
+const OBSERVER: &str = "observer";
+
+impl Model {
+    fn precision_number(&self) -> u8 {
+        match self.precision {
+            Precision::F64 => 0,
+            Precision::Mixed => 1,
+            Precision::F32 => 2,
+        }
+    }
+
+    /// State of a run after a number of steps with a length (s).
+    pub(crate) fn save_run(
+        &mut self,
+        (done, step): (u64, f64),
+        readings: &Readings,
+        observers: &[Box<dyn Observer>],
+    ) -> Result<SavedRun, RunError> {
+        let body = self.body_state();
+        let mut saved = SavedRun::new(done, self.time, step);
+        let run = RestoredRun {
+            precision: self.precision_number(),
+            partition: self.partition().fingerprint(&self.mesh),
+            readings: readings.clone(),
+            spectrum: self.spectrum,
+            ledger: self.ledger.as_ref().map(|ledger| ledger.saved()),
+        };
+        add(&mut saved, RUN.into(), encode(&run))?;
+        add(&mut saved, BODY.into(), encode(&body))?;
+        drop(body);
+        for (index, block) in self.blocks.iter().enumerate() {
+            let own = name("block", index, block.label());
+            match block.save_state().transpose() {
+                Some(bytes) => add(&mut saved, own, bytes)?,
+                None => {
+                    let own = name("history", index, block.label());
+                    add(&mut saved, own, encode(&block.history()))?;
+                }
+            }
+        }
+        for (index, bound) in self.constraints.iter().enumerate() {
+            let constraint = &bound.constraint;
+            match constraint.save_state().transpose() {
+                Some(bytes) => {
+                    add(
+                        &mut saved,
+                        name("constraint", index, constraint.name()),
+                        bytes,
+                    )?;
+                }
+                None => {
+                    let joints = constraint.joints();
+                    let joints: Vec<JointHistory> = joints.iter().map(JointHistory::from).collect();
+                    let own = name("joints", index, constraint.name());
+                    add(&mut saved, own, encode(&joints))?;
+                }
+            }
+        }
+        for (index, load) in self.loads.all().iter().enumerate() {
+            add(
+                &mut saved,
+                name("load", index, load.name()),
+                load.save_state(),
+            )?;
+        }
+        for (index, observer) in observers.iter().enumerate() {
+            let own = name(OBSERVER, index, observer.name());
+            add(&mut saved, own, observer.save_state())?;
+        }
+        Ok(saved)
+    }
+
+    /// Restores the state of a run of an equal model, but for the energy ledger and observers.
+    pub(crate) fn restore_run(&mut self, saved: &SavedRun) -> Result<RestoredRun, RunError> {
+        let mut sections = Sections::of(saved);
+        let run: RestoredRun = sections.decode(RUN)?;
+        let partition = self.partition().fingerprint(&self.mesh);
+        StateError::expect_same("the precision", run.precision, self.precision_number())
+            .and_then(|()| {
+                let what = "the fingerprint of the blocks of elements";
+                StateError::expect_same(what, run.partition, partition)
+            })
+            .map_err(of_part(RUN))?;
+        let body: State = sections.decode(BODY)?;
+        self.set_state(&body).map_err(|error| {
+            of_part(BODY)(StateError::Refused {
+                reason: error.to_string(),
+            })
+        })?;
+        drop(body);
+        self.spectrum = run.spectrum;
+        for (index, block) in self.blocks.iter_mut().enumerate() {
+            let own = name("block", index, block.label());
+            if let Some(bytes) = sections.take(&own) {
+                block.restore_state(bytes).map_err(of_part(&own))?;
+            } else {
+                let fields: Vec<HistoryField> =
+                    sections.decode(&name("history", index, block.label()))?;
+                block.set_history(&fields);
+            }
+        }
+        for (index, bound) in self.constraints.iter_mut().enumerate() {
+            let constraint = &mut bound.constraint;
+            let own = name("constraint", index, constraint.name());
+            if let Some(bytes) = sections.take(&own) {
+                constraint.restore_state(bytes).map_err(of_part(&own))?;
+                continue;
+            }
+            let own = name("joints", index, constraint.name());
+            let joints: Vec<JointHistory> = sections.decode(&own)?;
+            if !joints.iter().all(|joint| constraint.restore(joint)) {
+                return Err(of_part(&own)(StateError::Unexpected));
+            }
+        }
+        for (index, load) in self.loads.all_mut().iter_mut().enumerate() {
+            let own = name("load", index, load.name());
+            let bytes = sections.expect(&own)?;
+            load.restore_state(bytes).map_err(of_part(&own))?;
+        }
+        sections.expect_observers()?;
+        Ok(run)
+    }
+
+    /// Restores the energy ledger, which is open if one was.
+    pub(crate) fn restore_ledger(&mut self, run: &RestoredRun) -> Result<(), RunError> {
+        let restored = match (&mut self.ledger, &run.ledger) {
+            (Some(ledger), Some(saved)) => ledger.restore(saved),
+            (None, None) => Ok(()),
+            (Some(_), None) => Err(StateError::Missing),
+            (None, Some(_)) => Err(StateError::Unexpected),
+        };
+        restored.map_err(of_part("the energy balance"))
+    }
+}
+
+/// Restores observers, equal to those of the run that was saved and in the same order.
+pub(crate) fn restore_observers(
+    saved: &SavedRun,
+    observers: &mut [Box<dyn Observer>],
+) -> Result<(), RunError> {
+    let mut sections = Sections::of(saved);
+    sections.0.retain(|name, _| name.starts_with(OBSERVER));
+    for (index, observer) in observers.iter_mut().enumerate() {
+        let own = name(OBSERVER, index, observer.name());
+        let bytes = sections.expect(&own)?;
+        observer.restore_state(bytes).map_err(of_part(&own))?;
+    }
+    let mut left: Vec<&str> = sections.0.into_keys().collect();
+    left.sort_unstable();
+    match left.first() {
+        None => Ok(()),
+        Some(name) => Err(of_part(name)(StateError::Unexpected)),
+    }
+}
