@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::Model;
 use crate::applied::split;
+use crate::groups::NodeGroup;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
 use crate::subdomain::Subdomain;
 
@@ -126,15 +127,6 @@ impl Model {
         }
     }
 
-    /// Copies the entry of each group's lead node to the other members.
-    pub(crate) fn spread(&self, vector: &mut [Vec3]) {
-        for group in &self.groups.groups {
-            for &member in &group.members[1..] {
-                vector[member as usize] = vector[group.members[0] as usize];
-            }
-        }
-    }
-
     /// Product of `M^-1/2 K M^-1/2` with a reduced vector.
     fn scaled_product(
         &mut self,
@@ -142,9 +134,15 @@ impl Model {
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
-        let mut spread: Vec<Vec3> = vector.par_iter().zip(scale).map(|(x, s)| x * *s).collect();
-        self.spread(&mut spread);
-        let mut product = self.elastic_product(&spread, weight);
+        let groups = &self.groups.groups;
+        let (blocks, subdomain) = (&self.blocks, &self.subdomain);
+        let mut product = with_nodes!(&mut self.nodes, arrays => {
+            let mut values: Vec<Quad<_>> = (vector.par_iter().zip(scale))
+                .map(|(x, s)| Quad::from_vector(&(x * *s)))
+                .collect();
+            spread(groups, &mut values);
+            product(arrays, subdomain, blocks, values, weight)
+        });
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
             product[group.members[0] as usize] = sum;
@@ -165,8 +163,18 @@ impl Model {
     ) -> Vec<Vec3> {
         let (blocks, subdomain) = (&self.blocks, &self.subdomain);
         with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, subdomain, blocks, vector, weight)
+            let values = vector.iter().map(Quad::from_vector).collect();
+            product(arrays, subdomain, blocks, values, weight)
         })
+    }
+}
+
+/// Copies the entry of each group's lead node to the other members.
+fn spread<T: Copy>(groups: &[NodeGroup], vector: &mut [T]) {
+    for group in groups {
+        for &member in &group.members[1..] {
+            vector[member as usize] = vector[group.members[0] as usize];
+        }
     }
 }
 
@@ -174,10 +182,10 @@ fn product<S: Storage>(
     arrays: &mut NodalArrays<S>,
     subdomain: &Subdomain,
     blocks: &[Box<dyn ElementBlock>],
-    vector: &[Vec3],
+    values: Vec<Quad<S>>,
     weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
 ) -> Vec<Vec3> {
-    let values: Vec<Quad<S>> = vector.iter().map(Quad::from_vector).collect();
+    let count = values.len();
     let buffers = split(&mut arrays.forces, &subdomain.lengths);
     blocks
         .par_iter()
@@ -192,7 +200,9 @@ fn product<S: Storage>(
                 *force = *force * weight;
             }
         });
-    (0..vector.len())
+    // The product takes the place of the vector.
+    drop(values);
+    (0..count)
         .into_par_iter()
         .map(|node| arrays.internal(&subdomain.slots, node))
         .collect()

@@ -122,6 +122,18 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
         modulus: L,
         modes: &[[L; 3]; N],
     ) -> [[L; 3]; N];
+    /// Modal forces (N) of a linear elastic medium with Lame's constants `[lambda, shear]` (Pa), where they are
+    /// known without strains and stresses at the points; none, the default, otherwise. A kernel has them for all elements
+    /// or for none, and only if it has no hourglass forces. They are not finite where a modal displacement is not.
+    #[inline(always)]
+    fn elastic_forces<L: Lane>(
+        &self,
+        _geometry: Geometry<L>,
+        _moduli: [L; 2],
+        _modes: &[[L; 3]; N],
+    ) -> Option<[[L; 3]; N]> {
+        None
+    }
     /// Hourglass modulus (Pa), to which hourglass forces are proportional, of a medium with `lambda + 2 G`
     /// and `G` (Pa); none, the default, if the integration points see every mode.
     fn hourglass_modulus(&self, _constrained: f64, _shear: f64) -> Option<f64> {

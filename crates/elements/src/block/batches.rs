@@ -28,8 +28,6 @@ pub(super) struct Batch<'a, S, const N: usize> {
     pub(super) first: usize,
     /// Number of its elements.
     pub(super) count: usize,
-    /// Local node indices of the elements.
-    pub(super) connectivity: &'a [[u32; N]],
     /// Which elements are active.
     pub(super) active: Option<&'a [bool]>,
     /// Geometry numbers.
@@ -66,7 +64,6 @@ impl<'a, S: BatchScalar, const N: usize> Batches<'a, S, N> {
         Batch {
             first,
             count,
-            connectivity: &self.connectivity.as_slice()[first..][..width],
             active: self.active.map(|active| &active[first..][..count]),
             geometry,
             ahead: self

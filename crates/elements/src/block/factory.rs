@@ -144,7 +144,7 @@ where
         let wide = if law.is_some() { stored } else { 0 };
         let mut extents = AlignedNumbers::<S>::zeros(6 * wide);
         let mut widths = [0.0; 6];
-        let mut shapes: Vec<([Vec3; N], [f64; N])> = Vec::with_capacity(part.elements.len());
+        let mut shapes: Vec<([Vec3; N], [f64; N])> = Vec::new();
         let mut one = vec![0.0; length];
         for element in 0..padded {
             if element < part.elements.len() && !(alike && element > 0) {
@@ -182,12 +182,9 @@ where
             moduli,
             elements: &shapes,
         });
-        let mut masses: Vec<[f64; N]> = shapes.into_iter().map(|(_, masses)| masses).collect();
-        let mut frequencies: Vec<f64> = squares.into_iter().map(f64::sqrt).collect();
-        if let (Some(&mass), Some(&frequency)) = (masses.last(), frequencies.last()) {
-            masses.resize(part.elements.len(), mass);
-            frequencies.resize(part.elements.len(), frequency);
-        }
+        // Copied, since a collection of the list itself would keep the memory of the corners.
+        let masses = shapes.iter().map(|(_, masses)| *masses).collect();
+        let frequencies = squares.into_iter().map(f64::sqrt).collect();
         let variables = law.as_ref().map_or(&[][..], |law| law.history());
         let batches = (padded / arrangement.width, arrangement.width);
         Ok(Block {

@@ -52,6 +52,55 @@ impl<const N: usize> Connectivity<N> {
             nodes,
         }
     }
+    /// A view of nodal sums by element.
+    ///
+    /// # Panics
+    /// If an index exceeds the number of nodes.
+    #[inline(always)]
+    pub(super) fn over_sums<'a, A: NodalScalar>(
+        &'a self,
+        nodes: &'a mut [Quad<A>],
+    ) -> SumsOf<'a, A, N> {
+        assert!(
+            self.bound <= nodes.len(),
+            "an index exceeds the number of nodes"
+        );
+        SumsOf {
+            connectivity: &self.of_elements,
+            nodes,
+        }
+    }
+}
+
+/// View of nodal sums by element.
+pub(super) struct SumsOf<'a, A: NodalScalar, const N: usize> {
+    /// Invariant: every number is an index of `nodes`.
+    connectivity: &'a [[u32; N]],
+    nodes: &'a mut [Quad<A>],
+}
+
+impl<A: NodalScalar, const N: usize> SumsOf<'_, A, N> {
+    /// The view of a range of the elements.
+    ///
+    /// # Panics
+    /// If the range exceeds the elements.
+    #[inline(always)]
+    pub(super) fn elements(&mut self, first: usize, count: usize) -> SumsOf<'_, A, N> {
+        SumsOf {
+            connectivity: &self.connectivity[first..][..count],
+            nodes: self.nodes,
+        }
+    }
+    /// The sum at node `a` of element `j`.
+    ///
+    /// # Panics
+    /// If there is no such element or node.
+    #[inline(always)]
+    pub(super) fn sum(&mut self, j: usize, a: usize) -> &mut [A; 4] {
+        let index = self.connectivity[j][a] as usize;
+        // SAFETY: as for `NodesOf::value`; `Connectivity::over_sums` is the only other maker.
+        &mut unsafe { self.nodes.get_unchecked_mut(index) }.values
+    }
 }
 
 /// View of nodal values by element.

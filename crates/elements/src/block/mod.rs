@@ -78,9 +78,8 @@ struct Block<K, S, const N: usize, const P: usize> {
     extents: AlignedNumbers<S>,
     /// Locations of the integration points, if the law uses them.
     locations: Option<Locations<S>>,
-    /// Lumped masses of each element (kg).
+    /// Lumped masses (kg) and frequency bound (rad/s) of each element, or of one if all elements are alike.
     masses: Vec<[f64; N]>,
-    /// Frequency bound of each element (rad/s).
     frequencies: Vec<f64>,
     active: Option<Vec<bool>>,
     /// Reference displacement of strain (m), by local node index.
@@ -399,6 +398,15 @@ where
     }
 }
 
+/// The entry of an element in a list with one entry per element, or with one in all.
+fn of_element<T>(list: &[T], element: usize) -> &T {
+    if list.len() == 1 {
+        &list[0]
+    } else {
+        &list[element]
+    }
+}
+
 /// Nodal values in double precision.
 fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
     let values = values.iter();
@@ -478,10 +486,10 @@ where
         self.visit_matrices(operator, visit);
     }
     fn add_mass(&self, out: &mut [f64]) {
-        for (element, masses) in self.masses.iter().enumerate() {
+        for element in 0..self.elements.len() {
             if self.is_active(element) {
                 let nodes = &self.connectivity.as_slice()[element];
-                for (&local, mass) in nodes.iter().zip(masses) {
+                for (&local, mass) in nodes.iter().zip(of_element(&self.masses, element)) {
                     out[local as usize] += mass;
                 }
             }
@@ -491,7 +499,8 @@ where
         (0..self.elements.len())
             .filter(|&element| self.is_active(element))
             .map(|element| {
-                FrequencyBound::new(self.elements[element], self.frequencies[element])
+                let frequency = *of_element(&self.frequencies, element);
+                FrequencyBound::new(self.elements[element], frequency)
                     .with_stiffness_damping(self.damping.stiffness)
             })
             .collect()

@@ -37,6 +37,17 @@ impl<L: BatchLane> FiniteCheck<L> {
         let sum = stress.0[0] + stress.0[1] + stress.0[2];
         self.0 = sum.mul_add(sum.constant(0.0), self.0);
     }
+    /// The same of modal forces.
+    #[inline(always)]
+    fn add_forces<const N: usize>(&mut self, forces: &[[L; 3]; N]) {
+        let mut sum = forces[0];
+        for force in &forces[1..] {
+            for i in 0..3 {
+                sum[i] = sum[i] + force[i];
+            }
+        }
+        self.add(&Stress([sum[0], sum[1], sum[2], sum[0], sum[0], sum[0]]));
+    }
     #[inline(always)]
     fn all_finite(self) -> bool {
         let mut lanes = [L::Scalar::default(); MOST_LANES];
@@ -72,7 +83,12 @@ where
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut check = FiniteCheck(L::splat(token, 0.0));
-        let nodes = self.batches.connectivity.over(self.nodes);
+        let connectivity = self.batches.connectivity;
+        let nodes = connectivity.over(self.nodes);
+        let mut out = match self.out.take() {
+            Some(out) => Some(connectivity.over_sums(out)),
+            None => None,
+        };
         for index in 0..self.batches.count(L::WIDTH) {
             let batch = self
                 .batches
@@ -80,15 +96,27 @@ where
             let geometry = Geometry::<L>::new(token, batch.geometry);
             gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let modes = self.kernel.modes(&nodal);
-            let strains = self.kernel.strains(geometry, &modes);
+            let short = (self.kernel).elastic_forces(geometry, [lambda, shear], &modes);
+            let is_short = short.is_some();
+            let mut strains = [Strain([lambda; 6]); P];
             let mut stresses = [Stress::zero(token); P];
-            for p in 0..P {
-                stresses[p] = Stress::elastic(lambda, shear, &strains[p]);
-                check.add(&stresses[p]);
+            if !is_short || self.survey.is_some() {
+                strains = self.kernel.strains(geometry, &modes);
+                for p in 0..P {
+                    stresses[p] = Stress::elastic(lambda, shear, &strains[p]);
+                    check.add(&stresses[p]);
+                }
             }
-            let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+            let forces = match short {
+                Some(forces) => {
+                    check.add_forces(&forces);
+                    forces
+                }
+                None => self.kernel.forces(geometry, &stresses, modulus, &modes),
+            };
             let forces = self.kernel.nodal_forces(&forces);
-            if let Some(out) = self.out.as_deref_mut() {
+            if let Some(out) = &mut out {
+                let out = out.elements(batch.first, L::WIDTH);
                 scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
             }
             if let Some(survey) = self.survey.as_deref_mut() {
@@ -503,7 +531,8 @@ where
         let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
         let forces = self.kernel.nodal_forces(&forces);
         if let Some(out) = self.out.as_deref_mut() {
-            scatter::<A, L, N>(&forces, &batch, rows, out);
+            let mut out = self.batches.connectivity.over_sums(out);
+            scatter::<A, L, N>(&forces, &batch, rows, out.elements(batch.first, L::WIDTH));
         }
     }
 

@@ -1,10 +1,10 @@
 //! Gather of nodal values into lanes, and scatter of forces to nodes.
 
-use powerhouse_model::{Quad, Scalar};
+use powerhouse_model::Scalar;
 
 use super::batches::Batch;
 use super::exchange::{Exchange, Exchanges};
-use super::memory::NodesOf;
+use super::memory::{NodesOf, SumsOf};
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES, Rows};
 
 /// Gathers the nodal values of a batch, one element per lane.
@@ -50,7 +50,7 @@ pub(super) fn scatter<A, L, const N: usize>(
     forces: &[[L; 3]; N],
     batch: &Batch<L::Scalar, N>,
     rows: &mut [Rows<L::Scalar>; N],
-    out: &mut [Quad<A>],
+    mut out: SumsOf<A, N>,
 ) where
     A: BatchScalar,
     L: BatchLane<Scalar: BatchScalar>,
@@ -58,17 +58,32 @@ pub(super) fn scatter<A, L, const N: usize>(
     for a in 0..N {
         L::write_rows(forces[a], &mut rows[a]);
     }
-    let whole = batch.is_whole(L::WIDTH);
-    for j in 0..L::WIDTH {
-        batch.prefetch(j, L::WIDTH);
-        if !whole && !batch.has(j) {
-            continue;
+    // A loop of its own for whole batches, without a branch between elements.
+    if batch.is_whole(L::WIDTH) {
+        for j in 0..L::WIDTH {
+            batch.prefetch(j, L::WIDTH);
+            add_element(j, rows, &mut out);
         }
-        for a in 0..N {
-            let sum = &mut out[batch.connectivity[j][a] as usize].values;
-            for c in 0..4 {
-                sum[c] = sum[c] + convert(rows[a][j][c]);
+    } else {
+        for j in 0..L::WIDTH {
+            if batch.has(j) {
+                add_element(j, rows, &mut out);
             }
+        }
+    }
+}
+
+/// Adds the forces of element `j` of a batch to its nodes.
+#[inline(always)]
+fn add_element<A: BatchScalar, S: BatchScalar, const N: usize>(
+    j: usize,
+    rows: &[Rows<S>; N],
+    out: &mut SumsOf<A, N>,
+) {
+    for a in 0..N {
+        let sum = out.sum(j, a);
+        for c in 0..4 {
+            sum[c] = sum[c] + convert(rows[a][j][c]);
         }
     }
 }

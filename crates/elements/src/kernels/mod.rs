@@ -1,9 +1,11 @@
 //! Element kernels: bricks, wedge and tetrahedron.
 
+mod by_shape;
 mod hex8_integrated;
 mod hex8_one_point;
 mod hexahedron;
 mod parallelepiped;
+mod straight_brick;
 #[cfg(test)]
 mod tests;
 mod tet4;
@@ -98,11 +100,15 @@ impl SolidKernel {
     /// Blocks are compiled here, once, and in no crate that uses this one.
     fn of_any_law(self, label: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
         match self {
-            Self::Hex8OnePoint(kernel) => {
-                parallelepiped::one_point_bricks(label, kernel, law, options)
+            Self::Hex8OnePoint(kernel) => by_shape::one_point_bricks(label, kernel, law, options),
+            Self::Hex8Full => {
+                let general = of_any_law(label, Hex8Full, law.clone(), options);
+                by_shape::integrated_bricks(general, false, &law)
             }
-            Self::Hex8Full => of_any_law(label, Hex8Full, law, options),
-            Self::Hex8BBar => of_any_law(label, Hex8BBar, law, options),
+            Self::Hex8BBar => {
+                let general = of_any_law(label, Hex8BBar, law.clone(), options);
+                by_shape::integrated_bricks(general, true, &law)
+            }
             Self::Tet4 => of_any_law(label, Tet4, law, options),
             Self::Wedge6 => of_any_law(label, Wedge6, law, options),
         }

@@ -1,16 +1,12 @@
 //! One-point brick for parallelepipeds.
 
-use powerhouse_model::{
-    BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementKernel, ElementKind, Geometry,
-    Lane, ModelError, Strain, Stress, Vec3,
-};
+use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
 
 use super::hex8_one_point::Hex8OnePoint;
 use super::hexahedron;
 use super::positions;
 use super::vectors::{dot, linear_gradients, outer_sum, scaled, strain_of, uniform_forces};
-use crate::AnyLaw;
-use crate::block::{coordinate_rounding, of_any_law};
+use crate::block::coordinate_rounding;
 
 /// Index of the volume, after `g_k / V` of the linear modes.
 const VOLUME: usize = 9;
@@ -113,49 +109,4 @@ pub(super) fn is_parallelepiped(corners: &[Vec3; 8]) -> bool {
     let tolerance = 8.0 * coordinate_rounding(corners);
     let [_, _, _, bent @ ..] = hexahedron::position_modes(corners);
     bent.as_flattened().iter().all(|x| x.abs() <= tolerance)
-}
-
-/// Factory of one-point bricks: of [`Parallelepiped`]s for blocks of parallelepipeds, otherwise of the general
-/// form.
-struct ByShape {
-    general: Box<dyn BlockFactory>,
-    parallelepiped: Box<dyn BlockFactory>,
-}
-
-/// A factory of one-point bricks, with the shorter arithmetic where the shapes permit it.
-pub(super) fn one_point_bricks(
-    label: &str,
-    kernel: Hex8OnePoint,
-    law: AnyLaw,
-    options: BlockOptions,
-) -> Box<dyn BlockFactory> {
-    Box::new(ByShape {
-        general: of_any_law(label, kernel, law.clone(), options),
-        parallelepiped: of_any_law(label, Parallelepiped(kernel), law, options),
-    })
-}
-
-impl BlockFactory for ByShape {
-    fn label(&self) -> &str {
-        self.general.label()
-    }
-    fn kind(&self) -> ElementKind {
-        self.general.kind()
-    }
-    fn options(&self) -> BlockOptions {
-        self.general.options()
-    }
-    fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
-        let straight = part.elements.iter().all(|&element| {
-            let nodes: Result<[u32; 8], _> = part.mesh.nodes_of(element).try_into();
-            nodes.is_ok_and(|nodes| {
-                is_parallelepiped(&nodes.map(|node| part.mesh.positions()[node as usize]))
-            })
-        });
-        if straight {
-            self.parallelepiped.build(part)
-        } else {
-            self.general.build(part)
-        }
-    }
 }

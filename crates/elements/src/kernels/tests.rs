@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 use powerhouse_model::{ElasticMedium, ElementKernel, Geometry, Mat3, Strain, Stress, Vec3};
 
+use super::straight_brick::StraightBrick;
 use super::*;
 
 /// One element in an isotropic medium, in double precision.
@@ -110,6 +111,16 @@ fn distorted<const N: usize>(corners: [[f64; 3]; N]) -> [Vec3; N] {
 
 fn brick() -> [Vec3; 8] {
     distorted(hexahedron::CORNERS)
+}
+fn parallelepiped() -> [Vec3; 8] {
+    let skew = Mat3::new(1.0, 0.3, -0.2, 0.1, 0.8, 0.4, -0.3, 0.2, 1.3);
+    hexahedron::CORNERS.map(|x| skew * Vec3::from(x) + Vec3::new(3.0, 5.0, -2.0))
+}
+fn skewed(mean_dilatation: bool) -> StraightBrick {
+    StraightBrick {
+        along_axes: false,
+        mean_dilatation,
+    }
 }
 fn wedge() -> [Vec3; 6] {
     distorted([
@@ -347,6 +358,8 @@ macro_rules! kernel_tests {
 kernel_tests!(hex8_one_point, Hex8OnePoint::DEFAULT, brick(), 8, 1);
 kernel_tests!(hex8_full, Hex8Full, brick(), 8, 8);
 kernel_tests!(hex8_b_bar, Hex8BBar, brick(), 8, 8);
+kernel_tests!(straight_full, skewed(false), parallelepiped(), 8, 8);
+kernel_tests!(straight_b_bar, skewed(true), parallelepiped(), 8, 8);
 kernel_tests!(tet4, Tet4, tetrahedron(), 4, 1);
 kernel_tests!(wedge6, Wedge6, wedge(), 6, 6);
 
@@ -372,8 +385,7 @@ fn the_uniform_gradient_is_the_exact_mean() {
 /// On a parallelepiped the shorter form of the one-point brick is the general one.
 #[test]
 fn straight_bricks_are_bricks() {
-    let skew = Mat3::new(1.0, 0.3, -0.2, 0.1, 0.8, 0.4, -0.3, 0.2, 1.3);
-    let corners = hexahedron::CORNERS.map(|x| skew * Vec3::from(x) + Vec3::new(3.0, 5.0, -2.0));
+    let corners = parallelepiped();
     assert!(parallelepiped::is_parallelepiped(&corners));
     assert!(!parallelepiped::is_parallelepiped(&brick()));
     let general = Element::new::<1>(Hex8OnePoint::DEFAULT, corners);
@@ -393,6 +405,94 @@ fn straight_bricks_are_bricks() {
     assert!((general.volume::<1>() - short.volume::<1>()).abs() < 1e-14 * short.volume::<1>());
     let shares = general.kernel.node_shares(&corners);
     assert!(shares.iter().all(|share| (share - 0.125).abs() < 1e-15));
+}
+
+/// The stiffness of the elastic forces of a kernel that has them.
+fn short_stiffness(element: &Element<StraightBrick, 8>) -> DMatrix<f64> {
+    let moduli = [element.medium.lambda(), element.medium.shear()];
+    let mut stiffness = DMatrix::zeros(24, 24);
+    for column in 0..24 {
+        let mut nodal = [[0.0; 3]; 8];
+        nodal[column / 3][column % 3] = 1.0;
+        let modes = element.kernel.modes(&nodal);
+        let modal = element
+            .kernel
+            .elastic_forces(element.geometry(), moduli, &modes);
+        let forces = element.kernel.nodal_forces(&modal.unwrap());
+        for row in 0..24 {
+            stiffness[(row, column)] = forces[row / 3][row % 3];
+        }
+    }
+    stiffness
+}
+
+fn assert_is_general<K: ElementKernel<8, 8>>(general: K, special: StraightBrick, at: [Vec3; 8]) {
+    let general = Element::new::<8>(general, at);
+    let special = Element::new::<8>(special, at);
+    let exact = general.stiffness::<8>();
+    for stiffness in [special.stiffness::<8>(), short_stiffness(&special)] {
+        let error = (stiffness - &exact).norm() / exact.norm();
+        // Edges of 0.4 m and more, up to 20 m from the origin, are rounded to some 1e-14 of their length.
+        assert!(error < 1e-12, "{error} {:?}", special.kernel);
+    }
+    let field = |x: &Vec3| Vec3::new(x.y * x.z, x.z * x.x, x.x * x.y * x.z);
+    let nodal = general.nodal(field);
+    let (strains, own) = (general.strains::<8>(&nodal), special.strains::<8>(&nodal));
+    let most = strains.iter().flat_map(|strain| strain.0);
+    let most = most.fold(0.0_f64, |most, e| most.max(e.abs()));
+    for p in 0..8 {
+        for i in 0..6 {
+            let error = (strains[p].0[i] - own[p].0[i]).abs();
+            assert!(error < 1e-12 * most, "{error} {:?}", special.kernel);
+        }
+    }
+    let volumes = general.kernel.volumes(general.geometry());
+    for (volume, own) in volumes
+        .iter()
+        .zip(special.kernel.volumes(special.geometry()))
+    {
+        assert!((volume - own).abs() < 1e-12 * volume);
+    }
+}
+
+/// On boxes along the axes of any proportions, on boxes that are turned, and on oblique parallelepipeds the shorter
+/// forms of the bricks with 2 x 2 x 2 points are the general ones: elastic forces, forces, strains and volumes.
+#[test]
+fn straight_bricks_with_eight_points_are_bricks() {
+    let mut state = 0.61_f64;
+    let mut random = || {
+        state = (state * 97.13 + 0.211).fract();
+        state
+    };
+    for case in 0..40 {
+        let edges = Vec3::from_fn(|_, _| 0.2 + 4.0 * random());
+        let place = Vec3::from_fn(|_, _| 20.0 * (random() - 0.5));
+        let turn = Rotation3::from_euler_angles(6.0 * random(), 6.0 * random(), 6.0 * random());
+        let shear = Mat3::from_fn(|i, j| f64::from(u8::from(i == j)) + 0.3 * (random() - 0.5));
+        // Half of the boxes are numbered from another corner: two edges point against their axes.
+        let signs = if case % 2 == 0 { 1.0 } else { -1.0 };
+        let corner = |x: [f64; 3]| Vec3::from(x).component_mul(&edges);
+        let boxed = hexahedron::CORNERS.map(|[x, y, z]| corner([signs * x, signs * y, z]) + place);
+        let turned = boxed.map(|x| turn * x);
+        let skewed = boxed.map(|x| shear * x);
+        assert!(straight_brick::is_along_axes(&boxed));
+        for (corners, along_axes) in [
+            (boxed, true),
+            (boxed, false),
+            (turned, false),
+            (skewed, false),
+        ] {
+            assert!(parallelepiped::is_parallelepiped(&corners));
+            assert!(along_axes || corners == boxed || !straight_brick::is_along_axes(&corners));
+            let special = |mean_dilatation| StraightBrick {
+                along_axes,
+                mean_dilatation,
+            };
+            assert_is_general(Hex8Full, special(false), corners);
+            assert_is_general(Hex8BBar, special(true), corners);
+        }
+    }
+    assert!(!straight_brick::is_along_axes(&brick()));
 }
 
 /// The hourglass stiffness of a cube is the stated one: a bending mode of amplitude a holds

@@ -266,7 +266,7 @@ fn lumped(
         }
     }
     if damping.iter().all(|&c| c == 0.0) {
-        damping.clear();
+        damping = Vec::new();
     }
     (mass, damping)
 }

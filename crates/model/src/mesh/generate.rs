@@ -100,7 +100,7 @@ impl Mesh {
     /// # Ok::<(), powerhouse_model::MeshError>(())
     /// ```
     pub fn map_positions(mut self, map: impl Fn(Vec3) -> Vec3) -> Result<Self, MeshError> {
-        for (position, &node) in self.positions.iter_mut().zip(&self.node_tags) {
+        for (position, &node) in self.positions.iter_mut().zip(self.node_tags.iter()) {
             *position = map(*position);
             for axis in [Axis::X, Axis::Y, Axis::Z] {
                 let value = position[axis.index()];
@@ -148,8 +148,8 @@ fn box_of(
         });
     }
     let mut mesh = Mesh {
-        positions: grid(low, high, cells),
-        offsets: vec![0],
+        positions: grid(low, high, cells).into(),
+        offsets: vec![0].into(),
         ..Mesh::default()
     };
     let [nx, ny, nz] = cells;

@@ -12,6 +12,7 @@ mod part;
 mod refine;
 mod select;
 mod shape;
+mod shared;
 mod sides;
 mod slice;
 mod split;
@@ -26,6 +27,7 @@ pub use facet::{FacetGeometry, NodeTributary};
 pub use kind::ElementKind;
 pub use locate::Located;
 pub use select::Axis;
+use shared::Shared;
 pub use split::Split;
 
 /// A facet: one side of one element.
@@ -55,12 +57,12 @@ pub struct Facet {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    pub(crate) positions: Vec<Vec3>,
-    pub(crate) node_tags: Vec<u64>,
-    pub(crate) kinds: Vec<ElementKind>,
-    pub(crate) element_tags: Vec<u64>,
-    pub(crate) offsets: Vec<u32>,
-    pub(crate) connectivity: Vec<u32>,
+    pub(crate) positions: Shared<Vec3>,
+    pub(crate) node_tags: Shared<u64>,
+    pub(crate) kinds: Shared<ElementKind>,
+    pub(crate) element_tags: Shared<u64>,
+    pub(crate) offsets: Shared<u32>,
+    pub(crate) connectivity: Shared<u32>,
     pub(crate) node_sets: BTreeMap<String, Vec<u32>>,
     pub(crate) element_sets: BTreeMap<String, Vec<u32>>,
     pub(crate) facet_sets: BTreeMap<String, Vec<Facet>>,

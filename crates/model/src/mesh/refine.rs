@@ -44,7 +44,7 @@ impl Mesh {
         let mut fine = Self {
             positions: self.positions.clone(),
             node_tags: self.node_tags.clone(),
-            offsets: vec![0],
+            offsets: vec![0].into(),
             ..Self::default()
         };
         let mut of_solids = of_solids.into_iter();

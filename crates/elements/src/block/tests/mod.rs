@@ -1,5 +1,6 @@
 //! What every block must do, whatever its kernel, law, precision and width.
 
+mod boxes;
 mod elastic;
 mod invariance;
 mod location;
