@@ -288,7 +288,7 @@ impl Site {
                 let builder = self.body(builder, seam, lined, Precision::F64)?;
                 let builder = self.on_rollers(builder)?;
                 Ok(if bolted {
-                    builder.embed(self.bolts.block())
+                    builder.embed(Box::new(self.bolts.clone()))
                 } else {
                     builder
                 })
@@ -321,7 +321,7 @@ impl Site {
     fn stillness(&self, state: &State, precision: Precision) -> Outcome<[f64; 2]> {
         let builder = Model::builder(&self.mesh).start(state.clone());
         let builder = self.body(builder, SEAM, true, precision)?;
-        let builder = self.absorbing(builder)?.embed(self.bolts.block());
+        let builder = self.absorbing(builder)?.embed(Box::new(self.bolts.clone()));
         let mut model = builder.build()?;
         let report = model.hand_over(1.0e-3)?;
         println!(

@@ -81,7 +81,7 @@ fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
     match package {
         "powerhouse-model" => Some(&["nalgebra", "thiserror", "serde", "postcard"]),
         "powerhouse-boundary" | "powerhouse-material-damage" => Some(&["nalgebra", "thiserror"]),
-        "powerhouse-contact" => Some(&["nalgebra", "thiserror", "pulp", "serde"]),
+        "powerhouse-contact" => Some(&["nalgebra", "thiserror", "rayon", "pulp", "serde"]),
         "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
         "powerhouse-observe" => Some(&["thiserror", "serde"]),
         "powerhouse-elements" => Some(&["pulp", "serde"]),

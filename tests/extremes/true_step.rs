@@ -154,7 +154,11 @@ fn bolted(ground: &Ground) -> Model {
     let steel = BoltParameters::steel(0.1).unwrap();
     let all: Vec<u32> = (0..ground.mesh.element_count() as u32).collect();
     let bolts = BoltSet::new("bolts", &ground.mesh, &all, &lines, steel).unwrap();
-    ground.free().embed(bolts.block()).build().unwrap()
+    ground
+        .free()
+        .embed(Box::new(bolts.clone()))
+        .build()
+        .unwrap()
 }
 
 /// Two halves, the second of another medium and damping, with an optional bonded joint between them.

@@ -2,33 +2,12 @@
 
 use std::collections::BTreeMap;
 
-/// Sets of nodes that pairs connect, each in rising order.
-pub(crate) fn connected_nodes(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
-    let mut neighbours: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for &[i, j] in pairs {
-        neighbours.entry(i).or_default().push(j);
-        neighbours.entry(j).or_default().push(i);
-    }
-    let mut groups = Vec::new();
-    while let Some((&start, _)) = neighbours.first_key_value() {
-        let mut group = Vec::new();
-        let mut open = vec![start];
-        while let Some(node) = open.pop() {
-            if let Some(next) = neighbours.remove(&node) {
-                group.push(node);
-                open.extend(next);
-            }
-        }
-        group.sort_unstable();
-        groups.push(group);
-    }
-    groups
-}
+use powerhouse_model::ConstraintParts;
 
 /// Indices of pairs that nodes connect, set by set, in the order of the first pair of each.
 pub(crate) fn connected_pairs(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut group_of = BTreeMap::new();
-    for (group, nodes) in connected_nodes(pairs).iter().enumerate() {
+    for (group, nodes) in ConstraintParts::connected_by(pairs).iter().enumerate() {
         group_of.extend(nodes.iter().map(|&node| (node, group)));
     }
     let mut index_of = BTreeMap::new();

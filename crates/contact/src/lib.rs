@@ -33,6 +33,9 @@
 //! angle, rollers, lines where joints meet, corners) is solved by sweeps over the few pairs
 //! concerned, which end in an error rather than in a wrong force.
 //!
+//! *Threads share strips of pairs.* Isolated pairs do not depend on each other; strips of 256 of them are computed side by side,
+//! and their work is summed strip by strip, so that the number of threads changes no bit.
+//!
 //! *Connected pairs are solved together.* Where several pairs share a node (three bodies along one line) one
 //! pass over the pairs leaves gaps: each correction opens what the last one closed, and with a light
 //! node between heavy ones even a hundred thousand sweeps do not converge. Pairs that hold are therefore

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    Constraint, ConstraintWork, Mat3, ModelError, PredictedMotion, RunError, Vec3,
+    Constraint, ConstraintParts, ConstraintWork, Mat3, ModelError, PredictedMotion, RunError, Vec3,
 };
 
 use crate::ContactError;
-use crate::connected::connected_nodes;
 
 /// Constraint that holds the nodes of each pair together.
 ///
@@ -43,11 +42,11 @@ impl TiedPairs {
         if let Some([node, _]) = pairs.iter().find(|[i, j]| i == j) {
             return Err(ContactError::SelfPair { node: *node }.into());
         }
-        let groups = connected_nodes(pairs);
-        let mut nodes: Vec<u32> = groups.iter().flatten().copied().collect();
+        let groups = ConstraintParts::connected_by(pairs);
+        let mut nodes = groups.nodes().to_vec();
         nodes.sort_unstable();
         let index: BTreeMap<u32, u32> = nodes.iter().copied().zip(0..).collect();
-        let members: Vec<u32> = groups.iter().flatten().map(|node| index[node]).collect();
+        let members: Vec<u32> = groups.nodes().iter().map(|node| index[node]).collect();
         let ends = groups.iter().scan(0, |end, group| {
             *end += group.len() as u32;
             Some(*end)
@@ -72,6 +71,16 @@ impl Constraint for TiedPairs {
     }
     fn nodes(&self) -> &[u32] {
         &self.nodes
+    }
+    fn parts(&self) -> ConstraintParts {
+        let mut start = 0;
+        let groups = self.ends.iter().map(|&end| {
+            let group = &self.members[start..end as usize];
+            start = end as usize;
+            group.iter().map(|&m| self.nodes[m as usize]).collect()
+        });
+        let groups: Vec<Vec<u32>> = groups.collect();
+        ConstraintParts::merged(groups.iter().map(|group| &group[..]))
     }
     fn ties(&self) -> Vec<[u32; 2]> {
         let mut ties = Vec::new();

@@ -63,6 +63,12 @@
 //! the reverse Cuthill-McKee order costs 2.0. Larger meshes get larger blocks. Inside a block elements and
 //! nodes keep that order, so that the elements of one SIMD batch read neighbouring nodes.
 //!
+//! *Bolts are in a block for each block of their hosts*, by the host element at the head: their forces are computed beside those
+//! of other blocks, and each of these blocks needs little more than the nodes of its host.
+//!
+//! *Constraints have parts* ([`Model::constraint_parts`]): nodes whose motion must be computed together, such as those of node pairs
+//! that share nodes. Whoever divides a body among processes places each part where all its nodes are.
+//!
 //! *Velocity update (kick) and displacement update (drift) share a pass over the nodes.* The kick of nodes
 //! with a mass only is deferred to the drift, so that forces, velocity and displacement go through the cache
 //! once. Observers and the energy balance, which are evaluated between the two, take the new velocity from the

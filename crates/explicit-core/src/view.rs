@@ -104,10 +104,7 @@ impl StepView for View<'_> {
         block.shown_history(index as usize, variable)
     }
     fn embedded(&self, block: &str, variable: &str) -> Option<Vec<f64>> {
-        let name = format!("{block}/{variable}");
-        let block = self.model.embedded_block(block)?;
-        let mut fields = block.history().into_iter();
-        Some(fields.find(|field| field.name == name)?.values)
+        self.model.embedded_values(block, variable)
     }
     fn joints(&self) -> Vec<JointView<'_>> {
         self.model.joints().collect()

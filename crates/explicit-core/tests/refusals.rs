@@ -5,8 +5,9 @@ mod support;
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Model};
 use powerhouse_model::{
-    BoundaryParts, ElementKind, EngineError, Mat3, Mesh, MeshError, ModelError, ModelSpec,
-    NodalImpedance, PeriodicPairs, Precision, Prescribed, Support, Vec3,
+    BoundaryParts, Constraint, ConstraintParts, ConstraintWork, ElementKind, EngineError, Mat3,
+    Mesh, MeshError, ModelError, ModelSpec, NodalImpedance, PeriodicPairs, Precision,
+    PredictedMotion, Prescribed, RunError, Support, Vec3,
 };
 use support::{Links, chain, hex_box};
 
@@ -234,4 +235,60 @@ fn periodic_faces_that_do_not_match_are_refused() {
         fewer,
         EngineError::PeriodicMismatch { from: 3, to: 2, .. }
     ));
+}
+
+/// Holds nodes in place, in parts that it states.
+struct Held {
+    nodes: Vec<u32>,
+    parts: Vec<Vec<u32>>,
+}
+
+impl Constraint for Held {
+    fn name(&self) -> &str {
+        "held"
+    }
+    fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    fn parts(&self) -> ConstraintParts {
+        ConstraintParts::merged(self.parts.iter().map(|part| &part[..]))
+    }
+    fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
+        motion.velocity.fill(Vec3::zeros());
+        Ok(ConstraintWork::default())
+    }
+}
+
+/// The parts of a model are those of its constraints and its periodic pairs, joined where they share nodes; a constraint
+/// whose parts lack a node of it, or have another one, is refused with the number of that node.
+#[test]
+fn parts_of_constraints_have_each_node_once() {
+    let mesh = hex_box([3, 3, 3], 1.0, 0.0);
+    let with_parts = |parts: &[&[u32]]| {
+        let held = Held {
+            nodes: vec![5, 9, 2, 14],
+            parts: parts.iter().map(|part| part.to_vec()).collect(),
+        };
+        let pairs = PeriodicPairs {
+            pairs: vec![(9, 30), (40, 41)],
+        };
+        model(&mesh).constraint(Box::new(held)).periodic(pairs)
+    };
+    let built = with_parts(&[&[5, 2], &[14], &[9]]).build().unwrap();
+    let parts = built.constraint_parts();
+    let expected: [&[u32]; 4] = [&[2, 5], &[9, 30], &[14], &[40, 41]];
+    assert_eq!(parts.iter().collect::<Vec<_>>(), expected);
+    assert_eq!(parts.divided(|node| node < 20), Some(1));
+    let cases: [(&[&[u32]], u32); 3] = [
+        (&[&[5, 2], &[14]], 9),
+        (&[&[5, 2, 9], &[14, 50]], 50),
+        (&[], 2),
+    ];
+    for (parts, wanted) in cases {
+        let EngineError::ConstraintParts { constraint, node } = refusal(with_parts(parts)) else {
+            panic!("{parts:?}");
+        };
+        assert_eq!(constraint, "held");
+        assert_eq!(node, mesh.node_tags()[wanted as usize]);
+    }
 }

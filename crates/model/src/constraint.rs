@@ -1,6 +1,8 @@
 //! Kinematic constraints and joints, which correct a predicted motion.
 
-use crate::{JointHistory, JointView, Mat3, Renewal, RunError, StateError, StepTime, Vec3};
+use crate::{
+    ConstraintParts, JointHistory, JointView, Mat3, Renewal, RunError, StateError, StepTime, Vec3,
+};
 
 /// Motion of a constraint's nodes as the integrator predicts it without the constraint.
 ///
@@ -119,6 +121,11 @@ pub trait Constraint: Send {
     fn name(&self) -> &str;
     /// Mesh indices of the nodes that it reads and corrects, each at most once.
     fn nodes(&self) -> &[u32];
+    /// Its parts: nodes that must be corrected together, each of [`nodes`](Self::nodes) in one part; by default all in one, which
+    /// is right for any constraint.
+    fn parts(&self) -> ConstraintParts {
+        ConstraintParts::whole(self.nodes())
+    }
     /// Prepares for steps of a length (s) and inverse effective masses (1/kg, in the order of
     /// [`nodes`](Self::nodes)). Called before the first step and whenever they change, so that what
     /// depends on them alone is computed once.

@@ -194,6 +194,16 @@ pub enum EngineError {
         /// Name of the second constraint.
         second: String,
     },
+    /// A constraint whose [parts](crate::Constraint::parts) do not have each of its nodes once.
+    #[error(
+        "the parts of constraint '{constraint}' do not have each of its nodes once: look at node {node}"
+    )]
+    ConstraintParts {
+        /// Name of the constraint.
+        constraint: String,
+        /// Number of the first node that is missing, superfluous or has two parts.
+        node: u64,
+    },
     /// Two faces whose nodes do not match as periodic pairs, in
     /// [`PeriodicPairs::by_translation`](crate::PeriodicPairs::by_translation).
     #[error(

@@ -171,10 +171,11 @@ pub struct JointRecord {
     /// Tangential displacement of the second side at which the pair sticks (m, along both tangents); none
     /// before its first step.
     pub anchor: Option<[f64; 2]>,
-    /// Time at the start of the first step in which the pair slipped (s); `None` if it never did.
+    /// Time at the start of the first step in which the pair slipped (s); `None` if it never did. In a run after
+    /// construction stages the time at which the run starts, if the pair slipped in a stage.
     pub first_slip: Option<f64>,
     /// Time at the start of the first step in which the pair was open (s), as from the start with an initial gap; `None`
-    /// if it never was.
+    /// if it never was. In a run after construction stages the time at which the run starts, if the pair opened in a stage.
     pub first_crack: Option<f64>,
     /// Energy dissipated by friction so far (J), less the work of dilation against the pressure.
     pub friction: f64,

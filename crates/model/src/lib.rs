@@ -22,6 +22,7 @@
 mod assembly;
 mod boundary;
 mod constraint;
+mod constraint_parts;
 mod contact_law;
 mod disjoint_sets;
 mod elastic_domain;
@@ -64,6 +65,7 @@ pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
+pub use constraint_parts::ConstraintParts;
 pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
 pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
@@ -71,7 +73,7 @@ pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
     HistoryUpdate, LimitingTerm, Operator,
 };
-pub use embedded_bars::{AXIAL_FORCE, EmbeddedBars};
+pub use embedded_bars::{AXIAL_FORCE, EmbeddedBars, EmbeddedElements};
 pub use engine::{
     Cadence, Dynamics, Fields, Flow, ForceTerms, FrequencyLimits, MassDampingRule, Observer,
     StepView, TimeIntegrator,

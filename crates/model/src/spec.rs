@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::{
-    BlockFactory, BoundaryParts, Constraint, ElementBlock, Mesh, NodalLoad, PeriodicPairs,
+    BlockFactory, BoundaryParts, Constraint, EmbeddedElements, Mesh, NodalLoad, PeriodicPairs,
     Prescribed, State, Support, TimeFunction, Vec3,
 };
 
@@ -61,8 +61,8 @@ pub struct ModelSpec<'a> {
     pub boundaries: Vec<BoundaryParts>,
     /// Constraints, such as joints.
     pub constraints: Vec<Box<dyn Constraint>>,
-    /// Embedded blocks, such as bolts: elements that act on nodes of the mesh.
-    pub embedded: Vec<Box<dyn ElementBlock>>,
+    /// Embedded elements, such as bolts, which act on nodes of the mesh.
+    pub embedded: Vec<Box<dyn EmbeddedElements>>,
     /// Initial state; none for a body at rest at time zero.
     pub start: Option<State>,
     /// Number of threads; none for all of the machine.
@@ -154,13 +154,11 @@ impl<'a> ModelSpec<'a> {
         self.constraints.push(constraint);
         self
     }
-    /// Adds an embedded block: elements that act on nodes of the mesh, such as
-    /// bolts. Its history variables have names of their
-    /// own, under which a state stores them. If the initial state has no such variables, the block is installed at the
-    /// present displacement, without force but for its pretension.
+    /// Adds embedded elements, which act on nodes of the mesh, such as bolts. If the initial state has no history
+    /// variables of theirs, they are installed at the present displacement, without force but for their pretension.
     #[must_use]
-    pub fn embed(mut self, block: Box<dyn ElementBlock>) -> Self {
-        self.embedded.push(block);
+    pub fn embed(mut self, elements: Box<dyn EmbeddedElements>) -> Self {
+        self.embedded.push(elements);
         self
     }
     /// Sets the number of threads, 1 to 4096, by default all of the machine; the results are bitwise the same.

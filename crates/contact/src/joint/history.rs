@@ -1,5 +1,7 @@
 //! History variables of the pairs of a joint.
 
+use core::ops::Range;
+
 use powerhouse_model::{ContactLaw, JointHistory};
 
 /// History variables of the pairs of one law, those of a pair side by side.
@@ -12,7 +14,19 @@ pub(super) struct PairHistories<'a> {
     pub(super) values: &'a mut [f64],
 }
 
-impl PairHistories<'_> {
+impl<'a> PairHistories<'a> {
+    /// Cuts off the values of a range of pairs, and what precedes them.
+    pub(super) fn take(&mut self, pairs: &Range<usize>) -> PairHistories<'a> {
+        let values = core::mem::take(&mut self.values);
+        let (_, from) = values.split_at_mut((pairs.start - self.first) * self.variables);
+        let (own, rest) = from.split_at_mut(pairs.len() * self.variables);
+        (self.first, self.values) = (pairs.end, rest);
+        PairHistories {
+            variables: self.variables,
+            first: pairs.start,
+            values: own,
+        }
+    }
     /// Copies the values of some pairs, by their indices among the pairs of the joint, to the front of two
     /// lists.
     pub(super) fn gather(&self, pairs: &[u32], rows: &mut [Vec<f64>; 2]) {

@@ -3,15 +3,15 @@
 
 use powerhouse_model::{
     ConstraintWork, ContactLaw, ContactState, JointInputs, JointPair, JointRecord, JointResponses,
-    JointState, Mat3, PredictedMotion, Vec3,
+    JointState, Mat3, Vec3,
 };
 
 use super::Side;
 use super::bookkeeping::{Outcome, update};
-use super::history::PairHistories;
+use super::strips::{Step, Window, Windows};
 
 /// Number of pairs that the loops process side by side.
-const TILE: usize = 16;
+pub(super) const TILE: usize = 16;
 
 /// One number of each pair of a tile.
 type Row = [f64; TILE];
@@ -98,12 +98,8 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    /// Tiles of pairs, for a step (s).
-    pub(super) fn all(pairs: &[IsolatedPair], step: f64) -> impl Iterator<Item = Self> {
-        pairs.chunks(TILE).map(move |pairs| Self::new(pairs, step))
-    }
-
-    fn new(pairs: &[IsolatedPair], step: f64) -> Self {
+    /// Tile of at most [`TILE`] pairs, for a step (s).
+    pub(super) fn new(pairs: &[IsolatedPair], step: f64) -> Self {
         const ZEROS: Row = [0.0; TILE];
         let mut tile = Self {
             count: pairs.len(),
@@ -166,82 +162,10 @@ fn get(rows: &Rows, k: usize) -> Vec3 {
     Vec3::new(rows[0][k], rows[1][k], rows[2][k])
 }
 
-/// Corrects the motion of isolated pairs; returns the work of their forces.
-///
-/// The stick trial is the traction that ends a step without overlap and without slip,
-/// `T = T0 + (w + g / dt) / (dt W A)` with `W = 1/a_i + 1/a_j` (Wang, Chen & Xiao 2019, Eq. 20, for
-/// velocities half a step apart and effective masses `a`). The law reduces it to what is admissible.
-pub(super) fn correct<L: ContactLaw>(
-    law: &L,
-    tiles: &[Tile],
-    records: &mut [JointRecord],
-    history: PairHistories,
-    motion: &mut PredictedMotion,
-) -> ConstraintWork {
-    // Wider instructions where the processor has them; they change no bit. Laws without history have
-    // a pass of their own, which is spared that of the others.
-    if history.variables == 0 {
-        pulp::Arch::new().dispatch(Pass::<L, false> {
-            law,
-            tiles,
-            records,
-            history,
-            motion,
-        })
-    } else {
-        pulp::Arch::new().dispatch(Pass::<L, true> {
-            law,
-            tiles,
-            records,
-            history,
-            motion,
-        })
-    }
-}
-
-/// Pass over the tiles of a law with or without history. A type of its own, since a closure passed to
-/// the dispatch may end up in a function that is not compiled for the processor at hand.
-struct Pass<'a, 'm, L, const HISTORY: bool> {
-    law: &'a L,
-    tiles: &'a [Tile],
-    records: &'a mut [JointRecord],
-    history: PairHistories<'a>,
-    motion: &'a mut PredictedMotion<'m>,
-}
-
-impl<L: ContactLaw, const HISTORY: bool> pulp::NullaryFnOnce for Pass<'_, '_, L, HISTORY> {
-    type Output = ConstraintWork;
-    #[inline(always)]
-    fn call(mut self) -> ConstraintWork {
-        let mut work = ConstraintWork::default();
-        let mut step = TileStep::default();
-        // Committed and new history variables of a tile.
-        let mut rows = [const { Vec::new() }; 2];
-        if HISTORY {
-            rows = [0, 1].map(|_| vec![0.0; TILE * self.history.variables]);
-        }
-        for tile in self.tiles {
-            tile.predict::<HISTORY>(&mut step, self.records, self.motion);
-            if HISTORY {
-                self.history.gather(&tile.index[..tile.count], &mut rows);
-            }
-            let variables = if HISTORY { self.history.variables } else { 0 };
-            tile.admit(self.law, &mut step, self.motion, (variables, &mut rows));
-            if HISTORY {
-                let new = &rows[1];
-                self.history.scatter(&tile.index[..tile.count], new);
-            }
-            tile.correct(&mut step, self.motion);
-            tile.update::<HISTORY>(&step, self.records, self.motion, &mut work);
-        }
-        work
-    }
-}
-
 /// Working arrays of a tile in one step: components along normals and tangents, unless stated
 /// otherwise.
 #[repr(align(64))]
-struct TileStep {
+pub(super) struct TileStep {
     /// Relative displacement and velocities before the step and as predicted, in space.
     displacement: Rows,
     previous: Rows,
@@ -304,21 +228,28 @@ impl Default for TileStep {
 }
 
 impl Tile {
+    /// Indices of its pairs among those of the joint.
+    #[inline(always)]
+    pub(super) fn pairs(&self) -> &[u32] {
+        &self.index[..self.count]
+    }
+
     /// Computes the trial tractions.
     #[inline(always)]
-    fn predict<const HISTORY: bool>(
+    pub(super) fn predict<const HISTORY: bool>(
         &self,
         step: &mut TileStep,
-        records: &[JointRecord],
-        motion: &PredictedMotion,
+        windows: &Windows,
+        motion: &Step,
     ) {
         for k in 0..self.count {
             let (heavy, light) = (self.heavy[k] as usize, self.light[k] as usize);
             let relative = |values: &[Vec3]| values[light] - values[heavy];
+            let predicted = windows.velocity.get(light) - windows.velocity.get(heavy);
             put(&mut step.displacement, k, &relative(motion.displacement));
             put(&mut step.previous, k, &relative(motion.previous));
-            put(&mut step.predicted, k, &relative(motion.velocity));
-            let record = &records[self.index[k] as usize];
+            put(&mut step.predicted, k, &predicted);
+            let record = windows.records.get(self.index[k] as usize);
             step.state[k] = record.state;
             let [first, second] = record.anchor.unwrap_or_default();
             (step.anchor[0][k], step.anchor[1][k]) = (first, second);
@@ -375,11 +306,11 @@ impl Tile {
 
     /// Evaluates the law; rows are the committed and the new history of so many variables per pair.
     #[inline(always)]
-    fn admit<L: ContactLaw>(
+    pub(super) fn admit<L: ContactLaw>(
         &self,
         law: &L,
         step: &mut TileStep,
-        motion: &PredictedMotion,
+        motion: &Step,
         (variables, [old, new]): (usize, &mut [Vec<f64>; 2]),
     ) {
         let count = self.count;
@@ -402,7 +333,12 @@ impl Tile {
 
     /// Changes the velocities by the admitted tractions.
     #[inline(always)]
-    fn correct(&self, step: &mut TileStep, motion: &mut PredictedMotion) {
+    pub(super) fn correct(
+        &self,
+        step: &mut TileStep,
+        motion: &Step,
+        velocities: &mut Window<Vec3>,
+    ) {
         let mut traction: Rows = [[0.0; TILE]; 3];
         let mut sticks: Row = [0.0; TILE];
         for k in 0..self.count {
@@ -450,20 +386,20 @@ impl Tile {
             }
         }
         for k in 0..self.count {
-            let heavy = &mut motion.velocity[self.heavy[k] as usize];
+            let heavy = velocities.at(self.heavy[k] as usize);
             *heavy += get(&step.change, k);
             let velocity = *heavy;
-            motion.velocity[self.light[k] as usize] = velocity + get(&step.after, k);
+            *velocities.at(self.light[k] as usize) = velocity + get(&step.after, k);
         }
     }
 
     /// Updates the records by the step and sums up its work.
     #[inline(always)]
-    fn update<const HISTORY: bool>(
+    pub(super) fn update<const HISTORY: bool>(
         &self,
         step: &TileStep,
-        records: &mut [JointRecord],
-        motion: &PredictedMotion,
+        records: &mut Window<JointRecord>,
+        motion: &Step,
         work: &mut ConstraintWork,
     ) {
         for k in 0..self.count {
@@ -477,7 +413,7 @@ impl Tile {
                 along: step.along[k],
                 path: step.path[k],
             };
-            update::<HISTORY>(&mut records[self.index[k] as usize], &outcome, work);
+            update::<HISTORY>(records.at(self.index[k] as usize), &outcome, work);
             work.external -= step.external[k];
         }
     }

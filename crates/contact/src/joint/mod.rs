@@ -7,22 +7,24 @@ mod isolated;
 mod matrices;
 mod saved;
 mod solve;
+mod strips;
 
 use core::ops::Range;
 use std::collections::{HashMap, VecDeque};
 
 use powerhouse_model::{
-    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, JointHistory, JointInput,
-    JointPair, JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion, Renewal,
-    RunError, StateError, Vec3,
+    Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, JointHistory,
+    JointInput, JointPair, JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion,
+    Renewal, RunError, StateError, Vec3,
 };
 
 use crate::ContactError;
 use crate::connected::connected_pairs;
 use group::Group;
 use history::{PairHistories, initial_history, restored_history};
-use isolated::{IsolatedPair, Tile, isotropic_masses};
+use isolated::{IsolatedPair, isotropic_masses};
 use solve::Effort;
+use strips::Strip;
 
 /// Initial conditions of a pair.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,7 +54,7 @@ struct Member<L> {
     /// Index of its first history variable among those of the constraint.
     history_start: usize,
     /// Its isolated pairs, for the step in use.
-    tiles: Vec<Tile>,
+    strips: Vec<Strip>,
 }
 
 impl<L> Member<L> {
@@ -179,7 +181,7 @@ impl<L: ContactLaw> Joint<L> {
                 start: 0,
                 end: pairs.len(),
                 history_start: 0,
-                tiles: Vec::new(),
+                strips: Vec::new(),
             }],
             name,
             vec![Side::default(); pairs.len()],
@@ -374,6 +376,11 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         &self.nodes
     }
 
+    fn parts(&self) -> ConstraintParts {
+        let pairs: Vec<[u32; 2]> = self.pairs.iter().map(|pair| pair.nodes).collect();
+        ConstraintParts::connected_by(&pairs)
+    }
+
     fn prepare(&mut self, step: f64, inverse_mass: &[Mat3]) {
         self.prepared = Some(step);
         let mut isolated = Vec::new();
@@ -406,7 +413,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         let mut start = 0;
         for member in &mut self.members {
             let end = isolated.partition_point(|pair| (pair.index as usize) < member.end);
-            member.tiles = Tile::all(&isolated[start..end], step).collect();
+            member.strips = Strip::all(&isolated[start..end], step, member.variables);
             start = end;
         }
     }
@@ -416,15 +423,15 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             self.prepare(motion.step, motion.inverse_mass);
         }
         let mut work = ConstraintWork::default();
-        for member in &self.members {
+        for member in &mut self.members {
             let records = &mut self.records;
             let history = PairHistories {
                 variables: member.variables,
                 first: member.start,
                 values: &mut self.history[member.history()],
             };
-            let (law, tiles) = (&member.law, &member.tiles);
-            work += isolated::correct(law, tiles, records, history, &mut motion);
+            let (law, strips) = (&member.law, &mut member.strips);
+            work += strips::correct(law, strips, records, history, &mut motion);
         }
         let members = Members(&self.members);
         for group in &mut self.groups {

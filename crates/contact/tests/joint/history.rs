@@ -10,7 +10,7 @@ use crate::{Bodies, Noise, oblique};
 
 /// Coulomb friction that sums up the slip that its tractions leave, and counts steps from `first` on.
 #[derive(Clone)]
-struct Counting {
+pub(crate) struct Counting {
     friction: BondedCoulomb,
     first: f64,
 }
@@ -20,7 +20,7 @@ const VARIABLES: [HistoryVariable; 2] = [
     HistoryVariable::amount("steps", "1"),
 ];
 
-fn counting(first: f64) -> Counting {
+pub(crate) fn counting(first: f64) -> Counting {
     let friction = BondedCoulomb::unbonded(0.5, 0.5).unwrap();
     Counting { friction, first }
 }

@@ -7,6 +7,7 @@ mod friction;
 mod history;
 mod impact;
 mod pairs;
+mod threads;
 
 use powerhouse_model::{
     Constraint, ConstraintWork, Mat3, PredictedMotion, RunError, StepTime, Vec3,

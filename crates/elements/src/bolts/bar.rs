@@ -1,8 +1,8 @@
-//! Axial model of a bolt: an elastoplastic bar in elastoplastic grout.
+//! Axial model of a bolt in grout: an elastoplastic bar in elastoplastic grout.
 
 use super::{BoltEnd, BoltParameters, Grout};
 
-/// The bar of one bolt: consecutive segments, each with two end points in the rock.
+/// The bar of one bolt in grout: consecutive segments, each with two end points in the rock.
 #[derive(Clone, Debug)]
 pub(super) struct Bar {
     /// Axial stiffness of each segment, `E A / l` (N/m).
@@ -10,7 +10,7 @@ pub(super) struct Bar {
     lengths: Vec<f64>,
     yield_force: f64,
     pretension: f64,
-    grout: Option<Grout>,
+    grout: Grout,
 }
 
 /// History variables of a bar, segment by segment.
@@ -42,14 +42,14 @@ const BALANCED: f64 = 1.0e-12;
 const NEARLY_BALANCED: f64 = 1.0e-9;
 
 impl Bar {
-    pub(super) fn new(parameters: &BoltParameters, lengths: Vec<f64>) -> Self {
+    pub(super) fn new(parameters: &BoltParameters, grout: Grout, lengths: Vec<f64>) -> Self {
         let axial = parameters.young * parameters.area;
         Self {
             stiffness: lengths.iter().map(|length| axial / length).collect(),
             lengths,
             yield_force: parameters.yield_force,
             pretension: parameters.pretension,
-            grout: parameters.grout,
+            grout,
         }
     }
 
@@ -69,26 +69,16 @@ impl Bar {
     pub(super) fn stored(&self, state: &BarState) -> f64 {
         let bars = state.force.iter().zip(&self.stiffness);
         let mut energy: f64 = bars.map(|(force, k)| 0.5 * force * force / k).sum();
-        if let Some(grout) = &self.grout {
-            for (pair, length) in state.grout.iter().zip(&self.lengths) {
-                let stiffness = 0.5 * grout.stiffness * length;
-                energy += 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]) / stiffness;
-            }
+        for (pair, length) in state.grout.iter().zip(&self.lengths) {
+            let stiffness = 0.5 * self.grout.stiffness * length;
+            energy += 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]) / stiffness;
         }
         energy
     }
 
-    /// The grout; none for a bar tied to the rock.
-    pub(super) fn grout(&self) -> Option<&Grout> {
-        self.grout.as_ref()
-    }
-
-    /// Writes the new state of a bar without grout whose segments have an `elongation` (m) since installation.
-    pub(super) fn stretch(&self, elongation: &[f64], old: &BarState, new: &mut BarState) {
-        new.dissipated = old.dissipated;
-        for (k, &elongation) in elongation.iter().enumerate() {
-            self.pull(k, elongation, old, new);
-        }
+    /// Number of segments.
+    pub(super) fn segment_count(&self) -> usize {
+        self.lengths.len()
     }
 
     /// Writes the new state of a segment and returns its axial force (N).
@@ -107,18 +97,19 @@ impl Bar {
     /// not converge.
     pub(super) fn forces(
         &self,
-        grout: &Grout,
         moved: &[[f64; 2]],
         old: &BarState,
         new: &mut BarState,
         out: &mut [[f64; 2]],
+        balance: &mut Balance,
     ) -> Option<()> {
-        let w = self.balance(grout, moved, old)?;
+        self.balance(moved, old, balance)?;
+        let (grout, w) = (&self.grout, &balance.w);
         new.dissipated = old.dissipated;
         for k in 0..self.lengths.len() {
             self.pull(k, w[k + 1] - w[k], old, new);
             for end in 0..2 {
-                let (trial, force, stiffness) = self.grout_force(grout, (k, end), &w, moved, old);
+                let (trial, force, stiffness) = self.grout_force((k, end), w, moved, old);
                 let flow = (trial - force) / stiffness;
                 new.slip[k][end] = old.slip[k][end] + flow;
                 new.dissipated += 0.5 * (old.grout[k][end] + force) * flow;
@@ -139,12 +130,12 @@ impl Bar {
     /// Elastic trial force and force (N) of the grout at an end of a segment, and its elastic stiffness (N/m).
     fn grout_force(
         &self,
-        grout: &Grout,
         (k, end): (usize, usize),
         w: &[f64],
         moved: &[[f64; 2]],
         old: &BarState,
     ) -> (f64, f64, f64) {
+        let grout = &self.grout;
         let half = 0.5 * self.lengths[k];
         let stiffness = grout.stiffness * half;
         let trial = stiffness * (w[k + end] - moved[k][end] - old.slip[k][end]);
@@ -152,48 +143,52 @@ impl Bar {
         (trial, trial.clamp(-strength, strength), stiffness)
     }
 
-    /// Axial displacement (m) of the bar at the ends of its segments, in equilibrium with the grout.
+    /// Computes the axial displacement `w` (m) of the bar at the ends of its segments, in equilibrium with the grout.
     ///
     /// Newton's method with line search on a convex, piecewise quadratic energy.
-    fn balance(&self, grout: &Grout, moved: &[[f64; 2]], old: &BarState) -> Option<Vec<f64>> {
+    fn balance(&self, moved: &[[f64; 2]], old: &BarState, balance: &mut Balance) -> Option<()> {
         let count = self.lengths.len();
-        let mut w: Vec<f64> = (0..=count)
-            .map(|i| {
-                let before = i.checked_sub(1).map(|k| moved[k][1]);
-                let after = moved.get(i).map(|ends| ends[0]);
-                match (before, after) {
-                    (Some(a), Some(b)) => 0.5 * (a + b),
-                    (a, b) => a.or(b).unwrap_or(0.0),
-                }
-            })
-            .collect();
-        let mut system = Tridiagonal::new(count + 1);
+        let Balance {
+            w,
+            step,
+            tried,
+            system,
+        } = balance;
+        w.clear();
+        w.extend((0..=count).map(|i| {
+            let before = i.checked_sub(1).map(|k| moved[k][1]);
+            let after = moved.get(i).map(|ends| ends[0]);
+            match (before, after) {
+                (Some(a), Some(b)) => 0.5 * (a + b),
+                (a, b) => a.or(b).unwrap_or(0.0),
+            }
+        }));
+        system.reset(count + 1);
         system.held = [
-            grout.head == BoltEnd::Anchored,
-            grout.toe == BoltEnd::Anchored,
+            self.grout.head == BoltEnd::Anchored,
+            self.grout.toe == BoltEnd::Anchored,
         ];
         let mut best = f64::INFINITY;
         for _ in 0..MOST_CORRECTIONS {
-            let scale = self.assemble(grout, &w, moved, old, &mut system);
+            let scale = self.assemble(w, moved, old, system);
             let size = system.size();
             let nearly = size <= NEARLY_BALANCED * scale && size >= 0.5 * best;
             if size <= BALANCED * scale || nearly {
-                return Some(w);
+                return Some(());
             }
             best = best.min(size);
-            let step = system.solve();
-            let tried = |share: f64| -> Vec<f64> {
-                w.iter().zip(&step).map(|(w, s)| w + share * s).collect()
+            system.solve(step);
+            let mut power = |share: f64, tried: &mut Vec<f64>| {
+                tried.clear();
+                tried.extend(w.iter().zip(&*step).map(|(w, s)| w + share * s));
+                self.assemble(tried, moved, old, system);
+                system.power(step)
             };
-            let mut power = |share: f64| {
-                self.assemble(grout, &tried(share), moved, old, &mut system);
-                system.power(&step)
-            };
-            let first = power(0.0);
+            let first = power(0.0, tried);
             let (mut low, mut high) = (0.0, 1.0);
             let mut share = 1.0;
             for _ in 0..MOST_HALVINGS {
-                let now = power(share);
+                let now = power(share, tried);
                 if now >= 0.0 {
                     low = share;
                 } else {
@@ -204,7 +199,9 @@ impl Bar {
                 }
                 share = 0.5 * (low + high);
             }
-            w = tried(share);
+            for (w, step) in w.iter_mut().zip(&*step) {
+                *w += share * step;
+            }
         }
         None
     }
@@ -212,7 +209,6 @@ impl Bar {
     /// Assembles tangent and unbalanced forces; returns the largest force of bar and grout (N).
     fn assemble(
         &self,
-        grout: &Grout,
         w: &[f64],
         moved: &[[f64; 2]],
         old: &BarState,
@@ -236,7 +232,7 @@ impl Bar {
             system.diagonal[k + 1] += tangent;
             system.beside[k] -= tangent;
             for end in 0..2 {
-                let (trial, force, stiffness) = self.grout_force(grout, (k, end), w, moved, old);
+                let (trial, force, stiffness) = self.grout_force((k, end), w, moved, old);
                 scale = scale.max(force.abs());
                 system.rest[k + end] -= force;
                 system.diagonal[k + end] += if force == trial {
@@ -251,34 +247,37 @@ impl Bar {
     }
 
     /// Elastic axial forces (N) at the two ends of each segment.
-    pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]]) {
-        let Some(grout) = self.grout else {
-            for ((out, moved), stiffness) in out.iter_mut().zip(moved).zip(&self.stiffness) {
-                let force = stiffness * (moved[1] - moved[0]);
-                *out = [-force, force];
-            }
-            return;
-        };
-        let grout = Grout {
-            strength: f64::INFINITY,
-            ..grout
-        };
+    pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]], balance: &mut Balance) {
         let free = Self {
             yield_force: f64::INFINITY,
             pretension: 0.0,
-            grout: Some(grout),
+            grout: Grout {
+                strength: f64::INFINITY,
+                ..self.grout
+            },
             stiffness: self.stiffness.clone(),
             lengths: self.lengths.clone(),
         };
-        let mut new = free.installed();
-        let old = free.installed();
-        if free.forces(&grout, moved, &old, &mut new, out).is_none() {
+        let (old, mut new) = (free.installed(), free.installed());
+        let found = free.forces(moved, &old, &mut new, out, balance);
+        if found.is_none() {
             out.fill([0.0; 2]);
         }
     }
 }
 
+/// Working arrays of the equilibrium of a bar with its grout.
+#[derive(Debug, Default)]
+pub(super) struct Balance {
+    /// Axial displacement (m) of the bar at the ends of its segments.
+    w: Vec<f64>,
+    step: Vec<f64>,
+    tried: Vec<f64>,
+    system: Tridiagonal,
+}
+
 /// A symmetric tridiagonal system of equations.
+#[derive(Debug, Default)]
 struct Tridiagonal {
     diagonal: Vec<f64>,
     /// Off-diagonal entries.
@@ -287,16 +286,16 @@ struct Tridiagonal {
     rest: Vec<f64>,
     /// Whether the first and the last unknown are fixed.
     held: [bool; 2],
+    /// The diagonal in the course of the elimination.
+    pivots: Vec<f64>,
 }
 
 impl Tridiagonal {
-    fn new(count: usize) -> Self {
-        Self {
-            diagonal: vec![0.0; count],
-            beside: vec![0.0; count - 1],
-            rest: vec![0.0; count],
-            held: [false; 2],
-        }
+    /// Sets the number of unknowns.
+    fn reset(&mut self, count: usize) {
+        self.diagonal.resize(count, 0.0);
+        self.beside.resize(count - 1, 0.0);
+        self.rest.resize(count, 0.0);
     }
     fn clear(&mut self) {
         self.diagonal.fill(0.0);
@@ -322,20 +321,21 @@ impl Tridiagonal {
     fn power(&self, step: &[f64]) -> f64 {
         self.rest.iter().zip(step).map(|(r, s)| r * s).sum()
     }
-    /// The solution, by elimination without pivoting: the matrix is positive definite.
-    fn solve(&self) -> Vec<f64> {
+    /// Computes the solution, by elimination without pivoting: the matrix is positive definite.
+    fn solve(&mut self, solution: &mut Vec<f64>) {
         let count = self.diagonal.len();
-        let (mut diagonal, mut rest) = (self.diagonal.clone(), self.rest.clone());
+        let pivots = &mut self.pivots;
+        pivots.clone_from(&self.diagonal);
+        solution.clone_from(&self.rest);
         for i in 1..count {
-            let factor = self.beside[i - 1] / diagonal[i - 1];
-            diagonal[i] -= factor * self.beside[i - 1];
-            rest[i] -= factor * rest[i - 1];
+            let factor = self.beside[i - 1] / pivots[i - 1];
+            pivots[i] -= factor * self.beside[i - 1];
+            solution[i] -= factor * solution[i - 1];
         }
-        rest[count - 1] /= diagonal[count - 1];
+        solution[count - 1] /= pivots[count - 1];
         for i in (0..count - 1).rev() {
-            rest[i] = (rest[i] - self.beside[i] * rest[i + 1]) / diagonal[i];
+            solution[i] = (solution[i] - self.beside[i] * solution[i + 1]) / pivots[i];
         }
-        rest
     }
 }
 
@@ -344,17 +344,18 @@ mod tests {
     use super::*;
 
     fn grouted(lengths: Vec<f64>, ends: BoltEnd) -> Bar {
+        let grout = Grout {
+            stiffness: 1.0e9,
+            strength: 4.0e5,
+            head: ends,
+            toe: ends,
+        };
         let parameters = BoltParameters {
             yield_force: 200.0e3,
-            grout: Some(Grout {
-                stiffness: 1.0e9,
-                strength: 4.0e5,
-                head: ends,
-                toe: ends,
-            }),
+            grout: Some(grout),
             ..BoltParameters::steel(0.025).unwrap()
         };
-        Bar::new(&parameters, lengths)
+        Bar::new(&parameters, grout, lengths)
     }
 
     /// The dissipated and the stored energy of a bar that is drawn through its grout are the work
@@ -363,7 +364,7 @@ mod tests {
     fn energies_of_a_bar_are_its_work() {
         for ends in [BoltEnd::Free, BoltEnd::Anchored] {
             let bar = grouted(vec![0.25; 12], ends);
-            let mut old = bar.installed();
+            let (mut old, mut balance) = (bar.installed(), Balance::default());
             let (mut before, mut moved) = (vec![[0.0; 2]; 12], vec![[0.0; 2]; 12]);
             let mut work = 0.0;
             for step in 1..60 {
@@ -373,8 +374,8 @@ mod tests {
                     *ends = if k < 6 { [0.0; 2] } else { [opened; 2] };
                 }
                 let (mut new, mut out) = (old.clone(), vec![[0.0; 2]; 12]);
-                let grout = bar.grout().unwrap();
-                bar.forces(grout, &moved, &old, &mut new, &mut out).unwrap();
+                bar.forces(&moved, &old, &mut new, &mut out, &mut balance)
+                    .unwrap();
                 for k in 0..12 {
                     for end in 0..2 {
                         let mean = 0.5 * (out[k][end] + before[k][end]);

@@ -1,179 +1,279 @@
-//! Interpolation of a bolt from the nodes of its host elements (embedded element constraint).
+//! Interpolation of the bolts of a block from the nodes of their host elements (embedded element constraint). This is
+//! hot code.
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::Vec3;
+use powerhouse_model::{Quad, Vec3};
 
-use super::embedding::HostPoint;
+use super::Embedded;
 
-/// A sparse matrix over the axial nodal values of a bolt, by rows.
-#[derive(Debug, Default)]
-struct Rows {
-    /// Column indices, row by row.
-    own: Vec<u32>,
-    /// Matrix entries, row by row.
-    weights: Vec<f64>,
-    /// End of each row in the two lists.
+/// Number of rows of a matrix that are multiplied side by side.
+const LANES: usize = 8;
+
+/// A sparse matrix, by rows: column indices and entries.
+type Rows = Vec<Vec<(u32, f64)>>;
+
+/// A sparse matrix for products, several rows side by side; shorter rows have zeros at their ends.
+#[derive(Debug)]
+struct Lanes {
+    columns: Vec<[u32; LANES]>,
+    weights: Vec<[f64; LANES]>,
+    /// End of each group of rows in the two lists.
     ends: Vec<u32>,
 }
 
-impl Rows {
-    fn push(&mut self, row: impl Iterator<Item = (u32, f64)>) {
-        for (own, weight) in row.filter(|(_, weight)| *weight != 0.0) {
-            self.own.push(own);
-            self.weights.push(weight);
-        }
-        self.ends.push(self.own.len() as u32);
-    }
-    /// Column indices and entries of each row.
-    fn iter(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, f64)>> {
-        let mut start = 0;
-        self.ends.iter().map(move |&end| {
-            let row = core::mem::replace(&mut start, end as usize)..end as usize;
-            let own = self.own[row.clone()].iter().map(|&own| own as usize);
-            own.zip(self.weights[row].iter().copied())
-        })
-    }
-    /// Product of the matrix with the axial nodal values `line`.
-    fn sums(&self, line: &[f64]) -> impl Iterator<Item = f64> {
-        self.iter()
-            .map(|row| row.map(|(own, weight)| weight * line[own]).sum())
-    }
-    /// Adds the product of the transposed matrix with one value per row to `line`.
-    fn add<'v>(&self, values: impl Iterator<Item = &'v f64>, line: &mut [f64]) {
-        for (row, &value) in self.iter().zip(values) {
-            for (own, weight) in row {
-                line[own] += weight * value;
+impl Lanes {
+    fn new(rows: &Rows) -> Self {
+        let mut lanes = Self {
+            columns: Vec::new(),
+            weights: Vec::new(),
+            ends: Vec::new(),
+        };
+        for group in rows.chunks(LANES) {
+            for entry in 0..group.iter().map(Vec::len).max().unwrap_or(0) {
+                let (mut columns, mut weights) = ([0; LANES], [0.0; LANES]);
+                for (lane, row) in group.iter().enumerate() {
+                    // Zeros read what their own row reads: a number that is not finite stays in its rows.
+                    let own = row.first().map_or(0, |(column, _)| *column);
+                    (columns[lane], weights[lane]) = row.get(entry).copied().unwrap_or((own, 0.0));
+                }
+                lanes.columns.push(columns);
+                lanes.weights.push(weights);
             }
+            lanes.ends.push(lanes.columns.len() as u32);
+        }
+        lanes
+    }
+
+    /// Product with a vector, the products of a row summed in the order of its entries; with some values beyond the last
+    /// row.
+    #[inline(always)]
+    fn product(&self, vector: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        let mut start = 0;
+        for &end in &self.ends {
+            let group = start..end as usize;
+            let mut sums = [0.0; LANES];
+            for (columns, weights) in self.columns[group.clone()].iter().zip(&self.weights[group]) {
+                for lane in 0..LANES {
+                    sums[lane] += weights[lane] * vector[columns[lane] as usize];
+                }
+            }
+            out.extend_from_slice(&sums);
+            start = end as usize;
         }
     }
 }
 
-/// Interpolation of the segment ends of a bolt from the nodes of its host elements, two points per segment.
+/// An axis of bolts with its nodal values.
+#[derive(Debug)]
+struct Axis {
+    /// Unit vector from head to toe.
+    direction: Vec3,
+    /// End of its nodal values among those of the block.
+    end: u32,
+}
+
+/// Interpolation of the segment ends of all bolts of a block from the nodes of their host elements, two points per
+/// segment.
 ///
-/// Segments share hosts and hosts share nodes, so that a node contributes to several points of a bolt. Its axial
-/// displacement is read and its axial force written once; all products use these scalar nodal values (`line`).
+/// Segments share hosts, hosts share nodes, and parallel bolts share an axis, so that a node contributes to several
+/// points. For each axis its axial displacement is read and its axial force written once; all products use these scalar
+/// nodal values (`line`), axis by axis in one list.
 #[derive(Debug)]
 pub(super) struct Interpolation {
-    direction: Vec3,
-    /// Indices of the nodes in the block, in rising order.
+    axes: Vec<Axis>,
+    /// Axis of each bolt.
+    axis_of: Vec<u32>,
+    /// Index in the block of the node of each nodal value, in rising order for each axis.
     nodes: Vec<u32>,
     /// Interpolation of the points.
     points: Rows,
     /// Elongation of the segments: the second point of each less the first.
     stretches: Rows,
+    /// The same for products, and its transpose.
+    elongations: Lanes,
+    tensions: Lanes,
 }
 
 impl Interpolation {
-    /// From the points of a bolt, head first; `index` is the index of a mesh node in the block.
-    pub(super) fn new<'h>(
-        direction: Vec3,
-        points: impl Iterator<Item = &'h HostPoint> + Clone,
+    /// Of some bolts; `index` is the index of a mesh node in the block.
+    pub(super) fn new<'b>(
+        bolts: impl Iterator<Item = &'b Embedded> + Clone,
         index: impl Fn(u32) -> u32,
     ) -> Self {
-        let all = points.clone().flat_map(|point| &point.nodes);
-        let mut nodes: Vec<u32> = all.map(|&node| index(node)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let own = |node: u32| {
-            let index = index(node);
-            nodes.partition_point(|&other| other < index) as u32
-        };
-        let mut rows = Rows::default();
-        for point in points {
-            let columns = point.nodes.iter().map(|&node| own(node));
-            rows.push(columns.zip(point.weights.iter().copied()));
-        }
-        let mut stretches = Rows::default();
-        let mut ends = rows.iter();
-        while let (Some(first), Some(second)) = (ends.next(), ends.next()) {
-            let mut row: BTreeMap<usize, f64> = second.collect();
-            for (own, weight) in first {
-                *row.entry(own).or_default() -= weight;
+        // Axes in the order of their first bolts, each with its nodes.
+        let mut axis_with: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+        let mut axes: Vec<(Vec3, BTreeMap<u32, u32>)> = Vec::new();
+        let mut axis_of = Vec::new();
+        for bolt in bolts.clone() {
+            let key = [0, 1, 2].map(|c| bolt.direction[c].to_bits());
+            let axis = *axis_with.entry(key).or_insert_with(|| {
+                axes.push((bolt.direction, BTreeMap::new()));
+                axes.len() as u32 - 1
+            });
+            axis_of.push(axis);
+            for point in bolt.segments.iter().flat_map(|segment| &segment.ends) {
+                let acting = point.nodes.iter().zip(&point.weights);
+                let acting = acting.filter(|(_, weight)| **weight != 0.0);
+                let nodes = acting.map(|(&node, _)| (index(node), 0));
+                axes[axis as usize].1.extend(nodes);
             }
-            stretches.push(row.into_iter().map(|(own, weight)| (own as u32, weight)));
         }
-        drop(ends);
+        let mut nodes = Vec::new();
+        for (_, column_of) in &mut axes {
+            for (&node, column) in column_of {
+                *column = nodes.len() as u32;
+                nodes.push(node);
+            }
+        }
+        let (mut points, mut stretches) = (Rows::new(), Rows::new());
+        for (bolt, &axis) in bolts.zip(&axis_of) {
+            let column_of = &axes[axis as usize].1;
+            for segment in &bolt.segments {
+                let ends = [0, 1].map(|end| -> Vec<(u32, f64)> {
+                    let point = &segment.ends[end];
+                    let acting = point.nodes.iter().zip(&point.weights);
+                    let acting = acting.filter(|(_, weight)| **weight != 0.0);
+                    acting
+                        .map(|(&n, &weight)| (column_of[&index(n)], weight))
+                        .collect()
+                });
+                let mut stretch: BTreeMap<u32, f64> = ends[1].iter().copied().collect();
+                for &(column, weight) in &ends[0] {
+                    *stretch.entry(column).or_default() -= weight;
+                }
+                points.extend(ends);
+                let acting = stretch.into_iter().filter(|(_, weight)| *weight != 0.0);
+                stretches.push(acting.collect());
+            }
+        }
+        let mut transposed = vec![Vec::new(); nodes.len()];
+        for (segment, row) in (0..).zip(&stretches) {
+            for &(column, weight) in row {
+                transposed[column as usize].push((segment, weight));
+            }
+        }
+        let ends = axes.iter().scan(0, |end, (direction, column_of)| {
+            *end += column_of.len() as u32;
+            Some(Axis {
+                direction: *direction,
+                end: *end,
+            })
+        });
         Self {
-            direction,
-            points: rows,
-            stretches,
+            axes: ends.collect(),
+            axis_of,
             nodes,
+            elongations: Lanes::new(&stretches),
+            tensions: Lanes::new(&transposed),
+            points,
+            stretches,
         }
     }
 
-    /// Unit vector from head to toe.
-    pub(super) fn direction(&self) -> Vec3 {
-        self.direction
+    /// Number of axial nodal values.
+    pub(super) fn value_count(&self) -> usize {
+        self.nodes.len()
     }
-    /// Indices in the block of the nodes of the host elements, in rising order.
-    pub(super) fn nodes(&self) -> &[u32] {
-        &self.nodes
+    /// Unit vector of a bolt from head to toe.
+    pub(super) fn direction(&self, bolt: usize) -> Vec3 {
+        self.axes[self.axis_of[bolt] as usize].direction
+    }
+    /// Indices of the nodal values that act on some segments, in rising order.
+    pub(super) fn values_of(&self, segments: core::ops::Range<usize>) -> Vec<usize> {
+        let points = self.points[2 * segments.start..2 * segments.end].iter();
+        let mut values: Vec<usize> = points
+            .flatten()
+            .map(|(column, _)| *column as usize)
+            .collect();
+        values.sort_unstable();
+        values.dedup();
+        values
+    }
+    /// Index in the block of the node of a nodal value.
+    pub(super) fn node(&self, value: usize) -> u32 {
+        self.nodes[value]
     }
 
     /// Axial displacements (m) of the nodes, from displacements by index in the block.
-    fn read(&self, displacement: impl Fn(u32) -> Vec3, line: &mut Vec<f64>) {
+    #[inline(always)]
+    pub(super) fn read(&self, displacement: impl Fn(u32) -> Vec3, line: &mut Vec<f64>) {
         line.clear();
-        let along = |&node: &u32| self.direction.dot(&displacement(node));
-        line.extend(self.nodes.iter().map(along));
-    }
-
-    /// Axial displacements (m) of the points, from displacements of the block's nodes; `line` is a buffer.
-    pub(super) fn axial(
-        &self,
-        displacement: impl Fn(u32) -> Vec3,
-        line: &mut Vec<f64>,
-        out: &mut Vec<[f64; 2]>,
-    ) {
-        self.read(displacement, line);
-        self.interpolate(line, out);
-    }
-
-    /// Elongation (m) of each segment, from displacements of the block's nodes; `line` is a buffer.
-    pub(super) fn elongations(
-        &self,
-        displacement: impl Fn(u32) -> Vec3,
-        line: &mut Vec<f64>,
-        out: &mut Vec<f64>,
-    ) {
-        self.read(displacement, line);
-        out.clear();
-        out.extend(self.stretches.sums(line));
-    }
-
-    /// Axial values at the points, from axial values at the nodes.
-    pub(super) fn interpolate(&self, line: &[f64], out: &mut Vec<[f64; 2]>) {
-        out.clear();
-        let mut sums = self.points.sums(line);
-        while let (Some(first), Some(second)) = (sums.next(), sums.next()) {
-            out.push([first, second]);
+        line.reserve(self.nodes.len());
+        let mut start = 0;
+        for axis in &self.axes {
+            let end = axis.end as usize;
+            let along = |&node: &u32| axis.direction.dot(&displacement(node));
+            line.extend(self.nodes[start..end].iter().map(along));
+            start = end;
         }
     }
 
-    /// Axial nodal forces (N) of axial forces at the points.
-    pub(super) fn gather(&self, forces: &[[f64; 2]], line: &mut Vec<f64>) {
-        line.clear();
-        line.resize(self.nodes.len(), 0.0);
-        self.points.add(forces.iter().flatten(), line);
+    /// Elongations (m) of all segments from axial values at the nodes; the list may be longer.
+    #[inline(always)]
+    pub(super) fn elongations(&self, line: &[f64], out: &mut Vec<f64>) {
+        self.elongations.product(line, out);
     }
 
-    /// Adds axial forces (N) at the points to the nodal forces.
-    pub(super) fn spread(&self, forces: &[[f64; 2]], line: &mut Vec<f64>, out: &mut [Vec3]) {
-        self.gather(forces, line);
-        self.write(line, out);
+    /// Axial nodal forces (N) of the tensions (N) of all segments; the list may be longer.
+    #[inline(always)]
+    pub(super) fn tensions(&self, forces: &[f64], axial: &mut Vec<f64>) {
+        self.tensions.product(forces, axial);
     }
 
-    /// Adds axial tension (N) of the segments to the nodal forces.
-    pub(super) fn spread_tension(&self, forces: &[f64], line: &mut Vec<f64>, out: &mut [Vec3]) {
-        line.clear();
-        line.resize(self.nodes.len(), 0.0);
-        self.stretches.add(forces.iter(), line);
-        self.write(line, out);
+    /// Elongation (m) of a segment, from axial values at the nodes.
+    pub(super) fn elongation(&self, segment: usize, line: &[f64]) -> f64 {
+        product(&self.stretches[segment], line)
     }
 
-    fn write(&self, line: &[f64], out: &mut [Vec3]) {
-        for (&node, &force) in self.nodes.iter().zip(line) {
-            out[node as usize] += self.direction * force;
+    /// Adds the tension (N) of a segment to the axial nodal forces.
+    pub(super) fn add_tension(&self, segment: usize, force: f64, line: &mut [f64]) {
+        add(&self.stretches[segment], force, line);
+    }
+
+    /// Axial values at the two points of a segment, from axial values at the nodes.
+    pub(super) fn ends(&self, segment: usize, line: &[f64]) -> [f64; 2] {
+        [0, 1].map(|end| product(&self.points[2 * segment + end], line))
+    }
+
+    /// Adds axial forces (N) at the two points of a segment to the axial nodal forces.
+    pub(super) fn add_ends(&self, segment: usize, forces: &[f64; 2], line: &mut [f64]) {
+        for (end, &force) in forces.iter().enumerate() {
+            add(&self.points[2 * segment + end], force, line);
         }
+    }
+
+    /// Writes the forces (N) at the nodes of the block from axial nodal forces.
+    #[inline(always)]
+    pub(super) fn write(&self, line: &[f64], out: &mut [Quad<f64>]) {
+        out.fill(Quad::default());
+        let mut start = 0;
+        for axis in &self.axes {
+            let end = axis.end as usize;
+            let [x, y, z]: [f64; 3] = axis.direction.into();
+            for (&node, &force) in self.nodes[start..end].iter().zip(&line[start..end]) {
+                let values = &mut out[node as usize].values;
+                for (value, along) in values.iter_mut().zip([x, y, z, 0.0]) {
+                    *value += along * force;
+                }
+            }
+            start = end;
+        }
+    }
+}
+
+/// Product of a row with a vector.
+fn product(row: &[(u32, f64)], line: &[f64]) -> f64 {
+    let terms = row.iter();
+    terms
+        .map(|&(column, weight)| weight * line[column as usize])
+        .sum()
+}
+
+/// Adds a row times a value to a vector.
+fn add(row: &[(u32, f64)], value: f64, line: &mut [f64]) {
+    for &(column, weight) in row {
+        line[column as usize] += weight * value;
     }
 }

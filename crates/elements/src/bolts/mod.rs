@@ -3,20 +3,26 @@
 mod bar;
 mod block;
 mod embedding;
+mod grouted;
 mod interpolation;
 mod pattern;
+mod tied;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    AXIAL_FORCE, ElementBlock, EmbeddedBars, EngineError, Mesh, ParameterError, Vec3,
+    AXIAL_FORCE, ElementBlock, EmbeddedBars, EmbeddedElements, EngineError, Mesh, ParameterError,
+    Vec3,
 };
 
-use bar::Bar;
 use block::BoltBlock;
 use embedding::{Segment, embed};
 
 pub use pattern::BoltPattern;
+
+/// Difference of the components of unit vectors within which bolts count as parallel.
+const PARALLEL: f64 = 1.0e-12;
 
 /// Axis of a bolt: a straight line from head to toe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,6 +127,8 @@ struct Embedded {
     /// Unit vector from head to toe.
     direction: Vec3,
     segments: Vec<Segment>,
+    /// Number of its first segment in the set.
+    first_segment: u32,
 }
 
 /// A set of rock bolts with the same parameters, embedded in solid elements of a mesh.
@@ -156,7 +164,7 @@ struct Embedded {
 pub struct BoltSet {
     name: Arc<str>,
     parameters: BoltParameters,
-    bolts: Vec<Embedded>,
+    bolts: Arc<[Embedded]>,
 }
 
 /// A segment of a bolt within one element; where [`BoltParameters::longest_segment`] divides the part in an element,
@@ -186,16 +194,24 @@ impl BoltSet {
     ) -> Result<Self, EngineError> {
         parameters.check()?;
         let segments = embed(mesh, hosts, lines, parameters.longest_segment)?;
-        let bolts = lines.iter().zip(segments);
+        let mut first_segment = 0;
+        let mut directions = BTreeMap::new();
+        let bolts = lines.iter().zip(segments).map(|(line, segments)| {
+            let first = first_segment;
+            first_segment += segments.len() as u32;
+            // Bolts that are parallel but for rounding have the bits of one direction, whose nodal values they share.
+            let direction = (line.toe - line.head).normalize();
+            let key = [0, 1, 2].map(|c| (direction[c] / PARALLEL).round() as i64);
+            Embedded {
+                direction: *directions.entry(key).or_insert(direction),
+                segments,
+                first_segment: first,
+            }
+        });
         Ok(Self {
             name: name.into(),
             parameters,
-            bolts: bolts
-                .map(|(line, segments)| Embedded {
-                    direction: (line.toe - line.head).normalize(),
-                    segments,
-                })
-                .collect(),
+            bolts: bolts.collect(),
         })
     }
 
@@ -223,9 +239,10 @@ impl BoltSet {
         })
     }
 
-    /// The element block of these bolts, which an engine embeds in its model.
+    /// One element block of all these bolts; an engine [divides](EmbeddedElements) them into several.
     pub fn block(&self) -> Box<dyn ElementBlock> {
-        Box::new(BoltBlock::new(self))
+        let all: Vec<usize> = (0..self.bolts.len()).collect();
+        Box::new(BoltBlock::new(self, &all))
     }
 
     /// Axial forces (N, tension positive) of all segments in a state, bolt by bolt; none if the state
@@ -235,14 +252,6 @@ impl BoltSet {
         let field = state.history.iter().find(|field| field.name == name)?;
         Some(field.values.clone())
     }
-
-    /// The axial models of all bolts.
-    fn bars(&self) -> Vec<Bar> {
-        let lengths = |bolt: &Embedded| bolt.segments.iter().map(|s| s.length).collect();
-        let bars = self.bolts.iter().map(lengths);
-        bars.map(|lengths| Bar::new(&self.parameters, lengths))
-            .collect()
-    }
 }
 
 impl EmbeddedBars for BoltSet {
@@ -251,5 +260,18 @@ impl EmbeddedBars for BoltSet {
     }
     fn segment_count(&self) -> usize {
         self.bolts.iter().map(|bolt| bolt.segments.len()).sum()
+    }
+}
+
+impl EmbeddedElements for BoltSet {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn hosts(&self) -> Vec<Option<u32>> {
+        let first = |bolt: &Embedded| Some(bolt.segments.first()?.element);
+        self.bolts.iter().map(first).collect()
+    }
+    fn block_of(&self, units: &[usize]) -> Box<dyn ElementBlock> {
+        Box::new(BoltBlock::new(self, units))
     }
 }

@@ -1,10 +1,11 @@
 //! Assembly of a model from a mesh, element sets, boundary conditions and loads.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    BlockFactory, Constraint, ElementBlock, ElementChoice, EngineError, Mat3, Mesh, ModelError,
-    ModelSpec, NodalLoad, Precision,
+    BlockFactory, Constraint, ElementBlock, ElementChoice, EmbeddedElements, EngineError, Mat3,
+    Mesh, ModelError, ModelSpec, NodalLoad, Precision,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
@@ -14,6 +15,7 @@ use super::{BoundConstraint, Model};
 use crate::applied::AppliedLoads;
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
+use crate::partition::Partition;
 use crate::subdomain::{Numbering, Subdomain};
 use crate::weight::Weight;
 
@@ -58,7 +60,9 @@ impl BuildModel for ModelSpec<'_> {
             .map(|&node| numbering.local_of[node as usize])
             .collect();
         let embedded_from = blocks.len();
-        blocks.extend(self.embedded);
+        let embedded = embedded_blocks(mesh, &partition, &self.embedded);
+        let (hosts, embedded): (Vec<_>, Vec<_>) = embedded.into_iter().unzip();
+        blocks.extend(embedded);
         let boundary_from = blocks.len();
         let mut nodes_of_blocks: Vec<Vec<u32>> = (blocks.iter())
             .map(|block| block_nodes(block.as_ref(), &numbering.local_of))
@@ -155,6 +159,7 @@ impl BuildModel for ModelSpec<'_> {
             casts: Vec::new(),
             stage_start: Vec::new(),
             embedded: embedded_from..boundary_from,
+            hosts,
             time: 0.0,
             number: 0,
             prepared: None,
@@ -198,6 +203,39 @@ fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {
         _ if with(&|precision| precision == Precision::Mixed).is_some() => Ok(Precision::Mixed),
         _ => Ok(Precision::F64),
     }
+}
+
+/// Blocks of embedded elements with the index of their host block in the partition: one of all units of each kind of
+/// elements whose hosts belong to the same block, kind by kind in the order of the host blocks. Units without a present
+/// host come last.
+fn embedded_blocks(
+    mesh: &Mesh,
+    partition: &Partition,
+    embedded: &[Box<dyn EmbeddedElements>],
+) -> Vec<(Option<u32>, Box<dyn ElementBlock>)> {
+    if embedded.is_empty() {
+        return Vec::new();
+    }
+    let mut block_of = vec![None; mesh.element_count()];
+    for (index, block) in (0..).zip(&partition.blocks) {
+        for &element in &block.elements {
+            block_of[element as usize] = Some(index);
+        }
+    }
+    let mut blocks = Vec::new();
+    for elements in embedded {
+        let mut units_of: BTreeMap<u32, (Option<u32>, Vec<usize>)> = BTreeMap::new();
+        for (unit, host) in elements.hosts().into_iter().enumerate() {
+            let host = host.and_then(|host| *block_of.get(host as usize)?);
+            let key = host.unwrap_or(u32::MAX);
+            let (_, units) = units_of.entry(key).or_insert((host, Vec::new()));
+            units.push(unit);
+        }
+        for (host, units) in units_of.into_values() {
+            blocks.push((host, elements.block_of(&units)));
+        }
+    }
+    blocks
 }
 
 fn start_threads(threads: usize) -> Result<Arc<rayon::ThreadPool>, EngineError> {

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ElementBlock, MassDampingRule, Mat3, Mesh, ModelSpec, Precision, RunError,
-    TimeFunction, Vec3,
+    Constraint, ConstraintParts, ElementBlock, MassDampingRule, Mat3, Mesh, ModelSpec, Precision,
+    RunError, TimeFunction, Vec3,
 };
 
 use crate::applied::AppliedLoads;
@@ -80,6 +80,8 @@ pub struct Model {
     pub(crate) stage_start: Vec<Vec3>,
     /// Range of the embedded blocks, such as bolts.
     embedded: core::ops::Range<usize>,
+    /// Index in the partition of the host block of each of them.
+    hosts: Vec<Option<u32>>,
     pub(crate) time: f64,
     pub(crate) number: u64,
     /// Rule of mass damping and length of step (s) of the present matrices.
@@ -160,6 +162,29 @@ impl Model {
     /// Partition of the active elements of the mesh into blocks.
     pub fn partition(&self) -> &Partition {
         &self.partition
+    }
+
+    /// Parts of all constraints and periodic pairs: nodes of the mesh (mesh indices) whose motion must be computed together.
+    /// Parts of constraints that periodic pairs connect are one.
+    pub fn constraint_parts(&self) -> ConstraintParts {
+        let constraints = self.constraints.iter();
+        let parts: Vec<ConstraintParts> = constraints.map(|c| c.constraint.parts()).collect();
+        let mesh_of = &self.subdomain.numbering.mesh_of;
+        let groups = self.groups.groups.iter();
+        let tied: Vec<Vec<u32>> = groups
+            .filter(|group| group.members.len() > 1)
+            .map(|group| group.members.iter().map(|&n| mesh_of[n as usize]).collect())
+            .collect();
+        let of_constraints = parts.iter().flat_map(ConstraintParts::iter);
+        ConstraintParts::merged(of_constraints.chain(tied.iter().map(|nodes| &nodes[..])))
+    }
+
+    /// For each block of embedded elements, such as bolts, its label and the index in the
+    /// [partition](Self::partition) of the block that has its hosts; none if they are absent.
+    pub fn embedded_hosts(&self) -> impl ExactSizeIterator<Item = (&str, Option<u32>)> {
+        let blocks = self.blocks[self.embedded.clone()].iter();
+        let labels = blocks.map(|block| block.label());
+        labels.zip(self.hosts.iter().copied())
     }
 
     pub(crate) fn engine(&self, node: u32) -> usize {

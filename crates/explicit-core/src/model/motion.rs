@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    ElementBlock, EngineError, HistoryField, JointHistory, JointView, ModelError, NodalView,
-    Precision, Quad, Renewal, State, Stress, Vec3,
+    EngineError, HistoryField, JointHistory, JointView, ModelError, NodalView, Precision, Quad,
+    Renewal, State, Stress, Vec3,
 };
 
 use super::Model;
@@ -222,7 +222,11 @@ impl Model {
     /// additional nodes of boundaries follow those of the mesh.
     pub fn state(&mut self) -> State {
         let mut state = self.body_state();
-        state.history = merged(self.blocks.iter().map(|b| (b.label(), b.history())));
+        let blocks = self.blocks.iter().enumerate();
+        state.history = merged(blocks.map(|(index, block)| {
+            let embedded = self.embedded.contains(&index);
+            (block.label(), embedded, block.history())
+        }));
         state.joints = self
             .joints()
             .map(|joint| JointHistory::from(&joint))
@@ -340,11 +344,18 @@ impl Model {
         found
     }
 
-    /// The embedded block with a label.
-    pub(crate) fn embedded_block(&self, label: &str) -> Option<&dyn ElementBlock> {
-        let mut blocks = self.blocks[self.embedded.clone()].iter();
-        let block = blocks.find(|block| block.label() == label)?;
-        Some(block.as_ref())
+    /// The values of a history variable of the embedded blocks with a label, in the order of the embedded elements.
+    pub(crate) fn embedded_values(&self, label: &str, variable: &str) -> Option<Vec<f64>> {
+        let name = format!("{label}/{variable}");
+        let blocks = self.blocks[self.embedded.clone()].iter();
+        let own = blocks.filter(|block| block.label() == label);
+        let mut fields = own.filter_map(|block| {
+            let mut fields = block.history().into_iter();
+            fields.find(|field| field.name == name)
+        });
+        let mut whole = fields.next()?;
+        fields.for_each(|part| append(&mut whole, part));
+        Some(by_element(whole).values)
     }
     /// Sets the reference configuration of embedded blocks to the present displacement.
     pub(super) fn install(&mut self) {
@@ -389,26 +400,49 @@ fn check_single(what: &'static str, values: &[Vec3], least: f64) -> Result<(), E
     })
 }
 
-/// Concatenates the history fields of all blocks of a set.
-fn merged<'a>(blocks: impl Iterator<Item = (&'a str, Vec<HistoryField>)>) -> Vec<HistoryField> {
+/// Concatenates the history fields of all blocks of a set, given by the label of each block, whether it is
+/// embedded, and its fields; those of embedded blocks are brought into the order of their elements.
+fn merged<'a>(
+    blocks: impl Iterator<Item = (&'a str, bool, Vec<HistoryField>)>,
+) -> Vec<HistoryField> {
     let mut index_of: BTreeMap<(String, String, usize), usize> = BTreeMap::new();
-    let mut all: Vec<HistoryField> = Vec::new();
-    for (label, fields) in blocks {
+    let mut all: Vec<(bool, HistoryField)> = Vec::new();
+    for (label, embedded, fields) in blocks {
         for field in fields {
             let key = (label.to_string(), field.name.clone(), field.points);
             match index_of.get(&key) {
-                Some(&at) => {
-                    all[at].elements.extend_from_slice(&field.elements);
-                    all[at].values.extend_from_slice(&field.values);
-                }
+                Some(&at) => append(&mut all[at].1, field),
                 None => {
                     index_of.insert(key, all.len());
-                    all.push(field);
+                    all.push((embedded, field));
                 }
             }
         }
     }
-    all
+    let in_order = |(embedded, field)| match embedded {
+        true => by_element(field),
+        false => field,
+    };
+    all.into_iter().map(in_order).collect()
+}
+
+/// Appends the elements and values of a field of history variables to those of another one.
+fn append(field: &mut HistoryField, part: HistoryField) {
+    field.elements.extend(part.elements);
+    field.values.extend(part.values);
+}
+
+/// A field of history variables with its elements in rising order.
+fn by_element(field: HistoryField) -> HistoryField {
+    if field.elements.is_sorted() {
+        return field;
+    }
+    let mut order: Vec<usize> = (0..field.elements.len()).collect();
+    order.sort_by_key(|&index| field.elements[index]);
+    let elements = order.iter().map(|&index| field.elements[index]).collect();
+    let of = |&index: &usize| &field.values[index * field.points..(index + 1) * field.points];
+    let values = order.iter().flat_map(of).copied().collect();
+    HistoryField::new(field.name, elements, field.points, values)
 }
 
 /// For each field, the index of each mesh element in it.

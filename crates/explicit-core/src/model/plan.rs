@@ -147,6 +147,7 @@ impl<'a> GroupPlan<'a> {
         for constraint in constraints {
             let part = format!("constraint '{}'", constraint.name());
             let nodes = engine_nodes(&part, constraint.nodes(), self.numbers(), self.mesh)?;
+            self.check_parts(constraint.as_ref())?;
             for &node in &nodes {
                 if let Some(first) = owner.insert(self.root(node), constraint.name()) {
                     return Err(EngineError::ConstrainedTwice {
@@ -160,6 +161,25 @@ impl<'a> GroupPlan<'a> {
             all.push(nodes);
         }
         Ok(all)
+    }
+
+    /// Refuses a constraint whose parts do not have each of its nodes once.
+    fn check_parts(&self, constraint: &dyn Constraint) -> Result<(), EngineError> {
+        let (mut own, parts) = (constraint.nodes().to_vec(), constraint.parts());
+        let mut of_parts = parts.nodes().to_vec();
+        own.sort_unstable();
+        of_parts.sort_unstable();
+        if own == of_parts {
+            return Ok(());
+        }
+        let first = own.iter().zip(&of_parts).find(|(a, b)| a != b);
+        let rest = own.len().min(of_parts.len());
+        let longer = own.get(rest).or(of_parts.get(rest)).copied();
+        let node = first.map(|(&a, &b)| a.min(b)).or(longer);
+        Err(EngineError::ConstraintParts {
+            constraint: constraint.name().into(),
+            node: tag(self.mesh, node.unwrap_or_default()),
+        })
     }
 
     /// The groups, and the group of each node, in the order that the page of [`crate::groups`] states: nodes of

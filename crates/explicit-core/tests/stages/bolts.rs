@@ -31,7 +31,10 @@ fn all_elements(mesh: &Mesh) -> Vec<u32> {
 
 /// The axial forces of bolts in a body of which every node has a displacement.
 fn forces_under(mesh: &Mesh, bolts: &BoltSet, displacement: impl Fn(&Vec3) -> Vec3) -> Vec<f64> {
-    let mut model = elastic_body(mesh).embed(bolts.block()).build().unwrap();
+    let mut model = elastic_body(mesh)
+        .embed(Box::new(bolts.clone()))
+        .build()
+        .unwrap();
     let field: Vec<Vec3> = mesh.positions().iter().map(displacement).collect();
     let still = vec![Vec3::zeros(); mesh.node_count()];
     model.set_initial(&field, &still).unwrap();
@@ -150,7 +153,7 @@ fn drawn(opening: f64, parameters: BoltParameters) -> f64 {
             direction: Vec3::x(),
             displacement: Box::new(move |_: f64| opening),
         })
-        .embed(bolts.block())
+        .embed(Box::new(bolts.clone()))
         .build()
         .unwrap();
     let options = StaticOptions::default().with_increments(10);
@@ -359,7 +362,8 @@ fn bolts_go_through_stages() {
         let builder = builder.elements("ground", elastic("ground", soft));
         Ok(on_rollers(&mesh, builder).gravity(GRAVITY, Box::new(|_: f64| 1.0)))
     });
-    let bolted: Box<StageModel> = Box::new(|builder| Ok(body(builder)?.embed(bolts.block())));
+    let bolted: Box<StageModel> =
+        Box::new(|builder| Ok(body(builder)?.embed(Box::new(bolts.clone()))));
     let options = StaticOptions::default().with_tolerance(1.0e-7);
     let stages = [
         Stage::new("weight", &body).options(options),
@@ -384,7 +388,7 @@ fn bolts_go_through_stages() {
         let builder = Model::builder(&mesh).start(state.clone());
         let builder = builder.elements("ground", elastic("ground", soft));
         absorbing(&mesh, builder, 10.0)
-            .embed(bolts.block())
+            .embed(Box::new(bolts.clone()))
             .load(Box::new(push))
             .gravity(GRAVITY, Box::new(|_: f64| 1.0))
             .build()
@@ -445,7 +449,7 @@ fn forces_of_bolts_are_kept_over_a_run() {
             Vec3::new(0.0, 0.0, 1.0e5),
             Box::new(|t: f64| (1.0e3 * t).sin()),
         );
-        let builder = on_rollers(&mesh, elastic_body(&mesh)).embed(bolts.block());
+        let builder = on_rollers(&mesh, elastic_body(&mesh)).embed(Box::new(bolts.clone()));
         builder.load(Box::new(push)).build().unwrap()
     };
     let step = body().stable_step(&Leapfrog).unwrap().step;

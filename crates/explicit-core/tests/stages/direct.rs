@@ -70,7 +70,7 @@ fn elastic_bodies_rest_alike() {
             .support(Support::roller(face_nodes(&mesh, "front"), Vec3::y()))
             .support(Support::roller(face_nodes(&mesh, "bottom"), Vec3::z()))
             .prescribed(motion)
-            .embed(bolts.block())
+            .embed(Box::new(bolts.clone()))
             .gravity(GRAVITY, Box::new(|_: f64| 1.0))
     };
     let (expected, gradients) = at_rest(built(), StaticMethod::default());

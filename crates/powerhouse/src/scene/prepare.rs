@@ -180,7 +180,7 @@ impl Scene {
         }
         if let Some(timeline) = timeline {
             for bolts in timeline.bolts(self.stages.len()) {
-                spec = spec.embed(bolts.block());
+                spec = spec.embed(Box::new(bolts.clone()));
             }
         }
         if let Some(threads) = self.threads_taken() {

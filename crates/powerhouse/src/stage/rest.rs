@@ -245,7 +245,7 @@ impl Staging {
             spec = spec.constraint(Box::new(joint));
         }
         for bolts in self.timeline.bolts(index + 1) {
-            spec = spec.embed(bolts.block());
+            spec = spec.embed(Box::new(bolts.clone()));
         }
         Ok(match scene.threads_taken() {
             Some(threads) => spec.threads(threads),
@@ -260,6 +260,12 @@ impl Staging {
         let stages = &scene.stages;
         let renewal_of = |name: &str| renewal(stages, stages.len(), name);
         (state.joints).retain(|joint| renewal_of(&joint.name).is_none());
+        // Stages have no time: what has slipped or opened in them has done so when the run starts.
+        for record in state.joints.iter_mut().flat_map(|joint| &mut joint.records) {
+            for first in [&mut record.first_slip, &mut record.first_crack] {
+                *first = first.map(|_| scene.start);
+            }
+        }
         let spec = ModelSpec::new(&scene.mesh).start(state);
         let found = scene.moving(spec, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
         let mut model = scene.engine.build(found.spec)?;
