@@ -21,6 +21,7 @@
 
 mod assembly;
 mod boundary;
+mod checksum;
 mod constraint;
 mod contact_law;
 mod disjoint_sets;
@@ -63,6 +64,7 @@ pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, 
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
+pub use checksum::Checksum;
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
 pub use disjoint_sets::DisjointSets;

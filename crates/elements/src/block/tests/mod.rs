@@ -4,6 +4,7 @@ mod elastic;
 mod invariance;
 mod location;
 mod remaining;
+mod saved;
 mod state;
 
 use nalgebra::{DMatrix, SymmetricEigen};
