@@ -1,6 +1,7 @@
 //! Independence of the results from threads, lanes and the direction of the axes.
 
 mod bits;
+mod blocks;
 mod bonded_cavern;
 mod direction;
 mod energy_balance;

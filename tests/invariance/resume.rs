@@ -336,3 +336,13 @@ fn everything_happened(results: &Results) {
 fn a_resumed_run_has_the_same_bits() {
     check("f64");
 }
+
+#[test]
+fn a_resumed_run_has_the_same_bits_in_mixed_precision() {
+    check("mixed");
+}
+
+#[test]
+fn a_resumed_run_has_the_same_bits_in_single_precision() {
+    check("f32");
+}

@@ -7,6 +7,7 @@
 
 mod advise;
 mod check;
+mod checkpoint;
 mod drive;
 mod mesh;
 mod page;
@@ -44,14 +45,21 @@ enum Command {
     /// Run a scene and write its results.
     #[command(after_help = AFTER_A_KILL)]
     Run {
-        /// Scene file.
-        scene: PathBuf,
+        /// Scene file; of a resumed run that of its checkpoint by default.
+        #[arg(required_unless_present = "resume")]
+        scene: Option<PathBuf>,
         /// Folder of the results, in place of the scene's own.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
+        /// Resume the run with these results from its last checkpoint, to the same results as without an interruption.
+        #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "case"])]
+        resume: Option<PathBuf>,
+        /// Wall time between two checkpoints, such as 30s, 10min or 1h; `never` writes none but that of an interruption.
+        #[arg(long, value_name = "TIME", default_value = "10min", value_parser = checkpoint::interval)]
+        checkpoint_every: checkpoint::Interval,
         /// Measure and print the wall time of the parts of time steps: elements by set, law, damping, joints, output.
         #[arg(long)]
         profile: bool,
@@ -161,10 +169,11 @@ Exit status:
 
 /// Explanation of the files of a killed run in `run --help`.
 const AFTER_A_KILL: &str = "\
-Each file is written atomically. Snapshots and stages are written during the run, all other files at its end: a run that
-is killed (SIGKILL, power failure) leaves snapshots and stages, without histories, section forces, energies, envelopes
-and pictures, and without a summary.json that states `completed`. Such a run cannot be continued; a sweep keeps its
-finished cases. Interrupt a run (Ctrl-C, SIGTERM) to obtain all files up to then.";
+Each file is written atomically. Snapshots, stages and checkpoints are written during the run, all other files at its
+end: a run that is killed (SIGKILL, power failure) leaves those three, without histories, section forces, energies,
+envelopes and pictures, and without a summary.json that states `completed`. `powerhouse run --resume DIR`, with the folder
+of its results, goes on from the last checkpoint, or from the last completed stage, to the same files. Interrupt a run
+(Ctrl-C, SIGTERM) to obtain all files up to then; it can be resumed, too.";
 
 /// Result of a command: its exit status or an error.
 type Outcome = Result<ExitCode, Box<dyn std::error::Error>>;
@@ -187,8 +196,20 @@ fn main() -> ExitCode {
             scene,
             out,
             case,
+            resume,
+            checkpoint_every,
             profile,
-        } => run::run(&scene, case.as_deref(), out, profile),
+        } => {
+            let choice = match resume {
+                Some(folder) => run::Choice::Resume { folder, scene },
+                None => run::Choice::Start {
+                    scene: scene.unwrap_or_default(),
+                    case,
+                    out,
+                },
+            };
+            run::run(choice, checkpoint_every, profile)
+        }
         Command::Check {
             scene,
             free_field: false,

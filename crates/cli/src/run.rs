@@ -1,17 +1,59 @@
 //! `powerhouse run`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
-use powerhouse::{CompletedStage, Error, ResultFolder, RunHooks, RunNotes, StageSink};
+use powerhouse::{
+    CheckpointFiles, CheckpointWriter, CompletedStage, Error, ResultFolder, ResumedRun, RunHooks,
+    RunInputs, RunNotes, Scene, StageSink,
+};
 use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
+use crate::checkpoint::{self, Interval};
 use crate::progress::{Display, StaticDisplay};
 use crate::terminal::{say, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
+
+/// Scene that is run, and where its results are.
+pub(crate) enum Choice {
+    /// A new run of a scene, or of a case of it.
+    Start {
+        scene: PathBuf,
+        case: Option<String>,
+        out: Option<PathBuf>,
+    },
+    /// The run with results in a folder, which is resumed; its scene may have moved.
+    Resume {
+        folder: PathBuf,
+        scene: Option<PathBuf>,
+    },
+}
+
+impl Choice {
+    /// The scene, the folder of its results, and the state from which it is resumed, if it is.
+    fn open(self) -> Result<(Scene, ResultFolder, Option<ResumedRun>), Box<dyn std::error::Error>> {
+        match self {
+            Self::Start { scene, case, out } => {
+                let scene = read(&scene, case.as_deref())?;
+                let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                Ok((scene, folder, None))
+            }
+            Self::Resume { folder, scene } => {
+                let files = CheckpointFiles::of(&folder);
+                let resumed = files.read().map_err(Error::from)?;
+                let path = scene.or_else(|| resumed.inputs.scene.clone());
+                let path = path.ok_or("the checkpoint is of a scene without a file")?;
+                let scene = read(&path, resumed.inputs.case.as_deref())?;
+                let checked = files.check(&resumed.inputs, &RunInputs::of(&scene));
+                checked.map_err(Error::from)?;
+                Ok((scene, ResultFolder::new(folder), Some(resumed)))
+            }
+        }
+    }
+}
 
 /// Stage sink that prints a line per stage, shows the progress of its solution, and forwards to the writer of files.
 pub(crate) struct Stages {
@@ -44,11 +86,11 @@ impl StageSink for Stages {
 }
 
 /// Runs the free-field check if the scene requests it, runs the scene, and writes the results, also of a failed run.
-pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile: bool) -> Outcome {
-    let scene = read(path, case)?;
-    let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+pub(crate) fn run(choice: Choice, every: Interval, profile: bool) -> Outcome {
+    let (scene, folder, resumed) = choice.open()?;
     let text = scene.source().map(|source| source.text.clone());
-    let limit = scene.self_check();
+    // A run that is resumed has passed the check.
+    let limit = scene.self_check().filter(|_| resumed.is_none());
     let free_field = match limit {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
@@ -58,15 +100,34 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
+    let inputs = RunInputs::of(&scene);
+    let stages = scene.stages().len();
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
-    report::before_run(&mut simulation, &warnings)?;
+    let saved_step = resumed
+        .as_ref()
+        .and_then(|resumed| Some(resumed.run.as_ref()?.step));
+    match (&resumed, saved_step) {
+        (Some(resumed), Some(step)) => {
+            simulation.resume_at(step);
+            checkpoint::say_resumed(resumed);
+        }
+        (Some(resumed), None) => {
+            report::before_run(&mut simulation, &warnings)?;
+            checkpoint::say_resumed(resumed);
+        }
+        (None, _) => report::before_run(&mut simulation, &warnings)?,
+    }
     // Everything that the end of the run needs is tested before its first step.
     let lock = folder.lock()?;
     if let Some(remark) = lock.remark() {
         say!("{remark}");
     }
-    let step = simulation.step()?;
+    folder.remove_unfinished()?;
+    let step = match saved_step {
+        Some(step) => step,
+        None => simulation.step()?,
+    };
     folder.prove(&simulation, size.bytes(step))?;
 
     if let (Some(free_field), Some(limit)) = (free_field, limit) {
@@ -75,7 +136,12 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
             None => return Ok(ExitCode::from(INTERRUPTED)),
         }
     }
-    folder.clear()?;
+    let files = CheckpointFiles::of(folder.path());
+    if resumed.is_none() {
+        folder.clear()?;
+        files.remove().map_err(Error::from)?;
+    }
+    let checkpoints = CheckpointWriter::new(files.clone(), inputs, every.0);
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
     folder.begin(&title)?;
     let notes = RunNotes::new(simulation.remarks().to_vec())
@@ -93,13 +159,22 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
             &bars,
             "",
         )));
-    let outcome = simulation.run(hooks);
+    let keep = checkpoints.clone();
+    let hooks = hooks
+        .with_checkpoints(checkpoints.clone())
+        .with_stage_hook(move |body| keep.keep_stage(body));
+    let outcome = simulation.run(checkpoint::from(hooks, resumed, stages));
     display.clear();
+    let (_, lost) = checkpoints.finish();
+    if let Some(lost) = lost {
+        say!("warning: a checkpoint could not be written: {lost}");
+    }
     let (results, failure) = match outcome {
         Ok(results) => (results, None),
         Err(Error::Failed { error, results }) => (*results, Some(error)),
         Err(Error::Interrupted { stage }) => {
             say!("interrupted in the stage '{stage}': the dynamic run has not begun");
+            checkpoint::say_resumable(&folder);
             return Ok(ExitCode::from(INTERRUPTED));
         }
         Err(error) => return Err(error.into()),
@@ -124,7 +199,14 @@ pub(crate) fn run(path: &Path, case: Option<&str>, out: Option<PathBuf>, profile
     }
     match (failure, results.run.ended) {
         (Some(failure), _) => Err(failure.into()),
-        (None, Ended::Stopped) => Ok(ExitCode::from(INTERRUPTED)),
-        (None, _) => Ok(ExitCode::SUCCESS),
+        (None, Ended::Stopped) => {
+            checkpoint::say_resumable(&folder);
+            Ok(ExitCode::from(INTERRUPTED))
+        }
+        (None, _) => {
+            // The results are complete.
+            files.remove().map_err(Error::from)?;
+            Ok(ExitCode::SUCCESS)
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Partition of the elements of a mesh into blocks.
 
-use powerhouse_model::{EngineError, Mesh, Vec3};
+use powerhouse_model::{Checksum, EngineError, Mesh, Vec3};
 
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
@@ -158,39 +158,21 @@ impl Partition {
     /// A 64-bit fingerprint of the partition: a hash of the user's numbers of elements and nodes of all blocks, in
     /// order. Equal for equal partitions of meshes that differ in the order of nodes and elements alone.
     pub fn fingerprint(&self, mesh: &Mesh) -> u64 {
-        let mut hash = Fnv::new();
+        let mut hash = Checksum::default();
         for block in &self.blocks {
-            hash.add(block.set as u64);
-            hash.add(u64::from(block.level));
-            hash.add(block.elements.len() as u64);
+            hash.add_number(block.set as u64);
+            hash.add_number(u64::from(block.level));
+            hash.add_number(block.elements.len() as u64);
             for &element in &block.elements {
-                hash.add(mesh.element_tags()[element as usize]);
+                hash.add_number(mesh.element_tags()[element as usize]);
             }
-            hash.add(block.owned as u64);
-            hash.add(block.nodes.len() as u64);
+            hash.add_number(block.owned as u64);
+            hash.add_number(block.nodes.len() as u64);
             for &node in &block.nodes {
-                hash.add(mesh.node_tags()[node as usize]);
+                hash.add_number(mesh.node_tags()[node as usize]);
             }
         }
-        hash.value
-    }
-}
-
-/// The hash FNV-1a of 64 bits (Fowler, Noll & Vo): the same on every machine and in every version.
-struct Fnv {
-    value: u64,
-}
-
-impl Fnv {
-    fn new() -> Self {
-        Self {
-            value: 0xcbf2_9ce4_8422_2325,
-        }
-    }
-    fn add(&mut self, number: u64) {
-        for byte in number.to_le_bytes() {
-            self.value = (self.value ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        hash.value()
     }
 }
 

@@ -1,16 +1,26 @@
 //! Atomic writing of files.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use crate::IoError;
 
 /// Writes a file atomically: under a temporary name beside it, which is then renamed, so that an
-/// interrupted run leaves no incomplete file. Creates the folder if it does not exist.
+/// interrupted run leaves no incomplete file. It is on the disk before it is renamed, so that a power failure leaves
+/// either the old or the new file. Creates the folder if it does not exist.
 ///
 /// # Errors
 /// [`IoError::File`], with the path.
 pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
+    write_whole_by(file, |out| out.write_all(content))
+}
+
+/// Writes a file as [`write_whole`], with a content that `write` writes piece by piece.
+pub(crate) fn write_whole_by(
+    file: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), IoError> {
     if let Some(folder) = file
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
@@ -20,13 +30,50 @@ pub fn write_whole(file: &Path, content: &[u8]) -> Result<(), IoError> {
     let mut name = file.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.part", std::process::id()));
     let part = file.with_file_name(name);
-    let written = fs::write(&part, content).and_then(|()| fs::rename(&part, file));
+    let to_disk = || {
+        let mut out = BufWriter::new(File::create(&part)?);
+        write(&mut out)?;
+        synced(&out.into_inner().map_err(|error| error.into_error())?)?;
+        fs::rename(&part, file)?;
+        sync_folder(file);
+        Ok(())
+    };
+    let written = to_disk();
     if written.is_err() {
         // The first error is returned; the temporary file is removed if possible.
         let _ = fs::remove_file(&part);
     }
     written.map_err(IoError::file(file))
 }
+
+/// Waits until a file is on the disk, where its file system can say so.
+fn synced(file: &File) -> std::io::Result<()> {
+    match file.sync_all() {
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::Unsupported | ErrorKind::InvalidInput
+            ) =>
+        {
+            Ok(())
+        }
+        synced => synced,
+    }
+}
+
+/// Waits until the name of a file is on the disk: the file is whole in any case, under its old or its new name.
+#[cfg(unix)]
+fn sync_folder(file: &Path) {
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    if let Ok(folder) = File::open(folder.unwrap_or(Path::new("."))) {
+        let _ = folder.sync_all();
+    }
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_file: &Path) {}
 
 /// Free space for files in an existing folder (bytes); `None` if the system does not report it.
 #[cfg(all(unix, feature = "free-space"))]

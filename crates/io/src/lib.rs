@@ -67,6 +67,7 @@ mod plot;
 mod records;
 #[cfg(any(feature = "pictures", feature = "plots"))]
 mod scale;
+mod section_file;
 #[cfg(feature = "json")]
 mod summary;
 mod table;
@@ -94,6 +95,9 @@ pub use plot::{Plot, PlotCurve, PlotPanel, write_plot};
 pub use records::{
     AccelerationUnit, CountRule, LengthRule, Record, RecordError, RecordFault, RecordOptions,
     common_length, parse_record, read_record,
+};
+pub use section_file::{
+    FileSection, SectionFault, SectionFileError, parse_sections, read_sections, write_sections,
 };
 #[cfg(feature = "json")]
 pub use summary::write_summary;

@@ -21,6 +21,7 @@
 
 mod assembly;
 mod boundary;
+mod checksum;
 mod constraint;
 mod constraint_parts;
 mod contact_law;
@@ -64,6 +65,7 @@ pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, 
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
+pub use checksum::Checksum;
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use constraint_parts::ConstraintParts;
 pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};

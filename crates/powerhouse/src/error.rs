@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 
 use powerhouse_contact::ContactError;
-use powerhouse_model::{MeshError, ModelError, ParameterError, RunError, StageError, StaticError};
+use powerhouse_model::{
+    MeshError, ModelError, ParameterError, RunError, StageError, StateError, StaticError,
+};
 use thiserror::Error;
 
 use crate::{
-    FolderError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
-    SceneFault, StagingError,
+    CheckpointError, FolderError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem,
+    RegionError, Results, SceneFault, StagingError,
 };
 
 /// Error in reading, composing, running or writing a scene.
@@ -238,6 +240,27 @@ pub enum Error {
     UnreadableBody {
         /// Path of the file.
         path: PathBuf,
+    },
+    /// State that cannot be written to a file.
+    #[error("{}: the state of the {part}: {source}", path.display())]
+    SavedState {
+        /// Path of the file.
+        path: PathBuf,
+        /// The part whose state it is.
+        part: String,
+        /// Cause.
+        source: StateError,
+    },
+    /// Checkpoint that cannot be read or belongs to another run.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// Stages of a run to be resumed that are not the first ones of the scene.
+    #[error("the stages of the checkpoint are {found:?}; those of the scene are {expected:?}")]
+    ForeignStages {
+        /// Names of the stages of the checkpoint.
+        found: Vec<String>,
+        /// Names of the stages of the scene.
+        expected: Vec<String>,
     },
     /// Run that was cancelled before or during a construction stage; it has no results. A run that is cancelled later
     /// ends without an error.

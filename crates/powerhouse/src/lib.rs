@@ -81,6 +81,7 @@ mod builtin;
 mod builtin_joints;
 #[cfg(feature = "scene-files")]
 mod builtin_laws;
+mod checkpoint;
 mod damping;
 #[cfg(feature = "scene-files")]
 mod drive;
@@ -126,6 +127,7 @@ pub use powerhouse_model::nalgebra;
 #[cfg(feature = "scene-files")]
 pub use schemars;
 
+pub use checkpoint::{CheckpointError, CheckpointFiles, CheckpointWriter, ResumedRun, RunInputs};
 pub use damping::{Damping, DampingCost};
 #[cfg(feature = "scene-files")]
 pub use drive::{PointPath, PointTest};
@@ -152,7 +154,7 @@ pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
-    SceneStage, StageOverview, StageSink, StagingError,
+    SceneStage, StageHook, StageOverview, StageSink, StagingError,
 };
 
 /// Verification: accuracy and cost of modelling choices on problems with known solutions.

@@ -14,7 +14,7 @@ use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
 use crate::output::{self, FinishedRun, Named, OutputPlan, Recordings, Results, RunningTables};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
-use crate::stage::{EquilibratedBody, StageSink, Staging, StagingOutcome};
+use crate::stage::{EquilibratedBody, StageHook, StageSink, Staging, StagingOutcome};
 use crate::{Error, Remark, SceneRemark, SceneText};
 
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
@@ -59,6 +59,11 @@ pub struct RunHooks<'a> {
     /// Whether the wall time of the parts of time steps is measured, see [`RunReport::profile`](powerhouse_model::RunReport::profile)
     /// in [`Results::run`]. The motion is the same to the bit; steps take some per cent longer. False by default.
     pub profile: bool,
+    /// The body after some of the stages, from which the others are computed; unused with an
+    /// [equilibrated body](Self::equilibrated_body).
+    pub completed_stages: Option<EquilibratedBody>,
+    /// Callback with the body at the end of every stage that the run computes, such as a writer of checkpoint files.
+    pub keep_stage: Option<StageHook<'a>>,
     /// Receiver of the state of the dynamic run between two steps, from which a run can be resumed, such as a writer of
     /// checkpoint files.
     pub checkpoints: Option<Arc<dyn CheckpointSink>>,
@@ -69,6 +74,18 @@ pub struct RunHooks<'a> {
 }
 
 impl<'a> RunHooks<'a> {
+    /// Sets the [body after some of the stages](Self::completed_stages).
+    #[must_use]
+    pub fn with_completed_stages(mut self, body: EquilibratedBody) -> Self {
+        self.completed_stages = Some(body);
+        self
+    }
+    /// Sets the [callback with the body at the end of every stage](Self::keep_stage).
+    #[must_use]
+    pub fn with_stage_hook(mut self, keep: impl FnMut(&EquilibratedBody) + Send + 'a) -> Self {
+        self.keep_stage = Some(Box::new(keep));
+        self
+    }
     /// Sets the [receiver of checkpoints](Self::checkpoints).
     #[must_use]
     pub fn with_checkpoints(mut self, sink: Arc<dyn CheckpointSink>) -> Self {
@@ -249,6 +266,12 @@ impl Simulation {
         Ok(step)
     }
 
+    /// Sets the step (s) to that of a [saved run](RunHooks::resume), without computing the stable one. Remarks about
+    /// sampling intervals are added as by [`step`](Self::step).
+    pub fn resume_at(&mut self, step: f64) {
+        self.check_intervals(step);
+    }
+
     /// Adds warnings about output intervals shorter than the step or longer than the run, without repetitions.
     fn check_intervals(&mut self, step: f64) {
         let histories = !self.plan.histories.is_empty() || !self.plan.cuts.is_empty();
@@ -327,7 +350,7 @@ impl Simulation {
         let Some(staging) = &self.staging else {
             return Ok(None);
         };
-        let found = staging.run(stop, sink);
+        let found = staging.run(stop, sink, (None, None));
         Ok(Some(
             found.map_err(|error| self.spans.put(&self.source, error))?,
         ))
@@ -353,7 +376,10 @@ impl Simulation {
         if let Some(staging) = &self.staging {
             let body = match hooks.equilibrated_body {
                 Some(body) => Ok(body),
-                None => staging.run(hooks.stop.as_ref(), hooks.stages),
+                None => {
+                    let from = (hooks.completed_stages, hooks.keep_stage);
+                    staging.run(hooks.stop.as_ref(), hooks.stages, from)
+                }
             };
             let moving = body.and_then(|body| staging.set_in_motion(body));
             let (model, stages) = moving.map_err(|error| self.spans.put(&self.source, error))?;

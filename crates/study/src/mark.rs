@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use powerhouse::model::Checksum;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -36,11 +37,11 @@ impl Fingerprint {
         registered: &str,
     ) -> Self {
         let mut sum = Checksum::default();
-        sum.add(scene.as_bytes());
-        files.iter().for_each(|bytes| sum.add(bytes));
+        sum.add_whole(scene.as_bytes());
+        files.iter().for_each(|bytes| sum.add_whole(bytes));
         Self {
             software: REVISION.into(),
-            inputs: sum.text(),
+            inputs: sum.to_string(),
             duration,
             registered: registered.into(),
         }
@@ -125,30 +126,5 @@ fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
         toml::Value::Array(items) => items.iter().for_each(|item| texts_in(item, texts)),
         toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
         _ => {}
-    }
-}
-
-/// FNV-1a checksum of 64 bits (Fowler, Noll & Vo); it detects edited files, not forged ones.
-pub(crate) struct Checksum(u64);
-
-impl Default for Checksum {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Checksum {
-    /// Adds bytes to the checksum.
-    pub(crate) fn add(&mut self, bytes: &[u8]) {
-        // With the length, so that bytes cannot move from one file to the next unnoticed.
-        let length = (bytes.len() as u64).to_le_bytes();
-        for &byte in length.iter().chain(bytes) {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
-
-    /// The checksum in hexadecimal digits.
-    pub(crate) fn text(&self) -> String {
-        format!("{:016x}", self.0)
     }
 }

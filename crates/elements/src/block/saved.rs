@@ -109,6 +109,9 @@ struct SavedBlock {
     flags: Vec<u8>,
     /// Committed history of the elements in touched batches.
     history: Numbers,
+    /// Committed history of the copies of the last element that fill the last batch, if that is touched: it differs from
+    /// the element's where only the element's was set, and whether a batch leaves its elastic domain depends on it.
+    copies: Numbers,
     account: SavedAccount,
 }
 
@@ -143,8 +146,13 @@ where
             .filter(|&element| flags[element] & TOUCHED != 0)
             .flat_map(|element| self.history.of_element(&self.arrangement, element));
         let is_balanced = |element: usize| flags[element] & BALANCED != 0;
+        let (elements, padded) = (self.elements.len(), self.connectivity.as_slice().len());
+        let last = flags.last().is_some_and(|flags| flags & TOUCHED != 0);
+        let copies = (elements..padded).filter(|_| last);
+        let copies = copies.flat_map(|copy| self.history.of_element(&self.arrangement, copy));
         encode(&SavedBlock {
             width,
+            copies: Numbers::of(copies),
             variables: self.history.names().map(String::from).collect(),
             history: Numbers::of(numbers),
             account: self.account.saved(self.places(), P, is_balanced),
@@ -189,9 +197,16 @@ where
         }
         let last = elements.saturating_sub(1);
         if elements > 0 && touched(last) {
-            let numbers: Vec<S> = self.history.of_element(&arrangement, last).collect();
-            for copy in elements..self.connectivity.as_slice().len() {
-                self.history.put_element(&arrangement, copy, &numbers);
+            let copies = elements..self.connectivity.as_slice().len();
+            let each = self.history.per_element();
+            let numbers: Vec<S> = if saved.width == width {
+                saved.copies.read(copies.len() * each)?
+            } else {
+                let of_last: Vec<S> = self.history.of_element(&arrangement, last).collect();
+                of_last.repeat(copies.len())
+            };
+            for (copy, numbers) in copies.zip(numbers.chunks(each.max(1))) {
+                self.history.put_element(&arrangement, copy, numbers);
             }
         }
         let mut account = core::mem::take(&mut self.account);

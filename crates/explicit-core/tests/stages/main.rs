@@ -1,5 +1,6 @@
 //! From the first stress to the earthquake.
 
+mod bolt_blocks;
 mod bolts;
 #[cfg(feature = "direct")]
 mod direct;

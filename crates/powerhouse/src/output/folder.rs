@@ -187,6 +187,31 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Removes the unfinished files that a killed run has left: temporary and test files, whose names no result has.
+    ///
+    /// # Errors
+    /// File that could not be removed.
+    pub fn remove_unfinished(&self) -> Result<(), Error> {
+        for folder in [
+            "",
+            "snapshots",
+            STAGES,
+            "plots",
+            "pictures",
+            "joints",
+            "bolts",
+            "checkpoint",
+        ] {
+            for file in self.files_in(folder, "", "") {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                if name.starts_with(PROBE) || is_unfinished(&name) {
+                    remove(&file)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Returns whether the folder contains a summary of this software.
     fn has_results(&self) -> bool {
         let text = fs::read(self.path.join(SUMMARY)).unwrap_or_default();
@@ -368,6 +393,16 @@ impl ResultFolder {
             });
         }
     }
+}
+
+/// Whether a file has the name of an incomplete one: `NAME.PROCESS.part`.
+fn is_unfinished(name: &str) -> bool {
+    let start = name
+        .strip_suffix(".part")
+        .and_then(|start| start.rsplit_once('.'));
+    start.is_some_and(|(_, process)| {
+        !process.is_empty() && process.bytes().all(|byte| byte.is_ascii_digit())
+    })
 }
 
 /// Removes a file if it exists.

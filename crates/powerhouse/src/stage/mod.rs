@@ -1,9 +1,9 @@
 //! Static analysis before the dynamic run: construction stages, bolts, in-situ stress.
 
+mod body_file;
 mod bolts;
 mod error;
 mod in_situ;
-mod kept;
 mod list;
 mod overview;
 mod rest;
@@ -16,6 +16,6 @@ pub use in_situ::{InSituError, InSituStress};
 pub use list::SceneStage;
 pub(crate) use list::last_renewal;
 pub use overview::StageOverview;
-pub use rest::{CompletedStage, EquilibratedBody, StageSink};
+pub use rest::{CompletedStage, EquilibratedBody, StageHook, StageSink};
 pub(crate) use rest::{Staging, StagingOutcome};
 pub(crate) use timeline::{Timeline, check_removal};

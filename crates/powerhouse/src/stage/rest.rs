@@ -41,6 +41,10 @@ pub struct CompletedStage<'a> {
     pub bolts: Vec<&'a BoltSet>,
 }
 
+/// Callback with the body at the end of every stage, and the reports of the stages until then, called when the
+/// [receiver](StageSink) of the stage has returned.
+pub type StageHook<'a> = Box<dyn FnMut(&EquilibratedBody) + Send + 'a>;
+
 /// Receiver of stage progress and results, such as a file writer or a display.
 ///
 /// Its methods are called one after the other, by the thread that computes the stages, which waits for their return.
@@ -135,7 +139,49 @@ impl Staging {
         &self,
         stop: Option<&Arc<AtomicBool>>,
         mut sink: Option<Box<dyn StageSink + '_>>,
+        (completed, mut keep): (Option<EquilibratedBody>, Option<StageHook<'_>>),
     ) -> Result<EquilibratedBody, Error> {
+        let mesh = &*self.scene.mesh;
+        let mut body = completed.unwrap_or_else(|| self.before_stages());
+        let names = body.stages.iter().map(|report| &report.name);
+        let own = self.scene.stages.iter().map(|stage| &stage.name);
+        if !names.clone().eq(own.clone().take(body.stages.len())) {
+            return Err(Error::ForeignStages {
+                found: names.cloned().collect(),
+                expected: own.cloned().collect(),
+            });
+        }
+        let first = body.stages.len();
+        for (index, stage) in self.scene.stages.iter().enumerate().skip(first) {
+            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                let stage = stage.name.clone();
+                return Err(Error::Interrupted { stage });
+            }
+            let state = core::mem::take(&mut body.state);
+            let (state, stress, report) = self.equilibrate(index, state, stop, &mut sink)?;
+            body.state = state;
+            if let Some(sink) = &mut sink {
+                sink.completed(&CompletedStage {
+                    index,
+                    count: self.scene.stages.len(),
+                    report: &report,
+                    mesh,
+                    state: &body.state,
+                    stress: &stress,
+                    variables: &self.variables,
+                    bolts: self.timeline.bolts(index + 1).collect(),
+                })?;
+            }
+            body.stages.push(report);
+            if let Some(keep) = &mut keep {
+                keep(&body);
+            }
+        }
+        Ok(body)
+    }
+
+    /// The body before the first stage.
+    fn before_stages(&self) -> EquilibratedBody {
         let mesh = &*self.scene.mesh;
         let mut state = State::at_rest(mesh.node_count());
         if let Some(stress) = &self.scene.in_situ_stress {
@@ -144,30 +190,10 @@ impl Staging {
         if !self.timeline.absent.is_empty() {
             state.remove(&self.timeline.absent);
         }
-        let mut stages = Vec::with_capacity(self.scene.stages.len());
-        for (index, stage) in self.scene.stages.iter().enumerate() {
-            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-                let stage = stage.name.clone();
-                return Err(Error::Interrupted { stage });
-            }
-            let stress;
-            let report;
-            (state, stress, report) = self.equilibrate(index, state, stop, &mut sink)?;
-            if let Some(sink) = &mut sink {
-                sink.completed(&CompletedStage {
-                    index,
-                    count: self.scene.stages.len(),
-                    report: &report,
-                    mesh,
-                    state: &state,
-                    stress: &stress,
-                    variables: &self.variables,
-                    bolts: self.timeline.bolts(index + 1).collect(),
-                })?;
-            }
-            stages.push(report);
+        EquilibratedBody {
+            state,
+            stages: Vec::with_capacity(self.scene.stages.len()),
         }
-        Ok(EquilibratedBody { state, stages })
     }
 
     /// Computes one stage: state and stress after it, and its report.

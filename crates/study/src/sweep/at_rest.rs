@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use powerhouse::model::Mesh;
+use powerhouse::model::{Checksum, Mesh};
 use powerhouse::{EquilibratedBody, Registry, Scene};
 
 use super::locked;
 use crate::StudyError;
-use crate::mark::{Checksum, REVISION, is_case};
+use crate::mark::{REVISION, is_case};
 
 /// Name of the folder of body files within the folder of a sweep.
 const FOLDER: &str = "at-rest";
@@ -76,10 +76,10 @@ impl BodyStore {
 /// on which the stages depend.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
-    sum.add(REVISION.as_bytes());
+    sum.add_whole(REVISION.as_bytes());
     let version = scene.registry().map_or("", Registry::version);
     if !version.is_empty() {
-        sum.add(version.as_bytes());
+        sum.add_whole(version.as_bytes());
     }
     add_mesh(&mut sum, scene.mesh());
     // The debug format contains nodes and directions.
@@ -88,37 +88,38 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     let boundary = scene.boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
     let start = scene.start_time();
-    sum.add(format!("{supports} {joints:?} {faces:?} {start:?}").as_bytes());
+    sum.add_whole(format!("{supports} {joints:?} {faces:?} {start:?}").as_bytes());
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let cases = table.get("case").and_then(toml::Value::as_array);
     let own = cases.and_then(|cases| cases.iter().find(|own| is_case(own, case)));
     for section in SECTIONS {
         for value in [table.get(section), own.and_then(|own| own.get(section))] {
             let text = value.map_or(String::new(), toml::Value::to_string);
-            sum.add(text.as_bytes());
+            sum.add_whole(text.as_bytes());
         }
     }
     let stress = table.get("in_situ_stress");
     if let Some(name) = stress.and_then(|stress| stress.get("file")?.as_str()) {
         let path = file.parent().unwrap_or(Path::new("")).join(name);
-        sum.add(&std::fs::read(path).unwrap_or_default());
+        sum.add_whole(&std::fs::read(path).unwrap_or_default());
     }
-    sum.text()
+    sum.to_string()
 }
 
 /// Adds nodes, elements, their numbers and the named sets of a mesh to a checksum.
 fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
     for position in mesh.positions() {
         let bits = position.map(f64::to_bits);
-        bits.iter().for_each(|bits| sum.add(&bits.to_le_bytes()));
+        bits.iter()
+            .for_each(|bits| sum.add_whole(&bits.to_le_bytes()));
     }
     for tags in [mesh.node_tags(), mesh.element_tags()] {
         let bytes: Vec<u8> = tags.iter().flat_map(|tag| tag.to_le_bytes()).collect();
-        sum.add(&bytes);
+        sum.add_whole(&bytes);
     }
     let mut add = |numbers: &[u32]| {
         let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-        sum.add(&bytes);
+        sum.add_whole(&bytes);
     };
     (0..mesh.element_count() as u32).for_each(|element| add(mesh.nodes_of(element)));
     for sets in [mesh.element_sets(), mesh.node_sets()] {
@@ -136,5 +137,5 @@ fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
         mesh.node_sets().keys().collect(),
         mesh.facet_sets().keys().collect(),
     ];
-    sum.add(format!("{sets:?}").as_bytes());
+    sum.add_whole(format!("{sets:?}").as_bytes());
 }

@@ -5,11 +5,12 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::write_summary;
+use powerhouse::model::Checksum;
 use serde::{Deserialize, Serialize};
 
 use super::{MARK, OUTCOME};
 use crate::StudyError;
-use crate::mark::{Checksum, Fingerprint};
+use crate::mark::Fingerprint;
 
 /// Name of the summary file, which every run into a folder replaces.
 const SUMMARY: &str = "summary.json";
@@ -140,6 +141,6 @@ fn summary_of(folder: &Path) -> Result<String, StudyError> {
     let file = folder.join(SUMMARY);
     let bytes = fs::read(&file).map_err(|source| StudyError::Read { file, source })?;
     let mut sum = Checksum::default();
-    sum.add(&bytes);
-    Ok(sum.text())
+    sum.add_whole(&bytes);
+    Ok(sum.to_string())
 }

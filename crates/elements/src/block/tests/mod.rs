@@ -6,6 +6,7 @@ mod invariance;
 mod location;
 mod memory;
 mod remaining;
+mod saved;
 mod state;
 
 use nalgebra::{DMatrix, SymmetricEigen};

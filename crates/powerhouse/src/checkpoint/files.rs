@@ -1,0 +1,284 @@
+//! Files of the checkpoints of a run.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use powerhouse_io::{FileSection, IoError, SectionFileError, read_sections, write_sections};
+use powerhouse_model::{SavedRun, SavedSection, StateError, decode, encode};
+use thiserror::Error;
+
+use super::RunInputs;
+use crate::EquilibratedBody;
+
+/// Subfolder of the results folder.
+const FOLDER: &str = "checkpoint";
+/// The last state of the dynamic run, and the one before it.
+const RUNS: [&str; 2] = ["latest.run", "previous.run"];
+/// The body after the last stage in static equilibrium, and the one before it.
+const BODIES: [&str; 2] = ["latest.stage", "previous.stage"];
+/// Kinds and versions of the files; a version changes with the content.
+const RUN: (&str, u32) = ("checkpoint of a run", 1);
+const BODY: (&str, u32) = ("checkpoint of a stage", 1);
+/// Sections of the inputs, and of step and time.
+const INPUTS: &str = "inputs";
+const HEAD: &str = "head";
+
+/// Checkpoint that cannot be read or does not belong to a run.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// No checkpoint in a folder.
+    #[error("{} has no checkpoint from which the run could be resumed", folder.display())]
+    None {
+        /// The results folder.
+        folder: PathBuf,
+    },
+    /// File that cannot be read, is incomplete, damaged, or of another version.
+    #[error(transparent)]
+    File(#[from] SectionFileError),
+    /// Section of a file that does not encode what it should.
+    #[error("{}: section '{section}': {source}", file.display())]
+    Section {
+        /// The file.
+        file: PathBuf,
+        /// Name of the section.
+        section: String,
+        /// Cause.
+        source: StateError,
+    },
+    /// Checkpoint of a run with other inputs.
+    #[error("{} belongs to another run: {what} has changed since", file.display())]
+    OtherRun {
+        /// The file.
+        file: PathBuf,
+        /// The input that differs.
+        what: String,
+    },
+    /// Both generations of a checkpoint cannot be used.
+    #[error("no checkpoint can be used: {latest}; {previous}")]
+    Both {
+        /// Reason for the last one.
+        latest: Box<CheckpointError>,
+        /// Reason for the one before.
+        previous: Box<CheckpointError>,
+    },
+    /// State that cannot be written.
+    #[error(transparent)]
+    Write(#[from] IoError),
+    /// State that cannot be encoded.
+    #[error("the state of a checkpoint: {0}")]
+    State(StateError),
+}
+
+impl CheckpointError {
+    fn is_absent(&self) -> bool {
+        matches!(self, Self::File(SectionFileError::Read { source, .. }) if source.kind() == ErrorKind::NotFound)
+    }
+}
+
+/// State from which a run is resumed.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ResumedRun {
+    /// Inputs of the run.
+    pub inputs: RunInputs,
+    /// The body after the last stage in static equilibrium; none without stages, or before the first is computed.
+    pub body: Option<EquilibratedBody>,
+    /// State of the dynamic run; none if it has not begun.
+    pub run: Option<SavedRun>,
+    /// Checkpoints that were not used, each with its reason.
+    pub unused: Vec<String>,
+}
+
+/// The checkpoint files of a results folder: two generations of the state of the dynamic run, and of the body at the end
+/// of a stage. Every file is written completely or not at all, and on the disk before it replaces an older one.
+#[derive(Clone, Debug)]
+pub struct CheckpointFiles {
+    results: PathBuf,
+}
+
+impl CheckpointFiles {
+    /// The checkpoint files of a results folder.
+    pub fn of(results: impl Into<PathBuf>) -> Self {
+        Self {
+            results: results.into(),
+        }
+    }
+    fn path(&self, name: &str) -> PathBuf {
+        self.results.join(FOLDER).join(name)
+    }
+
+    /// Makes the last generation of a file the one before, and returns the path of the last.
+    fn next(&self, [latest, previous]: [&str; 2]) -> Result<PathBuf, IoError> {
+        let latest = self.path(latest);
+        match fs::rename(&latest, self.path(previous)) {
+            Err(source) if source.kind() != ErrorKind::NotFound => Err(IoError::File {
+                file: latest,
+                source,
+            }),
+            _ => Ok(latest),
+        }
+    }
+
+    /// Writes the state of a dynamic run.
+    ///
+    /// # Errors
+    /// A file that cannot be written; the last state remains as the one before.
+    pub fn write_run(&self, inputs: &RunInputs, saved: &SavedRun) -> Result<(), CheckpointError> {
+        let inputs = encode(inputs).map_err(CheckpointError::State)?;
+        let head = (saved.done, saved.time, saved.step);
+        let head = encode(&head).map_err(CheckpointError::State)?;
+        let own = [(INPUTS, inputs.as_slice()), (HEAD, head.as_slice())];
+        let parts = saved.sections.iter();
+        let parts = parts.map(|section| (section.name.as_str(), section.bytes.as_slice()));
+        Ok(write_sections(
+            &self.next(RUNS)?,
+            RUN,
+            own.into_iter().chain(parts),
+        )?)
+    }
+
+    /// Writes the body at the end of a stage.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_body(
+        &self,
+        inputs: &RunInputs,
+        body: &EquilibratedBody,
+    ) -> Result<(), CheckpointError> {
+        let inputs = encode(inputs).map_err(CheckpointError::State)?;
+        let [state, stages] = body.sections().map_err(CheckpointError::State)?;
+        let names = EquilibratedBody::SECTIONS;
+        let sections = [
+            (INPUTS, inputs.as_slice()),
+            (names[0], state.as_slice()),
+            (names[1], stages.as_slice()),
+        ];
+        Ok(write_sections(&self.next(BODIES)?, BODY, sections)?)
+    }
+
+    /// Reads the newest checkpoint that is whole: of the dynamic run, and of the last stage.
+    ///
+    /// # Errors
+    /// [`CheckpointError::None`] if there is none, and the reasons for which those that exist cannot be used.
+    pub fn read(&self) -> Result<ResumedRun, CheckpointError> {
+        let mut unused = Vec::new();
+        let run = newest(RUNS.map(|name| self.path(name)), read_run, &mut unused)?;
+        let body = newest(BODIES.map(|name| self.path(name)), read_body, &mut unused)?;
+        let inputs = match (&run, &body) {
+            (Some((inputs, _)), _) | (None, Some((inputs, _))) => inputs.clone(),
+            (None, None) => {
+                return Err(CheckpointError::None {
+                    folder: self.results.clone(),
+                });
+            }
+        };
+        Ok(ResumedRun {
+            inputs,
+            body: body.map(|(_, body)| body),
+            run: run.map(|(_, run)| run),
+            unused,
+        })
+    }
+
+    /// Accepts the inputs of a run that is to be resumed.
+    ///
+    /// # Errors
+    /// [`CheckpointError::OtherRun`] with the input that has changed.
+    pub fn check(&self, found: &RunInputs, here: &RunInputs) -> Result<(), CheckpointError> {
+        match found.difference(here) {
+            None => Ok(()),
+            Some(what) => Err(CheckpointError::OtherRun {
+                file: self.results.join(FOLDER),
+                what,
+            }),
+        }
+    }
+
+    /// Removes all checkpoint files, such as when the run is complete.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn remove(&self) -> Result<(), IoError> {
+        for name in RUNS.into_iter().chain(BODIES) {
+            let file = self.path(name);
+            match fs::remove_file(&file) {
+                Err(source) if source.kind() != ErrorKind::NotFound => {
+                    return Err(IoError::File { file, source });
+                }
+                _ => {}
+            }
+        }
+        // Other files of the user's in the folder keep it.
+        let _ = fs::remove_dir(self.results.join(FOLDER));
+        Ok(())
+    }
+}
+
+/// The last of two generations that can be read; none if neither exists. Adds the reason for which the last is not used.
+fn newest<T>(
+    files: [PathBuf; 2],
+    read: impl Fn(&Path) -> Result<T, CheckpointError>,
+    unused: &mut Vec<String>,
+) -> Result<Option<T>, CheckpointError> {
+    let [latest, previous] = files.map(|file| read(&file));
+    match (latest, previous) {
+        (Ok(found), _) => Ok(Some(found)),
+        (Err(latest), Err(previous)) if latest.is_absent() && previous.is_absent() => Ok(None),
+        (Err(latest), Ok(found)) => {
+            if !latest.is_absent() {
+                unused.push(latest.to_string());
+            }
+            Ok(Some(found))
+        }
+        (Err(latest), Err(previous)) if previous.is_absent() => Err(latest),
+        (Err(latest), Err(previous)) if latest.is_absent() => Err(previous),
+        (Err(latest), Err(previous)) => Err(CheckpointError::Both {
+            latest: Box::new(latest),
+            previous: Box::new(previous),
+        }),
+    }
+}
+
+/// Decodes the section of a file with a name.
+fn decoded<T: serde::de::DeserializeOwned>(
+    file: &Path,
+    sections: &[FileSection],
+    name: &str,
+) -> Result<T, CheckpointError> {
+    let found = sections.iter().find(|section| section.name == name);
+    let bytes = found.ok_or(StateError::Missing);
+    let value = bytes.and_then(|section| decode(&section.bytes));
+    value.map_err(|source| CheckpointError::Section {
+        file: file.into(),
+        section: name.into(),
+        source,
+    })
+}
+
+fn read_run(file: &Path) -> Result<(RunInputs, SavedRun), CheckpointError> {
+    let sections = read_sections(file, RUN)?;
+    let inputs = decoded(file, &sections, INPUTS)?;
+    let (done, time, step) = decoded(file, &sections, HEAD)?;
+    let mut saved = SavedRun::new(done, time, step);
+    let parts = sections.into_iter();
+    let parts = parts.filter(|section| ![INPUTS, HEAD].contains(&section.name.as_str()));
+    saved.sections = parts
+        .map(|FileSection { name, bytes }| SavedSection { name, bytes })
+        .collect();
+    Ok((inputs, saved))
+}
+
+fn read_body(file: &Path) -> Result<(RunInputs, EquilibratedBody), CheckpointError> {
+    let sections = read_sections(file, BODY)?;
+    let inputs = decoded(file, &sections, INPUTS)?;
+    let body = EquilibratedBody::of_sections(&sections);
+    let body = body.map_err(|source| CheckpointError::Section {
+        file: file.into(),
+        section: EquilibratedBody::SECTIONS.join(" and "),
+        source,
+    })?;
+    Ok((inputs, body))
+}

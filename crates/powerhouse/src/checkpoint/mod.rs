@@ -1,0 +1,9 @@
+//! Checkpoints: files beside the results of a run, from which it can be resumed.
+
+mod files;
+mod inputs;
+mod writer;
+
+pub use files::{CheckpointError, CheckpointFiles, ResumedRun};
+pub use inputs::RunInputs;
+pub use writer::CheckpointWriter;
