@@ -60,7 +60,8 @@ fn a_folder_has_one_run() {
     assert!(errors.contains(&holder), "{errors}");
     signal(&first, "-KILL");
     first.wait_with_output().unwrap();
-    assert!(!block.out().join("summary.json").exists());
+    let left = std::fs::read_to_string(block.out().join("summary.json")).unwrap();
+    assert!(left.contains("\"ended\": \"incomplete\""), "{left}");
     let taken = run(&other, &block.out_text());
     let printed = text(&taken.stdout);
     assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));

@@ -248,7 +248,7 @@ impl LoadSums {
     }
 
     /// Writes the sums at plain nodes: all at the first call, then those that change in time.
-    pub(crate) fn write_plain<S: Storage>(&mut self, external: &mut [Quad<S>]) {
+    pub(crate) fn write_plain<S: Storage>(&mut self, external: &mut [[S; 4]]) {
         let every: Vec<u32>;
         let wanted = if core::mem::replace(&mut self.written, true) {
             &self.changing
@@ -268,7 +268,7 @@ impl LoadSums {
                         break;
                     };
                     let sum = self.plain.sum(key as usize, &self.forces);
-                    *external = Quad::from_vector(&sum);
+                    *external = Quad::from_vector(&sum).values;
                 }
             });
     }

@@ -58,7 +58,8 @@ pub(crate) struct NodalArrays<S: Storage> {
     /// Internal forces (N) of the blocks, their buffers concatenated.
     pub(crate) forces: Vec<Quad<S>>,
     /// Applied forces (N) at plain nodes (those without a group); empty if there are none.
-    pub(crate) external: Vec<Quad<S>>,
+    /// Rows of numbers, which are allocated as zeros: those of unloaded nodes take no memory.
+    pub(crate) external: Vec<[S; 4]>,
     /// Velocity per force, `dt / (m + dt c / 2)` (m/s/N); zero at nodes of groups.
     gain: Vec<S>,
     /// New velocity per old velocity; empty if it is one everywhere.
@@ -113,7 +114,7 @@ impl<S: Storage> NodalArrays<S> {
             displacement: vec![Quad::default(); nodes],
             velocity: vec![Quad::default(); nodes],
             forces: vec![Quad::default(); slots],
-            external: vec![Quad::default(); if with_external { nodes } else { 0 }],
+            external: vec![[S::default(); 4]; if with_external { nodes } else { 0 }],
             gain: vec![S::default(); nodes],
             decay: Vec::new(),
         }
@@ -240,7 +241,7 @@ impl<S: Storage> NodalArrays<S> {
     }
 
     fn next_of(&self, node: usize, internal: &[S; 4]) -> Vec3 {
-        let force = total(internal, self.external.get(node).map(|quad| &quad.values));
+        let force = total(internal, self.external.get(node));
         let decay = self.decay.get(node).copied();
         let new = kicked(&self.velocity[node].values, &force, self.gain[node], decay);
         Vec3::new(new[0].to_f64(), new[1].to_f64(), new[2].to_f64())
@@ -252,7 +253,7 @@ struct Pass<'a, S: Storage> {
     gather: &'a Gather,
     groups: &'a GroupMotion,
     forces: &'a [Quad<S>],
-    external: &'a [Quad<S>],
+    external: &'a [[S; 4]],
     gain: &'a [S],
     decay: &'a [S],
     step: f64,
@@ -304,7 +305,7 @@ impl<S: Storage> Pass<'_, S> {
                 let displacement = &mut displacement[range];
                 let gain = &self.gain[first..first + sums.len()];
                 for i in 0..sums.len() {
-                    let applied = self.external.get(first + i).map(|quad| &quad.values);
+                    let applied = self.external.get(first + i);
                     let force = total(&sums[i].values, applied);
                     let decay = self.decay.get(first + i).copied();
                     let new = kicked(&velocity[i].values, &force, gain[i], decay);

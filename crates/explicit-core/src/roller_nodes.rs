@@ -78,7 +78,7 @@ pub(crate) fn hold<'a, S: Storage>(
     roller_nodes: &'a [RollerNode],
     first: usize,
     internal: &mut [Quad<S>],
-    external: &[Quad<S>],
+    external: &[[S; 4]],
 ) -> &'a [RollerNode] {
     let mut rest = roller_nodes;
     while let [roller_node, others @ ..] = rest {
@@ -89,7 +89,7 @@ pub(crate) fn hold<'a, S: Storage>(
         let applied = external.get(node).copied().unwrap_or_default();
         for c in 0..3 {
             if roller_node.held[c] {
-                internal.values[c] = applied.values[c];
+                internal.values[c] = applied[c];
             }
         }
         rest = others;

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 
 use crate::Model;
 use crate::applied::split;
-use crate::groups::NodeGroup;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
 use crate::subdomain::Subdomain;
 
@@ -134,14 +133,15 @@ impl Model {
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
-        let groups = &self.groups.groups;
+        let (groups, group_of) = (&self.groups.groups, &self.group_of);
         let (blocks, subdomain) = (&self.blocks, &self.subdomain);
+        // Members of a group move as its lead does.
+        let value = |node: usize| {
+            let lead = group_of[node].map_or(node, |g| groups[g as usize].members[0] as usize);
+            vector[lead] * scale[lead]
+        };
         let mut product = with_nodes!(&mut self.nodes, arrays => {
-            let mut values: Vec<Quad<_>> = (vector.par_iter().zip(scale))
-                .map(|(x, s)| Quad::from_vector(&(x * *s)))
-                .collect();
-            spread(groups, &mut values);
-            product(arrays, subdomain, blocks, values, weight)
+            product(arrays, subdomain, blocks, &value, weight)
         });
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
@@ -163,18 +163,8 @@ impl Model {
     ) -> Vec<Vec3> {
         let (blocks, subdomain) = (&self.blocks, &self.subdomain);
         with_nodes!(&mut self.nodes, arrays => {
-            let values = vector.iter().map(Quad::from_vector).collect();
-            product(arrays, subdomain, blocks, values, weight)
+            product(arrays, subdomain, blocks, &|node| vector[node], weight)
         })
-    }
-}
-
-/// Copies the entry of each group's lead node to the other members.
-fn spread<T: Copy>(groups: &[NodeGroup], vector: &mut [T]) {
-    for group in groups {
-        for &member in &group.members[1..] {
-            vector[member as usize] = vector[group.members[0] as usize];
-        }
     }
 }
 
@@ -182,10 +172,9 @@ fn product<S: Storage>(
     arrays: &mut NodalArrays<S>,
     subdomain: &Subdomain,
     blocks: &[Box<dyn ElementBlock>],
-    values: Vec<Quad<S>>,
+    value: &(impl Fn(usize) -> Vec3 + Sync),
     weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
 ) -> Vec<Vec3> {
-    let count = values.len();
     let buffers = split(&mut arrays.forces, &subdomain.lengths);
     blocks
         .par_iter()
@@ -193,16 +182,17 @@ fn product<S: Storage>(
         .enumerate()
         .with_max_len(1)
         .for_each(|(index, (block, buffer))| {
-            let own = subdomain.values(index, &values);
+            let nodes = subdomain.nodes_of(index).iter();
+            let own: Vec<Quad<S>> = nodes
+                .map(|&node| Quad::from_vector(&value(node as usize)))
+                .collect();
             block.apply(Operator::Elastic, S::view(&own), S::view_mut(buffer));
             let weight = S::from_f64(weight(block.as_ref()));
             for force in buffer.iter_mut().flat_map(|quad| &mut quad.values) {
                 *force = *force * weight;
             }
         });
-    // The product takes the place of the vector.
-    drop(values);
-    (0..count)
+    (0..subdomain.node_count())
         .into_par_iter()
         .map(|node| arrays.internal(&subdomain.slots, node))
         .collect()

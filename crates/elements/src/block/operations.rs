@@ -12,8 +12,8 @@ use super::locations::Locations;
 use super::numbers::Aligned;
 use super::remaining::{LEAST_HOURGLASS_SHARE, damped_share, less, product, times};
 use super::survey::{
-    Summary, complementary_energy, each_lane, earlier, linear_energy, step_work, write_all,
-    write_mean,
+    FiniteCheck, Summary, complementary_energy, each_lane, earlier, linear_energy, step_work,
+    write_all, write_mean,
 };
 use super::transfer::{gather, scatter};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
@@ -25,35 +25,6 @@ pub(super) struct Moduli {
     pub(super) shear: f64,
     /// Hourglass modulus of the undamaged material, zero if there are no hourglass forces.
     pub(super) hourglass: f64,
-}
-
-/// Check that all stresses are finite: zero as long as they are, NaN afterwards.
-#[derive(Clone, Copy)]
-struct FiniteCheck<L>(L);
-
-impl<L: BatchLane> FiniteCheck<L> {
-    #[inline(always)]
-    fn add(&mut self, stress: &Stress<L>) {
-        let sum = stress.0[0] + stress.0[1] + stress.0[2];
-        self.0 = sum.mul_add(sum.constant(0.0), self.0);
-    }
-    /// The same of modal forces.
-    #[inline(always)]
-    fn add_forces<const N: usize>(&mut self, forces: &[[L; 3]; N]) {
-        let mut sum = forces[0];
-        for force in &forces[1..] {
-            for i in 0..3 {
-                sum[i] = sum[i] + force[i];
-            }
-        }
-        self.add(&Stress([sum[0], sum[1], sum[2], sum[0], sum[0], sum[0]]));
-    }
-    #[inline(always)]
-    fn all_finite(self) -> bool {
-        let mut lanes = [L::Scalar::default(); MOST_LANES];
-        self.0.store(&mut lanes);
-        lanes.iter().all(|&lane| lane == L::Scalar::default())
-    }
 }
 
 /// Elastic forces of a displacement by local node index; returns whether all is finite.

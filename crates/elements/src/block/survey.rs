@@ -160,3 +160,32 @@ pub(super) fn step_work<L: BatchLane<Scalar = S>, S: BatchScalar, const P: usize
     }
     sum * geometry.constant(0.5 * step)
 }
+
+/// Check that all stresses are finite: zero as long as they are, NaN afterwards.
+#[derive(Clone, Copy)]
+pub(super) struct FiniteCheck<L>(pub(super) L);
+
+impl<L: BatchLane> FiniteCheck<L> {
+    #[inline(always)]
+    pub(super) fn add(&mut self, stress: &Stress<L>) {
+        let sum = stress.0[0] + stress.0[1] + stress.0[2];
+        self.0 = sum.mul_add(sum.constant(0.0), self.0);
+    }
+    /// The same of modal forces.
+    #[inline(always)]
+    pub(super) fn add_forces<const N: usize>(&mut self, forces: &[[L; 3]; N]) {
+        let mut sum = forces[0];
+        for force in &forces[1..] {
+            for i in 0..3 {
+                sum[i] = sum[i] + force[i];
+            }
+        }
+        self.add(&Stress([sum[0], sum[1], sum[2], sum[0], sum[0], sum[0]]));
+    }
+    #[inline(always)]
+    pub(super) fn all_finite(self) -> bool {
+        let mut lanes = [L::Scalar::default(); MOST_LANES];
+        self.0.store(&mut lanes);
+        lanes.iter().all(|&lane| lane == L::Scalar::default())
+    }
+}

@@ -373,8 +373,7 @@ impl Model {
         let loaded = self.loads.sums.on_plain_nodes();
         let nodes = if loaded { self.mass.len() } else { 0 };
         with_nodes!(&mut self.nodes, arrays => {
-            arrays.external.clear();
-            arrays.external.resize(nodes, Quad::default());
+            arrays.external = vec![Default::default(); nodes];
         });
     }
 }

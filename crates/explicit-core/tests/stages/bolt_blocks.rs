@@ -73,7 +73,7 @@ fn results_do_not_know_the_blocks_of_bolts() {
         assert_eq!(whole.embedded_hosts().len(), 1);
         assert!(many.embedded_hosts().len() > 1);
         let (first, second) = (whole.state(), many.state());
-        let near = |a: f64, b: f64, size: f64| (a - b).abs() < 1.0e-9 * size;
+        let near = |a: f64, b: f64, size: f64| (a - b).abs() <= 1.0e-9 * size;
         for (one, other) in first.history.iter().zip(&second.history) {
             assert_eq!((&one.name, one.points), (&other.name, other.points));
             if one.name.starts_with("roof/") {

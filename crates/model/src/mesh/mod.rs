@@ -2,6 +2,7 @@
 
 mod build;
 mod check;
+mod copy_on_write;
 mod error;
 mod facet;
 mod generate;
@@ -12,7 +13,6 @@ mod part;
 mod refine;
 mod select;
 mod shape;
-mod shared;
 mod sides;
 mod slice;
 mod split;
@@ -22,12 +22,12 @@ use std::collections::BTreeMap;
 use crate::Vec3;
 pub use build::MeshBuilder;
 pub use check::QualityReport;
+use copy_on_write::CopyOnWrite;
 pub use error::MeshError;
 pub use facet::{FacetGeometry, NodeTributary};
 pub use kind::ElementKind;
 pub use locate::Located;
 pub use select::Axis;
-use shared::Shared;
 pub use split::Split;
 
 /// A facet: one side of one element.
@@ -57,12 +57,12 @@ pub struct Facet {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    pub(crate) positions: Shared<Vec3>,
-    pub(crate) node_tags: Shared<u64>,
-    pub(crate) kinds: Shared<ElementKind>,
-    pub(crate) element_tags: Shared<u64>,
-    pub(crate) offsets: Shared<u32>,
-    pub(crate) connectivity: Shared<u32>,
+    pub(crate) positions: CopyOnWrite<Vec3>,
+    pub(crate) node_tags: CopyOnWrite<u64>,
+    pub(crate) kinds: CopyOnWrite<ElementKind>,
+    pub(crate) element_tags: CopyOnWrite<u64>,
+    pub(crate) offsets: CopyOnWrite<u32>,
+    pub(crate) connectivity: CopyOnWrite<u32>,
     pub(crate) node_sets: BTreeMap<String, Vec<u32>>,
     pub(crate) element_sets: BTreeMap<String, Vec<u32>>,
     pub(crate) facet_sets: BTreeMap<String, Vec<Facet>>,

@@ -44,7 +44,7 @@ pub(crate) fn advice(error: &RunError, run: &RunReport) -> Vec<String> {
     };
     advice.push(format!(
         "look at set '{set}': the files hold the results until then (state.vtu and envelope.vtu show where), \
-         and `check` names its worst elements; an elastic law for it tells whether its law is the cause"
+         and `check` names its worst elements; with an elastic law for it a run shows whether its law is the cause"
     ));
     advice
 }

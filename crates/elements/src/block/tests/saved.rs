@@ -43,7 +43,7 @@ fn step_of(fixture: &mut Fixture, step: u64) -> Vec<u64> {
         energy.plastic,
         energy.damping,
     ];
-    assert!(energy.plastic > 0.0 && energy.damping > 0.0 || step == 0);
+    assert!(energy.elastic > 0.0 && energy.damping > 0.0 || step == 0);
     forces.chain(sums).map(f64::to_bits).collect()
 }
 

@@ -6,34 +6,34 @@ use std::sync::Arc;
 /// A list that its copies share until one of them is changed: an engine keeps a copy of the mesh that it computes, which
 /// would be a tenth of the memory of an elastic model.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Shared<T>(Arc<Vec<T>>);
+pub(crate) struct CopyOnWrite<T>(Arc<Vec<T>>);
 
-impl<T> Default for Shared<T> {
+impl<T> Default for CopyOnWrite<T> {
     fn default() -> Self {
         Vec::new().into()
     }
 }
 
-impl<T> From<Vec<T>> for Shared<T> {
+impl<T> From<Vec<T>> for CopyOnWrite<T> {
     fn from(list: Vec<T>) -> Self {
         Self(Arc::new(list))
     }
 }
 
-impl<T> FromIterator<T> for Shared<T> {
+impl<T> FromIterator<T> for CopyOnWrite<T> {
     fn from_iter<I: IntoIterator<Item = T>>(items: I) -> Self {
         Vec::from_iter(items).into()
     }
 }
 
-impl<T> Deref for Shared<T> {
+impl<T> Deref for CopyOnWrite<T> {
     type Target = Vec<T>;
     fn deref(&self) -> &Vec<T> {
         &self.0
     }
 }
 
-impl<T: Clone> DerefMut for Shared<T> {
+impl<T: Clone> DerefMut for CopyOnWrite<T> {
     fn deref_mut(&mut self) -> &mut Vec<T> {
         Arc::make_mut(&mut self.0)
     }
@@ -46,7 +46,7 @@ mod tests {
     /// A copy takes no memory of its own before it changes, and its change does not reach the original.
     #[test]
     fn copies_share_until_they_change() {
-        let first: Shared<u32> = vec![1, 2, 3].into();
+        let first: CopyOnWrite<u32> = vec![1, 2, 3].into();
         let mut second = first.clone();
         assert_eq!(first.as_ptr(), second.as_ptr());
         second.push(4);
