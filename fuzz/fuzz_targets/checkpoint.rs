@@ -7,7 +7,9 @@ use powerhouse::model::{State, decode};
 use powerhouse_fuzz::limited;
 
 fuzz_target!(|bytes: &[u8]| {
-    let file = limited(bytes.len(), || parse_sections(bytes, ("checkpoint of a run", 1)));
+    let file = limited(bytes.len(), || {
+        parse_sections(bytes, ("checkpoint of a run", 1))
+    });
     if let Err(fault) = file {
         assert!(!fault.to_string().is_empty());
     }
