@@ -4,6 +4,7 @@ use std::collections::hash_map::DefaultHasher;
 use std::error::Error as StdError;
 use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::engine::{CheckpointSink, Progress, SavedRun};
@@ -165,6 +166,9 @@ enum Takes {
 #[derive(Debug)]
 struct Taken {
     how: Takes,
+    /// Steps from one state to the next, and those seen so far.
+    every: u64,
+    seen: AtomicU64,
     states: Mutex<(Vec<Hashes>, Option<SavedRun>)>,
 }
 
@@ -184,9 +188,11 @@ fn hashes(saved: &SavedRun) -> Hashes {
 }
 
 impl Taken {
-    fn new(how: Takes) -> Arc<Self> {
+    fn new(how: Takes, every: u64) -> Arc<Self> {
         Arc::new(Self {
             how,
+            every,
+            seen: AtomicU64::new(0),
             states: Mutex::default(),
         })
     }
@@ -197,7 +203,7 @@ impl Taken {
 
 impl CheckpointSink for Taken {
     fn is_due(&self, _progress: &Progress) -> bool {
-        true
+        (self.seen.fetch_add(1, Ordering::Relaxed) + 1).is_multiple_of(self.every)
     }
     fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
         let mut states = self.states.lock().unwrap();
@@ -275,21 +281,26 @@ fn recorded(results: &Results) -> String {
     )
 }
 
-/// A run with everything in it, stopped after each step and resumed in a newly built model with another number of
-/// threads, has the states of the run without a stop after each step, section by section to the bit, and the same
+/// A run with everything in it, stopped every so many steps and resumed in a newly built model with another number of
+/// threads, has the states of the run without a stop after the same steps, section by section to the bit, and the same
 /// results at the end.
-fn check(precision: &str) {
+fn check(precision: &str, every: u64) {
     let case = Case::new(precision);
-    let all = Taken::new(Takes::All);
+    let all = Taken::new(Takes::All, 1);
     let whole = case.run(2, Some(all.clone()), None).unwrap();
     assert_eq!(whole.run.steps, STEPS);
     everything_happened(&whole);
     let expected = all.states.lock().unwrap().0.clone();
     assert_eq!(expected.len() as u64, STEPS - 1);
     let mut saved = all.first();
-    for (step, expected) in expected.iter().enumerate().skip(1) {
-        let sink = Taken::new(Takes::First);
-        let ended = case.run(1 + step % 3, Some(sink.clone()), Some(saved));
+    let stops = expected.iter().enumerate().skip(every as usize);
+    for (step, expected) in stops.step_by(every as usize) {
+        let sink = Taken::new(Takes::First, every);
+        let ended = case.run(
+            1 + step / every as usize % 3,
+            Some(sink.clone()),
+            Some(saved),
+        );
         assert!(matches!(ended, Err(Error::Failed { .. })), "{ended:?}");
         saved = sink.first();
         for (found, expected) in hashes(&saved).iter().zip(expected) {
@@ -334,15 +345,16 @@ fn everything_happened(results: &Results) {
 
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    check("f64");
+    for precision in ["f64", "mixed", "f32"] {
+        check(precision, 11);
+    }
 }
 
+/// The same after each step: `cargo test --release --workspace --test invariance resume -- --ignored`.
 #[test]
-fn a_resumed_run_has_the_same_bits_in_mixed_precision() {
-    check("mixed");
-}
-
-#[test]
-fn a_resumed_run_has_the_same_bits_in_single_precision() {
-    check("f32");
+#[ignore = "takes minutes"]
+fn a_run_resumed_after_each_step_has_the_same_bits() {
+    for precision in ["f64", "mixed", "f32"] {
+        check(precision, 1);
+    }
 }
