@@ -3,7 +3,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::error::Error as StdError;
 use std::hash::{Hash, Hasher};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -238,7 +238,7 @@ impl Case {
 
     fn scene(&self, threads: usize) -> Scene {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/everything.toml");
-        let scene = Scene::from_toml(&self.text, PathBuf::from(file), &Registry::default());
+        let scene = Scene::from_toml(&self.text, file, &Registry::default());
         let scene = scene.unwrap().with_duration(self.duration);
         scene.with_threads(threads).allow_magnitudes()
     }
