@@ -169,9 +169,9 @@ Exit status:
 
 /// Explanation of the files of a killed run in `run --help`.
 const AFTER_A_KILL: &str = "\
-Each file is written atomically. Snapshots, stages and checkpoints are written during the run, all other files at its
-end: a run that is killed (SIGKILL, power failure) leaves those three, without histories, section forces, energies,
-envelopes and pictures, and without a summary.json that states `completed`. `powerhouse run --resume DIR`, with the folder
+Snapshots, stages and checkpoints are written during the run, as are the new rows of the tables every twenty seconds, all
+other files at its end, each atomically: a run that is killed (SIGKILL, power failure) leaves those, without envelopes
+and pictures, and with a summary.json that states `incomplete`. `powerhouse run --resume DIR`, with the folder
 of its results, goes on from the last checkpoint, or from the last completed stage, to the same files. Interrupt a run
 (Ctrl-C, SIGTERM) to obtain all files up to then; it can be resumed, too.";
 
