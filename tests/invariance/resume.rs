@@ -11,129 +11,10 @@ use powerhouse::engine::{CheckpointSink, Progress, SavedRun};
 use powerhouse::{EquilibratedBody, Error, Registry, Results, RunHooks, Scene};
 use powerhouse_model::{Bond, ContactState, ModelError, StateError};
 use powerhouse_observe::{Snapshot, SnapshotSink};
+use powerhouse_test_support::EVERYTHING;
 
 /// Number of steps of a run.
 const STEPS: u64 = 200;
-
-/// Everything that a run can have: stages with bolts, a joint, yielding rock, damaging concrete, flat damping, an
-/// absorbing boundary with a wave, the energy balance and every kind of output.
-const SCENE: &str = r#"
-title = "everything"
-allow = ["magnitudes"]
-[mesh]
-file = "../meshes/cavern_small.msh"
-[[material]]
-name = "rock"
-law = "mohr-coulomb"
-preset = "paper-rock"
-cohesion = 3e5
-[[material]]
-name = "concrete"
-law = "plastic-damage"
-preset = "paper-c25"
-tension = { fracture_energy = 190 }
-[[part]]
-set = "rock"
-material = "rock"
-kernel = "hex8-one-point"
-elastic_rim = 0
-damping = { kind = "flat", ratio = 0.02, band = [1, 30], reference = "static" }
-[[part]]
-set = "lining"
-material = "concrete"
-kernel = "hex8-full"
-damping = { kind = "flat", ratio = 0.05, band = [1, 30], reference = "static" }
-[[joint]]
-name = "rock-lining"
-between = ["rock", "lining"]
-law = "bonded-coulomb"
-cohesion = 5e5
-tensile_strength = 5e5
-static_friction = 0.839
-dynamic_friction = 0.755
-[[load]]
-kind = "gravity"
-[[load]]
-kind = "pressure"
-set = "intrados"
-pressure = 20e6
-function = { kind = "ricker", frequency = 60, delay = 0.02 }
-[in_situ_stress]
-kind = "ground"
-level = 0
-density = 2750
-lateral = 0.8
-[[bolt]]
-name = "bolts"
-diameter = 0.025
-yield_force = 60e3
-pattern = { facets = "intrados", along = [0, 1, 0], spacing = [6, 8], length = 8 }
-[[stage]]
-name = "opening"
-release = 0.95
-increments = 2
-tolerance = 1e-6
-support = [
-    { kind = "roller", set = "left" },
-    { kind = "roller", set = "right" },
-    { kind = "roller", set = "front" },
-    { kind = "roller", set = "back" },
-    { kind = "roller", set = "bottom" },
-]
-[[stage]]
-name = "lining"
-cast = ["lining"]
-bolts = ["bolts"]
-grouted = ["rock-lining"]
-tolerance = 1e-6
-[[record]]
-name = "el-centro-ns"
-file = "../records/el_centro_1940_ns.csv"
-units = "m/s2"
-cut = [1.9, 12]
-baseline = { kind = "velocity-polynomial", order = 5 }
-peak = 30
-convention = "incident"
-[[wave]]
-kind = "sv"
-incidence = 30
-azimuth = 0
-record = "el-centro-ns"
-[boundary]
-kind = "viscous-spring"
-faces = ["left", "right", "front", "back", "bottom"]
-scatterer = [0, 0, -76]
-[time]
-duration = 1
-[output]
-every = 0.004
-energies = 0.01
-[[output.history]]
-name = "crown"
-at = [0, 0, -60]
-[[output.history]]
-name = "lining-at-crown"
-at = [0, 0, -60]
-in_set = "lining"
-quantities = ["stress", "state"]
-[[output.section]]
-name = "lining-crown"
-set = "lining"
-at = [0, 0, -60]
-normal = [1, 0, 0]
-along = [0, 1, 0]
-half_extent = 10
-[[output.joint]]
-name = "at-crown"
-joint = "rock-lining"
-at = [0, 0, -58.5]
-within = 1
-[output.envelope]
-every = 0.007
-quantities = ["displacement", "acceleration", "stress", "state"]
-[output.snapshots]
-every = 0.05
-"#;
 
 /// Receiver of snapshots with a state of its own: the sum of all displacements that it has seen.
 #[derive(Default)]
@@ -226,7 +107,7 @@ struct Case {
 impl Case {
     fn new(precision: &str) -> Self {
         let mut case = Self {
-            text: format!("precision = \"{precision}\"\n{SCENE}"),
+            text: format!("precision = \"{precision}\"\n{EVERYTHING}"),
             duration: 1.0,
             body: None,
         };

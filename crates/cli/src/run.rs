@@ -43,12 +43,15 @@ impl Choice {
             }
             Self::Resume { folder, scene } => {
                 let files = CheckpointFiles::of(&folder);
-                let resumed = files.read().map_err(Error::from)?;
+                let mut resumed = files.read().map_err(Error::from)?;
                 let path = scene.or_else(|| resumed.inputs.scene.clone());
                 let path = path.ok_or("the checkpoint is of a scene without a file")?;
                 let scene = read(&path, resumed.inputs.case.as_deref())?;
-                let checked = files.check(&resumed.inputs, &RunInputs::of(&scene));
+                let here = RunInputs::of(&scene);
+                let checked = files.check(&resumed.inputs, &here);
                 checked.map_err(Error::from)?;
+                // The same but for the path of the scene.
+                resumed.inputs = here;
                 Ok((scene, ResultFolder::new(folder), Some(resumed)))
             }
         }
@@ -100,23 +103,22 @@ pub(crate) fn run(choice: Choice, every: Interval, profile: bool) -> Outcome {
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
-    let inputs = RunInputs::of(&scene);
+    let inputs = match &resumed {
+        Some(resumed) => resumed.inputs.clone(),
+        None => RunInputs::of(&scene),
+    };
     let stages = scene.stages().len();
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
     let saved_step = resumed
         .as_ref()
         .and_then(|resumed| Some(resumed.run.as_ref()?.step));
-    match (&resumed, saved_step) {
-        (Some(resumed), Some(step)) => {
-            simulation.resume_at(step);
-            checkpoint::say_resumed(resumed);
-        }
-        (Some(resumed), None) => {
-            report::before_run(&mut simulation, &warnings)?;
-            checkpoint::say_resumed(resumed);
-        }
-        (None, _) => report::before_run(&mut simulation, &warnings)?,
+    match saved_step {
+        Some(step) => simulation.resume_at(step),
+        None => report::before_run(&mut simulation, &warnings)?,
+    }
+    if let Some(resumed) = &resumed {
+        checkpoint::say_resumed(resumed);
     }
     // Everything that the end of the run needs is tested before its first step.
     let lock = folder.lock()?;

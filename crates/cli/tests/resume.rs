@@ -5,131 +5,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use powerhouse_test_support::TestFolder;
+use powerhouse_test_support::{EVERYTHING, TestFolder};
 
-/// Everything that a run can have; paths follow.
-const SCENE: &str = r#"
-title = "everything"
-allow = ["magnitudes"]
-[mesh]
-file = "DATA/meshes/cavern_small.msh"
-[[material]]
-name = "rock"
-law = "mohr-coulomb"
-preset = "paper-rock"
-cohesion = 3e5
-[[material]]
-name = "concrete"
-law = "plastic-damage"
-preset = "paper-c25"
-tension = { fracture_energy = 190 }
-[[part]]
-set = "rock"
-material = "rock"
-kernel = "hex8-one-point"
-elastic_rim = 0
-damping = { kind = "flat", ratio = 0.02, band = [1, 30], reference = "static" }
-[[part]]
-set = "lining"
-material = "concrete"
-kernel = "hex8-full"
-damping = { kind = "flat", ratio = 0.05, band = [1, 30], reference = "static" }
-[[joint]]
-name = "rock-lining"
-between = ["rock", "lining"]
-law = "bonded-coulomb"
-cohesion = 5e5
-tensile_strength = 5e5
-static_friction = 0.839
-dynamic_friction = 0.755
-[[load]]
-kind = "gravity"
-[[load]]
-kind = "pressure"
-set = "intrados"
-pressure = 20e6
-function = { kind = "ricker", frequency = 60, delay = 0.02 }
-[in_situ_stress]
-kind = "ground"
-level = 0
-density = 2750
-lateral = 0.8
-[[bolt]]
-name = "bolts"
-diameter = 0.025
-yield_force = 60e3
-pattern = { facets = "intrados", along = [0, 1, 0], spacing = [6, 8], length = 8 }
-[[stage]]
-name = "opening"
-release = 0.95
-increments = 2
-tolerance = 1e-6
-support = [
-    { kind = "roller", set = "left" },
-    { kind = "roller", set = "right" },
-    { kind = "roller", set = "front" },
-    { kind = "roller", set = "back" },
-    { kind = "roller", set = "bottom" },
-]
-[[stage]]
-name = "lining"
-cast = ["lining"]
-bolts = ["bolts"]
-grouted = ["rock-lining"]
-tolerance = 1e-6
-[[record]]
-name = "el-centro-ns"
-file = "DATA/records/el_centro_1940_ns.csv"
-units = "m/s2"
-cut = [1.9, 12]
-baseline = { kind = "velocity-polynomial", order = 5 }
-peak = 30
-convention = "incident"
-[[wave]]
-kind = "sv"
-incidence = 30
-azimuth = 0
-record = "el-centro-ns"
-[boundary]
-kind = "viscous-spring"
-faces = ["left", "right", "front", "back", "bottom"]
-scatterer = [0, 0, -76]
-[time]
-duration = 0.25
-[output]
-every = 0.004
-energies = 0.01
-[[output.history]]
-name = "crown"
-at = [0, 0, -60]
-[[output.history]]
-name = "lining-at-crown"
-at = [0, 0, -60]
-in_set = "lining"
-quantities = ["stress", "state"]
-[[output.section]]
-name = "lining-crown"
-set = "lining"
-at = [0, 0, -60]
-normal = [1, 0, 0]
-along = [0, 1, 0]
-half_extent = 10
-[[output.joint]]
-name = "at-crown"
-joint = "rock-lining"
-at = [0, 0, -58.5]
-within = 1
-[output.envelope]
-every = 0.007
-quantities = ["displacement", "acceleration", "stress", "state"]
-[output.snapshots]
-every = 0.04
-"#;
-
+/// A scene with everything that a run can have, for a quarter of a second.
 fn scene(folder: &TestFolder) -> PathBuf {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
     let data = data.canonicalize().unwrap();
-    let text = SCENE.replace("DATA", &data.display().to_string());
+    let text = EVERYTHING
+        .replace("../", &format!("{}/", data.display()))
+        .replace("duration = 1\n", "duration = 0.25\n")
+        .replace("every = 0.05\n", "every = 0.04\n");
     let file = folder.join("scene.toml");
     std::fs::write(&file, text).unwrap();
     file

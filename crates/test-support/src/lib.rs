@@ -1,9 +1,12 @@
-//! What tests of several crates share: temporary folders.
+//! What tests of several crates share: temporary folders, a scene.
 
 use std::ffi::OsStr;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Scene (TOML) with everything that a run can have, with paths as from `data/scenes`.
+pub const EVERYTHING: &str = include_str!("everything.toml");
 
 /// Temporary folder of a test, removed with its files when it is dropped. It is used like its path.
 #[derive(Debug)]
