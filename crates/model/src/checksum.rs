@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::Mesh;
+
 /// Checksum FNV-1a of 64 bits (Fowler, Noll & Vo), the same on every machine and in every version. It detects damage and
 /// edited files, not forged ones.
 ///
@@ -41,6 +43,39 @@ impl Checksum {
     pub fn add_whole(&mut self, bytes: &[u8]) {
         self.add_number(bytes.len() as u64);
         self.add_bytes(bytes);
+    }
+    /// Adds nodes, elements, their numbers and the named sets of a mesh.
+    pub fn add_mesh(&mut self, mesh: &Mesh) {
+        for position in mesh.positions() {
+            let bits = position.map(f64::to_bits);
+            bits.iter()
+                .for_each(|bits| self.add_whole(&bits.to_le_bytes()));
+        }
+        for tags in [mesh.node_tags(), mesh.element_tags()] {
+            let bytes: Vec<u8> = tags.iter().flat_map(|tag| tag.to_le_bytes()).collect();
+            self.add_whole(&bytes);
+        }
+        let mut add = |numbers: &[u32]| {
+            let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+            self.add_whole(&bytes);
+        };
+        (0..mesh.element_count() as u32).for_each(|element| add(mesh.nodes_of(element)));
+        for sets in [mesh.element_sets(), mesh.node_sets()] {
+            sets.values().for_each(|numbers| add(numbers));
+        }
+        for facets in mesh.facet_sets().values() {
+            let facets = facets.iter();
+            let sides: Vec<u32> = facets
+                .flat_map(|facet| [facet.element, u32::from(facet.side)])
+                .collect();
+            add(&sides);
+        }
+        let sets = [
+            mesh.element_sets().keys().collect::<Vec<_>>(),
+            mesh.node_sets().keys().collect(),
+            mesh.facet_sets().keys().collect(),
+        ];
+        self.add_whole(format!("{sets:?}").as_bytes());
     }
     /// The checksum as a number.
     pub fn value(self) -> u64 {

@@ -266,8 +266,8 @@ impl Simulation {
         Ok(step)
     }
 
-    /// Sets the step (s) to that of a [saved run](RunHooks::resume), without computing the stable one. Remarks about
-    /// sampling intervals are added as by [`step`](Self::step).
+    /// Adds the [remarks](Self::remarks) about sampling intervals at the step (s) of a [saved run](RunHooks::resume), as
+    /// [`step`](Self::step) does, without computing the stable step.
     pub fn resume_at(&mut self, step: f64) {
         self.check_intervals(step);
     }

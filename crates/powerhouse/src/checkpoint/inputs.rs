@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse_model::{Checksum, Mesh};
+use powerhouse_model::Checksum;
 use serde::{Deserialize, Serialize};
 
 use crate::Scene;
@@ -23,9 +23,11 @@ impl RunInputs {
     /// files that it names, mesh and precision. Of a scene that was composed in Rust mesh and program version alone are
     /// known.
     pub fn of(scene: &Scene) -> Self {
+        let mut mesh = Checksum::default();
+        mesh.add_mesh(scene.mesh());
         let mut items = vec![
             ("program version".into(), env!("CARGO_PKG_VERSION").into()),
-            ("mesh".into(), of_mesh(scene.mesh()).to_string()),
+            ("mesh".into(), mesh.to_string()),
         ];
         let source = scene.source();
         if let Some(source) = source {
@@ -92,24 +94,4 @@ fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
         toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
         _ => {}
     }
-}
-
-/// Checksum of nodes, elements, their numbers and the named element sets of a mesh.
-fn of_mesh(mesh: &Mesh) -> Checksum {
-    let mut sum = Checksum::default();
-    for position in mesh.positions() {
-        position.iter().for_each(|x| sum.add_number(x.to_bits()));
-    }
-    for tags in [mesh.node_tags(), mesh.element_tags()] {
-        tags.iter().for_each(|tag| sum.add_number(*tag));
-    }
-    for element in 0..mesh.element_count() as u32 {
-        let nodes = mesh.nodes_of(element);
-        nodes.iter().for_each(|node| sum.add_number((*node).into()));
-    }
-    for (name, elements) in mesh.element_sets() {
-        sum.add_whole(name.as_bytes());
-        elements.iter().for_each(|e| sum.add_number((*e).into()));
-    }
-    sum
 }

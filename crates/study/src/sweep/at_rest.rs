@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use powerhouse::model::{Checksum, Mesh};
+use powerhouse::model::Checksum;
 use powerhouse::{EquilibratedBody, Registry, Scene};
 
 use super::locked;
@@ -81,7 +81,7 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     if !version.is_empty() {
         sum.add_whole(version.as_bytes());
     }
-    add_mesh(&mut sum, scene.mesh());
+    sum.add_mesh(scene.mesh());
     // The debug format contains nodes and directions.
     let supports = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
@@ -104,38 +104,4 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
         sum.add_whole(&std::fs::read(path).unwrap_or_default());
     }
     sum.to_string()
-}
-
-/// Adds nodes, elements, their numbers and the named sets of a mesh to a checksum.
-fn add_mesh(sum: &mut Checksum, mesh: &Mesh) {
-    for position in mesh.positions() {
-        let bits = position.map(f64::to_bits);
-        bits.iter()
-            .for_each(|bits| sum.add_whole(&bits.to_le_bytes()));
-    }
-    for tags in [mesh.node_tags(), mesh.element_tags()] {
-        let bytes: Vec<u8> = tags.iter().flat_map(|tag| tag.to_le_bytes()).collect();
-        sum.add_whole(&bytes);
-    }
-    let mut add = |numbers: &[u32]| {
-        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-        sum.add_whole(&bytes);
-    };
-    (0..mesh.element_count() as u32).for_each(|element| add(mesh.nodes_of(element)));
-    for sets in [mesh.element_sets(), mesh.node_sets()] {
-        sets.values().for_each(|numbers| add(numbers));
-    }
-    for facets in mesh.facet_sets().values() {
-        let facets = facets.iter();
-        let sides: Vec<u32> = facets
-            .flat_map(|facet| [facet.element, u32::from(facet.side)])
-            .collect();
-        add(&sides);
-    }
-    let sets = [
-        mesh.element_sets().keys().collect::<Vec<_>>(),
-        mesh.node_sets().keys().collect(),
-        mesh.facet_sets().keys().collect(),
-    ];
-    sum.add_whole(format!("{sets:?}").as_bytes());
 }

@@ -40,6 +40,23 @@ fn missing_elements_are_refused() {
         .elements(1, 2);
 }
 
+/// Sums at the nodes of an element are written by the same indices, and nothing else; fewer sums are refused.
+#[test]
+fn sums_are_written_by_element() {
+    let connectivity = Connectivity::new(vec![[0, 2], [2, 1], [1, 1]]);
+    let mut sums = [Quad::<f64>::default(); 3];
+    let mut view = connectivity.over_sums(&mut sums);
+    let mut later = view.elements(1, 2);
+    for (j, a) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        later.sum(j, a)[1] += 1.0;
+    }
+    assert_eq!(sums.map(|sum| sum.to_vector().y), [0.0, 3.0, 1.0]);
+    let refused = std::panic::catch_unwind(|| {
+        connectivity.over_sums(&mut [Quad::<f64>::default(); 2]);
+    });
+    assert!(refused.is_err());
+}
+
 /// Lanes view the numbers that they are stored as, and write them.
 #[test]
 fn lanes_are_views_of_numbers() {
