@@ -9,3 +9,4 @@ mod graded;
 mod joints;
 mod laws;
 mod resume;
+mod resume_stages;

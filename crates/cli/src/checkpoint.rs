@@ -1,38 +1,11 @@
-//! Checkpoints of a run: their interval, and the state from which a run is resumed.
+//! Checkpoints of a run: the state from which it is resumed or starts.
 
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
-use powerhouse::{ResultFolder, ResumedRun, RunHooks};
+use powerhouse::{KeptState, ResultFolder, ResumedRun, RunHooks};
 
 use crate::terminal::say;
-
-/// Wall time between two checkpoints.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interval(pub(crate) Duration);
-
-/// Reads an interval of wall time: a number with the unit s, min or h, or `never`.
-pub(crate) fn interval(text: &str) -> Result<Interval, String> {
-    let text = text.trim();
-    if text == "never" {
-        return Ok(Interval(Duration::MAX));
-    }
-    let start = text.find(|c: char| c.is_alphabetic()).unwrap_or(text.len());
-    let unit = match text[start..].trim() {
-        "s" => 1.0,
-        "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(WANTED.into()),
-    };
-    let number: f64 = text[..start].trim().parse().map_err(|_| WANTED)?;
-    let seconds = Duration::try_from_secs_f64(number * unit).map_err(|_| WANTED)?;
-    match seconds.is_zero() {
-        true => Err(WANTED.into()),
-        false => Ok(Interval(seconds)),
-    }
-}
-
-const WANTED: &str = "a time above 0 with a unit, such as 30s, 10min or 1h, or `never`";
 
 /// Prints from where a run is resumed, and which checkpoints are not used.
 pub(crate) fn say_resumed(resumed: &ResumedRun) {
@@ -47,6 +20,14 @@ pub(crate) fn say_resumed(resumed: &ResumedRun) {
         }
         (None, None) => {}
     }
+    if let Some(solution) = &resumed.solution {
+        say!(
+            "the solution of stage {} goes on from {:.1} % of its load, after {} steps",
+            solution.stage + 1,
+            100.0 * solution.saved.time,
+            solution.saved.done
+        );
+    }
 }
 
 /// Prints how an interrupted run is resumed.
@@ -55,16 +36,43 @@ pub(crate) fn say_resumable(folder: &ResultFolder) {
     say!("`powerhouse run --resume {path}` goes on");
 }
 
-/// Adds the state from which a run of a scene with a number of stages is resumed, if it is.
-pub(crate) fn from<'a>(
-    hooks: RunHooks<'a>,
-    resumed: Option<ResumedRun>,
+/// A state that a run has kept: the folder of its results, and its time (s).
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct KeptAt {
+    pub(crate) folder: PathBuf,
+    pub(crate) time: f64,
+}
+
+/// Reads a folder and a time, such as `results/bay@5.2s`.
+pub(crate) fn kept_at(text: &str) -> Result<KeptAt, String> {
+    let wanted = "expected DIR@TIME, the folder of the results of a run and the time (s) of a state that it has kept, such \
+                  as results/bay@5.2s";
+    let (folder, time) = text.rsplit_once('@').ok_or(wanted)?;
+    let time = time.strip_suffix('s').unwrap_or(time).trim();
+    match time.parse::<f64>() {
+        Ok(time) if time.is_finite() && !folder.is_empty() => Ok(KeptAt {
+            folder: folder.into(),
+            time,
+        }),
+        _ => Err(wanted.into()),
+    }
+}
+
+/// Adds the state of another run from which a run starts.
+pub(crate) fn starting_from<'a>(hooks: RunHooks<'a>, kept: KeptState) -> RunHooks<'a> {
+    let hooks = match kept.body {
+        Some(body) => hooks.with_equilibrated_body(body),
+        None => hooks,
+    };
+    hooks.with_resume(Arc::new(kept.run))
+}
+
+/// Adds the state from which a run of a scene with a number of stages is resumed.
+pub(crate) fn resuming<'a>(
+    mut hooks: RunHooks<'a>,
+    resumed: ResumedRun,
     stages: usize,
 ) -> RunHooks<'a> {
-    let Some(resumed) = resumed else {
-        return hooks;
-    };
-    let mut hooks = hooks;
     // Without the body of all stages those that are missing are computed again, to the same bits.
     match resumed.body {
         Some(body) if body.stages().len() == stages => {
@@ -73,34 +81,11 @@ pub(crate) fn from<'a>(
         Some(body) => hooks = hooks.with_completed_stages(body),
         None => {}
     }
+    if let Some(solution) = resumed.solution {
+        hooks = hooks.with_stage_solution(solution);
+    }
     match resumed.run {
         Some(run) => hooks.with_resume(Arc::new(run)),
         None => hooks,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Intervals with their units; others are refused.
-    #[test]
-    fn intervals_have_units() {
-        for (text, seconds) in [
-            ("30s", 30.0),
-            ("10min", 600.0),
-            ("1.5 h", 5400.0),
-            ("0.2s", 0.2),
-        ] {
-            assert_eq!(
-                interval(text),
-                Ok(Interval(Duration::from_secs_f64(seconds))),
-                "{text}"
-            );
-        }
-        assert_eq!(interval("never"), Ok(Interval(Duration::MAX)));
-        for text in ["", "10", "min", "-1s", "0s", "nan s", "1e300h", "3 days"] {
-            assert_eq!(interval(text), Err(WANTED.into()), "{text}");
-        }
     }
 }

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use powerhouse::{Error, Scene};
+use powerhouse::{CheckpointInterval, Error, Scene};
 use powerhouse_study::StudyError;
 use terminal::{say, warn_aside};
 
@@ -45,8 +45,8 @@ enum Command {
     /// Run a scene and write its results.
     #[command(after_help = AFTER_A_KILL)]
     Run {
-        /// Scene file; of a resumed run that of its checkpoint by default.
-        #[arg(required_unless_present = "resume")]
+        /// Scene file; with `--resume` and `--from` that of the earlier run by default.
+        #[arg(required_unless_present_any = ["resume", "from"])]
         scene: Option<PathBuf>,
         /// Folder of the results, in place of the scene's own.
         #[arg(long, value_name = "DIR")]
@@ -57,9 +57,14 @@ enum Command {
         /// Resume the run with these results from its last checkpoint, to the same results as without an interruption.
         #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "case"])]
         resume: Option<PathBuf>,
-        /// Wall time between two checkpoints, such as 30s, 10min or 1h; `never` writes none but that of an interruption.
-        #[arg(long, value_name = "TIME", default_value = "10min", value_parser = checkpoint::interval)]
-        checkpoint_every: checkpoint::Interval,
+        /// Start from a state that an earlier run has kept (`keep` of `[checkpoint]`), such as results/bay@5.2s: output,
+        /// duration and waves after that time may differ from those of the earlier run.
+        #[arg(long, value_name = "DIR@TIME", conflicts_with = "resume", value_parser = checkpoint::kept_at)]
+        from: Option<checkpoint::KeptAt>,
+        /// Wall time between two checkpoints, such as 30s, 10min or 1h, in place of the scene's; `never` writes none but
+        /// that of an interruption. Ten minutes by default.
+        #[arg(long, value_name = "TIME")]
+        checkpoint_every: Option<CheckpointInterval>,
         /// Measure and print the wall time of the parts of time steps: elements by set, law, damping, joints, output.
         #[arg(long)]
         profile: bool,
@@ -197,12 +202,19 @@ fn main() -> ExitCode {
             out,
             case,
             resume,
+            from,
             checkpoint_every,
             profile,
         } => {
-            let choice = match resume {
-                Some(folder) => run::Choice::Resume { folder, scene },
-                None => run::Choice::Start {
+            let choice = match (resume, from) {
+                (Some(folder), _) => run::Choice::Resume { folder, scene },
+                (None, Some(kept)) => run::Choice::From {
+                    kept,
+                    scene,
+                    case,
+                    out,
+                },
+                (None, None) => run::Choice::Start {
                     scene: scene.unwrap_or_default(),
                     case,
                     out,

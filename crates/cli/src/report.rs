@@ -332,12 +332,21 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
         Ended::Observer(name) => format!("ended by {name}"),
         Ended::Failed(_) => "failed".into(),
     };
-    let wall = results.wall_time.as_secs_f64();
+    let with = match results.stages.is_empty() {
+        true => "",
+        false => " with the construction stages",
+    };
+    let elements = match &results.present {
+        Some(present) => present.iter().filter(|present| **present).count(),
+        None => mesh.element_count(),
+    };
     say!(
-        "{how}: {} steps to t = {:.3} s in {wall:.1} s, {:.0} ns per element and step",
+        "{how}: {} steps to t = {:.3} s in {:.1} s{with}, {:.3} ms a step, {:.0} ns per element and step",
         run.steps,
         run.time,
-        1e9 * wall / (run.steps as f64 * mesh.element_count() as f64),
+        results.wall_time.as_secs_f64(),
+        1e3 * results.step_time.as_secs_f64(),
+        1e9 * results.step_time.as_secs_f64() / elements.max(1) as f64,
     );
 }
 

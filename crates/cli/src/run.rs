@@ -1,18 +1,18 @@
 //! `powerhouse run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::{
-    CheckpointFiles, CheckpointWriter, CompletedStage, Error, ResultFolder, ResumedRun, RunHooks,
-    RunInputs, RunNotes, Scene, StageSink,
+    CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, KeptState,
+    Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, StageSink,
 };
 use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
-use crate::checkpoint::{self, Interval};
+use crate::checkpoint::{self, KeptAt};
 use crate::progress::{Display, StaticDisplay};
 use crate::terminal::{say, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
@@ -30,31 +30,106 @@ pub(crate) enum Choice {
         folder: PathBuf,
         scene: Option<PathBuf>,
     },
+    /// A new run from a state that an earlier one has kept; its scene is that of the earlier run, unless another is given.
+    From {
+        kept: KeptAt,
+        scene: Option<PathBuf>,
+        case: Option<String>,
+        out: Option<PathBuf>,
+    },
+}
+
+/// State from which a run begins.
+enum Beginning {
+    /// That of the scene.
+    Scene,
+    /// The last checkpoint of the same run.
+    Checkpoint(ResumedRun),
+    /// A state that another run has kept.
+    Kept(KeptState),
+}
+
+/// What is run: a scene, the folder of its results, its inputs, and the state from which it begins.
+struct Planned {
+    scene: Scene,
+    folder: ResultFolder,
+    inputs: RunInputs,
+    beginning: Beginning,
 }
 
 impl Choice {
-    /// The scene, the folder of its results, and the state from which it is resumed, if it is.
-    fn open(self) -> Result<(Scene, ResultFolder, Option<ResumedRun>), Box<dyn std::error::Error>> {
+    fn open(self) -> Result<Planned, Box<dyn std::error::Error>> {
         match self {
             Self::Start { scene, case, out } => {
                 let scene = read(&scene, case.as_deref())?;
-                let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
-                Ok((scene, folder, None))
+                Ok(Planned {
+                    folder: out.map_or_else(|| scene.result_folder(), ResultFolder::new),
+                    inputs: RunInputs::of(&scene),
+                    beginning: Beginning::Scene,
+                    scene,
+                })
             }
             Self::Resume { folder, scene } => {
                 let files = CheckpointFiles::of(&folder);
-                let mut resumed = files.read().map_err(Error::from)?;
-                let path = scene.or_else(|| resumed.inputs.scene.clone());
-                let path = path.ok_or("the checkpoint is of a scene without a file")?;
-                let scene = read(&path, resumed.inputs.case.as_deref())?;
-                let here = RunInputs::of(&scene);
-                let checked = files.check(&resumed.inputs, &here);
+                let resumed = files.read().map_err(Error::from)?;
+                let scene = read_as(scene, &resumed.inputs)?;
+                let mut inputs = RunInputs::of(&scene);
+                let checked = files.check(&resumed.inputs, &inputs);
                 checked.map_err(Error::from)?;
-                // The same but for the path of the scene.
-                resumed.inputs = here;
-                Ok((scene, ResultFolder::new(folder), Some(resumed)))
+                inputs.origin = resumed.inputs.origin.clone();
+                Ok(Planned {
+                    scene,
+                    folder: ResultFolder::new(folder),
+                    inputs,
+                    beginning: Beginning::Checkpoint(resumed),
+                })
+            }
+            Self::From {
+                kept: KeptAt { folder, time },
+                scene,
+                case,
+                out,
+            } => {
+                let kept = CheckpointFiles::of(&folder).read_kept(time);
+                let kept = kept.map_err(Error::from)?;
+                if case.is_some() && case != kept.inputs.case {
+                    return Err(
+                        "the case is that of the run whose state is used: leave out --case".into(),
+                    );
+                }
+                let scene = read_as(scene, &kept.inputs)?;
+                let inputs = kept.variant(&scene).map_err(Error::from)?;
+                let results = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                if is_same(results.path(), &folder) {
+                    return Err(format!(
+                        "the results would take the place of those of the run in {}: choose another folder with --out",
+                        folder.display()
+                    )
+                    .into());
+                }
+                Ok(Planned {
+                    scene,
+                    folder: results,
+                    inputs,
+                    beginning: Beginning::Kept(kept),
+                })
             }
         }
+    }
+}
+
+/// The scene of an earlier run, from another path if one is given.
+fn read_as(path: Option<PathBuf>, inputs: &RunInputs) -> Result<Scene, Box<dyn std::error::Error>> {
+    let path = path.or_else(|| inputs.scene.clone());
+    let path = path.ok_or("the earlier run is that of a scene without a file")?;
+    Ok(read(&path, inputs.case.as_deref())?)
+}
+
+/// Whether two paths are those of one folder that exists.
+fn is_same(first: &Path, second: &Path) -> bool {
+    match (first.canonicalize(), second.canonicalize()) {
+        (Ok(first), Ok(second)) => first == second,
+        _ => false,
     }
 }
 
@@ -89,11 +164,17 @@ impl StageSink for Stages {
 }
 
 /// Runs the free-field check if the scene requests it, runs the scene, and writes the results, also of a failed run.
-pub(crate) fn run(choice: Choice, every: Interval, profile: bool) -> Outcome {
-    let (scene, folder, resumed) = choice.open()?;
+pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bool) -> Outcome {
+    let Planned {
+        scene,
+        folder,
+        inputs,
+        beginning,
+    } = choice.open()?;
     let text = scene.source().map(|source| source.text.clone());
+    let resumes = matches!(beginning, Beginning::Checkpoint(_));
     // A run that is resumed has passed the check.
-    let limit = scene.self_check().filter(|_| resumed.is_none());
+    let limit = scene.self_check().filter(|_| !resumes);
     let free_field = match limit {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
@@ -103,22 +184,32 @@ pub(crate) fn run(choice: Choice, every: Interval, profile: bool) -> Outcome {
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
-    let inputs = match &resumed {
-        Some(resumed) => resumed.inputs.clone(),
-        None => RunInputs::of(&scene),
+    let origin = inputs.origin.clone();
+    let saved = match &beginning {
+        Beginning::Scene => None,
+        Beginning::Checkpoint(resumed) => resumed.run.as_ref(),
+        Beginning::Kept(kept) => Some(&kept.run),
     };
+    let (saved_step, saved_time) = (saved.map(|run| run.step), saved.map(|run| run.time));
+    let files = CheckpointFiles::of(folder.path());
+    let every = every.or(scene.checkpoints().every);
+    let every = every.unwrap_or(CheckpointInterval::DEFAULT).duration();
+    let checkpoints = CheckpointWriter::new(&scene, (files.clone(), inputs), every, saved_time);
     let stages = scene.stages().len();
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
-    let saved_step = resumed
-        .as_ref()
-        .and_then(|resumed| Some(resumed.run.as_ref()?.step));
     match saved_step {
-        Some(step) => simulation.resume_at(step),
-        None => report::before_run(&mut simulation, &warnings)?,
+        Some(step) if resumes => simulation.resume_at(step),
+        _ => report::before_run(&mut simulation, &warnings)?,
     }
-    if let Some(resumed) = &resumed {
+    if let Beginning::Checkpoint(resumed) = &beginning {
         checkpoint::say_resumed(resumed);
+    }
+    let mut remarks = simulation.remarks().to_vec();
+    if let Some(origin) = origin {
+        let remark = Remark::StartedFrom { origin };
+        say!("{remark}");
+        remarks.push(remark);
     }
     // Everything that the end of the run needs is tested before its first step.
     let lock = folder.lock()?;
@@ -138,16 +229,14 @@ pub(crate) fn run(choice: Choice, every: Interval, profile: bool) -> Outcome {
             None => return Ok(ExitCode::from(INTERRUPTED)),
         }
     }
-    let files = CheckpointFiles::of(folder.path());
-    if resumed.is_none() {
+    if !resumes {
         folder.clear()?;
-        files.remove().map_err(Error::from)?;
+        files.clear().map_err(Error::from)?;
     }
-    let checkpoints = CheckpointWriter::new(files.clone(), inputs, every.0);
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
     folder.begin(&title)?;
-    let notes = RunNotes::new(simulation.remarks().to_vec())
-        .with_warnings(warnings.iter().map(Warning::message).collect());
+    let notes =
+        RunNotes::new(remarks).with_warnings(warnings.iter().map(Warning::message).collect());
     let bars = MultiProgress::new();
     let display = Display::among(&bars, "run");
     let hooks = RunHooks::default()
@@ -164,11 +253,21 @@ pub(crate) fn run(choice: Choice, every: Interval, profile: bool) -> Outcome {
     let keep = checkpoints.clone();
     let hooks = hooks
         .with_checkpoints(checkpoints.clone())
+        .with_stage_checkpoints(checkpoints.clone())
         .with_stage_hook(move |body| keep.keep_stage(body));
-    let outcome = simulation.run(checkpoint::from(hooks, resumed, stages));
+    let hooks = match beginning {
+        Beginning::Scene => hooks,
+        Beginning::Checkpoint(resumed) => checkpoint::resuming(hooks, resumed, stages),
+        Beginning::Kept(kept) => {
+            if let Some(body) = &kept.body {
+                checkpoints.keep_stage(body);
+            }
+            checkpoint::starting_from(hooks, kept)
+        }
+    };
+    let outcome = simulation.run(hooks);
     display.clear();
-    let (_, lost) = checkpoints.finish();
-    if let Some(lost) = lost {
+    if let Some(lost) = checkpoints.finish() {
         say!("warning: a checkpoint could not be written: {lost}");
     }
     let (results, failure) = match outcome {

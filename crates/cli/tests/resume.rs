@@ -15,6 +15,7 @@ fn scene(folder: &TestFolder) -> PathBuf {
         .replace("../", &format!("{}/", data.display()))
         .replace("duration = 1\n", "duration = 0.25\n")
         .replace("every = 0.05\n", "every = 0.04\n");
+    let text = format!("{text}[checkpoint]\nkeep = [0.1]\n");
     let file = folder.join("scene.toml");
     std::fs::write(&file, text).unwrap();
     file
@@ -179,7 +180,7 @@ fn a_foreign_or_damaged_checkpoint_is_refused() {
     std::fs::write(&file, text.replace("peak = 30", "peak = 31")).unwrap();
     let errors = resume();
     assert!(
-        errors.contains("belongs to another run: scene has changed"),
+        errors.contains("belongs to another run; changed since: key 'record'"),
         "{errors}"
     );
     std::fs::write(&file, text).unwrap();

@@ -115,8 +115,10 @@ fn run_steps(
         model.open_ledger(options.energy.is_some_and(|check| check.by_set));
     }
     if let (Some(saved), Some(restored)) = (resumed, &restored) {
-        model.restore_ledger(restored)?;
-        restore_observers(saved, observers)?;
+        model.restore_ledger(restored, saved.new_observers)?;
+        if !saved.new_observers {
+            restore_observers(saved, observers)?;
+        }
     }
     if options.profile {
         let (blocks, constraints) = (model.blocks.len(), model.constraints.len());

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use powerhouse_model::{
     HistoryField, HourglassShare, JointHistory, Observer, Precision, RunError, SavedRun,
-    SavedSection, State, StateError, decode, encode, interned,
+    SavedSection, State, StateError, StaticError, decode, encode, interned,
 };
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -59,30 +59,48 @@ fn name(kind: &str, index: usize, label: &str) -> String {
     format!("{kind} {index}: {label}")
 }
 
-/// The error of a part of a run.
-fn of_part(part: &str) -> impl FnOnce(StateError) -> RunError {
-    move |source| RunError::State {
+/// Fault of the state of a part.
+#[derive(Debug)]
+pub(crate) struct PartFault {
+    part: String,
+    source: StateError,
+}
+
+impl From<PartFault> for RunError {
+    fn from(PartFault { part, source }: PartFault) -> Self {
+        Self::State { part, source }
+    }
+}
+
+impl From<PartFault> for StaticError {
+    fn from(PartFault { part, source }: PartFault) -> Self {
+        Self::State { part, source }
+    }
+}
+
+fn of_part(part: &str) -> impl FnOnce(StateError) -> PartFault {
+    move |source| PartFault {
         part: part.into(),
         source,
     }
 }
 
 /// Adds a section with the state of a part.
-fn add(
+pub(crate) fn add(
     saved: &mut SavedRun,
     name: String,
     bytes: Result<Vec<u8>, StateError>,
-) -> Result<(), RunError> {
+) -> Result<(), PartFault> {
     let bytes = bytes.map_err(of_part(&name))?;
     saved.sections.push(SavedSection { name, bytes });
     Ok(())
 }
 
 /// Sections of a saved run by name, without those that were taken.
-struct Sections<'a>(HashMap<&'a str, &'a [u8]>);
+pub(crate) struct Sections<'a>(HashMap<&'a str, &'a [u8]>);
 
 impl<'a> Sections<'a> {
-    fn of(saved: &'a SavedRun) -> Self {
+    pub(crate) fn of(saved: &'a SavedRun) -> Self {
         let sections = saved.sections.iter();
         Self(
             sections
@@ -93,15 +111,23 @@ impl<'a> Sections<'a> {
     fn take(&mut self, name: &str) -> Option<&'a [u8]> {
         self.0.remove(name)
     }
-    fn expect(&mut self, name: &str) -> Result<&'a [u8], RunError> {
+    fn take_starting(&mut self, start: &str) -> Option<&'a [u8]> {
+        let mut names = self.0.keys().copied();
+        let name = names.find(|name| name.starts_with(start))?;
+        self.take(name)
+    }
+    fn expect(&mut self, name: &str) -> Result<&'a [u8], PartFault> {
         let found = self.take(name).ok_or(StateError::Missing);
         found.map_err(of_part(name))
     }
-    fn decode<T: serde::de::DeserializeOwned>(&mut self, name: &str) -> Result<T, RunError> {
+    pub(crate) fn decode<T: serde::de::DeserializeOwned>(
+        &mut self,
+        name: &str,
+    ) -> Result<T, PartFault> {
         decode(self.expect(name)?).map_err(of_part(name))
     }
     /// Accepts sections of observers alone.
-    fn expect_observers(self) -> Result<(), RunError> {
+    fn expect_observers(self) -> Result<(), PartFault> {
         let mut names: Vec<&str> = self.0.into_keys().collect();
         names.retain(|name| !name.starts_with(OBSERVER));
         names.sort_unstable();
@@ -116,7 +142,7 @@ impl<'a> Sections<'a> {
 const OBSERVER: &str = "observer";
 
 impl Model {
-    fn precision_number(&self) -> u8 {
+    pub(crate) fn precision_number(&self) -> u8 {
         match self.precision {
             Precision::F64 => 0,
             Precision::Mixed => 1,
@@ -143,34 +169,7 @@ impl Model {
         add(&mut saved, RUN.into(), encode(&run))?;
         add(&mut saved, BODY.into(), encode(&body))?;
         drop(body);
-        for (index, block) in self.blocks.iter().enumerate() {
-            let own = name("block", index, block.label());
-            match block.save_state().transpose() {
-                Some(bytes) => add(&mut saved, own, bytes)?,
-                None => {
-                    let own = name("history", index, block.label());
-                    add(&mut saved, own, encode(&block.history()))?;
-                }
-            }
-        }
-        for (index, bound) in self.constraints.iter().enumerate() {
-            let constraint = &bound.constraint;
-            match constraint.save_state().transpose() {
-                Some(bytes) => {
-                    add(
-                        &mut saved,
-                        name("constraint", index, constraint.name()),
-                        bytes,
-                    )?;
-                }
-                None => {
-                    let joints = constraint.joints();
-                    let joints: Vec<JointHistory> = joints.iter().map(JointHistory::from).collect();
-                    let own = name("joints", index, constraint.name());
-                    add(&mut saved, own, encode(&joints))?;
-                }
-            }
-        }
+        self.save_parts(&mut saved)?;
         for (index, load) in self.loads.all().iter().enumerate() {
             add(
                 &mut saved,
@@ -185,25 +184,37 @@ impl Model {
         Ok(saved)
     }
 
-    /// Restores the state of a run of an equal model, but for the energy ledger and observers.
-    pub(crate) fn restore_run(&mut self, saved: &SavedRun) -> Result<RestoredRun, RunError> {
-        let mut sections = Sections::of(saved);
-        let run: RestoredRun = sections.decode(RUN)?;
-        let partition = self.partition().fingerprint(&self.mesh);
-        StateError::expect_same("the precision", run.precision, self.precision_number())
-            .and_then(|()| {
-                let what = "the fingerprint of the blocks of elements";
-                StateError::expect_same(what, run.partition, partition)
-            })
-            .map_err(of_part(RUN))?;
-        let body: State = sections.decode(BODY)?;
-        self.set_state(&body).map_err(|error| {
-            of_part(BODY)(StateError::Refused {
-                reason: error.to_string(),
-            })
-        })?;
-        drop(body);
-        self.spectrum = run.spectrum;
+    /// Adds sections with the states of all blocks and constraints.
+    pub(crate) fn save_parts(&self, saved: &mut SavedRun) -> Result<(), PartFault> {
+        for (index, block) in self.blocks.iter().enumerate() {
+            let own = name("block", index, block.label());
+            match block.save_state().transpose() {
+                Some(bytes) => add(saved, own, bytes)?,
+                None => {
+                    let own = name("history", index, block.label());
+                    add(saved, own, encode(&block.history()))?;
+                }
+            }
+        }
+        for (index, bound) in self.constraints.iter().enumerate() {
+            let constraint = &bound.constraint;
+            match constraint.save_state().transpose() {
+                Some(bytes) => {
+                    add(saved, name("constraint", index, constraint.name()), bytes)?;
+                }
+                None => {
+                    let joints = constraint.joints();
+                    let joints: Vec<JointHistory> = joints.iter().map(JointHistory::from).collect();
+                    let own = name("joints", index, constraint.name());
+                    add(saved, own, encode(&joints))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Restores the states of all blocks and constraints from their sections.
+    pub(crate) fn restore_parts(&mut self, sections: &mut Sections) -> Result<(), PartFault> {
         for (index, block) in self.blocks.iter_mut().enumerate() {
             let own = name("block", index, block.label());
             if let Some(bytes) = sections.take(&own) {
@@ -227,24 +238,57 @@ impl Model {
                 return Err(of_part(&own)(StateError::Unexpected));
             }
         }
+        Ok(())
+    }
+
+    /// Restores the state of a run of an equal model, but for the energy ledger and observers.
+    pub(crate) fn restore_run(&mut self, saved: &SavedRun) -> Result<RestoredRun, RunError> {
+        let mut sections = Sections::of(saved);
+        let run: RestoredRun = sections.decode(RUN)?;
+        let partition = self.partition().fingerprint(&self.mesh);
+        StateError::expect_same("the precision", run.precision, self.precision_number())
+            .and_then(|()| {
+                let what = "the fingerprint of the blocks of elements";
+                StateError::expect_same(what, run.partition, partition)
+            })
+            .map_err(of_part(RUN))?;
+        let body: State = sections.decode(BODY)?;
+        self.set_state(&body).map_err(|error| {
+            of_part(BODY)(StateError::Refused {
+                reason: error.to_string(),
+            })
+        })?;
+        drop(body);
+        self.spectrum = run.spectrum;
+        self.restore_parts(&mut sections)?;
         for (index, load) in self.loads.all_mut().iter_mut().enumerate() {
             let own = name("load", index, load.name());
-            let bytes = sections.expect(&own)?;
+            let bytes = match saved.new_observers {
+                // A load may have another name by what it does later on, such as a wave more.
+                true => sections.take_starting(&name("load", index, "")),
+                false => sections.take(&own),
+            };
+            let bytes = bytes.ok_or(StateError::Missing).map_err(of_part(&own))?;
             load.restore_state(bytes).map_err(of_part(&own))?;
         }
         sections.expect_observers()?;
         Ok(run)
     }
 
-    /// Restores the energy ledger, which is open if one was.
-    pub(crate) fn restore_ledger(&mut self, run: &RestoredRun) -> Result<(), RunError> {
+    /// Restores the energy ledger, which is open if one was, unless it `may_begin` or end at the state.
+    pub(crate) fn restore_ledger(
+        &mut self,
+        run: &RestoredRun,
+        may_begin: bool,
+    ) -> Result<(), RunError> {
         let restored = match (&mut self.ledger, &run.ledger) {
             (Some(ledger), Some(saved)) => ledger.restore(saved),
             (None, None) => Ok(()),
+            _ if may_begin => Ok(()),
             (Some(_), None) => Err(StateError::Missing),
             (None, Some(_)) => Err(StateError::Unexpected),
         };
-        restored.map_err(of_part("the energy balance"))
+        Ok(restored.map_err(of_part("the energy balance"))?)
     }
 }
 
@@ -264,6 +308,6 @@ pub(crate) fn restore_observers(
     left.sort_unstable();
     match left.first() {
         None => Ok(()),
-        Some(name) => Err(of_part(name)(StateError::Unexpected)),
+        Some(name) => Err(of_part(name)(StateError::Unexpected).into()),
     }
 }

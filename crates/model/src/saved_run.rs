@@ -28,6 +28,9 @@ pub struct SavedRun {
     pub step: f64,
     /// States of the parts of the run, in an order of the engine's.
     pub sections: Vec<SavedSection>,
+    /// Whether the run that goes on has observers of its own, which begin at this state, and an energy balance only if it
+    /// asks for one; otherwise its observers are those of the saved run.
+    pub new_observers: bool,
 }
 
 impl SavedRun {
@@ -38,7 +41,14 @@ impl SavedRun {
             time,
             step,
             sections: Vec::new(),
+            new_observers: false,
         }
+    }
+    /// The same state for a run with [observers of its own](Self::new_observers).
+    #[must_use]
+    pub fn without_observers(mut self) -> Self {
+        self.new_observers = true;
+        self
     }
     /// The section of a part, by name; none if there is no such section.
     pub fn section(&self, name: &str) -> Option<&SavedSection> {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::{
-    BlockFactory, BoundaryParts, Constraint, EmbeddedElements, Mesh, NodalLoad, PeriodicPairs,
-    Prescribed, State, Support, TimeFunction, Vec3,
+    BlockFactory, BoundaryParts, CheckpointSink, Constraint, EmbeddedElements, Mesh, NodalLoad,
+    PeriodicPairs, Prescribed, SavedRun, State, Support, TimeFunction, Vec3,
 };
 
 /// A selection of elements: a named set, or mesh indices.
@@ -69,6 +69,10 @@ pub struct ModelSpec<'a> {
     pub threads: Option<usize>,
     /// Cancellation flag of static solutions.
     pub stop: Option<Arc<AtomicBool>>,
+    /// Receiver of the states of a static solution.
+    pub static_checkpoints: Option<Arc<dyn CheckpointSink>>,
+    /// State from which a static solution goes on.
+    pub static_resume: Option<Arc<SavedRun>>,
     /// Number of elements per block; none for the engine's choice.
     pub block_size: Option<usize>,
 }
@@ -90,6 +94,8 @@ impl<'a> ModelSpec<'a> {
             start: None,
             threads: None,
             stop: None,
+            static_checkpoints: None,
+            static_resume: None,
             block_size: None,
         }
     }
@@ -173,6 +179,21 @@ impl<'a> ModelSpec<'a> {
     #[must_use]
     pub fn stop_on(mut self, flag: Arc<AtomicBool>) -> Self {
         self.stop = Some(flag);
+        self
+    }
+    /// Sets the receiver of the states of a static solution, taken when it asks for one and when the cancellation flag is
+    /// set: between load increments, and between the steps of a dynamic relaxation. In a state `done` is the number of
+    /// those steps, `time` the load factor.
+    #[must_use]
+    pub fn static_checkpoints(mut self, sink: Arc<dyn CheckpointSink>) -> Self {
+        self.static_checkpoints = Some(sink);
+        self
+    }
+    /// Sets the state of an interrupted static solution of an equal model, from which the next one goes on to the same
+    /// bits.
+    #[must_use]
+    pub fn resume_statics(mut self, saved: Arc<SavedRun>) -> Self {
+        self.static_resume = Some(saved);
         self
     }
     /// Sets the number of elements per block, at least one; by default a sixteenth of the mesh, but 2048 to 16,384.

@@ -127,7 +127,10 @@ pub use powerhouse_model::nalgebra;
 #[cfg(feature = "scene-files")]
 pub use schemars;
 
-pub use checkpoint::{CheckpointError, CheckpointFiles, CheckpointWriter, ResumedRun, RunInputs};
+pub use checkpoint::{
+    CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointPlan, CheckpointWriter,
+    IntervalError, KeptState, ResumedRun, RunInputs,
+};
 pub use damping::{Damping, DampingCost};
 #[cfg(feature = "scene-files")]
 pub use drive::{PointPath, PointTest};
@@ -154,7 +157,8 @@ pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
-    SceneStage, StageHook, StageOverview, StageSink, StagingError,
+    SceneStage, StageCheckpointSink, StageHook, StageOverview, StageSink, StageSolution,
+    StagingError,
 };
 
 /// Verification: accuracy and cost of modelling choices on problems with known solutions.

@@ -7,14 +7,17 @@ use std::time::{Duration, Instant};
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
     Cadence, CheckpointSink, EnergyCheck, EngineModel, HistoryVariable, IncidentField, Mesh,
-    ModelError, Observer, Progress, RunFailure, RunOptions, SavedRun, StableStep, StateError,
-    StepChoice, StepProfile, TimeIntegrator, decode, encode,
+    ModelError, Observer, Progress, RunFailure, RunOptions, RunReport, SavedRun, StableStep,
+    StateError, StepChoice, StepProfile, TimeIntegrator, decode, encode,
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
 use crate::output::{self, FinishedRun, Named, OutputPlan, Recordings, Results, RunningTables};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
-use crate::stage::{EquilibratedBody, StageHook, StageSink, Staging, StagingOutcome};
+use crate::stage::{
+    EquilibratedBody, SolutionStates, StageCheckpointSink, StageHook, StageSink, StageSolution,
+    Staging, StagingOutcome, StagingStart,
+};
 use crate::{Error, Remark, SceneRemark, SceneText};
 
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
@@ -64,6 +67,11 @@ pub struct RunHooks<'a> {
     pub completed_stages: Option<EquilibratedBody>,
     /// Callback with the body at the end of every stage that the run computes, such as a writer of checkpoint files.
     pub keep_stage: Option<StageHook<'a>>,
+    /// Receiver of the states of the static solutions of the stages, from which they can be resumed.
+    pub stage_checkpoints: Option<Arc<dyn StageCheckpointSink>>,
+    /// State of the static solution of the first stage that the run computes, which goes on from it to the same bits; unused
+    /// if it is that of another stage.
+    pub stage_solution: Option<StageSolution>,
     /// Receiver of the state of the dynamic run between two steps, from which a run can be resumed, such as a writer of
     /// checkpoint files.
     pub checkpoints: Option<Arc<dyn CheckpointSink>>,
@@ -84,6 +92,18 @@ impl<'a> RunHooks<'a> {
     #[must_use]
     pub fn with_stage_hook(mut self, keep: impl FnMut(&EquilibratedBody) + Send + 'a) -> Self {
         self.keep_stage = Some(Box::new(keep));
+        self
+    }
+    /// Sets the [receiver of the states of static solutions](Self::stage_checkpoints).
+    #[must_use]
+    pub fn with_stage_checkpoints(mut self, sink: Arc<dyn StageCheckpointSink>) -> Self {
+        self.stage_checkpoints = Some(sink);
+        self
+    }
+    /// Sets the [state of a static solution](Self::stage_solution) from which it goes on.
+    #[must_use]
+    pub fn with_stage_solution(mut self, solution: StageSolution) -> Self {
+        self.stage_solution = Some(solution);
         self
     }
     /// Sets the [receiver of checkpoints](Self::checkpoints).
@@ -350,7 +370,7 @@ impl Simulation {
         let Some(staging) = &self.staging else {
             return Ok(None);
         };
-        let found = staging.run(stop, sink, (None, None));
+        let found = staging.run(stop, sink, StagingStart::default());
         Ok(Some(
             found.map_err(|error| self.spans.put(&self.source, error))?,
         ))
@@ -377,7 +397,14 @@ impl Simulation {
             let body = match hooks.equilibrated_body {
                 Some(body) => Ok(body),
                 None => {
-                    let from = (hooks.completed_stages, hooks.keep_stage);
+                    let from = StagingStart {
+                        completed: hooks.completed_stages,
+                        keep: hooks.keep_stage,
+                        solutions: SolutionStates {
+                            sink: hooks.stage_checkpoints,
+                            resume: hooks.stage_solution,
+                        },
+                    };
                     staging.run(hooks.stop.as_ref(), hooks.stages, from)
                 }
             };
@@ -396,6 +423,7 @@ impl Simulation {
         options.stop = hooks.stop;
         options.profile = hooks.profile;
         (options.checkpoints, options.resume) = (hooks.checkpoints, hooks.resume);
+        let done_before = options.resume.as_ref().map_or(0, |saved| saved.done);
         let (recordings, mut observers) = (self.recordings, self.observers);
         let taken = Arc::new(AtomicU64::new(0));
         if let (Some(request), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
@@ -417,19 +445,22 @@ impl Simulation {
             }
             progress(now);
         };
+        let first_step = Instant::now();
         let outcome = self.model.run(
             self.integrator.as_ref(),
             &options,
             &mut observers,
             &mut progress,
         );
-        let wall_time = started.elapsed();
+        let (wall_time, taken_by_steps) = (started.elapsed(), first_step.elapsed());
         let staging = self.staging.as_ref();
         let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(self.model.as_mut()));
-        let finish = |report| {
+        let finish = |report: RunReport| {
+            let steps = report.steps.saturating_sub(done_before).max(1) as f64;
             let mut results = recordings.finish(FinishedRun {
                 run: report,
                 wall_time,
+                step_time: taken_by_steps.div_f64(steps),
                 snapshots: taken.load(Ordering::Relaxed),
                 bolts,
             });

@@ -2,14 +2,15 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use powerhouse::engine::{SavedRun, SavedSection};
 use powerhouse::io::parse_sections;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{
-    CheckpointError, CheckpointFiles, EquilibratedBody, Material, Part, ResultFolder, RunInputs,
-    Scene,
+    CheckpointError, CheckpointFiles, CheckpointInterval, EquilibratedBody, IntervalError,
+    Material, Part, ResultFolder, RunInputs, Scene,
 };
 use powerhouse_test_support::TestFolder;
 
@@ -89,7 +90,7 @@ fn the_older_generation_is_used_where_the_last_is_damaged() {
     newer[at + kind.len()] += 1;
     let sum = powerhouse::model::Checksum::of(&newer[..at + kind.len() + 4]);
     newer[at + kind.len() + 4..][..8].copy_from_slice(&sum.value().to_le_bytes());
-    damages.push((newer, "format version 2".into()));
+    damages.push((newer, "format version 3".into()));
     for (bytes, reason) in damages {
         fs::write(&file, bytes).unwrap();
         let found = files.read().unwrap();
@@ -104,7 +105,7 @@ fn the_older_generation_is_used_where_the_last_is_damaged() {
     fs::write(folder.join("checkpoint/previous.run"), b"").unwrap();
     let both = files.read().unwrap_err();
     assert!(matches!(both, CheckpointError::Both { .. }), "{both}");
-    assert!(parse_sections(&whole, (kind, 1)).is_ok());
+    assert!(parse_sections(&whole, (kind, 2)).is_ok());
 }
 
 /// A run of another mesh is refused by name, and a file that cannot be written leaves the state before.
@@ -114,7 +115,10 @@ fn another_run_is_refused_and_a_failed_write_loses_nothing() {
     files.check(&inputs, &RunInputs::of(&scene(4.0))).unwrap();
     let other = files.check(&inputs, &RunInputs::of(&scene(5.0)));
     let text = other.unwrap_err().to_string();
-    assert!(text.contains("another run: mesh has changed"), "{text}");
+    assert!(
+        text.contains("another run; changed since: the mesh"),
+        "{text}"
+    );
     // A folder with the name of the file is in its way.
     fs::remove_file(latest(&folder)).unwrap();
     fs::create_dir(latest(&folder)).unwrap();
@@ -133,6 +137,26 @@ fn bodies_of_stages_are_kept() {
     assert_eq!(found.body, Some(body));
     files.remove().unwrap();
     assert!(!folder.join("checkpoint").exists());
+}
+
+/// Intervals have units; others are refused.
+#[test]
+fn intervals_have_units() {
+    for (text, seconds) in [
+        ("30s", 30.0),
+        ("10min", 600.0),
+        ("1.5 h", 5400.0),
+        ("0.2s", 0.2),
+    ] {
+        let expected = CheckpointInterval::Every(Duration::from_secs_f64(seconds));
+        assert_eq!(text.parse(), Ok(expected), "{text}");
+        assert_eq!(expected.to_string().parse(), Ok(expected), "{text}");
+    }
+    assert_eq!("never".parse(), Ok(CheckpointInterval::Never));
+    for text in ["", "10", "min", "-1s", "0s", "nan s", "1e300h", "3 days"] {
+        let refused = text.parse::<CheckpointInterval>();
+        assert_eq!(refused, Err(IntervalError), "{text}");
+    }
 }
 
 /// The unfinished files of a killed run are removed, and no others.

@@ -68,36 +68,39 @@ where
             gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let modes = self.kernel.modes(&nodal);
             let short = (self.kernel).elastic_forces(geometry, [lambda, shear], &modes);
-            let is_short = short.is_some();
-            let mut strains = [Strain([lambda; 6]); P];
-            let mut stresses = [Stress::zero(token); P];
-            if !is_short || self.survey.is_some() {
-                strains = self.kernel.strains(geometry, &modes);
-                for p in 0..P {
-                    stresses[p] = Stress::elastic(lambda, shear, &strains[p]);
-                    check.add(&stresses[p]);
-                }
-            }
             let forces = match short {
-                Some(forces) => {
+                // Strains and stresses are not computed.
+                Some(forces) if self.survey.is_none() => {
                     check.add_forces(&forces);
                     forces
                 }
-                None => self.kernel.forces(geometry, &stresses, modulus, &modes),
+                short => {
+                    let strains = self.kernel.strains(geometry, &modes);
+                    let mut stresses = [Stress::zero(token); P];
+                    for p in 0..P {
+                        stresses[p] = Stress::elastic(lambda, shear, &strains[p]);
+                        check.add(&stresses[p]);
+                    }
+                    if let Some(survey) = self.survey.as_deref_mut() {
+                        let volumes = self.kernel.volumes(geometry);
+                        write_mean(&volumes, &stresses, &batch, survey);
+                        let energy = linear_energy(&volumes, &stresses, &strains);
+                        each_lane(energy, &batch, |e, energy| survey[e].elastic = energy);
+                        let energy = self.kernel.hourglass_energy(geometry, modulus, &modes);
+                        if let Some(energy) = energy {
+                            each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
+                        }
+                    }
+                    match short {
+                        Some(forces) => forces,
+                        None => self.kernel.forces(geometry, &stresses, modulus, &modes),
+                    }
+                }
             };
             let forces = self.kernel.nodal_forces(&forces);
             if let Some(out) = &mut out {
                 let out = out.elements(batch.first, L::WIDTH);
                 scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
-            }
-            if let Some(survey) = self.survey.as_deref_mut() {
-                let volumes = self.kernel.volumes(geometry);
-                write_mean(&volumes, &stresses, &batch, survey);
-                let energy = linear_energy(&volumes, &stresses, &strains);
-                each_lane(energy, &batch, |e, energy| survey[e].elastic = energy);
-                if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
-                    each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
-                }
             }
         }
         check.all_finite()

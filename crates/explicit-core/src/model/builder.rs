@@ -173,6 +173,8 @@ impl BuildModel for ModelSpec<'_> {
             spectrum: None,
             pool,
             stop: self.stop,
+            static_checkpoints: self.static_checkpoints,
+            static_resume: self.static_resume,
         };
         if let Some(state) = start.state {
             model.absent.clone_from(&state.absent);

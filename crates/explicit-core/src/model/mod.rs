@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    Constraint, ConstraintParts, ElementBlock, MassDampingRule, Mat3, Mesh, ModelSpec, Precision,
-    RunError, TimeFunction, Vec3,
+    CheckpointSink, Constraint, ConstraintParts, ElementBlock, MassDampingRule, Mat3, Mesh,
+    ModelSpec, Precision, RunError, SavedRun, TimeFunction, Vec3,
 };
 
 use crate::applied::AppliedLoads;
@@ -105,6 +105,9 @@ pub struct Model {
     pool: Option<Arc<rayon::ThreadPool>>,
     /// Cancellation flag of static solutions.
     stop: Option<Arc<AtomicBool>>,
+    /// Receiver of the states of static solutions, and the state from which the next one goes on.
+    pub(crate) static_checkpoints: Option<Arc<dyn CheckpointSink>>,
+    pub(crate) static_resume: Option<Arc<SavedRun>>,
 }
 
 /// Indices of the blocks of each label, in the order of the labels' first blocks.

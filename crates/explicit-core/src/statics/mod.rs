@@ -11,6 +11,7 @@ mod gradients;
 mod joints;
 mod mixing;
 mod relaxation;
+mod saved;
 mod support_check;
 mod system;
 
@@ -22,7 +23,8 @@ use crate::Model;
 use corrector::Corrector;
 use joints::ConnectedPairs;
 use mixing::Mixing;
-use relaxation::Relaxation;
+use relaxation::{Relaxation, Start};
+use saved::{Checkpoints, Position, SavedStatics};
 use system::System;
 
 /// Number of earlier corrections in the Anderson acceleration.
@@ -83,6 +85,7 @@ impl Model {
         })?;
         self.complete_kick();
         self.commit();
+        let (sink, resumed) = (self.static_checkpoints.clone(), self.static_resume.take());
         let mut report = StaticReport::default();
         let mut system = System::new(self)?;
         let mut solver = match options.method {
@@ -113,6 +116,13 @@ impl Model {
         if report.load == 0.0 && !moves {
             done = end;
         }
+        let mut relaxation = None;
+        if let Some(saved) = resumed {
+            let saved = SavedStatics::restore(&saved, system.model())?;
+            let at = saved.position;
+            (done, share, u, report) = (at.done, at.share, at.u, at.report);
+            relaxation = saved.relaxation;
+        }
         while done < end {
             // The last increment ends exactly at the load factor of the end.
             let next = if done + 1.5 * share > end {
@@ -120,7 +130,22 @@ impl Model {
             } else {
                 done + share
             };
-            report.increments += 1;
+            let checkpoints = Checkpoints {
+                sink: sink.as_ref(),
+                position: Position {
+                    done,
+                    share,
+                    u: u.clone(),
+                    report,
+                },
+                most_steps: options.steps,
+            };
+            let resumed = relaxation.take();
+            if resumed.is_none() {
+                checkpoints.take(system.model(), &report, || None)?;
+                // A relaxation that goes on is counted already.
+                report.increments += 1;
+            }
             let mut trial = u.clone();
             for &(node, change) in &prescribed {
                 trial[node] += change * (next - done);
@@ -138,7 +163,12 @@ impl Model {
                     increment.find((&mut system, corrector), trial, &mut report, progress)
                 }
                 Solver::Relaxation(relaxation) => {
-                    relaxation.find(&mut system, &increment, trial, &mut report, progress)
+                    let start = match resumed {
+                        Some(saved) => Start::Saved(saved),
+                        None => Start::Displacement(trial),
+                    };
+                    let context = (&increment, &checkpoints);
+                    relaxation.find(&mut system, context, start, &mut report, progress)
                 }
             };
             match found {

@@ -3,6 +3,7 @@
 use powerhouse_model::{Mat3, Operator, StaticError, StaticProgress, StaticReport, Vec3};
 use rayon::prelude::*;
 
+use super::saved::{Checkpoints, SavedRelaxation};
 use super::system::System;
 use super::{FORCING, Increment, gradients};
 use crate::model::least_mass;
@@ -16,6 +17,12 @@ const MOST_DAMPING: f64 = 0.4;
 const MASS_FACTOR: f64 = 1.0 / (1.0 - 0.5 * MOST_DAMPING);
 /// Number of steps between two calls of the progress callback.
 const PROGRESS_INTERVAL: u32 = 100;
+
+/// Start of an increment: an unbalanced displacement (m), or the state of a relaxation that was interrupted.
+pub(super) enum Start {
+    Displacement(Vec<Vec3>),
+    Saved(SavedRelaxation),
+}
 
 /// Dynamic relaxation with fictitious nodal masses for which the step is stable.
 pub(super) struct Relaxation {
@@ -104,20 +111,36 @@ impl Relaxation {
         Ok(net.map(|(next, mass)| mass * (next / STEP)).collect())
     }
 
-    /// The displacement (m) in static equilibrium with the joints, from an unbalanced one.
+    /// The displacement (m) in static equilibrium with the joints.
     ///
     /// After a failure the joints have their former state.
     pub(super) fn find(
         &self,
         system: &mut System,
-        increment: &Increment,
-        mut u: Vec<Vec3>,
+        (increment, checkpoints): (&Increment, &Checkpoints),
+        start: Start,
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
-        let before = system.model().joint_histories();
-        self.predict_sticking(system, increment, &mut u, report)?;
-        let found = self.relax(system, increment, u, report, progress);
+        let motion = match start {
+            Start::Saved(saved) => saved,
+            Start::Displacement(mut u) => {
+                let before = system.model().joint_histories();
+                self.predict_sticking(system, increment, &mut u, report)?;
+                SavedRelaxation {
+                    before,
+                    velocity: vec![Vec3::zeros(); u.len()],
+                    u,
+                    last: None,
+                    damping: 0.0,
+                    step: 0,
+                    is_still: true,
+                }
+            }
+        };
+        let before = motion.before.clone();
+        let context = (increment, checkpoints);
+        let found = self.relax(system, context, motion, report, progress);
         match &found {
             Ok(u) => system.model().stick_joints(&before, u),
             Err(_) => system.model().restore_joints(&before),
@@ -157,62 +180,74 @@ impl Relaxation {
     fn relax(
         &self,
         system: &mut System,
-        increment: &Increment,
-        mut u: Vec<Vec3>,
+        (increment, checkpoints): (&Increment, &Checkpoints),
+        mut motion: SavedRelaxation,
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
-        let mut velocity = vec![Vec3::zeros(); u.len()];
-        let mut is_still = true;
-        let mut last: Option<Vec<Vec3>> = None;
-        let mut damping = 0.0;
-        let mut step = 0;
         system.model().prepare_joints(STEP, &self.inverse);
         loop {
-            system.forces(&u)?;
-            let out = system.residual(increment.applied, &u);
-            if let Some(last) = &last {
-                damping = (self.damping(system, &velocity, last, &out)).unwrap_or(damping);
+            checkpoints.take(system.model(), report, || Some(motion.clone()))?;
+            let SavedRelaxation {
+                u,
+                velocity,
+                last,
+                damping,
+                step,
+                is_still,
+                ..
+            } = &mut motion;
+            system.forces(u)?;
+            let out = system.residual(increment.applied, u);
+            if let Some(last) = last {
+                *damping = self
+                    .damping(system, velocity, last, &out)
+                    .unwrap_or(*damping);
             }
-            let kept = 1.0 - damping;
+            let kept = 1.0 - *damping;
             let mut next: Vec<Vec3> = (velocity.par_iter().zip(&self.inverse).zip(&out))
                 .map(|((v, inverse), force)| v * kept + inverse * (force * STEP))
                 .collect();
             system
                 .model()
-                .correct_joints(STEP, (&u, &velocity), &mut next, &self.inverse)?;
-            let net: Vec<Vec3> = (next.par_iter().zip(&velocity).zip(&self.effective))
+                .correct_joints(STEP, (u, velocity), &mut next, &self.inverse)?;
+            let net: Vec<Vec3> = (next.par_iter().zip(&*velocity).zip(&self.effective))
                 .map(|((next, v), mass)| mass * ((next - v * kept) / STEP))
                 .collect();
             let size = system.norm(&net);
             let relative = if size == 0.0 { 0.0 } else { size / report.load };
             let balances = relative <= increment.options.tolerance;
-            if balances || step % PROGRESS_INTERVAL == 0 {
+            if balances || step.is_multiple_of(PROGRESS_INTERVAL) {
                 progress(StaticProgress {
                     share: increment.share,
-                    correction: step,
+                    correction: *step,
                     residual: relative,
                 });
             }
-            if balances && is_still {
+            if balances && *is_still {
                 report.residual = relative;
-                return Ok(u);
+                return Ok(motion.u);
             }
-            if !relative.is_finite() || step == self.most_steps {
+            if !relative.is_finite() || *step == self.most_steps {
                 return Err(system.not_converged(&net, relative, increment));
             }
-            step += 1;
+            *step += 1;
             report.steps += 1;
-            let mut moved = next.clone();
-            system.spread(&mut moved);
-            (u.par_iter_mut().zip(&moved)).for_each(|(u, v)| *u += v * STEP);
+            // Members of groups other than the lead have no velocity of their own.
+            (u.par_iter_mut().zip(&next)).for_each(|(u, v)| *u += v * STEP);
+            for group in system.groups() {
+                let moved = next[group.members[0] as usize] * STEP;
+                for &member in &group.members[1..] {
+                    u[member as usize] += moved;
+                }
+            }
             // Forces that balance in motion must also balance at zero velocity.
-            is_still = balances;
-            if is_still {
+            *is_still = balances;
+            if balances {
                 velocity.fill(Vec3::zeros());
-                (last, damping) = (None, 0.0);
+                (*last, *damping) = (None, 0.0);
             } else {
-                (velocity, last) = (next, Some(out));
+                (*velocity, *last) = (next, Some(out));
             }
         }
     }
@@ -226,11 +261,18 @@ impl Relaxation {
         last: &[Vec3],
         out: &[Vec3],
     ) -> Option<f64> {
-        let resisted: Vec<Vec3> = last.iter().zip(out).map(|(last, out)| last - out).collect();
-        let moved: Vec<Vec3> = (velocity.iter().zip(&self.effective))
-            .map(|(v, mass)| mass * v * STEP)
-            .collect();
-        let square = system.dot(velocity, &resisted) / system.dot(velocity, &moved);
+        let ranges = system.ranges();
+        let resisted = ranges.sum(|nodes| {
+            nodes
+                .map(|node| velocity[node].dot(&(last[node] - out[node])))
+                .sum()
+        });
+        let moved = ranges.sum(|nodes| {
+            let of =
+                |node: usize| velocity[node].dot(&(self.effective[node] * velocity[node] * STEP));
+            nodes.map(of).sum()
+        });
+        let square = resisted / moved;
         (square > 0.0 && square.is_finite()).then(|| (2.0 * square.sqrt() * STEP).min(MOST_DAMPING))
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of static solutions.
 
-use crate::ParameterError;
+use crate::{ParameterError, StateError};
 use thiserror::Error;
 
 /// Failure of a static solution. Nodes and elements are named by the user's numbers.
@@ -153,6 +153,20 @@ pub enum StaticError {
         set: String,
         /// Change of the solution options that may help.
         advice: &'static str,
+    },
+    /// State of a static solution that cannot be saved, or from which this one cannot go on.
+    #[error("{part}: {source}")]
+    State {
+        /// Part of the solution, such as a block of elements.
+        part: String,
+        /// Cause.
+        source: StateError,
+    },
+    /// Failure of the receiver of states of a static solution.
+    #[error("checkpoint: {reason}")]
+    Checkpoint {
+        /// Cause.
+        reason: String,
     },
     /// Cancellation by the flag of [`ModelSpec::stop_on`](crate::ModelSpec::stop_on).
     #[error("interrupted")]

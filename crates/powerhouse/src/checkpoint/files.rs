@@ -3,23 +3,29 @@
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use powerhouse_io::{FileSection, IoError, SectionFileError, read_sections, write_sections};
-use powerhouse_model::{SavedRun, SavedSection, StateError, decode, encode};
+use powerhouse_model::{ModelError, SavedRun, SavedSection, StateError, decode, encode};
 use thiserror::Error;
 
 use super::RunInputs;
-use crate::EquilibratedBody;
+use crate::{EquilibratedBody, StageSolution};
 
 /// Subfolder of the results folder.
 const FOLDER: &str = "checkpoint";
 /// The last state of the dynamic run, and the one before it.
 const RUNS: [&str; 2] = ["latest.run", "previous.run"];
 /// The body after the last stage in static equilibrium, and the one before it.
-const BODIES: [&str; 2] = ["latest.stage", "previous.stage"];
+pub(super) const BODIES: [&str; 2] = ["latest.stage", "previous.stage"];
+/// The state of the static solution of a stage, and the one before it.
+const SOLUTIONS: [&str; 2] = ["latest.solution", "previous.solution"];
 /// Kinds and versions of the files; a version changes with the content.
-const RUN: (&str, u32) = ("checkpoint of a run", 1);
-const BODY: (&str, u32) = ("checkpoint of a stage", 1);
+pub(super) const RUN: (&str, u32) = ("checkpoint of a run", 2);
+const BODY: (&str, u32) = ("checkpoint of a stage", 2);
+const SOLUTION: (&str, u32) = ("checkpoint of a static solution", 1);
+/// Section of the index of a stage.
+const STAGE: &str = "stage";
 /// Sections of the inputs, and of step and time.
 const INPUTS: &str = "inputs";
 const HEAD: &str = "head";
@@ -48,13 +54,52 @@ pub enum CheckpointError {
         source: StateError,
     },
     /// Checkpoint of a run with other inputs.
-    #[error("{} belongs to another run: {what} has changed since", file.display())]
+    #[error("{} belongs to another run; changed since: {what}", file.display())]
     OtherRun {
         /// The file.
         file: PathBuf,
-        /// The input that differs.
+        /// The inputs that differ.
         what: String,
     },
+    /// Time at which no state was kept.
+    #[error("{} has no state at t = {time} s: {}", folder.display(), of_available(available))]
+    NoState {
+        /// The results folder.
+        folder: PathBuf,
+        /// The time (s).
+        time: f64,
+        /// Times (s) of the states that were kept.
+        available: Vec<f64>,
+    },
+    /// Change of a scene that acts before the state from which its run is to start.
+    #[error("no variant of the run can start from {}: {what} must be as in the run", file.display())]
+    Variant {
+        /// The file of the state.
+        file: PathBuf,
+        /// The inputs that differ and may not.
+        what: String,
+    },
+    /// Run that ends before the state from which it is to start.
+    #[error(
+        "the run ends at t = {end} s, but starts from a state at t = {time} s: the duration counts from the start of the first run"
+    )]
+    Ended {
+        /// Time of the state (s).
+        time: f64,
+        /// End of the run (s).
+        end: f64,
+    },
+    /// Incident waves that differ from those of the run at the time of the state from which a run is to start.
+    #[error("no variant of the run can start from {}: its incident waves have another motion at t = {time} s, at the nodes of the mesh", file.display())]
+    Waves {
+        /// The file of the state.
+        file: PathBuf,
+        /// Time of the state (s).
+        time: f64,
+    },
+    /// Incident motion that cannot be computed.
+    #[error("the incident motion at a checkpoint: {0}")]
+    Motion(ModelError),
     /// Both generations of a checkpoint cannot be used.
     #[error("no checkpoint can be used: {latest}; {previous}")]
     Both {
@@ -85,6 +130,8 @@ pub struct ResumedRun {
     pub inputs: RunInputs,
     /// The body after the last stage in static equilibrium; none without stages, or before the first is computed.
     pub body: Option<EquilibratedBody>,
+    /// State of the static solution of the next stage; none if it has not begun, or is complete.
+    pub solution: Option<StageSolution>,
     /// State of the dynamic run; none if it has not begun.
     pub run: Option<SavedRun>,
     /// Checkpoints that were not used, each with its reason.
@@ -105,7 +152,10 @@ impl CheckpointFiles {
             results: results.into(),
         }
     }
-    fn path(&self, name: &str) -> PathBuf {
+    pub(super) fn results(&self) -> &Path {
+        &self.results
+    }
+    pub(super) fn path(&self, name: &str) -> PathBuf {
         self.results.join(FOLDER).join(name)
     }
 
@@ -126,20 +176,30 @@ impl CheckpointFiles {
     /// # Errors
     /// A file that cannot be written; the last state remains as the one before.
     pub fn write_run(&self, inputs: &RunInputs, saved: &SavedRun) -> Result<(), CheckpointError> {
-        let inputs = encode(inputs).map_err(CheckpointError::State)?;
-        let head = (saved.done, saved.time, saved.step);
-        let head = encode(&head).map_err(CheckpointError::State)?;
-        let own = [(INPUTS, inputs.as_slice()), (HEAD, head.as_slice())];
-        let parts = saved.sections.iter();
-        let parts = parts.map(|section| (section.name.as_str(), section.bytes.as_slice()));
+        let own = sections_of(inputs, saved)?;
         Ok(write_sections(
             &self.next(RUNS)?,
             RUN,
-            own.into_iter().chain(parts),
+            sections_with(&own, saved),
         )?)
     }
 
-    /// Writes the body at the end of a stage.
+    /// Writes the state of the static solution of a stage.
+    ///
+    /// # Errors
+    /// A file that cannot be written; the last state remains as the one before.
+    pub fn write_solution(
+        &self,
+        inputs: &RunInputs,
+        solution: &StageSolution,
+    ) -> Result<(), CheckpointError> {
+        let own = sections_of(inputs, &solution.saved)?;
+        let stage = encode(&solution.stage).map_err(CheckpointError::State)?;
+        let sections = sections_with(&own, &solution.saved).chain([(STAGE, stage.as_slice())]);
+        Ok(write_sections(&self.next(SOLUTIONS)?, SOLUTION, sections)?)
+    }
+
+    /// Writes the body at the end of a stage, whose solution is then no longer needed.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -156,7 +216,11 @@ impl CheckpointFiles {
             (names[0], state.as_slice()),
             (names[1], stages.as_slice()),
         ];
-        Ok(write_sections(&self.next(BODIES)?, BODY, sections)?)
+        write_sections(&self.next(BODIES)?, BODY, sections)?;
+        for name in SOLUTIONS {
+            remove(&self.path(name))?;
+        }
+        Ok(())
     }
 
     /// Reads the newest checkpoint that is whole: of the dynamic run, and of the last stage.
@@ -167,16 +231,23 @@ impl CheckpointFiles {
         let mut unused = Vec::new();
         let run = newest(RUNS.map(|name| self.path(name)), read_run, &mut unused)?;
         let body = newest(BODIES.map(|name| self.path(name)), read_body, &mut unused)?;
-        let inputs = match (&run, &body) {
-            (Some((inputs, _)), _) | (None, Some((inputs, _))) => inputs.clone(),
-            (None, None) => {
-                return Err(CheckpointError::None {
-                    folder: self.results.clone(),
-                });
-            }
+        let files = SOLUTIONS.map(|name| self.path(name));
+        let solution = newest(files, read_solution, &mut unused)?;
+        let own = [
+            run.as_ref().map(|(inputs, _)| inputs),
+            body.as_ref().map(|(inputs, _)| inputs),
+            solution.as_ref().map(|(inputs, _)| inputs),
+        ];
+        let Some(inputs) = own.into_iter().flatten().next().cloned() else {
+            return Err(CheckpointError::None {
+                folder: self.results.clone(),
+            });
         };
+        let completed = body.as_ref().map_or(0, |(_, body)| body.stages.len());
+        let solution = solution.map(|(_, solution)| solution);
         Ok(ResumedRun {
             inputs,
+            solution: solution.filter(|solution| solution.stage == completed),
             body: body.map(|(_, body)| body),
             run: run.map(|(_, run)| run),
             unused,
@@ -186,35 +257,82 @@ impl CheckpointFiles {
     /// Accepts the inputs of a run that is to be resumed.
     ///
     /// # Errors
-    /// [`CheckpointError::OtherRun`] with the input that has changed.
+    /// [`CheckpointError::OtherRun`] with the inputs that have changed.
     pub fn check(&self, found: &RunInputs, here: &RunInputs) -> Result<(), CheckpointError> {
-        match found.difference(here) {
-            None => Ok(()),
-            Some(what) => Err(CheckpointError::OtherRun {
+        let changed = found.differences(here);
+        match changed.is_empty() {
+            true => Ok(()),
+            false => Err(CheckpointError::OtherRun {
                 file: self.results.join(FOLDER),
-                what,
+                what: changed.join(", "),
             }),
         }
     }
 
-    /// Removes all checkpoint files, such as when the run is complete.
+    /// Removes all checkpoint files and the states that were kept, as before a new run.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn clear(&self) -> Result<(), IoError> {
+        self.remove()?;
+        self.remove_kept()
+    }
+
+    /// Removes the checkpoint files, as when the run is complete; states that were kept remain.
     ///
     /// # Errors
     /// A file that cannot be removed.
     pub fn remove(&self) -> Result<(), IoError> {
-        for name in RUNS.into_iter().chain(BODIES) {
-            let file = self.path(name);
-            match fs::remove_file(&file) {
-                Err(source) if source.kind() != ErrorKind::NotFound => {
-                    return Err(IoError::File { file, source });
-                }
-                _ => {}
-            }
+        for name in RUNS.into_iter().chain(BODIES).chain(SOLUTIONS) {
+            remove(&self.path(name))?;
         }
         // Other files of the user's in the folder keep it.
         let _ = fs::remove_dir(self.results.join(FOLDER));
         Ok(())
     }
+}
+
+/// Removes a file if it exists.
+pub(super) fn remove(file: &Path) -> Result<(), IoError> {
+    match fs::remove_file(file) {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(IoError::File {
+            file: file.into(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What to do without a state at a time.
+fn of_available(times: &[f64]) -> String {
+    match times {
+        [] => "none was kept, as the key keep of [checkpoint] requests".into(),
+        times => {
+            let times: Vec<String> = times.iter().map(|time| format!("{time} s")).collect();
+            format!("there are states at {}", times.join(", "))
+        }
+    }
+}
+
+/// Encoded inputs of a run, and number of steps, time and step of its state.
+pub(super) fn sections_of(
+    inputs: &RunInputs,
+    saved: &SavedRun,
+) -> Result<[Vec<u8>; 2], CheckpointError> {
+    let inputs = encode(inputs).map_err(CheckpointError::State)?;
+    let head = encode(&(saved.done, saved.time, saved.step)).map_err(CheckpointError::State)?;
+    Ok([inputs, head])
+}
+
+/// Sections of the file of a state, the encoded ones first.
+pub(super) fn sections_with<'a>(
+    [inputs, head]: &'a [Vec<u8>; 2],
+    saved: &'a SavedRun,
+) -> impl Iterator<Item = (&'a str, &'a [u8])> {
+    let own = [(INPUTS, inputs.as_slice()), (HEAD, head.as_slice())];
+    let parts = saved.sections.iter();
+    let parts = parts.map(|section| (section.name.as_str(), section.bytes.as_slice()));
+    own.into_iter().chain(parts)
 }
 
 /// The last of two generations that can be read; none if neither exists. Adds the reason for which the last is not used.
@@ -243,7 +361,7 @@ fn newest<T>(
 }
 
 /// Decodes the section of a file with a name.
-fn decoded<T: serde::de::DeserializeOwned>(
+pub(super) fn decoded<T: serde::de::DeserializeOwned>(
     file: &Path,
     sections: &[FileSection],
     name: &str,
@@ -259,7 +377,14 @@ fn decoded<T: serde::de::DeserializeOwned>(
 }
 
 fn read_run(file: &Path) -> Result<(RunInputs, SavedRun), CheckpointError> {
-    let sections = read_sections(file, RUN)?;
+    run_of(file, read_sections(file, RUN)?)
+}
+
+/// Inputs and state of a run in the sections of a file.
+pub(super) fn run_of(
+    file: &Path,
+    sections: Vec<FileSection>,
+) -> Result<(RunInputs, SavedRun), CheckpointError> {
     let inputs = decoded(file, &sections, INPUTS)?;
     let (done, time, step) = decoded(file, &sections, HEAD)?;
     let mut saved = SavedRun::new(done, time, step);
@@ -271,7 +396,15 @@ fn read_run(file: &Path) -> Result<(RunInputs, SavedRun), CheckpointError> {
     Ok((inputs, saved))
 }
 
-fn read_body(file: &Path) -> Result<(RunInputs, EquilibratedBody), CheckpointError> {
+fn read_solution(file: &Path) -> Result<(RunInputs, StageSolution), CheckpointError> {
+    let mut sections = read_sections(file, SOLUTION)?;
+    let stage = decoded(file, &sections, STAGE)?;
+    sections.retain(|section| section.name != STAGE);
+    let (inputs, saved) = run_of(file, sections)?;
+    Ok((inputs, StageSolution::new(stage, Arc::new(saved))))
+}
+
+pub(super) fn read_body(file: &Path) -> Result<(RunInputs, EquilibratedBody), CheckpointError> {
     let sections = read_sections(file, BODY)?;
     let inputs = decoded(file, &sections, INPUTS)?;
     let body = EquilibratedBody::of_sections(&sections);

@@ -14,56 +14,115 @@ pub struct RunInputs {
     pub scene: Option<PathBuf>,
     /// Name of the case that is run in place of the scene itself.
     pub case: Option<String>,
+    /// The state of another run from which this one started, and what changed, in words; none for a run from its
+    /// beginning.
+    pub origin: Option<String>,
     /// Names of the inputs, and their checksums or values.
     items: Vec<(String, String)>,
 }
 
 impl RunInputs {
-    /// The inputs of a scene: program version, text of the scene without threads, results folder and checkpoints, the
-    /// files that it names, mesh and precision. Of a scene that was composed in Rust mesh and program version alone are
-    /// known.
+    /// The inputs of a scene: program version, the keys of the scene file but for threads, results folder, checkpoints and
+    /// other cases, the files that it names, and the mesh. Of a scene that was composed in Rust mesh and program version
+    /// alone are known.
     pub fn of(scene: &Scene) -> Self {
         let mut mesh = Checksum::default();
         mesh.add_mesh(scene.mesh());
         let mut items = vec![
             ("program version".into(), env!("CARGO_PKG_VERSION").into()),
-            ("mesh".into(), mesh.to_string()),
+            ("the mesh".into(), mesh.to_string()),
         ];
         let source = scene.source();
         if let Some(source) = source {
-            add_text(&mut items, &source.path, &source.text);
+            add_text(&mut items, &source.path, &source.text, scene.case());
         }
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         Self {
             scene: source.map(|source| absolute(&source.path)),
             case: scene.case().map(String::from),
+            origin: None,
             items,
         }
     }
 
-    /// Name of the first input that differs from those of another run; none if all are the same.
-    pub fn difference(&self, other: &Self) -> Option<String> {
+    /// Names of the inputs that differ from those of another run, those that exist in one of the two included.
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let mut names = Vec::new();
         if self.case != other.case {
-            return Some("case".into());
+            names.push("the case".into());
         }
-        let has = |items: &[(String, String)], item: &(String, String)| items.contains(item);
-        let other_than = self.items.iter().find(|item| !has(&other.items, item));
-        let added = other.items.iter().find(|item| !has(&self.items, item));
-        other_than.or(added).map(|item| item.0.clone())
+        let both = [(&self.items, &other.items), (&other.items, &self.items)];
+        for (these, those) in both {
+            let changed = these.iter().filter(|item| !those.contains(item));
+            for (name, _) in changed {
+                if !names.contains(name) {
+                    names.push(name.clone());
+                }
+            }
+        }
+        names
     }
 }
 
-/// Adds the text of a scene and the files that it names.
+/// Whether an input may change between a run and a variant that starts from one of its states: what has no influence on
+/// the motion until then.
+pub(super) fn may_vary(name: &str) -> bool {
+    let free = [
+        "title",
+        "allow",
+        "wave",
+        "record",
+        "time.duration",
+        "self_check",
+    ];
+    match name
+        .strip_prefix("key '")
+        .and_then(|key| key.strip_suffix('\''))
+    {
+        Some(key) => free.contains(&key) || key.starts_with("output."),
+        None => is_file(name),
+    }
+}
+
+/// Whether an input changes the incident waves.
+pub(super) fn is_motion(name: &str) -> bool {
+    is_file(name) || ["key 'wave'", "key 'record'"].contains(&name)
+}
+
+fn is_file(name: &str) -> bool {
+    name.starts_with("file '")
+}
+
+/// Adds the keys of a scene, or of a case of it, and the files that it names.
 #[cfg(feature = "scene-files")]
-fn add_text(items: &mut Vec<(String, String)>, path: &Path, text: &str) {
+fn add_text(items: &mut Vec<(String, String)>, path: &Path, text: &str, case: Option<&str>) {
     let mut table: toml::Table = toml::from_str(text).unwrap_or_default();
     if let Some(toml::Value::Table(output)) = table.get_mut("output") {
         output.remove("directory");
     }
-    table.remove("threads");
-    table.remove("checkpoint");
-    let content = Checksum::of(table.to_string().as_bytes());
-    items.push(("scene".into(), content.to_string()));
+    for key in ["threads", "checkpoint"] {
+        table.remove(key);
+    }
+    // Other cases than the one that is run do not change it.
+    let own = |found: &&toml::Value| {
+        let name = found.get("name").and_then(toml::Value::as_str);
+        name.is_some() && name == case
+    };
+    let cases = table.remove("case");
+    let cases = cases.as_ref().and_then(toml::Value::as_array);
+    if let Some(own) = cases.and_then(|cases| cases.iter().find(own)) {
+        table.insert("case".into(), own.clone());
+    }
+    let sum = |value: &toml::Value| Checksum::of(value.to_string().as_bytes()).to_string();
+    for (key, value) in &table {
+        match value {
+            toml::Value::Table(keys) if key != "case" => {
+                let keys = keys.iter();
+                items.extend(keys.map(|(own, value)| (format!("key '{key}.{own}'"), sum(value))));
+            }
+            _ => items.push((format!("key '{key}'"), sum(value))),
+        }
+    }
     let mut texts = Vec::new();
     table.values().for_each(|value| texts_in(value, &mut texts));
     texts.sort_unstable();
@@ -81,8 +140,11 @@ fn add_text(items: &mut Vec<(String, String)>, path: &Path, text: &str) {
 
 /// Adds the text of a scene.
 #[cfg(not(feature = "scene-files"))]
-fn add_text(items: &mut Vec<(String, String)>, _path: &Path, text: &str) {
-    items.push(("scene".into(), Checksum::of(text.as_bytes()).to_string()));
+fn add_text(items: &mut Vec<(String, String)>, _path: &Path, text: &str, _case: Option<&str>) {
+    items.push((
+        "the scene".into(),
+        Checksum::of(text.as_bytes()).to_string(),
+    ));
 }
 
 /// Collects all strings in a value.

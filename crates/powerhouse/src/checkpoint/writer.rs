@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 
 use powerhouse_model::{CheckpointSink, ModelError, Progress, SavedRun};
 
+use super::incident::IncidentMotion;
 use super::{CheckpointError, CheckpointFiles, RunInputs};
-use crate::EquilibratedBody;
+use crate::{EquilibratedBody, Scene, StageCheckpointSink, StageSolution};
 
-/// Writer of checkpoints: at an interval of wall time, and when the run is interrupted. A file that cannot be written does
-/// not end the run: the last failure is kept.
+/// Writer of checkpoints: at an interval of wall time, when the run is interrupted, and at the times whose states the scene
+/// keeps. A file that cannot be written does not end the run: the last failure is kept.
 ///
 /// The run waits while its state is copied; the files are written by another thread.
 #[derive(Debug)]
@@ -18,6 +19,7 @@ pub struct CheckpointWriter {
     files: CheckpointFiles,
     inputs: RunInputs,
     every: Duration,
+    incident: Arc<IncidentMotion>,
     progress: Mutex<Written>,
 }
 
@@ -25,10 +27,11 @@ pub struct CheckpointWriter {
 struct Written {
     /// Time of the last state.
     last: Instant,
+    /// Times of the motion (s) whose states are still to be kept, the next one last.
+    keep: Vec<f64>,
     /// The thread that writes it.
     thread: Option<JoinHandle<Result<(), CheckpointError>>>,
     failure: Option<String>,
-    count: u64,
 }
 
 impl Written {
@@ -38,25 +41,43 @@ impl Written {
             return;
         };
         match thread.join() {
-            Ok(Ok(())) => self.count += 1,
+            Ok(Ok(())) => {}
             Ok(Err(error)) => self.failure = Some(error.to_string()),
             Err(_) => self.failure = Some("the thread that wrote a checkpoint panicked".into()),
         }
     }
+
+    /// The last time to be kept that a motion has reached, which is no longer to be kept, as are those before.
+    fn reached(&mut self, time: f64) -> Option<f64> {
+        let mut found = None;
+        while let Some(next) = self.keep.pop_if(|next| *next <= time) {
+            found = Some(next);
+        }
+        found
+    }
 }
 
 impl CheckpointWriter {
-    /// A writer of the checkpoints of a run with these inputs, at an interval of wall time that begins now.
-    pub fn new(files: CheckpointFiles, inputs: RunInputs, every: Duration) -> Arc<Self> {
+    /// A writer of the checkpoints of a run of a scene with some inputs, at an interval of wall time that begins now. A run
+    /// that is resumed begins `after` the time (s) of its state, and keeps no state until then.
+    pub fn new(
+        scene: &Scene,
+        (files, inputs): (CheckpointFiles, RunInputs),
+        every: Duration,
+        after: Option<f64>,
+    ) -> Arc<Self> {
+        let keep = scene.checkpoints().keep.iter().rev().copied();
+        let is_ahead = |time: &f64| after.is_none_or(|after| *time > after);
         Arc::new(Self {
             files,
             inputs,
             every,
+            incident: Arc::new(IncidentMotion::of(scene)),
             progress: Mutex::new(Written {
                 last: Instant::now(),
+                keep: keep.filter(is_ahead).collect(),
                 thread: None,
                 failure: None,
-                count: 0,
             }),
         })
     }
@@ -67,30 +88,55 @@ impl CheckpointWriter {
 
     /// Writes the body at the end of a stage.
     pub fn keep_stage(&self, body: &EquilibratedBody) {
+        self.progress().settle();
         if let Err(error) = self.files.write_body(&self.inputs, body) {
             self.progress().failure = Some(error.to_string());
         }
     }
 
-    /// Waits until the last state is on the disk; returns the number of states of the dynamic run that were written, and
-    /// the last failure.
-    pub fn finish(&self) -> (u64, Option<String>) {
+    /// Waits until the last state is on the disk; returns the last failure, if any.
+    pub fn finish(&self) -> Option<String> {
         let mut progress = self.progress();
         progress.settle();
-        (progress.count, progress.failure.clone())
+        progress.failure.clone()
+    }
+}
+
+impl StageCheckpointSink for CheckpointWriter {
+    fn is_due(&self, _progress: &Progress) -> bool {
+        self.progress().last.elapsed() >= self.every
+    }
+    fn take(&self, solution: StageSolution) -> Result<(), ModelError> {
+        let mut progress = self.progress();
+        progress.settle();
+        let (files, inputs) = (self.files.clone(), self.inputs.clone());
+        progress.thread = Some(std::thread::spawn(move || {
+            files.write_solution(&inputs, &solution)
+        }));
+        progress.last = Instant::now();
+        Ok(())
     }
 }
 
 impl CheckpointSink for CheckpointWriter {
-    fn is_due(&self, _progress: &Progress) -> bool {
-        self.progress().last.elapsed() >= self.every
+    fn is_due(&self, now: &Progress) -> bool {
+        let progress = self.progress();
+        let next = progress.keep.last();
+        next.is_some_and(|next| *next <= now.time) || progress.last.elapsed() >= self.every
     }
     fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
         let mut progress = self.progress();
         progress.settle();
+        let kept = progress.reached(saved.time);
         let (files, inputs) = (self.files.clone(), self.inputs.clone());
-        progress.thread = Some(std::thread::spawn(move || files.write_run(&inputs, &saved)));
-        progress.last = Instant::now();
+        let incident = self.incident.clone();
+        progress.thread = Some(std::thread::spawn(move || match kept {
+            Some(time) => files.write_kept(time, &inputs, &incident, &saved),
+            None => files.write_run(&inputs, &saved),
+        }));
+        if kept.is_none() {
+            progress.last = Instant::now();
+        }
         Ok(())
     }
 }

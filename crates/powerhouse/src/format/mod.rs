@@ -15,6 +15,7 @@ mod at;
 )]
 mod case;
 mod change;
+mod checkpoint;
 mod dashpot;
 mod decode;
 mod former;
@@ -41,6 +42,7 @@ use serde::Deserialize;
 
 pub use at::At;
 pub use case::Case;
+pub use checkpoint::Checkpoint;
 pub use dashpot::DashpotRatio;
 pub use decode::{decode, decode_case};
 pub(crate) use decode::{decode_materials, decode_tagged, former_keys};
@@ -126,6 +128,9 @@ pub struct SceneFile {
     pub energy_residual: Residual,
     /// Number of computing threads; all of the machine by default. Results do not depend on it.
     pub threads: Option<At<NonZeroUsize>>,
+    /// Checkpoints of the run, from which it can be resumed, and states that are kept after it.
+    #[serde(default)]
+    pub checkpoint: Checkpoint,
     /// Output requests: histories, section forces, envelopes, snapshots and their intervals.
     #[serde(default)]
     pub output: Output,

@@ -51,6 +51,9 @@ pub struct Results {
     /// Wall time of [`Simulation::run`](crate::Simulation::run): with the construction stages, unless the run started
     /// from an equilibrated body, and with the snapshots written during the run.
     pub wall_time: Duration,
+    /// Mean wall time of a step of the dynamic run, without stages and without the steps before a
+    /// [resumed](crate::RunHooks::resume) run was interrupted; zero without steps.
+    pub step_time: Duration,
     /// Motions, mean element stresses, history variables and relative displacements against time.
     pub histories: HistoryTable,
     /// Section forces, moments, and both per metre of width, against time, each column with its unit.
@@ -229,6 +232,7 @@ pub(crate) struct Recordings {
 pub(crate) struct FinishedRun {
     pub(crate) run: RunReport,
     pub(crate) wall_time: Duration,
+    pub(crate) step_time: Duration,
     /// Number of snapshots that the run's sink took.
     pub(crate) snapshots: u64,
     /// Bolts with their forces at the end.
@@ -383,6 +387,7 @@ impl Recordings {
         let FinishedRun {
             run,
             wall_time,
+            step_time,
             snapshots,
             mut bolts,
         } = finished;
@@ -415,6 +420,7 @@ impl Recordings {
             joints: joints.joints,
             run,
             wall_time,
+            step_time,
             histories: table(self.histories),
             sections: table(self.sections),
             section_geometry: self.section_geometry,

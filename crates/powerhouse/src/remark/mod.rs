@@ -46,6 +46,11 @@ pub enum Remark {
         /// Largest displacement that a taper removed from the start of the field, over its peak; none without taper.
         removed: Option<f64>,
     },
+    /// Fact: the run started from a state of another run.
+    StartedFrom {
+        /// The [origin](crate::RunInputs::origin), in words.
+        origin: String,
+    },
     /// Warning: no part and no stage uses a material.
     UnusedMaterial {
         /// Name of the material.
@@ -382,6 +387,7 @@ impl Remark {
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
             | Self::PastCritical { .. }
+            | Self::StartedFrom { .. }
             | Self::Region { .. }
             | Self::JointRenewed { .. }
             | Self::DelayedMotion { waves: None, .. }

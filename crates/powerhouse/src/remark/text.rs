@@ -92,6 +92,7 @@ impl fmt::Display for Remark {
                     None => Ok(()),
                 }
             }
+            Self::StartedFrom { origin } => write!(f, "the run {origin}"),
             Self::UnusedMaterial { name } => {
                 write!(f, "material '{name}' is used by no part and no stage")
             }

@@ -20,7 +20,8 @@ use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep, sets_with};
 use crate::{
-    Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene, SceneRemark, keys,
+    CheckpointPlan, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene,
+    SceneRemark, keys,
 };
 
 /// Composes the scene of a file.
@@ -157,6 +158,7 @@ pub(crate) fn compose(
         &scene.joints,
         file.time.duration.get(),
     )?;
+    scene.checkpoints = checkpoints(&file.checkpoint, &scene)?;
     check_names(file)?;
     let materials = file.parts.iter();
     let materials = materials.map(|part| (part.set.to_string(), part.material.span()));
@@ -174,6 +176,25 @@ pub(crate) fn compose(
     let named = histories.chain(relative);
     scene.places.histories = named.map(|name| (name.to_string(), name.span())).collect();
     Ok(scene)
+}
+
+/// Checkpoints that a scene requests.
+fn checkpoints(file: &format::Checkpoint, scene: &Scene) -> Result<CheckpointPlan, Fault> {
+    let (start, end) = (scene.start, scene.start + scene.duration);
+    for time in &file.keep {
+        if time.get() <= start || time.get() >= end {
+            let problem = Problem::Value {
+                found: format!("{}", time.get()),
+                expected: format!(
+                    "a time (s) after the start of the run, {start}, and before its end, {end}"
+                ),
+            };
+            return Err(Fault::new(time.span(), problem));
+        }
+    }
+    let mut plan = CheckpointPlan::default().with_keep(file.keep.iter().map(|time| time.get()));
+    plan.every = file.every.map(|every| every.0);
+    Ok(plan)
 }
 
 /// Checks that the first of two numbers is below the second.

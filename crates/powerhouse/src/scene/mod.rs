@@ -47,7 +47,10 @@ use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::output::{OutputPlan, ResultFolder};
-use crate::{Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText};
+use crate::{
+    CheckpointPlan, Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage,
+    SceneText,
+};
 
 /// Nodes with prescribed motion, shared by all models of a scene.
 pub(crate) struct PrescribedMotion {
@@ -157,6 +160,7 @@ pub struct Scene {
     pub(crate) threads: Option<usize>,
     pub(crate) magnitudes_allowed: bool,
     pub(crate) output: OutputPlan,
+    pub(crate) checkpoints: CheckpointPlan,
     pub(crate) self_check: Option<f64>,
     pub(crate) remarks: Vec<Remark>,
     pub(crate) records: BTreeMap<String, TimeHistory>,
@@ -206,6 +210,7 @@ impl Scene {
             threads: None,
             magnitudes_allowed: false,
             output: OutputPlan::default(),
+            checkpoints: CheckpointPlan::default(),
             self_check: None,
             remarks: Vec::new(),
             records: BTreeMap::new(),
@@ -403,6 +408,13 @@ impl Scene {
         self
     }
 
+    /// Sets the checkpoints of a run, and the times whose states are kept after it.
+    #[must_use]
+    pub fn with_checkpoints(mut self, checkpoints: CheckpointPlan) -> Self {
+        self.checkpoints = checkpoints;
+        self
+    }
+
     /// Sets the largest permitted relative L2 error of velocity in the free-field check (1), which the command
     /// `powerhouse run` and sweeps make before they run a scene; [`Scene::prepare`] and a simulation do not.
     #[must_use]
@@ -537,6 +549,10 @@ impl Scene {
     /// Output requests.
     pub fn output(&self) -> &OutputPlan {
         &self.output
+    }
+    /// Checkpoints that the scene requests.
+    pub fn checkpoints(&self) -> &CheckpointPlan {
+        &self.checkpoints
     }
     /// The largest permitted error of the free field, if a run is to check it first.
     pub fn self_check(&self) -> Option<f64> {

@@ -7,6 +7,7 @@ mod in_situ;
 mod list;
 mod overview;
 mod rest;
+mod solution;
 mod timeline;
 
 pub(crate) use bolts::surface_of;
@@ -17,5 +18,7 @@ pub use list::SceneStage;
 pub(crate) use list::last_renewal;
 pub use overview::StageOverview;
 pub use rest::{CompletedStage, EquilibratedBody, StageHook, StageSink};
-pub(crate) use rest::{Staging, StagingOutcome};
+pub(crate) use rest::{Staging, StagingOutcome, StagingStart};
+pub(crate) use solution::SolutionStates;
+pub use solution::{StageCheckpointSink, StageSolution};
 pub(crate) use timeline::{Timeline, check_removal};

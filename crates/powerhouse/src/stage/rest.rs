@@ -9,8 +9,8 @@ use powerhouse_model::{
     StageEvent, StageModel, StageReport, State, StaticError, StaticProgress, Stress,
 };
 
-use super::Timeline;
 use super::list::renewal;
+use super::{SolutionStates, Timeline};
 use crate::scene::Piece;
 use crate::{BoltForces, Error, Scene};
 
@@ -90,6 +90,16 @@ pub(crate) struct StagingOutcome {
     pub(crate) hand_over: HandOverReport,
 }
 
+/// Where the stages begin, and receivers of their states.
+#[derive(Default)]
+pub(crate) struct StagingStart<'a> {
+    /// The body after some of the stages.
+    pub(crate) completed: Option<EquilibratedBody>,
+    /// Callback at the end of every stage.
+    pub(crate) keep: Option<StageHook<'a>>,
+    pub(crate) solutions: SolutionStates,
+}
+
 /// Static analysis of a scene with construction stages.
 pub(crate) struct Staging {
     pub(crate) scene: Scene,
@@ -139,8 +149,13 @@ impl Staging {
         &self,
         stop: Option<&Arc<AtomicBool>>,
         mut sink: Option<Box<dyn StageSink + '_>>,
-        (completed, mut keep): (Option<EquilibratedBody>, Option<StageHook<'_>>),
+        start: StagingStart<'_>,
     ) -> Result<EquilibratedBody, Error> {
+        let StagingStart {
+            completed,
+            mut keep,
+            solutions,
+        } = start;
         let mesh = &*self.scene.mesh;
         let mut body = completed.unwrap_or_else(|| self.before_stages());
         let names = body.stages.iter().map(|report| &report.name);
@@ -158,7 +173,8 @@ impl Staging {
                 return Err(Error::Interrupted { stage });
             }
             let state = core::mem::take(&mut body.state);
-            let (state, stress, report) = self.equilibrate(index, state, stop, &mut sink)?;
+            let (state, stress, report) =
+                self.equilibrate((index, &solutions), state, stop, &mut sink)?;
             body.state = state;
             if let Some(sink) = &mut sink {
                 sink.completed(&CompletedStage {
@@ -199,7 +215,7 @@ impl Staging {
     /// Computes one stage: state and stress after it, and its report.
     fn equilibrate(
         &self,
-        index: usize,
+        (index, solutions): (usize, &SolutionStates),
         state: State,
         stop: Option<&Arc<AtomicBool>>,
         sink: &mut Option<Box<dyn StageSink + '_>>,
@@ -211,6 +227,7 @@ impl Staging {
                 Some(stop) => spec.stop_on(stop.clone()),
                 None => spec,
             };
+            let spec = solutions.of_stage(index, spec);
             let built = self.static_model(spec, index);
             built.map_err(|error| ModelError::refused("stage", error))
         });
