@@ -6,4 +6,6 @@ mod writer;
 
 pub use files::{CheckpointError, CheckpointFiles, ResumedRun};
 pub use inputs::RunInputs;
+#[cfg(feature = "scene-files")]
+pub use inputs::named_files;
 pub use writer::CheckpointWriter;
