@@ -69,6 +69,35 @@ fn links_lead_somewhere() {
     assert!(dead.is_empty(), "{}", dead.join("\n"));
 }
 
+/// Every fault in `docs/robustness.md` names a test that exists.
+#[test]
+fn faults_are_tested() {
+    let page = fs::read_to_string(workspace().join("docs/robustness.md")).unwrap();
+    let table = page.split("| fault |").nth(1).unwrap();
+    let rows = table
+        .lines()
+        .skip(2)
+        .take_while(|line| line.starts_with('|'));
+    let mut count = 0;
+    for row in rows {
+        let proof = row.trim_end_matches('|').rsplit('|').next().unwrap();
+        for test in proof.split(';') {
+            let names: Vec<&str> = test.split('`').skip(1).step_by(2).collect();
+            let [file, name] = names[..] else {
+                panic!("{row} names no test");
+            };
+            let text = fs::read_to_string(workspace().join(file));
+            let text = text.unwrap_or_else(|error| panic!("{file}: {error}"));
+            assert!(
+                text.contains(&format!("fn {name}()")),
+                "{file} has no {name}"
+            );
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
 /// Every page in `docs/` is in its table of contents.
 #[test]
 fn pages_are_listed() {

@@ -195,8 +195,8 @@ fn lints_hold_everywhere() {
     }
 }
 
-/// Libraries have no bench harness (or criterion's flags fail), shelves are not published, and
-/// everything carries the workspace's licence.
+/// Libraries have no bench harness (or criterion's flags fail), shelves are not published, what is published says where its
+/// documentation is, and everything carries the workspace's licence.
 #[test]
 fn packages_are_set_up_alike() {
     for (package, manifest) in packages() {
@@ -206,6 +206,13 @@ fn packages_are_set_up_alike() {
         assert_eq!(
             published == Some(false),
             SHELVES.contains(&package.as_str()) || package == TEST_SUPPORT,
+            "{package}"
+        );
+        let documentation = manifest["package"].get("documentation");
+        let expected = format!("https://docs.rs/{package}");
+        assert_eq!(
+            documentation.and_then(Value::as_str),
+            (published != Some(false)).then_some(expected.as_str()),
             "{package}"
         );
         if !SHELVES.contains(&package.as_str()) && package != "powerhouse-cli" {

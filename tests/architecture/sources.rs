@@ -110,6 +110,19 @@ fn unsafe_code_is_in_one_file_of_a_crate() {
     );
 }
 
+/// The calendar, which a user or the network may set at any time, is read in one place, for the date at which a run began.
+/// All else takes intervals, by a clock that does not jump.
+#[test]
+fn the_calendar_is_read_in_one_file() {
+    let calendar = ["System", "Time"].concat();
+    let readers: Vec<PathBuf> = rust_files()
+        .into_iter()
+        .filter(|(path, text)| !is_test(path) && text.contains(&calendar))
+        .map(|(path, _)| path.strip_prefix(workspace()).unwrap().to_path_buf())
+        .collect();
+    assert_eq!(readers, [Path::new("crates/powerhouse/src/output/lock.rs")]);
+}
+
 /// Nothing is announced and not done: no trait and no function has a body that says so.
 #[test]
 fn nothing_is_left_undone() {

@@ -3,37 +3,70 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use powerhouse::{KeptState, ResultFolder, ResumedRun, RunHooks};
+use powerhouse::{CheckpointError, CheckpointFiles, KeptState, ResultFolder, ResumedRun, RunHooks};
+use powerhouse_study::CheckpointEvent;
 
-use crate::terminal::say;
+use crate::terminal::{say, warn_aside};
 
 /// Prints from where a run is resumed, and which checkpoints are not used.
 pub(crate) fn say_resumed(resumed: &ResumedRun) {
     for reason in &resumed.unused {
-        say!("warning: a checkpoint is not used: {reason}");
+        say!("{}", CheckpointEvent::Unused(reason));
     }
-    match (&resumed.run, &resumed.body) {
-        (Some(run), _) => say!("resumed after {} steps, at t = {:.6} s", run.done, run.time),
-        (None, Some(body)) => {
-            let last = body.stages().last().map_or("", |stage| stage.name.as_str());
-            say!("resumed after the stage '{last}'");
+    say!("{}", CheckpointEvent::Resumed(resumed));
+}
+
+/// Prints how an interrupted run is resumed, if it can be.
+pub(crate) fn say_resumable(folder: &ResultFolder) {
+    let path = folder.path().display();
+    match CheckpointFiles::of(folder.path()).read() {
+        Ok(kept) => say!(
+            "`powerhouse run --resume {path}` goes on {}",
+            from_where(&kept)
+        ),
+        Err(CheckpointError::None { .. }) => {
+            say!("no checkpoint was written: another run begins anew");
         }
-        (None, None) => {}
-    }
-    if let Some(solution) = &resumed.solution {
-        say!(
-            "the solution of stage {} goes on from {:.1} % of its load, after {} steps",
-            solution.stage + 1,
-            100.0 * solution.saved.time,
-            solution.saved.done
-        );
+        Err(error) => say!("another run begins anew: {error}"),
     }
 }
 
-/// Prints how an interrupted run is resumed.
-pub(crate) fn say_resumable(folder: &ResultFolder) {
+/// Prints on the error stream which checkpoint a failed run has left and what it is good for. A run that diverged fails
+/// again from it.
+pub(crate) fn say_after_failure(folder: &ResultFolder, diverged: bool) {
     let path = folder.path().display();
-    say!("`powerhouse run --resume {path}` goes on");
+    match CheckpointFiles::of(folder.path()).read() {
+        Ok(kept) => {
+            let start = from_where(&kept);
+            warn_aside!(
+                "note: the last good state is kept: `powerhouse run --resume {path}` goes on {start}"
+            );
+            if diverged {
+                warn_aside!(
+                    "note: a resumed run has the same scene and time step, and fails at the same step; after a change of the \
+                     scene, such as a smaller step, the run begins anew (`powerhouse run SCENE --out DIR` into another \
+                     folder keeps these files)"
+                );
+            }
+        }
+        Err(CheckpointError::None { .. }) => warn_aside!(
+            "note: no checkpoint was written before the failure (the first is due after the time of --checkpoint-every)"
+        ),
+        Err(error) => warn_aside!("note: {error}"),
+    }
+}
+
+/// The state from which a run goes on, in words.
+fn from_where(kept: &ResumedRun) -> String {
+    match (&kept.run, &kept.body) {
+        (Some(run), _) => format!("from t = {:.6} s, after {} steps", run.time, run.done),
+        _ if kept.solution.is_some() => "within the solution of a stage".into(),
+        (None, Some(body)) => {
+            let last = body.stages().last().map_or("", |stage| stage.name.as_str());
+            format!("after the stage '{last}'")
+        }
+        (None, None) => "from its start".into(),
+    }
 }
 
 /// A state that a run has kept: the folder of its results, and its time (s).

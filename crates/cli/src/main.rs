@@ -107,7 +107,8 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Run the cases of a scene, sequentially or in parallel; finished cases are not run again.
+    /// Run the cases of a scene, sequentially or in parallel; finished cases are not run again, and unfinished ones go on
+    /// from their last checkpoint.
     Sweep {
         /// Scene file with `[[case]]` tables.
         scene: PathBuf,
@@ -123,6 +124,10 @@ enum Command {
         /// Number of cases that run in parallel; the cores are divided among them, and their memory adds up.
         #[arg(long, value_name = "CASES", default_value = "1")]
         jobs: NonZeroUsize,
+        /// Wall time between two checkpoints of a running case, such as 30s, 10min or 1h; `never` writes none but that of an
+        /// interruption.
+        #[arg(long, value_name = "TIME", default_value = "10min")]
+        checkpoint_every: CheckpointInterval,
     },
     /// Measure cost and error of a scene's numerical options: run a window of it with different kernels, number formats,
     /// steps, boundaries and other options, and write the scene of the combination that meets a goal.
@@ -250,7 +255,14 @@ fn main() -> ExitCode {
             cases,
             duration,
             jobs,
-        } => sweep::sweep(&scene, out, &cases, duration, jobs),
+            checkpoint_every,
+        } => {
+            let schedule = sweep::Schedule {
+                jobs,
+                checkpoint_every,
+            };
+            sweep::sweep(&scene, out, &cases, duration, schedule)
+        }
         Command::Trade(arguments) => trade::trade(arguments),
         Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),

@@ -286,9 +286,12 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
     }
     let is_held = lock.is_held();
     let written = folder.write((&title, &mesh), &results, &notes, text.as_deref());
-    if let (Err(_), Some(failure)) = (&written, &failure) {
+    if written.is_err() {
         // Both errors are printed, that of the run first.
-        warn_aside!("error: {failure}");
+        if let Some(failure) = &failure {
+            warn_aside!("error: {failure}");
+        }
+        checkpoint::say_after_failure(&folder, !results.advice.is_empty());
     }
     report::results(&mesh, &results, (&notes, &written?));
     // Released after all files are written, so that no results are lost.
@@ -299,7 +302,10 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
         warn_aside!("note: {advice}");
     }
     match (failure, results.run.ended) {
-        (Some(failure), _) => Err(failure.into()),
+        (Some(failure), _) => {
+            checkpoint::say_after_failure(&folder, !results.advice.is_empty());
+            Err(failure.into())
+        }
         (None, Ended::Stopped) => {
             checkpoint::say_resumable(&folder);
             Ok(ExitCode::from(INTERRUPTED))

@@ -8,9 +8,9 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use indicatif::MultiProgress;
-use powerhouse::{ProgressHook, Remark, RunNotes, StageSink};
-use powerhouse_study::StudyError;
+use powerhouse::{CheckpointInterval, ProgressHook, Remark, RunNotes, StageSink};
 use powerhouse_study::sweep::{CaseOutcome, Peak, Sweep, SweepWatch};
+use powerhouse_study::{CheckpointEvent, StudyError};
 
 use crate::progress::Display;
 use crate::run::Stages;
@@ -66,6 +66,9 @@ impl SweepWatch for SweepOutput {
         self.say(&format!(
             "  {case}: relative error {error:.4} of the free field"
         ));
+    }
+    fn checkpoint(&mut self, case: &str, event: CheckpointEvent) {
+        self.say(&format!("  {case}: {event}"));
     }
     fn equilibrated(&mut self, case: &str, took: Duration) {
         self.say(&format!(
@@ -166,13 +169,21 @@ fn line(text: &mut String, line: &PeakLine) {
     }
 }
 
-/// Runs the cases of a scene, a number of them in parallel.
+/// How the cases of a sweep are run.
+pub(crate) struct Schedule {
+    /// Number of cases that run in parallel.
+    pub(crate) jobs: NonZeroUsize,
+    /// Wall time between two checkpoints of a case.
+    pub(crate) checkpoint_every: CheckpointInterval,
+}
+
+/// Runs the cases of a scene.
 pub(crate) fn sweep(
     scene: &Path,
     out: Option<PathBuf>,
     cases: &[String],
     duration: Option<f64>,
-    at_once: NonZeroUsize,
+    schedule: Schedule,
 ) -> Outcome {
     let mut sweep = Sweep::of_file(scene, out)?;
     if !cases.is_empty() {
@@ -181,10 +192,12 @@ pub(crate) fn sweep(
     if let Some(duration) = duration {
         sweep = sweep.with_duration(duration)?;
     }
-    let sweep = sweep.side_by_side(at_once);
+    let sweep = sweep
+        .side_by_side(schedule.jobs)
+        .with_checkpoint_interval(schedule.checkpoint_every.duration());
     let started = Instant::now();
     let mut output = SweepOutput {
-        several: at_once > NonZeroUsize::MIN,
+        several: schedule.jobs > NonZeroUsize::MIN,
         ..SweepOutput::default()
     };
     let done = sweep.run(Some(&stop::flag()?), &mut output);
@@ -200,7 +213,9 @@ pub(crate) fn sweep(
             Ok(ExitCode::SUCCESS)
         }
         Err(StudyError::Interrupted) => {
-            say!("interrupted: finished cases are kept, and another sweep continues from there");
+            say!(
+                "interrupted: finished cases and checkpoints of the others are kept, and another sweep continues from there"
+            );
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(error) => Err(error.into()),

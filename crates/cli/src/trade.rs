@@ -5,12 +5,12 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use powerhouse::ProgressHook;
-use powerhouse_study::StudyError;
+use powerhouse::{CheckpointInterval, ProgressHook};
 use powerhouse_study::trade::{
     Goal, MeshError, Quantity, Reference, SensitiveHistory, Trade, TradeCase, TradeReport,
     TradeWatch,
 };
+use powerhouse_study::{CheckpointEvent, StudyError};
 
 use crate::progress::Display;
 use crate::terminal::say;
@@ -53,6 +53,10 @@ pub(crate) struct TradeArguments {
     /// Folder of the results, in place of `trade` in the scene's own.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Wall time between two checkpoints of a run, such as 30s, 10min or 1h; `never` writes none but that of an
+    /// interruption.
+    #[arg(long, value_name = "TIME", default_value = "10min")]
+    checkpoint_every: CheckpointInterval,
 }
 
 impl TradeArguments {
@@ -69,7 +73,9 @@ impl TradeArguments {
             ReferenceArgument::Finest => Reference::Finest,
             ReferenceArgument::ClosedForm => Reference::ClosedForm,
         };
-        let mut trade = Trade::of_file(&self.scene, self.out)?.with_reference(reference);
+        let mut trade = Trade::of_file(&self.scene, self.out)?
+            .with_reference(reference)
+            .with_checkpoint_interval(self.checkpoint_every.duration());
         if let Some(window) = self.window {
             trade = trade.window(window);
         }
@@ -128,6 +134,10 @@ impl TradeWatch for TradeOutput {
     }
     fn reused(&mut self, _name: &str) {
         say!("  finished before");
+    }
+    fn checkpoint(&mut self, _name: &str, event: CheckpointEvent) {
+        self.clear();
+        say!("  {event}");
     }
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
         let display = Display::new("run");
@@ -248,7 +258,7 @@ pub(crate) fn trade(arguments: TradeArguments) -> Outcome {
         }
         Err(StudyError::Interrupted) => {
             say!(
-                "interrupted: finished runs are kept, and another trade study continues from there"
+                "interrupted: finished runs and the checkpoint of the last are kept, and another trade study continues from there"
             );
             Ok(ExitCode::from(INTERRUPTED))
         }

@@ -127,7 +127,7 @@ fn a_variant_changes_what_is_still_to_come() {
     let variant = runs.variant("0.03", "later");
     assert!(variant.status.success(), "{}", text(&variant.stderr));
     let summary = runs.lines("later", "summary.json").join("\n");
-    for changed in ["key 'time.duration'", "key 'output.every'", "key 'wave'"] {
+    for changed in ["duration", "key 'output.every'", "key 'wave'"] {
         assert!(summary.contains(changed), "{changed}: {summary}");
     }
     let [whole, part] = ["whole", "later"].map(|folder| runs.lines(folder, "histories.csv"));

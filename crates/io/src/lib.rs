@@ -59,6 +59,7 @@ mod date;
 mod error;
 #[cfg(feature = "gmsh")]
 pub mod gmsh;
+mod memory;
 #[cfg(feature = "pictures")]
 mod picture;
 #[cfg(feature = "plots")]
@@ -84,6 +85,7 @@ pub use date::utc_date;
 pub use error::IoError;
 #[cfg(feature = "gmsh")]
 pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
+pub use memory::available_memory;
 #[cfg(feature = "pictures")]
 pub use picture::{
     ColourMap, Deformation, FacetField, Picture, PictureField, PictureView, SectionPlane,

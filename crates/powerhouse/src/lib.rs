@@ -127,6 +127,8 @@ pub use powerhouse_model::nalgebra;
 #[cfg(feature = "scene-files")]
 pub use schemars;
 
+#[cfg(feature = "scene-files")]
+pub use checkpoint::named_files;
 pub use checkpoint::{
     CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointPlan, CheckpointWriter,
     IntervalError, KeptState, ResumedRun, RunInputs,

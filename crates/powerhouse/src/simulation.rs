@@ -367,10 +367,31 @@ impl Simulation {
         stop: Option<&Arc<AtomicBool>>,
         sink: Option<Box<dyn StageSink + '_>>,
     ) -> Result<Option<EquilibratedBody>, Error> {
+        let mut hooks = RunHooks::default();
+        hooks.stop = stop.cloned();
+        hooks.stages = sink;
+        self.equilibrate_with(hooks)
+    }
+
+    /// The same with hooks, of which the cancellation flag, the sink of stages, the
+    /// [body after some of the stages](RunHooks::completed_stages) and the [callback](RunHooks::keep_stage) at the end of
+    /// every stage are used.
+    ///
+    /// # Errors
+    /// As [`equilibrate`](Self::equilibrate); [`Error::ForeignStages`] for a body after other stages.
+    pub fn equilibrate_with(&self, hooks: RunHooks) -> Result<Option<EquilibratedBody>, Error> {
         let Some(staging) = &self.staging else {
             return Ok(None);
         };
-        let found = staging.run(stop, sink, StagingStart::default());
+        let from = StagingStart {
+            completed: hooks.completed_stages,
+            keep: hooks.keep_stage,
+            solutions: SolutionStates {
+                sink: hooks.stage_checkpoints,
+                resume: hooks.stage_solution,
+            },
+        };
+        let found = staging.run(hooks.stop.as_ref(), hooks.stages, from);
         Ok(Some(
             found.map_err(|error| self.spans.put(&self.source, error))?,
         ))

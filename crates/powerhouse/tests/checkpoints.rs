@@ -4,10 +4,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use powerhouse::engine::{SavedRun, SavedSection};
+use powerhouse::engine::{Precision, SavedRun, SavedSection};
 use powerhouse::io::parse_sections;
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{Mesh, Vec3};
+use powerhouse::model::{Mesh, Vec3, decode, encode};
 use powerhouse::{
     CheckpointError, CheckpointFiles, CheckpointInterval, EquilibratedBody, IntervalError,
     Material, Part, ResultFolder, RunInputs, Scene,
@@ -48,6 +48,40 @@ fn latest(folder: &TestFolder) -> PathBuf {
     folder.join("checkpoint/latest.run")
 }
 
+/// Where the content of each section of a file begins, behind name, length and checksum.
+fn within_sections<const N: usize>(whole: &[u8], names: [&str; N]) -> [usize; N] {
+    names.map(|name| {
+        let head = [&(name.len() as u16).to_le_bytes()[..], name.as_bytes()].concat();
+        let start = whole.windows(head.len()).position(|at| at == head);
+        start.unwrap() + head.len() + 16
+    })
+}
+
+/// A file cut within each section, or with one bit of it flipped, and the reason for which it is refused.
+fn damages<const N: usize>(whole: &[u8], names: [&str; N]) -> Vec<(Vec<u8>, String)> {
+    let mut damages = Vec::new();
+    for (name, within) in names.iter().zip(within_sections(whole, names)) {
+        let reason = format!("is incomplete: it ends in the section '{name}'");
+        damages.push((whole[..within].to_vec(), reason));
+        let mut flipped = whole.to_vec();
+        flipped[within] ^= 4;
+        damages.push((flipped, format!("damaged in the section '{name}'")));
+    }
+    damages
+}
+
+/// A file of a kind with the version after its own, whole otherwise.
+fn newer(whole: &[u8], kind: &str) -> (Vec<u8>, String) {
+    let mut places = whole.windows(kind.len());
+    let end = kind.len() + places.position(|at| at == kind.as_bytes()).unwrap();
+    let mut newer = whole.to_vec();
+    let version = newer[end] + 1;
+    newer[end] = version;
+    let sum = powerhouse::model::Checksum::of(&newer[..end + 4]);
+    newer[end + 4..][..8].copy_from_slice(&sum.value().to_le_bytes());
+    (newer, format!("has the format version {version}"))
+}
+
 /// The last state is read; one that is cut at any section, or in which a bit of any section is flipped, or of a newer
 /// version, is not used, with the reason, and the one before is.
 #[test]
@@ -68,29 +102,10 @@ fn the_older_generation_is_used_where_the_last_is_damaged() {
         "block 0: rock",
         "observer 0: history",
     ];
-    // Within the content of a section: behind its name, length and checksum.
-    let ends = names.map(|name| {
-        let head = [&(name.len() as u16).to_le_bytes()[..], name.as_bytes()].concat();
-        let start = whole.windows(head.len()).position(|at| at == head);
-        start.unwrap() + head.len() + 16 + 5
-    });
-    let mut damages: Vec<(Vec<u8>, String)> = Vec::new();
-    for (name, end) in names.iter().zip(ends) {
-        damages.push((whole[..end].to_vec(), format!("the section '{name}'")));
-        let mut flipped = whole.clone();
-        flipped[end] ^= 4;
-        damages.push((flipped, format!("damaged in the section '{name}'")));
-    }
     let kind = "checkpoint of a run";
-    let at = whole
-        .windows(kind.len())
-        .position(|at| at == kind.as_bytes())
-        .unwrap();
-    let mut newer = whole.clone();
-    newer[at + kind.len()] += 1;
-    let sum = powerhouse::model::Checksum::of(&newer[..at + kind.len() + 4]);
-    newer[at + kind.len() + 4..][..8].copy_from_slice(&sum.value().to_le_bytes());
-    damages.push((newer, "format version 3".into()));
+    let mut damages = damages(&whole, names);
+    damages.push(newer(&whole, kind));
+    damages.push((b"PK".to_vec(), "is not a file of this program".into()));
     for (bytes, reason) in damages {
         fs::write(&file, bytes).unwrap();
         let found = files.read().unwrap();
@@ -115,16 +130,66 @@ fn another_run_is_refused_and_a_failed_write_loses_nothing() {
     files.check(&inputs, &RunInputs::of(&scene(4.0))).unwrap();
     let other = files.check(&inputs, &RunInputs::of(&scene(5.0)));
     let text = other.unwrap_err().to_string();
-    assert!(
-        text.contains("another run; changed since: the mesh"),
-        "{text}"
-    );
+    assert!(text.contains("another run; changed since: mesh"), "{text}");
     // A folder with the name of the file is in its way.
     fs::remove_file(latest(&folder)).unwrap();
     fs::create_dir(latest(&folder)).unwrap();
     fs::write(latest(&folder).join("x"), b"x").unwrap();
     assert!(files.write_run(&inputs, &state(30)).is_err());
     assert_eq!(files.read().unwrap().run, Some(state(10)));
+}
+
+/// A body of a stage with damage in any section, or of a newer version, is not used, and the one before is.
+#[test]
+fn the_older_body_is_used_where_the_last_is_damaged() {
+    let (folder, files, inputs) = written("checkpoints-older-body");
+    let bodies = [12, 8]
+        .map(|nodes| EquilibratedBody::new(powerhouse::model::State::at_rest(nodes), Vec::new()));
+    for body in &bodies {
+        files.write_body(&inputs, body).unwrap();
+    }
+    let file = folder.join("checkpoint/latest.stage");
+    let whole = fs::read(&file).unwrap();
+    assert_eq!(files.read().unwrap().body.as_ref(), Some(&bodies[1]));
+    let mut damages = damages(&whole, ["inputs", "state", "stages"]);
+    damages.push(newer(&whole, "checkpoint of a stage"));
+    for (bytes, reason) in damages {
+        fs::write(&file, bytes).unwrap();
+        let found = files.read().unwrap();
+        assert_eq!(found.body.as_ref(), Some(&bodies[0]), "{reason}");
+        assert!(
+            found.unused[0].contains(&reason),
+            "{reason}: {:?}",
+            found.unused
+        );
+    }
+}
+
+/// A checkpoint of another program version, precision or duration is refused by the name of what differs.
+#[test]
+fn what_differs_is_named() {
+    type Fields = (
+        Option<PathBuf>,
+        Option<String>,
+        Option<String>,
+        Vec<(String, String)>,
+    );
+    let (_folder, files, inputs) = written("checkpoints-inputs");
+    let (path, case, origin, items): Fields = decode(&encode(&inputs).unwrap()).unwrap();
+    for name in ["program version", "precision", "duration"] {
+        let mut items = items.clone();
+        let item = items.iter_mut().find(|(other, _)| other == name);
+        item.unwrap().1 += "1";
+        let changed = encode(&(&path, &case, &origin, items)).unwrap();
+        let changed: RunInputs = decode(&changed).unwrap();
+        let refused = files.check(&changed, &inputs).unwrap_err().to_string();
+        assert!(
+            refused.contains(&format!("belongs to another run; changed since: {name}")),
+            "{refused}"
+        );
+    }
+    let mixed = RunInputs::of(&scene(4.0).with_precision(Precision::Mixed));
+    assert_eq!(inputs.differences(&mixed), ["precision"]);
 }
 
 /// The body at the end of a stage is read back, and removed with the other files.

@@ -4,6 +4,7 @@ use core::fmt;
 
 use powerhouse::engine::StableStep;
 use powerhouse::engine::observe::SectionGeometry;
+use powerhouse::io::available_memory;
 use powerhouse::model::{ElementKind, QualityReport, Vec3};
 use powerhouse::{Error, Message, Remark, Results, Scene, StageOverview, Topic};
 
@@ -50,6 +51,13 @@ pub enum Warning {
     Folder {
         /// Reason, with the path of the folder.
         reason: String,
+    },
+    /// A run that takes more memory than the system can give; found by [`check()`] alone.
+    Memory {
+        /// Predicted peak memory of the stages or of the run (bytes), within a third.
+        needed: u64,
+        /// Memory that the system can give (bytes).
+        available: u64,
     },
     /// An in-situ stress that is not in equilibrium with the loads and supports of the first stage.
     Unbalanced {
@@ -147,6 +155,12 @@ impl fmt::Display for Warning {
                 }
             }
             Self::Folder { reason } => f.write_str(reason),
+            Self::Memory { needed, available } => write!(
+                f,
+                "the run takes about {:.2} GB of memory, and {:.2} GB are available: the system may end it. Record fewer histories or less often, or give a coarser mesh or another machine",
+                *needed as f64 / 1e9,
+                *available as f64 / 1e9
+            ),
             Self::Unbalanced { stage, share } => write!(
                 f,
                 "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}': stress, density, gravity, surface loads and supports are inconsistent, and the body moves until they agree",
@@ -300,6 +314,13 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         memory: model.memory(steps),
         output: model.output(steps),
     };
+    if let Some(available) = available_memory() {
+        let of_stages = cost.stages.as_ref().map_or(0, |stages| stages.memory);
+        let needed = cost.memory.max(of_stages);
+        if needed > available {
+            warnings.push(Warning::Memory { needed, available });
+        }
+    }
     let timing = RunTiming {
         step,
         steps,

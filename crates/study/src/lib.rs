@@ -25,6 +25,7 @@
 pub mod advice;
 pub mod bay;
 mod check;
+mod checkpoints;
 mod conclusions;
 mod cost;
 mod difference;
@@ -52,6 +53,7 @@ pub mod trade;
 
 pub use advice::{BoundaryAdvice, BoxAdvice, advise_boundary, advise_box};
 pub use check::{CheckReport, Warning, check, warnings};
+pub use checkpoints::CheckpointEvent;
 pub use conclusions::{Conclusion, Verdict, conclusions};
 pub use cost::{Cost, OutputSize};
 pub use difference::{ProbeError, largest_error, probe_errors};

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use powerhouse::model::Checksum;
+use powerhouse::named_files;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -68,8 +69,9 @@ impl Fingerprint {
             if let Some(toml::Value::Array(cases)) = table.get_mut("case") {
                 cases.retain(|own| is_case(own, case));
             }
-            let files = files_of(path, &table)?;
-            let mark = Self::of(&table.to_string(), &files, duration, registered);
+            let text = table.to_string();
+            let files = inputs(path, &text)?;
+            let mark = Self::of(&text, &files, duration, registered);
             Ok((case.clone(), mark))
         };
         cases.iter().map(of_case).collect()
@@ -81,11 +83,6 @@ impl Fingerprint {
         let found: Option<Self> = serde_json::from_slice(&text).ok();
         found.as_ref() == Some(self)
     }
-}
-
-/// The bytes of all files that a scene names, such as mesh and records: of every string that is the path of a file.
-pub(crate) fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
-    files_of(path, &table(path, text)?)
 }
 
 /// Whether a table of a scene is the case with a name.
@@ -100,16 +97,14 @@ fn table(path: &Path, text: &str) -> Result<toml::Table, StudyError> {
     })
 }
 
-/// The bytes of the files that a table names.
-fn files_of(path: &Path, table: &toml::Table) -> Result<Vec<Vec<u8>>, StudyError> {
-    let mut texts = Vec::new();
-    table.values().for_each(|value| texts_in(value, &mut texts));
+/// The bytes of all files that a scene names, such as mesh and records.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(crate) fn inputs(path: &Path, text: &str) -> Result<Vec<Vec<u8>>, StudyError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let files = texts.into_iter().map(|text| folder.join(text));
-    files
-        .filter(|file| file.is_file())
-        .map(|file| read(&file))
-        .collect()
+    let names = named_files(path, text).into_iter();
+    names.map(|name| read(&folder.join(name))).collect()
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
@@ -117,14 +112,4 @@ fn read(file: &Path) -> Result<Vec<u8>, StudyError> {
         file: file.into(),
         source,
     })
-}
-
-/// Collects all strings in a value.
-fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
-    match value {
-        toml::Value::String(text) => texts.push(text.clone()),
-        toml::Value::Array(items) => items.iter().for_each(|item| texts_in(item, texts)),
-        toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
-        _ => {}
-    }
 }

@@ -51,8 +51,12 @@ pub(crate) struct Block {
 impl Block {
     /// The block with a change of its scene.
     pub(crate) fn new(name: &str, change: impl Fn(String) -> String) -> Self {
+        Self::of_cells(name, 6, change)
+    }
+    /// The block with a number of elements along each edge.
+    pub(crate) fn of_cells(name: &str, cells: usize, change: impl Fn(String) -> String) -> Self {
         let folder = TestFolder::new(&format!("cli-block-{name}"));
-        let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(120.0), [6; 3], "rock");
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(120.0), [cells; 3], "rock");
         write_gmsh(folder.join("mesh.msh"), &mesh.unwrap()).unwrap();
         std::fs::write(folder.join("scene.toml"), change(SCENE.into())).unwrap();
         Self { folder }

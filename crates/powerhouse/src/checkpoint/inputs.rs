@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use powerhouse_model::Checksum;
 use serde::{Deserialize, Serialize};
 
-use crate::Scene;
+use crate::{Scene, SceneText};
+
+/// Name of the input that is the duration of a run.
+const DURATION: &str = "duration";
 
 /// Inputs of a run: the scene and what it depends on, each with a checksum or value.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,19 +25,26 @@ pub struct RunInputs {
 }
 
 impl RunInputs {
-    /// The inputs of a scene: program version, the keys of the scene file but for threads, results folder, checkpoints and
-    /// other cases, the files that it names, and the mesh. Of a scene that was composed in Rust mesh and program version
-    /// alone are known.
+    /// The inputs of a scene: program version, version of registered parts, mesh, precision, duration, the keys of the scene
+    /// file but for threads, results folder, checkpoints and cases but its own, and the files that it names. Of a scene
+    /// that was composed in Rust all but keys and files are known.
     pub fn of(scene: &Scene) -> Self {
         let mut mesh = Checksum::default();
         mesh.add_mesh(scene.mesh());
         let mut items = vec![
             ("program version".into(), env!("CARGO_PKG_VERSION").into()),
-            ("the mesh".into(), mesh.to_string()),
+            ("mesh".into(), mesh.to_string()),
+            ("precision".into(), format!("{:?}", scene.precision())),
+            (DURATION.into(), scene.duration().to_string()),
         ];
+        #[cfg(feature = "scene-files")]
+        if let Some(registry) = scene.registry() {
+            let version = registry.version().to_owned();
+            items.push(("version of registered parts".into(), version));
+        }
         let source = scene.source();
         if let Some(source) = source {
-            add_text(&mut items, &source.path, &source.text, scene.case());
+            add_text(&mut items, source, scene.case());
         }
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         Self {
@@ -67,72 +77,60 @@ impl RunInputs {
 /// Whether an input may change between a run and a variant that starts from one of its states: what has no influence on
 /// the motion until then.
 pub(super) fn may_vary(name: &str) -> bool {
-    let free = [
-        "title",
-        "allow",
-        "wave",
-        "record",
-        "time.duration",
-        "self_check",
-    ];
-    match name
-        .strip_prefix("key '")
-        .and_then(|key| key.strip_suffix('\''))
-    {
+    let free = ["title", "allow", "wave", "record", "self_check"];
+    match key_of(name) {
         Some(key) => free.contains(&key) || key.starts_with("output."),
-        None => is_file(name),
+        None => name == DURATION || is_file(name),
     }
 }
 
 /// Whether an input changes the incident waves.
 pub(super) fn is_motion(name: &str) -> bool {
-    is_file(name) || ["key 'wave'", "key 'record'"].contains(&name)
+    is_file(name) || key_of(name).is_some_and(|key| ["wave", "record"].contains(&key))
+}
+
+fn key_of(name: &str) -> Option<&str> {
+    name.strip_prefix("key '")?.strip_suffix('\'')
 }
 
 fn is_file(name: &str) -> bool {
     name.starts_with("file '")
 }
 
-/// Adds the keys of a scene, or of a case of it, and the files that it names.
+/// Adds the keys of a scene, of its cases only one, and the files that it names.
 #[cfg(feature = "scene-files")]
-fn add_text(items: &mut Vec<(String, String)>, path: &Path, text: &str, case: Option<&str>) {
-    let mut table: toml::Table = toml::from_str(text).unwrap_or_default();
-    if let Some(toml::Value::Table(output)) = table.get_mut("output") {
-        output.remove("directory");
+fn add_text(items: &mut Vec<(String, String)>, source: &SceneText, case: Option<&str>) {
+    let mut table: toml::Table = toml::from_str(&source.text).unwrap_or_default();
+    // Inputs of their own, or without influence.
+    for (of, key) in [("output", "directory"), ("time", "duration")] {
+        if let Some(toml::Value::Table(keys)) = table.get_mut(of) {
+            keys.remove(key);
+        }
     }
-    for key in ["threads", "checkpoint"] {
+    for key in ["threads", "checkpoint", "precision"] {
         table.remove(key);
     }
     // Other cases than the one that is run do not change it.
-    let own = |found: &&toml::Value| {
-        let name = found.get("name").and_then(toml::Value::as_str);
-        name.is_some() && name == case
-    };
-    let cases = table.remove("case");
-    let cases = cases.as_ref().and_then(toml::Value::as_array);
-    if let Some(own) = cases.and_then(|cases| cases.iter().find(own)) {
-        table.insert("case".into(), own.clone());
+    if let Some(toml::Value::Array(cases)) = table.get_mut("case") {
+        cases.retain(|own| case.is_some() && own.get("name").and_then(toml::Value::as_str) == case);
     }
     let sum = |value: &toml::Value| Checksum::of(value.to_string().as_bytes()).to_string();
     for (key, value) in &table {
         match value {
-            toml::Value::Table(keys) if key != "case" => {
+            toml::Value::Table(keys) => {
                 let keys = keys.iter();
                 items.extend(keys.map(|(own, value)| (format!("key '{key}.{own}'"), sum(value))));
             }
+            toml::Value::Array(values) if values.is_empty() => {}
             _ => items.push((format!("key '{key}'"), sum(value))),
         }
     }
-    let mut texts = Vec::new();
-    table.values().for_each(|value| texts_in(value, &mut texts));
-    texts.sort_unstable();
-    texts.dedup();
-    let folder = path.parent().unwrap_or(Path::new(""));
-    for name in texts {
-        let file = folder.join(&name);
-        if file.is_file()
-            && let Ok(bytes) = std::fs::read(&file)
-        {
+    let mut names = named_files(&source.path, &table.to_string());
+    names.sort_unstable();
+    names.dedup();
+    let folder = source.path.parent().unwrap_or(Path::new(""));
+    for name in names {
+        if let Ok(bytes) = std::fs::read(folder.join(&name)) {
             items.push((format!("file '{name}'"), Checksum::of(&bytes).to_string()));
         }
     }
@@ -140,11 +138,21 @@ fn add_text(items: &mut Vec<(String, String)>, path: &Path, text: &str, case: Op
 
 /// Adds the text of a scene.
 #[cfg(not(feature = "scene-files"))]
-fn add_text(items: &mut Vec<(String, String)>, _path: &Path, text: &str, _case: Option<&str>) {
-    items.push((
-        "the scene".into(),
-        Checksum::of(text.as_bytes()).to_string(),
-    ));
+fn add_text(items: &mut Vec<(String, String)>, source: &SceneText, _case: Option<&str>) {
+    let text = Checksum::of(source.text.as_bytes());
+    items.push(("scene".into(), text.to_string()));
+}
+
+/// Names of the files on which a scene depends, such as mesh and records, in the order of its text: all strings in it that
+/// are the path of a file, as seen from the folder of the scene. None for a text that is not valid TOML.
+#[cfg(feature = "scene-files")]
+pub fn named_files(scene: &Path, text: &str) -> Vec<String> {
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let mut texts = Vec::new();
+    table.values().for_each(|value| texts_in(value, &mut texts));
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    texts.retain(|text| folder.join(text).is_file());
+    texts
 }
 
 /// Collects all strings in a value.

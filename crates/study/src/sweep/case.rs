@@ -18,7 +18,8 @@ use super::{
     CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
     pictures,
 };
-use crate::{FreeFieldCheck, OutputSize, StudyError, Warning};
+use crate::checkpoints::RunCheckpoints;
+use crate::{CheckpointEvent, FreeFieldCheck, OutputSize, StudyError, Warning};
 
 /// Cancellation flag and progress callback of a case.
 pub(super) struct CaseControl<'h, 'w> {
@@ -45,7 +46,9 @@ impl Sweep {
         let title = format!("{}: {case}", scene.title());
         let ground = ground::relative_peaks(&scene)?;
         let coverage = Coverage::of(&scene, &input);
-        let check = scene.self_check();
+        let mut checkpoints = RunCheckpoints::open(&path, &scene, self.checkpoint_interval, true);
+        // A run that is resumed has passed the check.
+        let check = scene.self_check().filter(|_| !checkpoints.is_resumed());
         let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
         let check = check.transpose()?;
         let size = OutputSize::of(&scene)?;
@@ -55,11 +58,23 @@ impl Sweep {
             .collect();
         let mut simulation = scene.prepare()?;
         // An invalid step is an error before any file is removed.
-        let step = simulation.step()?;
+        let step = match checkpoints.step() {
+            Some(step) => {
+                simulation.resume_at(step);
+                step
+            }
+            None => simulation.step()?,
+        };
         let lock = folder.lock()?;
+        folder.remove_unfinished()?;
         folder.prove(&simulation, size.bytes(step))?;
         finished::unmark(&path)?;
-        folder.clear()?;
+        let report = |event: CheckpointEvent| locked(control.watch).checkpoint(case, event);
+        checkpoints.report(report);
+        if !checkpoints.is_resumed() {
+            folder.clear()?;
+            checkpoints.clear()?;
+        }
         if let Some((check, limit)) = check {
             let mut hooks = RunHooks::default();
             hooks.stop = control.stop.cloned();
@@ -75,12 +90,17 @@ impl Sweep {
         folder.begin(&title)?;
         let mut hooks = RunHooks::default()
             .with_snapshots(folder.snapshots(&simulation)?)
-            .with_tables(folder.tables());
+            .with_tables(folder.tables())
+            .with_checkpoints(checkpoints.writer().clone());
+        let staged = (&folder, &mut checkpoints);
         hooks.equilibrated_body =
-            equilibrated(&simulation, (case, &body), &folder, (control, bodies))?;
+            equilibrated(&simulation, (case, &body), staged, (control, bodies))?;
+        hooks.resume = checkpoints.take_run();
         hooks.progress = locked(control.watch).progress(case);
         hooks.stop = control.stop.cloned();
-        let (results, failure) = match simulation.run(hooks) {
+        let outcome = simulation.run(hooks);
+        checkpoints.finish(report);
+        let (results, failure) = match outcome {
             Ok(results) => (results, None),
             Err(Error::Failed { error, results }) => (*results, Some(error)),
             Err(error) => return Err(error.into()),
@@ -108,6 +128,7 @@ impl Sweep {
         if let Some(fingerprint) = self.fingerprints.get(case) {
             finished::finish(&path, fingerprint, &files)?;
         }
+        checkpoints.remove()?;
         // Read back, as a later sweep does: a number may lose its last bit in a file.
         CaseOutcome::read(&file)
     }
@@ -132,12 +153,12 @@ impl Sweep {
     }
 }
 
-/// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible; `None` without
-/// stages.
+/// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible, or after the last
+/// stage of its checkpoint; `None` without stages.
 fn equilibrated(
     simulation: &Simulation,
     (case, key): (&str, &str),
-    folder: &ResultFolder,
+    (folder, checkpoints): (&ResultFolder, &mut RunCheckpoints),
     (control, bodies): (&CaseControl, &BodyStore),
 ) -> Result<Option<EquilibratedBody>, StudyError> {
     let slot = bodies.slot(key);
@@ -149,14 +170,24 @@ fn equilibrated(
     if body.is_none() {
         let started = Instant::now();
         let files = folder.stages(simulation)?;
-        let sink = locked(control.watch).stages(case, files);
-        let found = simulation.equilibrate(control.stop, Some(sink));
+        let writer = checkpoints.writer().clone();
+        let mut hooks = RunHooks::default().with_stage_hook(move |body| writer.keep_stage(body));
+        hooks.stop = control.stop.cloned();
+        hooks.stages = Some(locked(control.watch).stages(case, files));
+        hooks.completed_stages = checkpoints.take_body();
+        hooks.stage_solution = checkpoints.take_solution();
+        hooks.stage_checkpoints = Some(checkpoints.writer().clone());
+        let before = hooks.completed_stages.as_ref();
+        let before = before.map_or(0, |body| body.stages().len());
+        let found = simulation.equilibrate_with(hooks);
         *body = found.map_err(|error| match error {
             Error::Interrupted { .. } => StudyError::Interrupted,
             error => error.into(),
         })?;
         if let Some(found) = &*body {
-            locked(control.watch).equilibrated(case, started.elapsed());
+            if found.stages().len() > before {
+                locked(control.watch).equilibrated(case, started.elapsed());
+            }
             bodies.write(key, found)?;
         }
     }

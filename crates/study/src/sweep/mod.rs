@@ -3,7 +3,8 @@
 //! The construction stages before the motion are computed once for all cases that share them, and stored in a file for
 //! a later continuation of the sweep. A case that is finished, with the same software version, keys of scene and case,
 //! and files, is not run again; the fingerprint of these inputs is written to its folder last. Cases may be added or
-//! removed. A case whose results another run has replaced is run again.
+//! removed. A case whose results another run has replaced is run again. A case that was interrupted or killed goes on from
+//! its last checkpoint, to the same bits.
 //!
 //! ```no_run
 //! use powerhouse_study::sweep::{NoProgress, Sweep};
@@ -37,10 +38,13 @@ use std::time::Duration;
 use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSink};
+use powerhouse::{
+    CheckpointFiles, ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSink,
+};
 
+use crate::checkpoints::INTERVAL;
 use crate::mark::Fingerprint;
-use crate::{StudyError, registry};
+use crate::{CheckpointEvent, StudyError, registry};
 use at_rest::BodyStore;
 use case::CaseControl;
 pub use contact::{JointAndLining, JointCase};
@@ -78,6 +82,8 @@ pub trait SweepWatch: Send {
     /// Called after the free-field check of a case, if the scene requests one, with its largest relative error of velocity
     /// (1), also if it is above the limit.
     fn self_check(&mut self, _case: &str, _error: f64) {}
+    /// Called when a case goes on from a checkpoint, or one cannot be used or written.
+    fn checkpoint(&mut self, _case: &str, _event: CheckpointEvent) {}
     /// Called when the body of a case has reached static equilibrium after its stages, with their wall time; not where the
     /// body of another case or of an earlier sweep is taken.
     fn equilibrated(&mut self, _case: &str, _took: Duration) {}
@@ -118,6 +124,7 @@ pub struct Sweep {
     duration: Option<f64>,
     /// Number of cases that run in parallel.
     at_once: NonZeroUsize,
+    checkpoint_interval: Duration,
     /// Records as used by the waves.
     records: Vec<(String, TimeHistory)>,
 }
@@ -167,6 +174,7 @@ impl Sweep {
             registry: registry.clone(),
             duration: None,
             at_once: NonZeroUsize::MIN,
+            checkpoint_interval: INTERVAL,
         })
     }
 
@@ -207,6 +215,14 @@ impl Sweep {
         self
     }
 
+    /// Sets the wall time between two checkpoints of a running case, by default 10 minutes; [`Duration::MAX`] for none but
+    /// that of a cancellation. They are in the folder of the case until it is finished.
+    #[must_use]
+    pub fn with_checkpoint_interval(mut self, interval: Duration) -> Self {
+        self.checkpoint_interval = interval;
+        self
+    }
+
     /// Names of the cases that the sweep runs: all but those on request, or those chosen by [`only`](Self::only).
     pub fn cases(&self) -> &[String] {
         &self.cases
@@ -218,7 +234,8 @@ impl Sweep {
 
     /// Runs all unfinished cases, writes the results of each and a table of all, and returns their outcomes.
     ///
-    /// `stop` is the cancellation flag. After an error finished cases are kept, and another run continues from there.
+    /// `stop` is the cancellation flag. After an error finished cases are kept, and another run continues from there, inside
+    /// unfinished cases from their last checkpoint.
     ///
     /// # Errors
     /// The first case that is invalid or fails, after the parallel ones have ended; [`StudyError::Changed`] if the scene
@@ -242,6 +259,8 @@ impl Sweep {
             let folder = self.folder.join(case);
             let reused = self.is_finished(case);
             let outcome = if reused {
+                // A sweep that was killed right after the end of the case has left its checkpoints.
+                let _ = CheckpointFiles::of(&folder).remove();
                 CaseOutcome::read(&folder.join(OUTCOME))?
             } else {
                 let found = self.case(case, &control, &bodies);

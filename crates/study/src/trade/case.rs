@@ -1,24 +1,29 @@
 //! One run of a trade study, with its cost and histories.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-use powerhouse::engine::Ended;
 use powerhouse::engine::observe::HistoryTable;
+use powerhouse::engine::{Ended, SavedRun};
 use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
-use powerhouse::{EquilibratedBody, RunHooks, Scene};
+use powerhouse::model::{CheckpointSink, ModelError, Progress};
+use powerhouse::{CheckpointFiles, CheckpointWriter, EquilibratedBody, RunHooks, Scene};
 use serde::{Deserialize, Serialize};
 
-use super::TradeWatch;
+use super::plan::Design;
+use super::{Trade, TradeWatch};
 use crate::StudyError;
+use crate::checkpoints::RunCheckpoints;
 use crate::cost::CostModel;
 use crate::mark::Fingerprint;
 
 const COST: &str = "cost.json";
 const HISTORIES: &str = "histories.csv";
 const MARK: &str = "finished.json";
+/// Wall time that an unfinished run has taken.
+const SPENT: &str = "spent.json";
 
 /// Cost of a whole run, measured over the window of a trade study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,10 +55,72 @@ pub(super) struct TradeRun {
 }
 
 /// Instants after the first and the last step, with the numbers of steps done.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct StepTimes {
     first: Option<(Instant, u64)>,
     last: Option<(Instant, u64)>,
+}
+
+/// Wall time that a run has taken before it was interrupted or killed, beside its checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct SpentTime {
+    /// Wall time of the completed stages (s).
+    stages: f64,
+    /// Wall time (s) of a number of time steps.
+    stepping: f64,
+    steps: u64,
+}
+
+impl SpentTime {
+    /// Reads the time from the folder of a run; none for a run without it.
+    fn read(folder: &Path) -> Self {
+        let text = std::fs::read(folder.join(SPENT)).unwrap_or_default();
+        serde_json::from_slice(&text).unwrap_or_default()
+    }
+    /// Writes the time to the folder of a run. A full disk ends no run: the cost is then that of the rest alone.
+    fn write(&self, folder: &Path) {
+        let _ = write_summary(&folder.join(SPENT), self);
+    }
+    /// The time with that of the steps of this process.
+    fn with(mut self, clock: StepTimes) -> Self {
+        if let (Some((first, one)), Some((last, all))) = (clock.first, clock.last) {
+            self.stepping += (last - first).as_secs_f64();
+            self.steps += all - one;
+        }
+        self
+    }
+}
+
+/// Writer of checkpoints that also writes the time taken until then.
+#[derive(Debug)]
+struct TimedCheckpoints {
+    writer: Arc<CheckpointWriter>,
+    folder: PathBuf,
+    clock: Arc<Mutex<StepTimes>>,
+    spent: SpentTime,
+}
+
+impl CheckpointSink for TimedCheckpoints {
+    fn is_due(&self, progress: &Progress) -> bool {
+        self.writer.is_due(progress)
+    }
+    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
+        let spent = self.spent.with(*locked(&self.clock));
+        spent.write(&self.folder);
+        self.writer.take(saved)
+    }
+}
+
+/// Removes the checkpoints of a run from its folder.
+///
+/// # Errors
+/// A file that cannot be removed.
+fn discard(folder: &Path) -> Result<(), StudyError> {
+    let removed = CheckpointFiles::of(folder).remove();
+    removed.map_err(powerhouse::Error::from)?;
+    // Without a checkpoint it is not read.
+    let _ = std::fs::remove_file(folder.join(SPENT));
+    Ok(())
 }
 
 /// Common settings of the runs of a trade study, with the cache of equilibrated bodies.
@@ -62,6 +129,8 @@ pub(super) struct TradeRunner<'a> {
     /// Duration of a run (s), and of the whole scene (s).
     pub(super) window: f64,
     pub(super) duration: f64,
+    /// Wall time between two checkpoints of a run.
+    pub(super) checkpoint_interval: Duration,
     pub(super) bodies: BodyCache,
 }
 
@@ -90,7 +159,7 @@ impl BodyCache {
 
 impl TradeRunner<'_> {
     /// The results of an earlier run with the same fingerprint, if there are any.
-    pub(super) fn finished(
+    fn finished(
         &self,
         folder: &Path,
         fingerprint: &Fingerprint,
@@ -109,28 +178,62 @@ impl TradeRunner<'_> {
         Ok(Some(TradeRun { cost, histories }))
     }
 
-    /// Runs a scene over the window, from the cached body with the key `body` if there is one.
-    pub(super) fn run(
+    /// Runs a scene over the window, from the cached body with the key `body` if there is one, or from the checkpoint in
+    /// its folder.
+    fn run(
         &mut self,
         scene: Scene,
-        body: &str,
-        watch: &mut dyn TradeWatch,
+        (folder, body): (&Path, &str),
+        (watch, name): (&mut dyn TradeWatch, &str),
     ) -> Result<TradeRun, StudyError> {
         let started = Instant::now();
         let model = CostModel::of(&scene)?;
-        let mut simulation = scene.with_duration(self.window).prepare()?;
-        let step = simulation.step()?;
+        let scene = scene.with_duration(self.window);
+        let mut checkpoints = RunCheckpoints::open(folder, &scene, self.checkpoint_interval, false);
+        let spent = match checkpoints.is_resumed() {
+            true => SpentTime::read(folder),
+            false => {
+                discard(folder)?;
+                SpentTime::default()
+            }
+        };
+        checkpoints.report(|event| watch.checkpoint(name, event));
+        let mut simulation = scene.prepare()?;
+        let step = match checkpoints.step() {
+            Some(step) => step,
+            None => simulation.step()?,
+        };
         let composed = started.elapsed().as_secs_f64();
+        let spent = Arc::new(Mutex::new(spent));
         let equilibrated = match self.bodies.get(body) {
-            Some(known) => Some(known.clone()),
+            Some(known) => {
+                // Another study has no body in memory.
+                locked(&spent).stages = known.took;
+                locked(&spent).write(folder);
+                checkpoints.writer().keep_stage(&known.body);
+                Some(known.clone())
+            }
             None => {
-                let started = Instant::now();
-                let found = simulation.equilibrate(self.stop, None);
+                let (started, before) = (Instant::now(), locked(&spent).stages);
+                let keep = {
+                    let (writer, spent) = (checkpoints.writer().clone(), spent.clone());
+                    let folder = folder.to_path_buf();
+                    move |body: &EquilibratedBody| {
+                        let mut spent = locked(&spent);
+                        spent.stages = before + started.elapsed().as_secs_f64();
+                        spent.write(&folder);
+                        writer.keep_stage(body);
+                    }
+                };
+                let mut hooks = RunHooks::default().with_stage_hook(keep);
+                hooks.stop = self.stop.cloned();
+                hooks.completed_stages = checkpoints.take_body();
+                let found = simulation.equilibrate_with(hooks);
                 let found = found.map_err(|error| match error {
                     powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
                     error => error.into(),
                 })?;
-                let took = started.elapsed().as_secs_f64();
+                let took = locked(&spent).stages;
                 let found = found.map(|body| StagingOutcome { body, took });
                 if let Some(found) = &found {
                     self.bodies.store(body, found.clone());
@@ -144,7 +247,7 @@ impl TradeRunner<'_> {
         let (times, mut hook) = (clock.clone(), watch.progress());
         let mut hooks = RunHooks::default().with_progress(move |progress| {
             let now = Some((Instant::now(), progress.done));
-            let mut clock = times.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut clock = locked(&times);
             clock.first = clock.first.or(now);
             clock.last = now;
             if let Some(hook) = &mut hook {
@@ -153,17 +256,26 @@ impl TradeRunner<'_> {
         });
         hooks.stop = self.stop.cloned();
         hooks.equilibrated_body = equilibrated.map(|found| found.body);
-        let results = simulation.run(hooks)?;
+        let spent = *locked(&spent);
+        hooks.checkpoints = Some(Arc::new(TimedCheckpoints {
+            writer: checkpoints.writer().clone(),
+            folder: folder.to_path_buf(),
+            clock: clock.clone(),
+            spent,
+        }));
+        hooks.resume = checkpoints.take_run();
+        let done = hooks.resume.as_ref().map_or(0, |saved| saved.done);
+        let results = simulation.run(hooks);
+        checkpoints.finish(|event| watch.checkpoint(name, event));
+        let results = results?;
         let stopped = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         if stopped && results.run.ended != Ended::Completed {
             return Err(StudyError::Interrupted);
         }
-        let clock = *clock.lock().unwrap_or_else(PoisonError::into_inner);
-        let time_of_step = match (clock.first, clock.last) {
-            (Some((first, one)), Some((last, all))) if all > one => {
-                (last - first).as_secs_f64() / (all - one) as f64
-            }
-            _ => results.wall_time.as_secs_f64() / results.run.steps.max(1) as f64,
+        let spent = spent.with(*locked(&clock));
+        let time_of_step = match spent.steps {
+            0 => results.wall_time.as_secs_f64() / (results.run.steps - done).max(1) as f64,
+            steps => spent.stepping / steps as f64,
         };
         let steps = (self.duration / step).ceil() as u64 + 1;
         Ok(TradeRun {
@@ -179,7 +291,7 @@ impl TradeRunner<'_> {
     }
 
     /// Writes the results of a run, its fingerprint last.
-    pub(super) fn store(
+    fn store(
         &self,
         folder: &Path,
         fingerprint: &Fingerprint,
@@ -196,6 +308,63 @@ impl TradeRunner<'_> {
         })?;
         Ok(write().map_err(powerhouse::Error::from)?)
     }
+}
+
+impl Trade {
+    /// The results of a design, from an earlier run or a new one.
+    pub(super) fn finish(
+        &self,
+        design: &Design,
+        runner: &mut TradeRunner,
+        watch: &mut dyn TradeWatch,
+        name: &str,
+    ) -> Result<TradeRun, StudyError> {
+        let folder = self.level_indices(design, |_| true);
+        let body = self.body_of(design);
+        let text = self.text_of(design)?;
+        self.finish_file(&text, (&folder, &body), runner, (watch, name))
+    }
+
+    /// The results of a scene given as text, from its folder or a new run; `body` is the key of its equilibrated body.
+    pub(super) fn finish_file(
+        &self,
+        text: &str,
+        (folder, body): (&str, &str),
+        runner: &mut TradeRunner,
+        (watch, name): (&mut dyn TradeWatch, &str),
+    ) -> Result<TradeRun, StudyError> {
+        let folder = self.folder.join(folder);
+        let fingerprint = Fingerprint::of(
+            text,
+            &self.inputs,
+            Some(self.window),
+            self.registry.version(),
+        );
+        if let Some(finished) = runner.finished(&folder, &fingerprint)? {
+            // A study that was killed right after the end of the run has left its checkpoints.
+            let _ = discard(&folder);
+            watch.reused(name);
+            return Ok(finished);
+        }
+        let scene = Scene::from_toml(text, &self.path, &self.registry)?;
+        let finished = match runner.run(scene, (&folder, body), (watch, name)) {
+            // A run that fails is a result of the study, which has no use for its checkpoints.
+            Err(error @ StudyError::Scene(_)) => {
+                discard(&folder)?;
+                return Err(error);
+            }
+            finished => finished?,
+        };
+        runner.store(&folder, &fingerprint, &finished)?;
+        discard(&folder)?;
+        // Read back, as a later study does: a number may lose its last bit in a file.
+        Ok(runner.finished(&folder, &fingerprint)?.unwrap_or(finished))
+    }
+}
+
+/// Locks a mutex; data of a thread that panicked are used as they are.
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The columns of a table of histories, after that of time.

@@ -60,7 +60,8 @@ use powerhouse::io::TableColumn;
 use powerhouse::{Registry, Scene};
 use toml::Table;
 
-use crate::mark::{Fingerprint, inputs};
+use crate::checkpoints::INTERVAL;
+use crate::mark::inputs;
 use crate::price::pareto_front;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
@@ -101,6 +102,7 @@ pub struct Trade {
     exhaustive: bool,
     /// Relative increase of the waves in the perturbation test; `None` if all histories count.
     perturbation: Option<f64>,
+    checkpoint_interval: Duration,
 }
 
 impl Trade {
@@ -155,6 +157,7 @@ impl Trade {
             mesh_error: false,
             exhaustive: false,
             perturbation: Some(repeat::PERTURBATION),
+            checkpoint_interval: INTERVAL,
             path: path.into(),
             file,
             registry: registry.clone(),
@@ -235,6 +238,13 @@ impl Trade {
         self.perturbation = None;
         self
     }
+    /// Sets the wall time between two checkpoints of a run, by default 10 minutes; [`Duration::MAX`] for none but that of a
+    /// cancellation.
+    #[must_use]
+    pub fn with_checkpoint_interval(mut self, interval: Duration) -> Self {
+        self.checkpoint_interval = interval;
+        self
+    }
     /// Factors of the study, the most important first.
     pub fn factors(&self) -> &[Factor] {
         &self.factors
@@ -248,7 +258,8 @@ impl Trade {
     /// scene of that run beside the original.
     ///
     /// `stop` is the cancellation flag. Where the stages do not reach the finest tolerance, the scene's own tolerance
-    /// becomes the finest. After an error finished runs are kept, and another study continues from there.
+    /// becomes the finest. After an error finished runs are kept, and another study continues from there, inside the
+    /// unfinished run from its last checkpoint.
     ///
     /// # Errors
     /// A reference that is invalid or fails; [`StudyError::NoClosedForm`]; [`StudyError::StillHistories`];
@@ -283,6 +294,7 @@ impl Trade {
             stop,
             window: self.window,
             duration: self.duration,
+            checkpoint_interval: self.checkpoint_interval,
             bodies: BodyCache::default(),
         };
         let mut cases: Vec<TradeCase> = Vec::new();
@@ -501,20 +513,6 @@ impl Trade {
         names.join(", ")
     }
 
-    /// The results of a design, from an earlier run or a new one.
-    fn finish(
-        &self,
-        design: &Design,
-        runner: &mut TradeRunner,
-        watch: &mut dyn TradeWatch,
-        name: &str,
-    ) -> Result<TradeRun, StudyError> {
-        let folder = self.level_indices(design, |_| true);
-        let body = self.body_of(design);
-        let text = self.text_of(design)?;
-        self.finish_file(&text, (&folder, &body), runner, (watch, name))
-    }
-
     /// The indices of a design's levels for some factors, joined by hyphens.
     fn level_indices(&self, design: &Design, counts: impl Fn(&Factor) -> bool) -> String {
         let chosen = self.factors.iter().zip(design);
@@ -528,32 +526,6 @@ impl Trade {
         self.level_indices(design, |factor| {
             ![factor::STEP, factor::INPUT, factor::OUTPUT].contains(&factor.name)
         })
-    }
-
-    /// The results of a scene given as text, from its folder or a new run; `body` is the key of its equilibrated body.
-    fn finish_file(
-        &self,
-        text: &str,
-        (folder, body): (&str, &str),
-        runner: &mut TradeRunner,
-        (watch, name): (&mut dyn TradeWatch, &str),
-    ) -> Result<TradeRun, StudyError> {
-        let folder = self.folder.join(folder);
-        let fingerprint = Fingerprint::of(
-            text,
-            &self.inputs,
-            Some(self.window),
-            self.registry.version(),
-        );
-        if let Some(finished) = runner.finished(&folder, &fingerprint)? {
-            watch.reused(name);
-            return Ok(finished);
-        }
-        let scene = Scene::from_toml(text, &self.path, &self.registry)?;
-        let finished = runner.run(scene, body, watch)?;
-        runner.store(&folder, &fingerprint, &finished)?;
-        // Read back, as a later study does: a number may lose its last bit in a file.
-        Ok(runner.finished(&folder, &fingerprint)?.unwrap_or(finished))
     }
 
     /// The reference histories.

@@ -6,8 +6,8 @@ use std::time::Duration;
 use powerhouse::ProgressHook;
 
 use super::{CaseCost, Factor};
-use crate::StudyError;
 use crate::price::ParetoPoint;
+use crate::{CheckpointEvent, StudyError};
 
 /// Goal of a trade study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +40,8 @@ pub trait TradeWatch {
     fn begins(&mut self, _name: &str, _number: usize) {}
     /// Called after [`begins`](Self::begins) when the results of an earlier run are reused, with the name of the run.
     fn reused(&mut self, _name: &str) {}
+    /// Called when a run, given by its name, goes on from a checkpoint, or one cannot be used or written.
+    fn checkpoint(&mut self, _name: &str, _event: CheckpointEvent) {}
     /// Returns the progress hook for the time steps of a run, which a thread of the run calls; `None` for no progress.
     fn progress(&mut self) -> Option<ProgressHook<'static>> {
         None

@@ -1,0 +1,129 @@
+//! Sweeps and trade studies that are killed at any moment go on inside their cases to the same files.
+
+mod killed;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use killed::{Noise, assert_same_files, files, scene, start};
+use powerhouse_test_support::TestFolder;
+
+/// Two cases, which share their stages.
+const CASES: &str = r#"
+[[case]]
+name = "steep"
+[[case]]
+name = "slanted"
+wave = [{ kind = "sv", incidence = 10, azimuth = 40, record = "el-centro-ns" }]
+"#;
+
+/// Starts a study anew after each of a number of kills, each time with another number of threads, until it ends by
+/// itself; its life before each kill is at most a time. Returns what all of it printed.
+fn kill_and_start_again(
+    arguments: &[&str],
+    kills: u32,
+    within: Duration,
+    printed: &Path,
+) -> String {
+    let mut noise = Noise(11);
+    let mut done = 0;
+    loop {
+        let mut study = start(arguments, 1 + done as usize % 3, printed);
+        if done < kills && noise.kill(&mut study, within) {
+            done += 1;
+            continue;
+        }
+        assert!(study.wait().unwrap().success());
+        assert!(done * 2 > kills, "{done} of {kills} kills");
+        return std::fs::read_to_string(printed).unwrap();
+    }
+}
+
+/// A sweep that is killed several times, also in its stages, goes on inside its cases: all files are those of a sweep
+/// without an interruption but for wall times, and no checkpoint is left.
+#[test]
+fn a_killed_sweep_goes_on_inside_its_cases() {
+    let folder = TestFolder::new("cli-sweep-killed");
+    let scene = scene(&folder, 0.2, CASES).display().to_string();
+    let [whole, killed] = ["whole", "killed"].map(|name| folder.join(name));
+    let sweep = |out: &Path| -> Vec<String> {
+        let out = out.display().to_string();
+        ["sweep", &scene, "--out", &out, "--checkpoint-every", "0.1s"]
+            .map(String::from)
+            .into()
+    };
+    let begun = Instant::now();
+    let arguments = sweep(&whole);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    assert!(
+        start(&arguments, 2, &folder.join("printed"))
+            .wait()
+            .unwrap()
+            .success()
+    );
+    let within = begun.elapsed() / 4;
+    let arguments = sweep(&killed);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let printed = kill_and_start_again(&arguments, 8, within, &folder.join("printed-killed"));
+    assert!(printed.contains("steep: resumed after"), "{printed}");
+    assert!(printed.contains("steps, at t = "), "{printed}");
+    assert!(!printed.contains("warning: a checkpoint"), "{printed}");
+    assert_same_files(&killed, &whole);
+    for case in ["steep", "slanted"] {
+        assert!(!killed.join(case).join("checkpoint").exists());
+    }
+    assert!(files(&whole).len() > 60);
+}
+
+/// A trade study that is killed several times goes on inside its runs: their histories are those of a study without an
+/// interruption, and nothing but results is left.
+#[test]
+fn a_killed_trade_study_goes_on_inside_its_runs() {
+    let folder = TestFolder::new("cli-trade-killed");
+    let scene = scene(&folder, 0.2, "").display().to_string();
+    let trade = |out: &Path| -> Vec<String> {
+        let out = out.display().to_string();
+        let every = [
+            "--checkpoint-every",
+            "0.1s",
+            "--every-history",
+            "--every-combination",
+        ];
+        let fixed = [
+            "trade",
+            &scene,
+            "--window",
+            "0.1",
+            "--factors",
+            "precision",
+            "--out",
+            &out,
+        ];
+        fixed.into_iter().chain(every).map(String::from).collect()
+    };
+    let begun = Instant::now();
+    let [whole, killed] = ["whole", "killed"].map(|name| folder.join(name));
+    let arguments = trade(&whole);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    assert!(
+        start(&arguments, 2, &folder.join("printed"))
+            .wait()
+            .unwrap()
+            .success()
+    );
+    let within = begun.elapsed() / 4;
+    let arguments = trade(&killed);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let printed = kill_and_start_again(&arguments, 6, within, &folder.join("printed-killed"));
+    assert!(printed.contains("  resumed after"), "{printed}");
+    let histories = |folder: &Path| {
+        let mut of_runs = files(folder);
+        of_runs.retain(|name, _| name.ends_with("histories.csv"));
+        of_runs
+    };
+    let [of_whole, of_killed] = [histories(&whole), histories(&killed)];
+    assert_eq!(of_whole.len(), 3);
+    assert!(of_killed == of_whole);
+    let names = |folder: &Path| -> Vec<_> { files(folder).into_keys().collect() };
+    assert_eq!(names(&killed), names(&whole));
+}
