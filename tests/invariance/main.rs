@@ -8,4 +8,5 @@ mod energy_balance;
 mod graded;
 mod joints;
 mod laws;
+mod ranks;
 mod resume;
