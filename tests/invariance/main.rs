@@ -8,5 +8,6 @@ mod energy_balance;
 mod graded;
 mod joints;
 mod laws;
+mod ranks;
 mod resume;
 mod resume_stages;

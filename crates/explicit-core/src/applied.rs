@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use crate::gather::CHUNK;
 use crate::nodes::Storage;
+use crate::ranks::ABSENT;
 
 /// Indices of the forces that act on the same key (node or group), as offsets and a flat list, in rising order of
 /// keys and loads.
@@ -59,6 +60,8 @@ pub(crate) struct AppliedLoads {
     loads: Vec<Box<dyn NodalLoad>>,
     /// Number of loads that do not belong to absorbing boundaries; these come first.
     own: usize,
+    /// Whether each load acts on a node of this rank; the others are not evaluated.
+    here: Vec<bool>,
     /// Nodal forces (N) carried over from a static solution, one per engine node; empty if there are none.
     carried: Vec<Vec3>,
     pub(crate) sums: LoadSums,
@@ -67,7 +70,7 @@ pub(crate) struct AppliedLoads {
 /// Forces of all loads, load by load, with the nodes and groups on which they act.
 #[derive(Default)]
 pub(crate) struct LoadSums {
-    /// Engine node of each force.
+    /// Local number of the node of each force; [`ABSENT`] for a node of other ranks.
     nodes: Vec<u32>,
     /// Forces (N) at the time of the last evaluation.
     forces: Vec<Vec3>,
@@ -96,12 +99,15 @@ impl AppliedLoads {
     ) -> Self {
         let mut lengths: Vec<usize> = loads.iter().map(|(_, nodes)| nodes.len()).collect();
         lengths.push(0);
+        let is_here = |nodes: &[u32]| nodes.iter().any(|&node| node != ABSENT);
+        let here = loads.iter().map(|(_, nodes)| is_here(nodes)).collect();
         let mut constant: Vec<bool> = loads.iter().map(|(load, _)| load.is_constant()).collect();
         constant.push(true);
         let nodes: Vec<u32> = loads.iter().flat_map(|(_, nodes)| nodes).copied().collect();
         Self {
             loads: loads.into_iter().map(|(load, _)| load).collect(),
             own,
+            here,
             carried: Vec::new(),
             sums: LoadSums::new(nodes, lengths, constant, (group_of, group_count)),
         }
@@ -181,8 +187,8 @@ impl AppliedLoads {
         let constant = &self.sums.constant;
         let buffers = split(&mut self.sums.forces, &self.sums.lengths);
         let wanted: Vec<_> = (self.loads.iter_mut().zip(buffers))
-            .zip(constant)
-            .filter(|(_, constant)| all || !**constant)
+            .zip(constant.iter().zip(&self.here))
+            .filter(|(_, (constant, here))| **here && (all || !**constant))
             .map(|(load, _)| load)
             .collect();
         wanted
@@ -208,9 +214,11 @@ impl LoadSums {
     ) -> Self {
         let (mut plain, mut grouped) = (Vec::new(), Vec::new());
         for (index, &node) in nodes.iter().enumerate() {
-            match group_of[node as usize] {
-                Some(group) => grouped.push((group, index as u32)),
-                None => plain.push((node, index as u32)),
+            match group_of.get(node as usize) {
+                Some(&Some(group)) => grouped.push((group, index as u32)),
+                Some(None) => plain.push((node, index as u32)),
+                // A node of other ranks.
+                None => {}
             }
         }
         let plain = ForceTable::new(plain, None);
@@ -279,7 +287,7 @@ impl LoadSums {
         self.grouped.sum(group, &self.forces)
     }
 
-    /// Engine node of each force, and whether the force is constant in time.
+    /// Local number of the node of each force, and whether the force is constant in time.
     pub(crate) fn places(&self) -> impl Iterator<Item = (u32, bool)> + '_ {
         let of_load = (self.constant.iter().zip(&self.lengths))
             .flat_map(|(&constant, &length)| core::iter::repeat_n(constant, length));

@@ -137,8 +137,15 @@ impl SlotTable {
         node_count: usize,
         blocks: impl Iterator<Item = &'a [u32]> + Clone,
     ) -> Self {
+        Self::of_pairs(node_count, blocks.flatten().copied().zip(0..))
+    }
+    /// From pairs of node and slot in the order of summation.
+    pub(crate) fn of_pairs(
+        node_count: usize,
+        pairs: impl Iterator<Item = (u32, u32)> + Clone,
+    ) -> Self {
         let mut offsets = vec![0u32; node_count + 1];
-        for &node in blocks.clone().flatten() {
+        for (node, _) in pairs.clone() {
             offsets[node as usize + 1] += 1;
         }
         for i in 1..offsets.len() {
@@ -146,9 +153,9 @@ impl SlotTable {
         }
         let mut next = offsets.clone();
         let mut slots = vec![0u32; offsets[node_count] as usize];
-        for (slot, &node) in blocks.flatten().enumerate() {
+        for (node, slot) in pairs {
             let end = &mut next[node as usize];
-            slots[*end as usize] = slot as u32;
+            slots[*end as usize] = slot;
             *end += 1;
         }
         Self { offsets, slots }

@@ -4,17 +4,17 @@ use powerhouse_model::HourglassShare;
 
 use crate::Model;
 use crate::ledger::total_energy;
-use crate::model::blocks_by_label;
 
 impl Model {
     /// Stored hourglass and internal energy of each set at the present time.
     pub fn hourglass_shares(&self) -> Vec<HourglassShare> {
         let of_blocks = self.block_energies(0.0, false);
-        let sets = blocks_by_label(&self.blocks).into_iter();
-        let shares = sets.map(|(label, blocks)| {
-            let energy = total_energy(blocks.iter().map(|&block| &of_blocks[block]));
+        let shares = self.ranks.sets.iter().map(|set| {
+            let blocks = self.blocks.iter().zip(&of_blocks);
+            let own = blocks.filter(|(block, _)| block.label() == set);
+            let energy = total_energy(own.map(|(_, energy)| energy), &self.ranks.team);
             let mut share = HourglassShare {
-                set: label.into(),
+                set: set.clone(),
                 ..HourglassShare::default()
             };
             share.update(energy.hourglass, energy.elastic.abs() + energy.hourglass);

@@ -23,6 +23,12 @@ pub(crate) trait Storage:
     const MOST: f64;
     /// Buffers for displacements of a block, and for velocities in this format.
     fn copies(buffers: &mut BlockCopies) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>);
+    /// Number of bytes of a number.
+    const BYTES: usize;
+    /// Appends the bytes of a vector.
+    fn write(vector: &[Self; 3], bytes: &mut Vec<u8>);
+    /// The vector with some bytes, `3 * BYTES` of them.
+    fn read(bytes: &[u8]) -> [Self; 3];
 }
 
 macro_rules! storage {
@@ -41,6 +47,18 @@ macro_rules! storage {
             const MOST: f64 = <$float>::MAX as f64;
             fn copies(buffers: &mut BlockCopies) -> (&mut Vec<Quad<f64>>, &mut Vec<Quad<Self>>) {
                 (&mut buffers.displacement, &mut buffers.$buffer)
+            }
+            const BYTES: usize = size_of::<$float>();
+            #[inline(always)]
+            fn write(vector: &[Self; 3], bytes: &mut Vec<u8>) {
+                for number in vector {
+                    bytes.extend_from_slice(&number.to_le_bytes());
+                }
+            }
+            #[inline(always)]
+            fn read(bytes: &[u8]) -> [Self; 3] {
+                let (numbers, _) = bytes.as_chunks::<{ size_of::<$float>() }>();
+                core::array::from_fn(|c| <$float>::from_le_bytes(numbers[c]))
             }
         }
     };

@@ -4,13 +4,14 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use powerhouse_model::{
-    Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
+    Cadence, Dynamics, Ended, EnergyCheck, Fields, Flow, ForceTerms, HistoryUpdate, Length,
     MassDampingRule, Observer, ParameterError, Precision, Progress, RunError, RunFailure,
     RunOptions, RunReport, StableStep, StateError, StepChoice, StepView, TimeIntegrator,
 };
 
 use crate::Model;
 use crate::profile::{Phase, Profiler};
+use crate::ranks::Gathered;
 use crate::saved::{Readings, restore_observers};
 use crate::view::View;
 
@@ -27,7 +28,12 @@ pub fn run_reporting(
 ) -> Result<RunReport, RunFailure> {
     let outcome = model.in_pool(|model| run_steps(model, integrator, options, observers, progress));
     let mut finished = Ok(());
-    for observer in observers {
+    // On other ranks than rank 0 observers have seen nothing.
+    let at_work = match model.ranks.team.rank() {
+        0 => observers,
+        _ => &mut [],
+    };
+    for observer in at_work {
         let result = observer.finish();
         if finished.is_ok() {
             finished = result.map_err(|source| failed(observer.name(), model.number, source));
@@ -103,6 +109,7 @@ fn run_steps(
         // The last output state is the first at or past the end.
         Length::Seconds(duration) => (duration / step - 1e-6).ceil().max(0.0) as u64 + 1,
     };
+    model.ranks.check_same_run(step, planned, observers)?;
     model.speed_limit = match options.speed_limit {
         Some(limit) => limit,
         None => match model.spectrum().reference_speed {
@@ -138,6 +145,7 @@ fn run_steps(
         model,
     };
     let result = time_loop.run(integrator, options, step, planned, progress);
+    let result = time_loop.model.settle(result);
     let wall = started.elapsed();
     let TimeLoop {
         model,
@@ -234,7 +242,7 @@ impl TimeLoop<'_> {
                 .is_some_and(|stop| stop.load(Ordering::Relaxed))
         };
         while self.done < planned {
-            let stopped = raised();
+            let stopped = self.model.ranks.agree_to_stop(raised(), self.done)?;
             if stopped {
                 // The next step is the last one of this run, but not of one that goes on.
                 self.checkpoint(options, step)?;
@@ -297,6 +305,7 @@ impl TimeLoop<'_> {
         if !self.reads_energies(step) {
             return Ok(());
         }
+        self.model.ranks.agree_to_go_on()?;
         let Some(reading) = self.model.read_ledger(step) else {
             return Ok(());
         };
@@ -341,27 +350,51 @@ impl TimeLoop<'_> {
         if !due.contains(&true) {
             return Ok(());
         }
-        let view = View::new(self.model, step, &self.readings.energies);
-        // If an observer that is due stops the run, the step is the last one for the others too.
-        for round in [true, false] {
-            for (observer, _) in self
-                .observers
-                .iter_mut()
-                .zip(&due)
-                .filter(|(_, d)| **d == round)
-            {
-                match observer.observe(&view) {
-                    Ok(Flow::Continue) => {}
-                    Ok(Flow::Stop) => self.stopped_by = Some(observer.name().into()),
-                    Err(source) => return Err(failed(observer.name(), view.number(), source)),
-                }
-            }
-            if self.stopped_by.is_none() {
-                break;
-            }
+        let energies = &self.readings.energies;
+        if self.model.ranks.is_single() {
+            let view = View::new(self.model, step, energies);
+            self.stopped_by = show(self.observers, &due, &view)?;
+            return Ok(());
         }
+        self.model.ranks.agree_to_go_on()?;
+        let mut fields = Fields::default();
+        fields.stress = self.observers.iter().any(|o| o.fields().stress);
+        // Rank 0 alone has observers at work.
+        let gathered = Gathered::of(self.model, step, fields, energies);
+        let shown = gathered.map(|view| {
+            let stopped_by = show(self.observers, &due, &view)?;
+            match view.missing() {
+                None => Ok(stopped_by),
+                Some(what) => Err(self.model.ranks.run_on_one_rank_only(what)),
+            }
+        });
+        self.stopped_by = self.model.ranks.follow_first(shown)?;
         Ok(())
     }
+}
+
+/// Calls the observers that are due; if one stops the run, the others too, for which the step is the last one. Returns the
+/// name of the observer that stopped it.
+fn show(
+    observers: &mut [Box<dyn Observer>],
+    due: &[bool],
+    view: &dyn StepView,
+) -> Result<Option<String>, RunError> {
+    let mut stopped_by = None;
+    for round in [true, false] {
+        let wanted = observers.iter_mut().zip(due);
+        for (observer, _) in wanted.filter(|(_, due)| **due == round) {
+            match observer.observe(view) {
+                Ok(Flow::Continue) => {}
+                Ok(Flow::Stop) => stopped_by = Some(observer.name().into()),
+                Err(source) => return Err(failed(observer.name(), view.number(), source)),
+            }
+        }
+        if stopped_by.is_none() {
+            break;
+        }
+    }
+    Ok(stopped_by)
 }
 
 impl Dynamics for TimeLoop<'_> {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
+use crate::ranks::Ranked;
 use crate::subdomain::Subdomain;
 
 /// Relative error bound of the highest eigenvalue at which the Lanczos method stops.
@@ -51,20 +52,20 @@ impl Model {
             products: 0,
             converged: true,
         };
-        let size = self.subdomain.node_ranges.norm(&present);
+        let size = self.node_sums().norm(&present);
         if size == 0.0 {
             return found;
         }
         present.par_iter_mut().for_each(|x| *x /= size);
         loop {
             let mut next = self.scaled_product(&scale, &present, &weight);
-            let alpha = self.subdomain.node_ranges.dot(&next, &present);
+            let alpha = self.node_sums().dot(&next, &present);
             let beta_before = off.last().copied().unwrap_or(0.0);
             next.par_iter_mut()
                 .zip(&present)
                 .zip(&previous)
                 .for_each(|((w, x), y)| *w -= x * alpha + y * beta_before);
-            let beta = self.subdomain.node_ranges.norm(&next);
+            let beta = self.node_sums().norm(&next);
             diagonal.push(alpha);
             off.push(beta);
             found.products += 1;
@@ -101,8 +102,9 @@ impl Model {
 
     /// A reproducible pseudo-random start vector with a share of every mode.
     fn start_vector(&self) -> Vec<Vec3> {
-        let mut vector: Vec<Vec3> = (0..self.mass.len() as u64)
-            .map(|node| Vec3::from_fn(|c, _| noise(3 * node + c as u64)))
+        let engine = |node: usize| self.ranks.engine(node) as u64;
+        let mut vector: Vec<Vec3> = (0..self.mass.len())
+            .map(|node| Vec3::from_fn(|c, _| noise(3 * engine(node) + c as u64)))
             .collect();
         self.reduce(&mut vector);
         vector
@@ -134,14 +136,14 @@ impl Model {
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
         let (groups, group_of) = (&self.groups.groups, &self.group_of);
-        let (blocks, subdomain) = (&self.blocks, &self.subdomain);
+        let (blocks, subdomain, ranks) = (&self.blocks, &self.subdomain, &mut self.ranks);
         // Members of a group move as its lead does.
         let value = |node: usize| {
             let lead = group_of[node].map_or(node, |g| groups[g as usize].members[0] as usize);
             vector[lead] * scale[lead]
         };
         let mut product = with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, subdomain, blocks, &value, weight)
+            product(arrays, (subdomain, ranks), blocks, &value, weight)
         });
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
@@ -161,16 +163,16 @@ impl Model {
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
-        let (blocks, subdomain) = (&self.blocks, &self.subdomain);
+        let (blocks, subdomain, ranks) = (&self.blocks, &self.subdomain, &mut self.ranks);
         with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, subdomain, blocks, &|node| vector[node], weight)
+            product(arrays, (subdomain, ranks), blocks, &|node| vector[node], weight)
         })
     }
 }
 
 fn product<S: Storage>(
     arrays: &mut NodalArrays<S>,
-    subdomain: &Subdomain,
+    (subdomain, ranks): (&Subdomain, &mut Ranked),
     blocks: &[Box<dyn ElementBlock>],
     value: &(impl Fn(usize) -> Vec3 + Sync),
     weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
@@ -192,6 +194,7 @@ fn product<S: Storage>(
                 *force = *force * weight;
             }
         });
+    ranks.exchange.swap(&ranks.team, &mut arrays.forces);
     (0..subdomain.node_count())
         .into_par_iter()
         .map(|node| arrays.internal(&subdomain.slots, node))

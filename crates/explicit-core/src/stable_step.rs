@@ -1,10 +1,13 @@
 //! The stable time step, and the element that limits it.
 
-use powerhouse_model::{FrequencyLimits, LimitingTerm, RunError, StableStep, TimeIntegrator};
+use powerhouse_model::{
+    FrequencyLimits, LimitingTerm, RunError, StableStep, TimeIntegrator, decode, encode,
+};
 
 use serde::{Deserialize, Serialize};
 
 use crate::Model;
+use crate::ranks::Communicator;
 
 /// Safety factor of the stable step on the stability limit.
 const SAFETY: f64 = 0.98;
@@ -22,6 +25,52 @@ pub(crate) struct Spectrum {
     pub(crate) reference_speed: f64,
 }
 
+/// Stable step of one element without its neighbours.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct ElementBound<S> {
+    /// The step (s).
+    step: f64,
+    /// Place in the order of the blocks of all ranks.
+    place: u64,
+    /// Stiffness damping coefficient (s).
+    damping: f64,
+    /// Number of the element.
+    element: u64,
+    /// Name of its set.
+    set: S,
+}
+
+/// The least bound of any rank, from that of this rank; the first one of equal bounds.
+fn worst_of_all(
+    own: Option<&ElementBound<&str>>,
+    team: &Communicator,
+) -> Option<ElementBound<String>> {
+    let own = own.cloned().map(|bound| ElementBound {
+        step: bound.step,
+        place: bound.place,
+        damping: bound.damping,
+        element: bound.element,
+        set: bound.set.to_string(),
+    });
+    if team.is_single() {
+        return own;
+    }
+    let least = team.least_of(own.as_ref().map_or(f64::INFINITY, |bound| bound.step));
+    let equal = own.as_ref().filter(|bound| bound.step == least);
+    let place = team.least(equal.map_or(u64::MAX, |bound| bound.place));
+    let is_first = equal.filter(|bound| bound.place == place).is_some();
+    let first = team.least(if is_first {
+        team.rank() as u64
+    } else {
+        u64::MAX
+    });
+    if first == u64::MAX {
+        return None;
+    }
+    let sent = encode(&own).unwrap_or_default();
+    decode(&team.of_rank(first as usize, sent)).ok().flatten()
+}
+
 impl Model {
     /// The stable step of the model under an integration scheme, from the highest frequency of the assembled
     /// elastic operator (joints open, without impedances), and the element that limits it.
@@ -36,9 +85,10 @@ impl Model {
         let step = integrator.stable_step(&limits)?;
         let mut report = StableStep::new(step, 2.0 / spectrum.highest);
         (report.iterations, report.converged) = (spectrum.iterations, spectrum.converged);
-        let mut bounds: Vec<(f64, f64, u32, &str)> = Vec::new();
-        for block in &self.blocks {
-            for bound in block.frequency_bounds() {
+        let mut bounds: Vec<ElementBound<&str>> = Vec::new();
+        let numbers = &self.ranks.block_numbers;
+        for (block, &number) in self.blocks.iter().zip(numbers) {
+            for (index, bound) in (0..).zip(block.frequency_bounds()) {
                 let damping = bound.stiffness_damping;
                 let alone = FrequencyLimits::undamped(bound.frequency).with_damping(
                     damping,
@@ -46,24 +96,35 @@ impl Model {
                     block.mass_damping(),
                 );
                 let step = integrator.stable_step(&alone)?;
-                bounds.push((step, damping, bound.element, block.label()));
+                bounds.push(ElementBound {
+                    step,
+                    place: (u64::from(number) << 32) + index,
+                    damping,
+                    element: self.element_tag(bound.element),
+                    set: block.label(),
+                });
             }
         }
-        let worst = bounds.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied();
-        if let Some((step, damping, element, set)) = worst {
+        let team = &self.ranks.team;
+        let worst = bounds.iter().min_by(|a, b| a.step.total_cmp(&b.step));
+        if let Some(worst) = worst_of_all(worst, team) {
+            let (step, set) = (worst.step, worst.set);
             report.element_bound = step;
-            report.element = self.element_tag(element);
-            report.set = set.into();
-            if damping > 0.5 * step {
+            report.element = worst.element;
+            if worst.damping > 0.5 * step {
                 report.term = LimitingTerm::StiffnessDamping;
             }
             if limits.most_mass_damping * report.step > 1.99 {
                 report.term = LimitingTerm::MassDamping;
             }
-            report.similar_elements = bounds.iter().filter(|b| b.0 <= 1.05 * step).count();
-            let others = bounds.iter().filter(|b| b.3 != set).map(|b| b.0);
-            report.next_set_bound = others.min_by(f64::total_cmp);
+            let similar = bounds.iter().filter(|b| b.step <= 1.05 * step).count();
+            report.similar_elements = team.total([similar as f64].into_iter()) as usize;
+            let others = bounds.iter().filter(|b| b.set != set).map(|b| b.step);
+            let next = others.min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
+            report.next_set_bound = Some(team.least_of(next)).filter(|next| next.is_finite());
+            report.set = set;
         }
+        team.check()?;
         Ok(report)
     }
 
@@ -83,6 +144,8 @@ impl Model {
             least = least.min(block.stiffness_damping());
             mass = mass.max(block.mass_damping());
         }
+        let team = &self.ranks.team;
+        let (least, mass) = (team.least_of(least), team.most_of(mass));
         FrequencyLimits::undamped(spectrum.highest / SAFETY).with_damping(
             least,
             spectrum.stiffness_damping,
@@ -105,6 +168,9 @@ impl Model {
                 reference_speed = reference_speed.max(0.5 * of_element.frequency * size);
             }
         }
+        let team = &self.ranks.team;
+        let (least, most) = (team.least_of(least), team.most_of(most));
+        let (bound, reference_speed) = (team.most_of(bound), team.most_of(reference_speed));
         let found = self.in_pool(|model| model.highest_eigenvalue(|_| 1.0));
         let assembled = (found.value + found.residual).sqrt();
         let converged = found.converged && assembled > 0.0;

@@ -9,13 +9,14 @@ use crate::gather::{Gather, SlotTable};
 use crate::node_ranges::NodeRanges;
 use crate::nodes::Storage;
 use crate::partition::Partition;
+use crate::ranks::ABSENT;
 
 /// Local node numbers: maps between mesh indices and the numbers of the nodes in the nodal arrays.
 ///
 /// Mesh indices of additional nodes of boundaries follow those of the mesh.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Numbering {
-    /// Local number of each mesh node.
+    /// Local number of each mesh node; [`ABSENT`] for a node of other ranks.
     pub(crate) local_of: Vec<u32>,
     /// Mesh index of each local node.
     pub(crate) mesh_of: Vec<u32>,
@@ -36,6 +37,22 @@ impl Numbering {
             local_of[node as usize] = local as u32;
         }
         Self { local_of, mesh_of }
+    }
+
+    /// The numbers on a rank with some nodes, from those of a model on one rank: the former number of each node, and the
+    /// new one of each former number.
+    pub(crate) fn on_rank(&self, present: &[u32], local_of: &[u32]) -> Self {
+        let of = |table: &[u32], node: u32| table[node as usize];
+        Self {
+            local_of: self.local_of.iter().map(|&n| of(local_of, n)).collect(),
+            mesh_of: present.iter().map(|&n| of(&self.mesh_of, n)).collect(),
+        }
+    }
+
+    /// Local number of a node (mesh index), unless it is on another rank or does not exist.
+    pub(crate) fn local(&self, node: usize) -> Option<usize> {
+        let local = self.local_of.get(node).copied();
+        local.filter(|&n| n != ABSENT).map(|n| n as usize)
     }
 
     /// Appends an additional node; returns its mesh index.
@@ -75,17 +92,23 @@ pub(crate) struct Subdomain {
 }
 
 impl Subdomain {
-    /// The subdomain of blocks, of which each has its nodes (local numbers) in a list.
+    /// The subdomain of blocks, of which each has its nodes (local numbers) in a list; with the slots and ranges of its
+    /// nodes if there are other ranks.
     pub(crate) fn new(
         mesh: &Mesh,
         numbering: Numbering,
         orphans: Vec<u32>,
         blocks: &[Box<dyn ElementBlock>],
         nodes: Vec<Vec<u32>>,
+        tables: Option<(SlotTable, NodeRanges)>,
     ) -> Self {
-        let count = numbering.mesh_of.len();
-        let slots = SlotTable::new(count, nodes.iter().map(|nodes| &**nodes));
         let lengths: Vec<usize> = nodes.iter().map(Vec::len).collect();
+        let (slots, node_ranges) = tables.unwrap_or_else(|| {
+            let of_blocks = nodes.iter().map(|nodes| &**nodes);
+            let slots = SlotTable::new(numbering.mesh_of.len(), of_blocks);
+            let ranges = NodeRanges::of_blocks(&slots, &lengths);
+            (slots, ranges)
+        });
         let mut end = 0;
         let ranges = lengths.iter().map(|&length| {
             end += length;
@@ -94,7 +117,7 @@ impl Subdomain {
         Self {
             ranges: ranges.collect(),
             runs: nodes.iter().map(|nodes| run(nodes)).collect(),
-            node_ranges: NodeRanges::of_blocks(&slots, &lengths),
+            node_ranges,
             lengths,
             gather: Gather::new(&slots),
             slots,

@@ -126,6 +126,13 @@ pub trait Constraint: Send {
     fn parts(&self) -> ConstraintParts {
         ConstraintParts::whole(self.nodes())
     }
+    /// Restricts the constraint to some of its [parts](Self::parts), for a process that has no nodes of the others:
+    /// `kept` says of each part whether it remains. The nodes of those parts keep their order. Returns whether the
+    /// constraint is now that of these parts alone; by default it cannot be restricted. A constraint of one part need not
+    /// be, since it is present as a whole or not at all.
+    fn keep_parts(&mut self, _kept: &[bool]) -> bool {
+        false
+    }
     /// Prepares for steps of a length (s) and inverse effective masses (1/kg, in the order of
     /// [`nodes`](Self::nodes)). Called before the first step and whenever they change, so that what
     /// depends on them alone is computed once.

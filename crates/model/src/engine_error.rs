@@ -269,6 +269,40 @@ pub enum EngineError {
     /// A state that is [set](crate::EngineModel::set_state) and whose absent or cast elements differ from those of the model.
     #[error("the absent or cast elements of the state differ from those of the model")]
     OtherElements,
+    /// More ranks than blocks of elements, each of which is computed by one rank.
+    #[error(
+        "{ranks} ranks need as many blocks of elements, and there are {blocks}: a block size of {block_size} elements or less gives enough"
+    )]
+    TooManyRanks {
+        /// Number of ranks.
+        ranks: usize,
+        /// Number of blocks.
+        blocks: usize,
+        /// Largest number of elements per block with which there are enough blocks.
+        block_size: usize,
+    },
+    /// More ranks than elements.
+    #[error("{ranks} ranks cannot share {elements} elements")]
+    MoreRanksThanElements {
+        /// Number of ranks.
+        ranks: usize,
+        /// Number of elements.
+        elements: usize,
+    },
+    /// Ranks whose models differ.
+    #[error("{what} differs between the ranks, which must all build the same model")]
+    RanksDiffer {
+        /// The part of the model that differs.
+        what: &'static str,
+    },
+    /// A part of a model that one rank alone can compute at present.
+    #[error("{what} cannot be computed on {ranks} ranks, only on one")]
+    OneRankOnly {
+        /// The part of the model.
+        what: String,
+        /// Number of ranks.
+        ranks: usize,
+    },
     /// A number of threads outside 1 to 4096, or one that the operating system cannot start.
     #[error("{threads} threads could not be started (permitted: 1 to 4096)")]
     Threads {

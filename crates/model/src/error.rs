@@ -167,6 +167,31 @@ pub enum RunError {
         /// Cause of the failure.
         source: StateError,
     },
+    /// A failure of the communication between ranks.
+    #[error(transparent)]
+    Ranks(#[from] crate::RankError),
+    /// An option of a run that one rank alone supports at present, before the first step.
+    #[error("{what} cannot be used on {ranks} ranks, only on one")]
+    OneRankOnly {
+        /// The option.
+        what: &'static str,
+        /// Number of ranks.
+        ranks: usize,
+    },
+    /// Ranks whose runs differ, before the first step.
+    #[error("{what} differs between the ranks, which must all make the same run")]
+    RanksDiffer {
+        /// The option or quantity that differs.
+        what: &'static str,
+    },
+    /// An error on another rank, which ends the run on all of them.
+    #[error("rank {rank}: {message}")]
+    OnRank {
+        /// Number of the rank.
+        rank: usize,
+        /// Message of its error.
+        message: String,
+    },
     /// An error of an observer, in a step or when it completed its output.
     #[error("observer '{name}' at step {step}: {source}")]
     Observer {

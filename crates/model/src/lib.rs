@@ -46,6 +46,7 @@ mod mesh;
 mod nodal;
 mod periodic;
 mod point_law;
+mod ranks;
 mod rayleigh;
 mod run;
 mod saved_run;
@@ -104,6 +105,7 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
+pub use ranks::{Message, RankError, Ranks, SingleRank, ThreadRanks};
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,
 };

@@ -10,7 +10,7 @@ mod solve;
 mod strips;
 
 use core::ops::Range;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 
 use powerhouse_model::{
     Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, JointHistory,
@@ -222,6 +222,28 @@ impl<L: ContactLaw> Joint<L> {
         }
     }
 
+    /// Removes pairs, in the state of those that remain.
+    fn retain(&mut self, keep: impl Fn(&JointPair) -> bool) {
+        let kept: Vec<bool> = self.pairs.iter().map(keep).collect();
+        let (mut members, mut history) = (Vec::with_capacity(self.members.len()), Vec::new());
+        let mut end = 0;
+        for mut member in core::mem::take(&mut self.members) {
+            let history_start = history.len();
+            let start = end;
+            for pair in member.pairs().filter(|&pair| kept[pair]) {
+                history.extend_from_slice(&self.history[member.history_of(pair)]);
+                end += 1;
+            }
+            (member.start, member.end, member.history_start) = (start, end, history_start);
+            members.push(member);
+        }
+        let (sides, records) = (of_kept(&self.sides, &kept), of_kept(&self.records, &kept));
+        let (name, effort) = (core::mem::take(&mut self.name), self.effort);
+        let pairs = of_kept(&self.pairs, &kept);
+        *self = Self::assemble(members, name, sides, (records, history), pairs);
+        self.effort = effort;
+    }
+
     /// Joins several joints to one constraint: joints that share nodes, such as those that meet at a line,
     /// have to be solved together, since a node belongs to one constraint of a model. Each keeps its name, law and
     /// state. With laws of different types `L` is `Box<dyn ContactLaw>`.
@@ -381,6 +403,16 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         ConstraintParts::connected_by(&pairs)
     }
 
+    fn keep_parts(&mut self, kept: &[bool]) -> bool {
+        let parts = self.parts();
+        let nodes: HashSet<u32> = (parts.iter().zip(kept))
+            .filter(|(_, kept)| **kept)
+            .flat_map(|(nodes, _)| nodes.iter().copied())
+            .collect();
+        self.retain(|pair| nodes.contains(&pair.nodes[0]));
+        true
+    }
+
     fn prepare(&mut self, step: f64, inverse_mass: &[Mat3]) {
         self.prepared = Some(step);
         let mut isolated = Vec::new();
@@ -522,6 +554,15 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         self.prepared = None;
         true
     }
+}
+
+/// The values of the pairs that are kept.
+fn of_kept<T: Copy>(values: &[T], kept: &[bool]) -> Vec<T> {
+    let pairs = values.iter().zip(kept);
+    pairs
+        .filter(|(_, kept)| **kept)
+        .map(|(value, _)| *value)
+        .collect()
 }
 
 /// Indices in an earlier run of some pairs; none if it did not have the same pairs.

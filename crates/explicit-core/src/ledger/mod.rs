@@ -9,15 +9,16 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstraintWork, HourglassShare, MassDampingRule, NodalView,
-    Precision, Quad, StepTime, Vec3,
+    BlockContext, BlockEnergy, ConstraintWork, ElementBlock, HourglassShare, MassDampingRule,
+    NodalView, Precision, Quad, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
 use crate::Model;
 use crate::groups::Groups;
 use crate::nodes::with_nodes;
-use sum::{Sum, total};
+use crate::ranks::Communicator;
+use sum::Sum;
 use work::{MidStep, NodalWork, RangeWork};
 
 pub(crate) use saved::SavedLedger;
@@ -100,7 +101,6 @@ pub(crate) struct Reading {
 impl Model {
     /// Opens a ledger; with `by_set` each element set has its own balance, which identifies the set of an error.
     pub(crate) fn open_ledger(&mut self, by_set: bool) {
-        let mut set_of_label: BTreeMap<&str, usize> = BTreeMap::new();
         let scale = match self.precision {
             Precision::F64 => 0.0,
             _ => self.least_single_energy(),
@@ -114,20 +114,19 @@ impl Model {
             work_of_block: vec![Sum::default(); self.blocks.len()],
             ..Ledger::default()
         };
-        for block in &self.blocks {
-            let next = set_of_label.len();
-            let set = *set_of_label.entry(block.label()).or_insert(next);
-            if set == next {
-                ledger.sets.push(SetBalance {
-                    label: block.label().into(),
-                    hourglass: HourglassShare {
-                        set: block.label().into(),
-                        ..HourglassShare::default()
-                    },
-                    ..SetBalance::default()
-                });
-            }
-            ledger.set_of_block.push(set);
+        let sets = self.ranks.sets.iter();
+        let set_of_label: BTreeMap<&str, usize> = sets.map(String::as_str).zip(0..).collect();
+        let of_block = |block: &Box<dyn ElementBlock>| set_of_label.get(block.label()).copied();
+        ledger.set_of_block = self.blocks.iter().filter_map(of_block).collect();
+        for label in &self.ranks.sets {
+            ledger.sets.push(SetBalance {
+                label: label.clone(),
+                hourglass: HourglassShare {
+                    set: label.clone(),
+                    ..HourglassShare::default()
+                },
+                ..SetBalance::default()
+            });
         }
         self.ledger = Some(Box::new(ledger));
     }
@@ -165,14 +164,15 @@ impl Model {
             if begins {
                 // The balance begins at the present time.
                 let energies = self.block_energies(step, true);
-                let of_sets = ledger.set_energies(&energies);
+                let of_sets = ledger.set_energies(&energies, present.team);
                 for (set, energy) in ledger.sets.iter_mut().zip(&of_sets) {
                     set.origin = energy.total();
                 }
-                let internal = total_energy(energies.iter()).total();
+                let internal = total_energy(energies.iter(), present.team).total();
                 let [kinetic, _] = present.kinetic(&ledger.ranges);
                 // Constraints report whole steps, of which the first half precedes the balance.
-                ledger.origin = Some(kinetic + internal - ledger.constraint_work(0));
+                let of_constraints = ledger.constraint_work(0, present.team);
+                ledger.origin = Some(kinetic + internal - of_constraints);
                 ledger.potential = present.load_potential(&ledger.ranges);
             } else {
                 self.record_sets(&mut ledger, step);
@@ -274,7 +274,9 @@ impl Ledger {
                 None => groups.groups[g].correction((rule, step), &(after - before)),
             };
             let halves = [groups.motion.previous[g], after].map(|v| 0.5 * impulse.dot(&v));
-            let range = &mut self.ranges[self.range_of_group[g] as usize];
+            let Some(range) = self.ranges.get_mut(self.range_of_group[g] as usize) else {
+                continue;
+            };
             range.constraints[0] += halves[0];
             range.constraints[1] += halves[1];
             if is_prescribed {
@@ -293,44 +295,53 @@ impl Ledger {
     }
 
     /// Energies of the elements of each set from those of the blocks.
-    fn set_energies(&self, blocks: &[BlockEnergy]) -> Vec<BlockEnergy> {
+    fn set_energies(&self, blocks: &[BlockEnergy], team: &Communicator) -> Vec<BlockEnergy> {
         let of_set = |set| {
             let own = self.set_of_block.iter().zip(blocks);
-            total_energy(own.filter(|(other, _)| **other == set).map(|(_, e)| e))
+            let own = own.filter(|(other, _)| **other == set);
+            total_energy(own.map(|(_, energy)| energy), team)
         };
         (0..self.sets.len()).map(of_set).collect()
     }
 
     /// Work (J) of the constraints on the body in a half of the present step.
-    fn constraint_work(&self, half: usize) -> f64 {
-        total(self.ranges.iter().map(|range| range.constraints[half]))
+    fn constraint_work(&self, half: usize, team: &Communicator) -> f64 {
+        team.total(self.ranges.iter().map(|range| range.constraints[half]))
     }
 
     /// Nodal work of all steps (J).
-    fn nodal_work(&self) -> NodalWork<f64> {
+    fn nodal_work(&self, team: &Communicator) -> NodalWork<f64> {
         let sums = |column: fn(&NodalWork<Sum>) -> Sum| {
             self.ranges.iter().map(move |range| column(&range.all))
         };
         let of_constraints = core::iter::once(self.constraints.prescribed);
+        let [mass_damping, dashpots, springs, loads, prescribed] = team.totals([
+            Sum::exact(sums(|work| work.mass_damping)),
+            Sum::exact(sums(|work| work.dashpots)),
+            Sum::exact(sums(|work| work.springs)),
+            Sum::exact(sums(|work| work.loads)),
+            Sum::exact(sums(|work| work.prescribed).chain(of_constraints)),
+        ]);
         NodalWork {
-            mass_damping: Sum::total_of(sums(|work| work.mass_damping)),
-            dashpots: Sum::total_of(sums(|work| work.dashpots)),
-            springs: Sum::total_of(sums(|work| work.springs)),
-            loads: Sum::total_of(sums(|work| work.loads)),
-            prescribed: Sum::total_of(sums(|work| work.prescribed).chain(of_constraints)),
+            mass_damping,
+            dashpots,
+            springs,
+            loads,
+            prescribed,
         }
     }
 
     fn read(&mut self, present: &MidStep, energies: &[BlockEnergy]) -> Reading {
-        let sum = total_energy(energies.iter());
-        let energies = &self.set_energies(energies)[..];
+        let team = present.team;
+        let sum = total_energy(energies.iter(), team);
+        let energies = &self.set_energies(energies, team)[..];
         let [kinetic, difference] = present.kinetic(&self.ranges);
-        let (nodal, constraints) = (self.nodal_work(), &self.constraints);
+        let (nodal, constraints) = (self.nodal_work(team), &self.constraints);
         let loads = nodal.loads + present.load_potential(&self.ranges) - self.potential;
         let initial = self.origin.unwrap_or(0.0);
         let of_ranges = self.ranges.iter().map(|range| range.prescribed);
-        let of_step = total(of_ranges.chain([constraints.reported_prescribed]));
-        let pending = 0.5 * of_step - self.constraint_work(0);
+        let of_step = team.total(of_ranges.chain([constraints.reported_prescribed]));
+        let pending = 0.5 * of_step - self.constraint_work(0, team);
         let prescribed = nodal.prescribed + 0.5 * of_step;
         let spent = [
             ("kinetic", kinetic + difference),
@@ -377,20 +388,19 @@ impl Ledger {
             } else {
                 residual
             },
-            worst_set: self.worst_set(energies),
+            worst_set: self.worst_set(energies, team),
             hourglass,
         }
     }
 
     /// The element set whose nodal work and element energy differ most; without balances by set, the set
     /// whose energy changed most.
-    fn worst_set(&self, energies: &[BlockEnergy]) -> String {
+    fn worst_set(&self, energies: &[BlockEnergy], team: &Communicator) -> String {
         let work = |set: usize| {
             let own = self.set_of_block.iter().zip(&self.work_of_block);
-            Sum::total_of(
-                own.filter(|(other, _)| **other == set)
-                    .map(|(_, work)| *work),
-            )
+            let own = own.filter(|(other, _)| **other == set);
+            let [work] = team.totals([Sum::exact(own.map(|(_, work)| *work))]);
+            work
         };
         let gap = |set: usize| {
             let gained = energies[set].total() - self.sets[set].origin;

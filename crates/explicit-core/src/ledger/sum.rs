@@ -4,6 +4,7 @@ use powerhouse_model::BlockEnergy;
 use serde::{Deserialize, Serialize};
 
 use crate::exact::ExactSum;
+use crate::ranks::Communicator;
 
 /// A compensated sum, accurate for terms of very different size (Neumaier 1974).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -26,30 +27,37 @@ impl Sum {
         self.value + self.lost
     }
 
-    /// The total of several sums, the same bits in any order.
-    pub(super) fn total_of(sums: impl Iterator<Item = Self>) -> f64 {
-        total(sums.flat_map(|sum| [sum.value, sum.lost]))
+    /// The exact sum of several sums.
+    pub(super) fn exact(sums: impl Iterator<Item = Self>) -> ExactSum {
+        sums.flat_map(|sum| [sum.value, sum.lost]).collect()
     }
 }
 
-/// The sum of terms, the same bits in any order.
-pub(super) fn total(terms: impl Iterator<Item = f64>) -> f64 {
-    terms.collect::<ExactSum>().round()
-}
-
-/// The sum of the energies of blocks, the same bits in any order.
+/// The sum of the energies of blocks, those of other ranks included, the same bits in any order.
 pub(crate) fn total_energy<'a>(
     blocks: impl Iterator<Item = &'a BlockEnergy> + Clone,
+    team: &Communicator,
 ) -> BlockEnergy {
-    let sum = |column: fn(&BlockEnergy) -> f64| total(blocks.clone().map(column));
+    let sum = |column: fn(&BlockEnergy) -> f64| blocks.clone().map(column).collect();
     let mut all = BlockEnergy::default();
-    all.elastic = sum(|energy| energy.elastic);
-    all.hourglass = sum(|energy| energy.hourglass);
-    all.plastic = sum(|energy| energy.plastic);
-    all.damage = sum(|energy| energy.damage);
-    all.recovery = sum(|energy| energy.recovery);
-    all.integration = sum(|energy| energy.integration);
-    all.damping = sum(|energy| energy.damping);
-    all.relaxation = sum(|energy| energy.relaxation);
+    [
+        all.elastic,
+        all.hourglass,
+        all.plastic,
+        all.damage,
+        all.recovery,
+        all.integration,
+        all.damping,
+        all.relaxation,
+    ] = team.totals([
+        sum(|energy| energy.elastic),
+        sum(|energy| energy.hourglass),
+        sum(|energy| energy.plastic),
+        sum(|energy| energy.damage),
+        sum(|energy| energy.recovery),
+        sum(|energy| energy.integration),
+        sum(|energy| energy.damping),
+        sum(|energy| energy.relaxation),
+    ]);
     all
 }

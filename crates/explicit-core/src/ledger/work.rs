@@ -6,12 +6,13 @@ use powerhouse_model::{MassDampingRule, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::sum::{Sum, total};
+use super::sum::Sum;
 use crate::Model;
 use crate::applied::LoadSums;
 use crate::gather::{Gather, SlotTable};
 use crate::groups::Groups;
 use crate::nodes::{Nodes, with_nodes};
+use crate::ranks::Communicator;
 
 /// Work of nodal forces (J): energy dissipated or stored by damping, dashpots and springs, and external work of loads
 /// and prescribed motion.
@@ -73,6 +74,7 @@ pub(super) struct MidStep<'a> {
     sums: &'a LoadSums,
     mass: &'a [f64],
     mass_damping: &'a [f64],
+    pub(super) team: &'a Communicator,
     rule: MassDampingRule,
     step: f64,
 }
@@ -80,7 +82,8 @@ pub(super) struct MidStep<'a> {
 impl Model {
     /// The ranges of nodes with their groups and loads, and the range of each group without roller nodes.
     pub(super) fn range_work(&self) -> (Vec<RangeWork>, Vec<u32>) {
-        let mut range_of_node = vec![0_u32; self.mass.len()];
+        // Nodes of ranges of other ranks have none.
+        let mut range_of_node = vec![u32::MAX; self.mass.len()];
         let mut all: Vec<RangeWork> = Vec::new();
         for nodes in self.subdomain.node_ranges.ranges() {
             range_of_node[nodes.clone()].fill(all.len() as u32);
@@ -95,10 +98,15 @@ impl Model {
             .map(|group| range_of(group.members[0]))
             .collect();
         for (group, &range) in (0..).zip(&of_groups) {
-            all[range as usize].groups.push(group);
+            if let Some(range) = all.get_mut(range as usize) {
+                range.groups.push(group);
+            }
         }
         for (index, (node, constant)) in (0..).zip(self.loads.sums.places()) {
-            let range = &mut all[range_of(node) as usize];
+            let range = range_of_node.get(node as usize);
+            let Some(range) = range.and_then(|&range| all.get_mut(range as usize)) else {
+                continue;
+            };
             let indices = if constant {
                 &mut range.constant
             } else {
@@ -119,6 +127,7 @@ impl Model {
             sums: &self.loads.sums,
             mass: &self.mass,
             mass_damping: &self.mass_damping,
+            team: &self.ranks.team,
             rule: self
                 .prepared
                 .map_or(MassDampingRule::Implicit, |(rule, _)| rule),
@@ -228,7 +237,7 @@ impl MidStep<'_> {
             })
         };
         let of_ranges: Vec<f64> = ranges.par_iter().map(of_range).collect();
-        total(of_ranges.into_iter())
+        self.team.total(of_ranges.into_iter())
     }
 
     /// Half a step's work of the time-dependent loads of a range with the present velocities, which are those before
@@ -256,6 +265,7 @@ impl MidStep<'_> {
             [0.5 * across, 0.125 * squares]
         };
         let of_ranges: Vec<[f64; 2]> = ranges.par_iter().map(of_range).collect();
-        [0, 1].map(|column| total(of_ranges.iter().map(|energies| energies[column])))
+        let column = |column: usize| of_ranges.iter().map(|energies| energies[column]).collect();
+        self.team.totals([column(0), column(1)])
     }
 }

@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    BlockFactory, Constraint, ElementBlock, ElementChoice, EmbeddedElements, EngineError, Mat3,
-    Mesh, ModelError, ModelSpec, NodalLoad, Precision,
+    BlockFactory, Checksum, Constraint, ElementBlock, ElementChoice, EmbeddedElements, EngineError,
+    Mat3, Mesh, ModelError, ModelSpec, NodalLoad, Precision,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
 use super::solids::{Solids, build_blocks};
 use super::start::InitialState;
-use super::{BoundConstraint, Model};
+use super::{BoundConstraint, Model, least_mass};
 use crate::applied::AppliedLoads;
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::partition::Partition;
+use crate::ranks::{ABSENT, BlockAssembly, BuiltSolids, Communicator, rank_failure};
 use crate::subdomain::{Numbering, Subdomain};
 use crate::weight::Weight;
 
@@ -40,152 +41,230 @@ pub trait BuildModel {
 
 impl BuildModel for ModelSpec<'_> {
     fn build(self) -> Result<Model, ModelError> {
-        let pool = match self.threads {
-            Some(threads) => Some(start_threads(threads)?),
-            None => None,
-        };
-        let mesh = self.mesh;
-        let start = InitialState { state: self.start };
-        let precision = coarsest(&self.sets)?;
-        let block_size = self.block_size.unwrap_or_else(|| {
-            let share = mesh.element_count() / BLOCKS;
-            share.clamp(*BLOCK_SIZES.start(), *BLOCK_SIZES.end())
-        });
-        let Solids {
-            partition,
-            mut blocks,
-        } = build_blocks(mesh, &self.sets, &start, block_size)?;
-        let mut numbering = Numbering::of(&partition, mesh);
-        let orphans: Vec<u32> = (partition.orphans.iter())
-            .map(|&node| numbering.local_of[node as usize])
-            .collect();
-        let embedded_from = blocks.len();
-        let embedded = embedded_blocks(mesh, &partition, &self.embedded);
-        let (hosts, embedded): (Vec<_>, Vec<_>) = embedded.into_iter().unzip();
-        blocks.extend(embedded);
-        let boundary_from = blocks.len();
-        let mut nodes_of_blocks: Vec<Vec<u32>> = (blocks.iter())
-            .map(|block| block_nodes(block.as_ref(), &numbering.local_of))
-            .collect::<Result<_, _>>()?;
-        let mut boundary_loads = Vec::new();
-        let mut impedance = Vec::new();
-        for parts in self.boundaries {
-            let numbers = number_extra(&mut numbering, mesh.node_count(), &parts.blocks);
-            for extra in parts.blocks {
-                nodes_of_blocks.push(block_nodes(extra.block.as_ref(), &numbers)?);
-                blocks.push(extra.block);
-            }
-            for item in parts.impedance {
-                let node = engine_node("a boundary", item.node, &numbers)?;
-                if orphans.binary_search(&node).is_err() {
-                    impedance.push((node, item));
-                }
-            }
-            for load in parts.loads {
-                boundary_loads.push(with_engine_nodes(load, &numbers, mesh)?);
-            }
-        }
-        let (mass, mass_damping) = lumped(&blocks, &nodes_of_blocks, numbering.mesh_of.len());
-        check_masses(mesh, &numbering, &mass, &orphans)?;
-        let subdomain = Subdomain::new(mesh, numbering, orphans, &blocks, nodes_of_blocks);
-        let node_count = subdomain.node_count();
-
-        let numbers = subdomain.numbering.local_of[..mesh.node_count()].to_vec();
-        let mut loads = Vec::new();
-        for load in self.loads {
-            loads.push(with_engine_nodes(load, &numbers, mesh)?);
-        }
-        for (acceleration, history) in self.weights {
-            let of_mesh = numbers.iter().map(|&n| mass[n as usize]).collect();
-            let weight = Box::new(Weight::new(of_mesh, acceleration, history));
-            loads.push(with_engine_nodes(weight, &numbers, mesh)?);
-        }
-        let own_loads = loads.len();
-        loads.append(&mut boundary_loads);
-
-        let mut plan = GroupPlan::new(mesh, &subdomain.numbering, node_count);
-        for pairs in &self.periodic {
-            plan.tie(pairs)?;
-        }
-        for (node, item) in &impedance {
-            plan.add_impedance(*node, item)?;
-        }
-        for support in &self.supports {
-            plan.hold(support)?;
-        }
-        for (motion, prescribed) in self.prescribed.iter().enumerate() {
-            plan.prescribe(prescribed, motion)?;
-        }
-        let constrained = plan.constrain(&self.constraints)?;
-        let (groups, group_of) = plan.finish(&mass, &mass_damping, &constrained);
-        let groups = Groups::new(groups, &constrained.concat(), &subdomain.slots);
-        let constraints = bind(self.constraints, constrained);
-
-        let kicked = groups.kicked_of(&group_of);
-        let loads = AppliedLoads::new(loads, own_loads, &kicked, groups.kicked());
-        let with_external = loads.sums.on_plain_nodes();
-        let nodes = if precision == Precision::F32 {
-            Nodes::F32(NodalArrays::new(
-                node_count,
-                subdomain.slots.len(),
-                with_external,
-            ))
-        } else {
-            Nodes::F64(NodalArrays::new(
-                node_count,
-                subdomain.slots.len(),
-                with_external,
-            ))
-        };
-        let mut model = Model {
-            mesh: mesh.clone(),
-            partition,
-            subdomain,
-            blocks,
-            nodes,
-            mass,
-            mass_damping,
-            group_of,
-            groups,
-            loads,
-            prescribed: self
-                .prescribed
-                .into_iter()
-                .map(|p| p.displacement)
-                .collect(),
-            constraints,
-            initial_stress: Vec::new(),
-            absent: Vec::new(),
-            casts: Vec::new(),
-            stage_start: Vec::new(),
-            embedded: embedded_from..boundary_from,
-            hosts,
-            time: 0.0,
-            number: 0,
-            prepared: None,
-            kicked: false,
-            uncommitted: false,
-            profiler: None,
-            ledger: None,
-            precision,
-            speed_limit: f64::MAX,
-            fault: None,
-            spectrum: None,
-            pool,
-            stop: self.stop,
-            static_checkpoints: self.static_checkpoints,
-            static_resume: self.static_resume,
-        };
-        if let Some(state) = start.state {
-            model.absent.clone_from(&state.absent);
-            model.casts.clone_from(&state.casts);
-            model.set_state(&state)?;
-        }
-        Ok(model)
+        build_on(self, Communicator::default())
     }
 }
 
+/// Builds the part of a model that one rank computes.
+pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, ModelError> {
+    check_same_model(&spec, &team)?;
+    let pool = match spec.threads {
+        Some(threads) => Some(start_threads(threads)?),
+        None => None,
+    };
+    let mesh = spec.mesh;
+    let start = InitialState { state: spec.start };
+    let precision = coarsest(&spec.sets)?;
+    let block_size = spec.block_size.unwrap_or_else(|| {
+        let share = mesh.element_count() / BLOCKS;
+        share.clamp(*BLOCK_SIZES.start(), *BLOCK_SIZES.end())
+    });
+    let Solids {
+        partition,
+        ranks,
+        labels,
+        blocks,
+    } = build_blocks(mesh, &spec.sets, &start, block_size, &team)?;
+    let mut numbering = Numbering::of(&partition, mesh);
+    let orphans: Vec<u32> = (partition.orphans.iter())
+        .map(|&node| numbering.local_of[node as usize])
+        .collect();
+    let solids = BuiltSolids {
+        ranks,
+        labels,
+        blocks,
+    };
+    let assembly = BlockAssembly::of_solids(&team, &partition, solids, &numbering);
+    let mut assembly = team.agree(assembly)?;
+    let embedded_from = assembly.blocks.len();
+    let mut hosts = Vec::new();
+    for (host, block) in embedded_blocks(mesh, &partition, &spec.embedded) {
+        let nodes = block_nodes(block.as_ref(), &numbering.local_of)?;
+        if assembly.add(block, nodes, host) {
+            hosts.push(host);
+        }
+    }
+    let boundary_from = assembly.blocks.len();
+    let mut boundary_loads = Vec::new();
+    let mut impedance = Vec::new();
+    for parts in spec.boundaries {
+        let numbers = number_extra(&mut numbering, mesh.node_count(), &parts.blocks);
+        for extra in parts.blocks {
+            let nodes = block_nodes(extra.block.as_ref(), &numbers)?;
+            let first = assembly.first_at(&nodes);
+            assembly.add(extra.block, nodes, first);
+        }
+        for item in parts.impedance {
+            let node = engine_node("a boundary", item.node, &numbers)?;
+            if orphans.binary_search(&node).is_err() {
+                impedance.push((node, item));
+            }
+        }
+        for load in parts.loads {
+            boundary_loads.push(with_engine_nodes(load, &numbers, mesh)?);
+        }
+    }
+    let mut ranked = assembly.placed(team, &numbering, &spec.constraints, &spec.periodic);
+    let orphans = orphans.into_iter().map(|node| ranked.local(node));
+    let orphans: Vec<u32> = orphans.filter(|&node| node != ABSENT).collect();
+    let (blocks, nodes_of_blocks) = assembly.on_rank(|node| ranked.local(node));
+    let here = ranked.numbering(&numbering);
+    let (mass, mass_damping) = match ranked.is_single() {
+        true => lumped(&blocks, &nodes_of_blocks, here.mesh_of.len()),
+        false => ranked.lumped(&blocks, &nodes_of_blocks),
+    };
+    let checked = check_masses(mesh, &here, &mass, &orphans);
+    ranked.team.agree(checked.map_err(ModelError::from))?;
+    ranked.least_mass = ranked.team.least_of(least_mass(&mass));
+    let tables = ranked.take_tables();
+    let subdomain = Subdomain::new(mesh, here, orphans, &blocks, nodes_of_blocks, tables);
+    let node_count = subdomain.node_count();
+
+    let numbers = numbering.local_of[..mesh.node_count()].to_vec();
+    let mut loads = Vec::new();
+    for load in spec.loads {
+        loads.push(with_engine_nodes(load, &numbers, mesh)?);
+    }
+    for (acceleration, history) in spec.weights {
+        let of_mesh = numbers.iter().map(|&n| mass.get(ranked.local(n) as usize));
+        let of_mesh = of_mesh.map(|mass| mass.copied().unwrap_or(0.0)).collect();
+        let weight = Box::new(Weight::new(of_mesh, acceleration, history));
+        loads.push(with_engine_nodes(weight, &numbers, mesh)?);
+    }
+    let own_loads = loads.len();
+    loads.append(&mut boundary_loads);
+    for node in loads.iter_mut().flat_map(|(_, nodes)| nodes) {
+        *node = ranked.local(*node);
+    }
+
+    let mut plan = GroupPlan::new(mesh, &numbering, numbering.mesh_of.len());
+    for pairs in &spec.periodic {
+        plan.tie(pairs)?;
+    }
+    for (node, item) in &impedance {
+        plan.add_impedance(*node, item)?;
+    }
+    for support in &spec.supports {
+        plan.hold(support)?;
+    }
+    for (motion, prescribed) in spec.prescribed.iter().enumerate() {
+        plan.prescribe(prescribed, motion)?;
+    }
+    let constrained = plan.constrain(&spec.constraints)?;
+    let restricted = ranked.restrict(spec.constraints, constrained, &numbers);
+    let (constraints, constrained) = ranked.team.agree(restricted)?;
+    let masses = (&mass[..], &mass_damping[..]);
+    let (groups, group_of) = plan.finish(masses, &constrained, |node| ranked.local(node));
+    let constrained: Vec<Vec<u32>> = (constrained.into_iter())
+        .map(|nodes| nodes.into_iter().map(|node| ranked.local(node)).collect())
+        .collect();
+    let groups = Groups::new(groups, &constrained.concat(), &subdomain.slots);
+    let constraints = bind(constraints, constrained);
+
+    let kicked = groups.kicked_of(&group_of);
+    let loads = AppliedLoads::new(loads, own_loads, &kicked, groups.kicked());
+    let with_external = loads.sums.on_plain_nodes();
+    let nodes = if precision == Precision::F32 {
+        Nodes::F32(NodalArrays::new(
+            node_count,
+            subdomain.slots.len(),
+            with_external,
+        ))
+    } else {
+        Nodes::F64(NodalArrays::new(
+            node_count,
+            subdomain.slots.len(),
+            with_external,
+        ))
+    };
+    let prescribed = spec.prescribed.into_iter();
+    let mut model = Model {
+        mesh: mesh.clone(),
+        partition,
+        subdomain,
+        blocks,
+        nodes,
+        mass,
+        mass_damping,
+        group_of,
+        groups,
+        loads,
+        prescribed: prescribed.map(|p| p.displacement).collect(),
+        constraints,
+        initial_stress: Vec::new(),
+        absent: Vec::new(),
+        casts: Vec::new(),
+        stage_start: Vec::new(),
+        embedded: embedded_from..boundary_from,
+        hosts,
+        time: 0.0,
+        number: 0,
+        prepared: None,
+        kicked: false,
+        uncommitted: false,
+        profiler: None,
+        ledger: None,
+        precision,
+        speed_limit: f64::MAX,
+        fault: None,
+        spectrum: None,
+        pool,
+        stop: spec.stop,
+        static_checkpoints: spec.static_checkpoints,
+        static_resume: spec.static_resume,
+        ranks: ranked,
+    };
+    if let Some(state) = start.state {
+        if !(model.ranks.is_single() || state.joints.is_empty()) {
+            return Err(model
+                .ranks
+                .one_rank_only("an initial state with joints")
+                .into());
+        }
+        model.absent.clone_from(&state.absent);
+        model.casts.clone_from(&state.casts);
+        model.set_state(&state)?;
+    }
+    Ok(model)
+}
+
 pub(super) type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
+
+/// Refuses ranks whose specifications differ in the mesh, in the blocks of its elements or in the number of their parts.
+fn check_same_model(spec: &ModelSpec, team: &Communicator) -> Result<(), ModelError> {
+    if team.is_single() {
+        return Ok(());
+    }
+    let mut sum = Checksum::default();
+    sum.add_mesh(spec.mesh);
+    sum.add_whole(format!("{:?}", spec.block_size).as_bytes());
+    for (choice, factory) in &spec.sets {
+        let set = format!("{choice:?} {} {:?}", factory.label(), factory.options());
+        sum.add_whole(set.as_bytes());
+    }
+    for count in [
+        spec.supports.len(),
+        spec.periodic.len(),
+        spec.prescribed.len(),
+        spec.loads.len(),
+        spec.weights.len(),
+        spec.boundaries.len(),
+        spec.constraints.len(),
+        spec.embedded.len(),
+        usize::from(spec.start.is_some()),
+    ] {
+        sum.add_number(count as u64);
+    }
+    let (least, most) = (team.least(sum.value()), !team.least(!sum.value()));
+    team.check().map_err(|failure| rank_failure(&failure))?;
+    match least == most {
+        true => Ok(()),
+        false => Err(EngineError::RanksDiffer {
+            what: "the specification of the model",
+        }
+        .into()),
+    }
+}
 
 /// Lowest precision of any element set; sets with nodes in single precision cannot be combined with others.
 fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {
@@ -252,7 +331,7 @@ fn start_threads(threads: usize) -> Result<Arc<rayon::ThreadPool>, EngineError> 
         .map_err(|_| refused)
 }
 
-/// Numbers the additional nodes of the blocks of one boundary; returns the local numbers of the nodes of the mesh and
+/// Numbers the additional nodes of the blocks of one boundary; returns the engine numbers of the nodes of the mesh and
 /// of these additional ones, which follow them in the boundary's own numbering.
 fn number_extra(
     numbering: &mut Numbering,
@@ -267,8 +346,11 @@ fn number_extra(
     numbers
 }
 
-/// Local numbers of the nodes of a block, which names them by the index in `numbers`.
-fn block_nodes(block: &dyn ElementBlock, numbers: &[u32]) -> Result<Vec<u32>, EngineError> {
+/// Engine numbers of the nodes of a block, which names them by the index in `numbers`.
+pub(crate) fn block_nodes(
+    block: &dyn ElementBlock,
+    numbers: &[u32],
+) -> Result<Vec<u32>, EngineError> {
     let local = |&node: &u32| {
         let found = numbers.get(node as usize).copied();
         found.ok_or_else(|| EngineError::BlockNode {

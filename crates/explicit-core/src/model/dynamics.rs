@@ -12,6 +12,7 @@ use super::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Nodes, Storage, with_nodes};
 use crate::profile::{BlockTimes, PROBE_INTERVAL, Phase, Profiler};
+use crate::ranks::Ranked;
 use crate::subdomain::{NodalMotion, Subdomain};
 
 /// Terms of a force evaluation of all blocks.
@@ -278,14 +279,38 @@ impl Model {
             }
             fault
         });
-        match fault {
-            None => Ok(()),
-            Some((set, fault)) => Err(RunError::Element {
+        let failed = fault.map(|(set, fault)| {
+            let of_block = self.subdomain.block_of_element.get(fault.element as usize);
+            let block = of_block.map_or(u32::MAX, |&(block, _)| block);
+            let error = RunError::Element {
                 element: self.element_tag(fault.element),
                 set,
                 step: self.number,
                 reason: fault.reason,
-            }),
+            };
+            self.ranks.failed_in_block(block);
+            error
+        });
+        match failed {
+            Some(error) => Err(error),
+            None => self.exchange_forces(),
+        }
+    }
+
+    /// Exchanges the forces at nodes that other ranks have too.
+    fn exchange_forces(&mut self) -> Result<(), RunError> {
+        if self.ranks.is_single() {
+            return Ok(());
+        }
+        let start = self.clock();
+        let Ranked { exchange, team, .. } = &mut self.ranks;
+        let complete = with_nodes!(&mut self.nodes, arrays => {
+            exchange.swap(team, &mut arrays.forces)
+        });
+        self.spent(Phase::Nodes, start);
+        match complete {
+            true => Ok(()),
+            false => Err(self.ranks.ended_elsewhere()),
         }
     }
 
@@ -309,7 +334,7 @@ impl Model {
             }
         }
         with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));
-        let least = least_mass(&self.mass);
+        let least = self.ranks.least_mass;
         for bound in &mut self.constraints {
             let groups = &self.groups.groups[bound.groups.clone()];
             let own = groups
@@ -341,9 +366,11 @@ impl Model {
             ledger,
             prepared,
             profiler,
+            ranks,
             ..
         } = self;
         for (index, bound) in constraints.iter_mut().enumerate() {
+            ranks.failed_in_constraint(index);
             let start = profiler.as_ref().map(|_| Instant::now());
             let motion = groups.motion.of(bound.groups.clone());
             if ledger.is_some() {
@@ -387,7 +414,7 @@ impl Model {
     }
 
     /// The error of a diverged motion, with the fastest node; a node whose velocity is not finite counts as fastest.
-    fn divergence(&self) -> RunError {
+    fn divergence(&mut self) -> RunError {
         let rank = |v: &Vec3| {
             let speed = v.norm();
             if speed.is_finite() {
@@ -403,12 +430,13 @@ impl Model {
                 (worst, velocity) = (node, v);
             }
         }
-        let (element, set) = self.element_at(worst);
+        let at = self.element_at(worst);
+        self.ranks.diverged(velocity.norm(), worst);
         RunError::Diverged {
             step: self.number,
             time: self.time,
-            element,
-            set,
+            element: at.element,
+            set: at.set,
             node: self.node_tag(worst),
             speed: velocity.norm(),
         }

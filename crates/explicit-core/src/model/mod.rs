@@ -19,14 +19,18 @@ use powerhouse_model::{
 use crate::applied::AppliedLoads;
 use crate::groups::Groups;
 use crate::ledger::Ledger;
+use crate::node_ranges::NodeSums;
 use crate::nodes::Nodes;
 use crate::partition::Partition;
 use crate::profile::Profiler;
+use crate::ranks::Ranked;
 use crate::stable_step::Spectrum;
 use crate::subdomain::Subdomain;
 
 pub use builder::BuildModel;
+pub(crate) use builder::{block_nodes, build_on};
 pub(crate) use dynamics::{BlockTerms, block_forces, least_mass};
+pub(crate) use motion::ElementAt;
 
 /// A constraint with the node groups on which it acts.
 pub(crate) struct BoundConstraint {
@@ -108,6 +112,8 @@ pub struct Model {
     /// Receiver of the states of static solutions, and the state from which the next one goes on.
     pub(crate) static_checkpoints: Option<Arc<dyn CheckpointSink>>,
     pub(crate) static_resume: Option<Arc<SavedRun>>,
+    /// The place of this model among those of other ranks.
+    pub(crate) ranks: Ranked,
 }
 
 /// Indices of the blocks of each label, in the order of the labels' first blocks.
@@ -192,6 +198,14 @@ impl Model {
 
     pub(crate) fn engine(&self, node: u32) -> usize {
         self.subdomain.numbering.local_of[node as usize] as usize
+    }
+
+    /// Sums over the nodes of the body.
+    pub(crate) fn node_sums(&self) -> NodeSums<'_> {
+        NodeSums {
+            ranges: &self.subdomain.node_ranges,
+            team: &self.ranks.team,
+        }
     }
 
     /// The values of the prescribed motions at the present time (m).

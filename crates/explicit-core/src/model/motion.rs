@@ -10,6 +10,18 @@ use powerhouse_model::{
 use super::Model;
 use crate::nodes::with_nodes;
 
+/// An element at a node.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ElementAt {
+    /// Bound on its frequency (rad/s).
+    pub(crate) frequency: f64,
+    /// Global number of its block; none if there is no element.
+    pub(crate) block: Option<u32>,
+    /// Its number, and the name of its set.
+    pub(crate) element: u64,
+    pub(crate) set: String,
+}
+
 impl Model {
     /// Displacement (m) of a mesh node at [`time`](Self::time), in all stages together.
     ///
@@ -58,10 +70,10 @@ impl Model {
 }
 
 impl Model {
-    /// Of the elements at a node, the number and set of the one with the highest frequency bound.
-    pub(crate) fn element_at(&self, node: usize) -> (u64, String) {
+    /// Of the elements at a node, the one with the highest frequency bound.
+    pub(crate) fn element_at(&self, node: usize) -> ElementAt {
         let mesh_node = self.subdomain.numbering.mesh_of[node];
-        let mut worst = (f64::NEG_INFINITY, 0, String::new());
+        let mut worst = ElementAt::default();
         for (index, block) in self.blocks.iter().enumerate() {
             if !self.subdomain.nodes_of(index).contains(&(node as u32)) {
                 continue;
@@ -69,16 +81,18 @@ impl Model {
             for bound in block.frequency_bounds() {
                 let inside = (bound.element as usize) < self.mesh.element_count()
                     && self.mesh.nodes_of(bound.element).contains(&mesh_node);
-                if inside && bound.frequency > worst.0 {
-                    worst = (
-                        bound.frequency,
-                        self.element_tag(bound.element),
-                        block.label().into(),
-                    );
+                let first = worst.block.is_none();
+                if inside && (first || bound.frequency > worst.frequency) {
+                    worst = ElementAt {
+                        frequency: bound.frequency,
+                        block: self.ranks.block_numbers.get(index).copied(),
+                        element: self.element_tag(bound.element),
+                        set: block.label().into(),
+                    };
                 }
             }
         }
-        (worst.1, worst.2)
+        worst
     }
 
     /// Sets the initial motion: displacement (m) at the present time and velocity (m/s) half a step
@@ -104,8 +118,8 @@ impl Model {
             .iter()
             .enumerate()
             .map(|(node, &v)| {
-                let engine = self.subdomain.numbering.local_of.get(node);
-                let group = engine.and_then(|&engine| self.group_of[engine as usize]);
+                let local = self.subdomain.numbering.local(node);
+                let group = local.and_then(|local| self.group_of[local]);
                 group.map_or(v, |g| self.groups.groups[g as usize].condition.released(v))
             })
             .collect();
@@ -113,7 +127,8 @@ impl Model {
     }
 
     fn put_motion(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
-        let (mesh_nodes, all) = (self.mesh.node_count(), self.mass.len());
+        let numbering = &self.subdomain.numbering;
+        let (mesh_nodes, all) = (self.mesh.node_count(), numbering.local_of.len());
         for (what, values) in [("displacement", displacement), ("velocity", velocity)] {
             let finite = values.iter().all(|v| v.iter().all(|x| x.is_finite()));
             if (values.len() != mesh_nodes && values.len() != all) || !finite {
@@ -128,16 +143,20 @@ impl Model {
         self.check_ties(velocity)?;
         self.complete_kick();
         self.groups.motion.invalidate();
-        let local_of = &self.subdomain.numbering.local_of;
+        let numbering = &self.subdomain.numbering;
         let roller_nodes = &self.groups.motion.roller_nodes;
         with_nodes!(&mut self.nodes, arrays => {
             arrays.displacement.fill(Quad::default());
             arrays.velocity.fill(Quad::default());
-            for (&engine, u) in local_of.iter().zip(displacement) {
-                arrays.displacement[engine as usize] = Quad::from_vector(u);
+            for (index, u) in displacement.iter().enumerate() {
+                if let Some(local) = numbering.local(index) {
+                    arrays.displacement[local] = Quad::from_vector(u);
+                }
             }
-            for (&engine, v) in local_of.iter().zip(velocity) {
-                arrays.velocity[engine as usize] = Quad::from_vector(v);
+            for (index, v) in velocity.iter().enumerate() {
+                if let Some(local) = numbering.local(index) {
+                    arrays.velocity[local] = Quad::from_vector(v);
+                }
             }
             roller_nodes.stop(&mut arrays.velocity);
         });
@@ -285,14 +304,10 @@ impl Model {
         let mut carried = Vec::new();
         if !state.carried_forces.is_empty() {
             carried = vec![Vec3::zeros(); self.mass.len()];
-            for (&engine, force) in self
-                .subdomain
-                .numbering
-                .local_of
-                .iter()
-                .zip(&state.carried_forces)
-            {
-                carried[engine as usize] = *force;
+            for (index, force) in state.carried_forces.iter().enumerate() {
+                if let Some(local) = self.subdomain.numbering.local(index) {
+                    carried[local] = *force;
+                }
             }
         }
         self.set_carried_forces(carried);

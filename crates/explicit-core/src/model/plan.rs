@@ -7,6 +7,7 @@ use powerhouse_model::{
 };
 
 use crate::groups::NodeGroup;
+use crate::ranks::ABSENT;
 use crate::subdomain::Numbering;
 
 pub(super) fn engine_node(part: &str, node: u32, numbers: &[u32]) -> Result<u32, EngineError> {
@@ -183,12 +184,13 @@ impl<'a> GroupPlan<'a> {
     }
 
     /// The groups, and the group of each node, in the order that the page of [`crate::groups`] states: nodes of
-    /// constraints first, then others in rising order of leads, roller nodes last.
+    /// constraints first, then others in rising order of leads, roller nodes last. Groups have the numbers that nodes have
+    /// on this rank, which also order masses and damping; groups of other ranks are left out.
     pub(super) fn finish(
         mut self,
-        mass: &[f64],
-        damping: &[f64],
+        (mass, damping): (&[f64], &[f64]),
         constrained: &[Vec<u32>],
+        on_rank: impl Fn(u32) -> u32,
     ) -> (Vec<NodeGroup>, Vec<Option<u32>>) {
         let nodes = 0..self.parent.len() as u32;
         // A tied node forms a group even without other conditions; its root has a lower number.
@@ -200,6 +202,10 @@ impl<'a> GroupPlan<'a> {
         }
         for node in nodes {
             let root = self.root(node);
+            let node = on_rank(node);
+            if node == ABSENT {
+                continue;
+            }
             if let Some(group) = self.nodes.get_mut(&root) {
                 group.members.push(node);
                 group.mass += mass[node as usize];
@@ -211,6 +217,7 @@ impl<'a> GroupPlan<'a> {
             groups.extend(self.nodes.remove(&self.root(node)));
         }
         let others = self.nodes.into_values();
+        let others = others.filter(|group| !group.members.is_empty());
         let (roller_nodes, others): (Vec<_>, Vec<_>) =
             others.partition(|group| group.held_axes().is_some());
         groups.extend(others);

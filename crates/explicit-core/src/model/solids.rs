@@ -9,22 +9,27 @@
 //! acceleration grows as `w` to the power 1.5 and stays in the element and its neighbours.
 
 use powerhouse_model::{
-    BlockPart, ElementBlock, EngineError, Mesh, ModelError, NodalView, Precision,
+    BlockPart, ElementBlock, EngineError, Mesh, ModelError, NodalView, Precision, StateError,
+    decode, encode,
 };
 use rayon::prelude::*;
 
 use super::builder::ElementSet;
 use super::start::{ElementSubset, InitialState};
 use crate::partition::{ElementSets, Partition};
+use crate::ranks::{Communicator, Distribution, rank_failure};
 
 /// Multiple of the volume mean of natural frequencies in sets of single precision above which an element is computed
 /// in double precision, and the largest share of such elements.
 const STIFF: f64 = 2.0;
 const MOST_STIFF: f64 = 0.1;
 
-/// Partition of the mesh, and an element block for each of its blocks.
+/// Partition of the mesh, and an element block for each of its blocks that this rank computes.
 pub(super) struct Solids {
     pub(super) partition: Partition,
+    /// Rank of each block of the partition, and name of its element set.
+    pub(super) ranks: Vec<u32>,
+    pub(super) labels: Vec<String>,
     pub(super) blocks: Vec<Box<dyn ElementBlock>>,
 }
 
@@ -34,16 +39,19 @@ pub(super) fn build_blocks(
     sets: &[ElementSet],
     start: &InitialState,
     block_size: usize,
+    team: &Communicator,
 ) -> Result<Solids, ModelError> {
     let absent = start.absent(mesh)?;
     let subsets = start.subsets(mesh, sets, &absent)?;
-    let whole = build_subsets(mesh, (sets, &subsets), (start, &absent), block_size)?;
-    let stiff = stiff_elements(mesh, sets, &subsets, &whole.blocks);
+    let whole = build_subsets(mesh, (sets, &subsets), (start, &absent), block_size, team);
+    let whole = team.agree(whole)?;
+    let stiff = team.agree(stiff_elements(mesh, sets, &subsets, &whole, team))?;
     if stiff.is_empty() {
         return Ok(whole);
     }
     let subsets = with_double_precision(subsets, sets, &stiff);
-    build_subsets(mesh, (sets, &subsets), (start, &absent), block_size)
+    let divided = build_subsets(mesh, (sets, &subsets), (start, &absent), block_size, team);
+    team.agree(divided)
 }
 
 /// Divides some element subsets and builds their blocks.
@@ -52,6 +60,7 @@ fn build_subsets(
     (sets, subsets): (&[ElementSet], &[ElementSubset]),
     (start, absent): (&InitialState, &[bool]),
     block_size: usize,
+    team: &Communicator,
 ) -> Result<Solids, ModelError> {
     let lists: Vec<&[u32]> = subsets.iter().map(|subset| &*subset.elements).collect();
     let factory = |subset: usize| sets[subsets[subset].set].1.as_ref();
@@ -75,8 +84,15 @@ fn build_subsets(
             .into());
         }
     }
-    let blocks: Result<Vec<_>, ModelError> = (partition.blocks.par_iter())
-        .map(|block| {
+    let ranks = match team.is_single() {
+        true => vec![0; partition.blocks.len()],
+        false => Distribution::new(&partition, mesh, team.count())?.rank_of_block,
+    };
+    let own = (0..ranks.len()).filter(|&block| ranks[block] as usize == team.rank());
+    let own: Vec<usize> = own.collect();
+    let blocks: Result<Vec<_>, ModelError> = (own.par_iter())
+        .map(|&block| {
+            let block = &partition.blocks[block];
             let subset = &subsets[block.set];
             let part = BlockPart::new(mesh, &block.elements, &block.nodes).in_double(subset.double);
             let mut built = factory(block.set).build(&part)?;
@@ -89,6 +105,10 @@ fn build_subsets(
         .collect();
     Ok(Solids {
         blocks: blocks?,
+        ranks,
+        labels: (partition.blocks.iter())
+            .map(|block| labels[block.set].into())
+            .collect(),
         partition,
     })
 }
@@ -103,17 +123,21 @@ fn stiff_elements(
     mesh: &Mesh,
     sets: &[ElementSet],
     subsets: &[ElementSubset],
-    blocks: &[Box<dyn ElementBlock>],
-) -> Vec<u32> {
+    solids: &Solids,
+    team: &Communicator,
+) -> Result<Vec<u32>, ModelError> {
+    if !subsets.iter().any(|subset| is_single(sets, subset)) {
+        return Ok(Vec::new());
+    }
     let mut single = vec![false; mesh.element_count()];
     for subset in subsets.iter().filter(|subset| is_single(sets, subset)) {
         for &element in subset.elements.iter() {
             single[element as usize] = true;
         }
     }
-    let mut frequencies: Vec<(f64, u32)> = (blocks.iter())
-        .flat_map(|block| block.frequency_bounds())
-        .map(|bound| (bound.frequency, bound.element))
+    let bounds = all_frequency_bounds(solids, team)?;
+    let mut frequencies: Vec<(f64, u32)> = (bounds.into_iter())
+        .flatten()
         .filter(|&(_, element)| single.get(element as usize) == Some(&true))
         .collect();
     let (mut volume, mut sum) = (0.0, 0.0);
@@ -129,7 +153,34 @@ fn stiff_elements(
     let stiff = stiff.take_while(|(frequency, _)| *frequency > limit);
     let mut stiff: Vec<u32> = stiff.map(|&(_, element)| element).collect();
     stiff.sort_unstable();
-    stiff
+    Ok(stiff)
+}
+
+/// Bounds on the frequency (rad/s) of the elements of each block of the partition, on whatever rank it is.
+fn all_frequency_bounds(
+    solids: &Solids,
+    team: &Communicator,
+) -> Result<Vec<Vec<(f64, u32)>>, ModelError> {
+    let of_block = |block: &Box<dyn ElementBlock>| -> Vec<(f64, u32)> {
+        let bounds = block.frequency_bounds().into_iter();
+        bounds
+            .map(|bound| (bound.frequency, bound.element))
+            .collect()
+    };
+    let own: Vec<Vec<(f64, u32)>> = solids.blocks.iter().map(of_block).collect();
+    if team.is_single() {
+        return Ok(own);
+    }
+    let undecodable = |error: StateError| ModelError::refused("ranks", error);
+    let sent = team.of_all(&encode(&own).map_err(undecodable)?);
+    team.check().map_err(|failure| rank_failure(&failure))?;
+    let mut of_ranks = Vec::with_capacity(sent.len());
+    for bytes in sent {
+        let bounds: Vec<Vec<(f64, u32)>> = decode(&bytes).map_err(undecodable)?;
+        of_ranks.push(bounds.into_iter());
+    }
+    let next = |&rank: &u32| of_ranks.get_mut(rank as usize)?.next();
+    Ok(solids.ranks.iter().filter_map(next).collect())
 }
 
 /// Divides the subsets so that the elements to be computed in double precision are in subsets of their own.

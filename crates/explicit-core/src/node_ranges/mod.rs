@@ -11,8 +11,8 @@ use core::ops::Range;
 use powerhouse_model::Vec3;
 use rayon::prelude::*;
 
-use crate::exact::ExactSum;
 use crate::gather::SlotTable;
+use crate::ranks::Communicator;
 
 /// Largest number of nodes of a range: a parallel task.
 const MOST: usize = 4096;
@@ -41,32 +41,53 @@ impl NodeRanges {
             let first = slots.of(node)[0] as usize;
             ends.partition_point(|&end| end <= first)
         };
-        let mut owned: Vec<(usize, Range<usize>)> = Vec::new();
-        for node in 0..slots.node_count() {
-            let block = owner(node);
-            match owned.last_mut() {
-                Some((last, range)) if *last == block => range.end = node + 1,
-                _ => owned.push((block, node..node + 1)),
+        let owned = runs((0..slots.node_count()).map(owner));
+        Self::new(owned.into_iter().map(|(_, range)| range))
+    }
+
+    /// The ranges, of those of a model on one rank, whose blocks are on a rank, in its numbers of the nodes: from the nodes
+    /// of all blocks, the rank of each block, and the number of each node on this rank.
+    pub(crate) fn of_rank(nodes: &[Vec<u32>], ranks: &[u32], rank: u32, local_of: &[u32]) -> Self {
+        let mut owners = vec![usize::MAX; local_of.len()];
+        for (block, nodes) in nodes.iter().enumerate() {
+            for &node in nodes {
+                let owner = &mut owners[node as usize];
+                *owner = (*owner).min(block);
             }
         }
-        Self::new(owned.into_iter().map(|(_, range)| range))
+        let own = |owner: &usize| ranks.get(*owner) == Some(&rank);
+        let owned = runs(owners.into_iter()).into_iter();
+        // The nodes of a range are all here, and those here keep their order.
+        Self::new(owned.filter(|(owner, _)| own(owner)).map(|(_, range)| {
+            let start = local_of[range.start] as usize;
+            start..start + range.len()
+        }))
     }
 
     /// The ranges.
     pub(crate) fn ranges(&self) -> &[Range<usize>] {
         &self.0
     }
+}
 
+/// Sums over the nodes of the body, those of other ranks included.
+#[derive(Clone, Copy)]
+pub(crate) struct NodeSums<'a> {
+    pub(crate) ranges: &'a NodeRanges,
+    pub(crate) team: &'a Communicator,
+}
+
+impl NodeSums<'_> {
     /// The sum over all ranges of the sum of a range.
-    pub(crate) fn sum(&self, of_range: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
-        let sums: Vec<f64> = (self.0.par_iter())
+    pub(crate) fn sum(self, of_range: impl Fn(Range<usize>) -> f64 + Sync) -> f64 {
+        let sums: Vec<f64> = (self.ranges.0.par_iter())
             .map(|range| of_range(range.clone()))
             .collect();
-        sums.into_iter().collect::<ExactSum>().round()
+        self.team.total(sums.into_iter())
     }
 
     /// The inner product of two nodal vectors.
-    pub(crate) fn dot(&self, a: &[Vec3], b: &[Vec3]) -> f64 {
+    pub(crate) fn dot(self, a: &[Vec3], b: &[Vec3]) -> f64 {
         self.sum(|range| {
             let pairs = a[range.clone()].iter().zip(&b[range]);
             pairs.map(|(a, b)| a.dot(b)).sum()
@@ -74,9 +95,21 @@ impl NodeRanges {
     }
 
     /// The Euclidean norm of a nodal vector.
-    pub(crate) fn norm(&self, a: &[Vec3]) -> f64 {
+    pub(crate) fn norm(self, a: &[Vec3]) -> f64 {
         self.dot(a, a).sqrt()
     }
+}
+
+/// Runs of equal values: the value and the range of each.
+fn runs(values: impl Iterator<Item = usize>) -> Vec<(usize, Range<usize>)> {
+    let mut runs: Vec<(usize, Range<usize>)> = Vec::new();
+    for (index, value) in values.enumerate() {
+        match runs.last_mut() {
+            Some((last, range)) if *last == value => range.end = index + 1,
+            _ => runs.push((value, index..index + 1)),
+        }
+    }
+    runs
 }
 
 #[cfg(test)]

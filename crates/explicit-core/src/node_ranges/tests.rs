@@ -11,6 +11,7 @@ use powerhouse_model::{
 use super::NodeRanges;
 use crate::gather::SlotTable;
 use crate::ledger::total_energy;
+use crate::ranks::Communicator;
 use crate::{BuildModel, Leapfrog, Model, run};
 
 impl NodeRanges {
@@ -258,7 +259,7 @@ fn energies_of_blocks_do_not_depend_on_their_order() {
         energy
     };
     let mut blocks: Vec<BlockEnergy> = (0..100).map(energy).collect();
-    let expected = total_energy(blocks.iter());
+    let expected = total_energy(blocks.iter(), &Communicator::default());
     let mut plain = BlockEnergy::default();
     blocks.iter().for_each(|energy| plain += *energy);
     for (found, plain) in [
@@ -275,7 +276,10 @@ fn energies_of_blocks_do_not_depend_on_their_order() {
     }
     for seed in 0..5 {
         shuffle(&mut blocks, seed);
-        assert_eq!(total_energy(blocks.iter()), expected);
+        assert_eq!(
+            total_energy(blocks.iter(), &Communicator::default()),
+            expected
+        );
     }
 }
 

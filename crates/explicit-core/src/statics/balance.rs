@@ -43,7 +43,7 @@ impl Model {
                 .collect();
             model.gather_members(&mut change);
             model.reduce(&mut change);
-            let norm = |forces: &[Vec3]| model.subdomain.node_ranges.norm(forces);
+            let norm = |forces: &[Vec3]| model.node_sums().norm(forces);
             let scale = scale.max(norm(&before)).max(f64::MIN_POSITIVE);
             let report = HandOverReport {
                 carried_forces: norm(&carried),
@@ -79,7 +79,7 @@ impl Model {
         self.compute_static_forces(0.0)?;
         let count = self.mass.len();
         let mut forces = self.internal_forces();
-        let size = self.subdomain.node_ranges.norm(&forces);
+        let size = self.node_sums().norm(&forces);
         for (group, origin) in self.groups.groups.iter().zip(&self.groups.origin) {
             let lead = group.members[0] as usize;
             forces[lead] += group.spring * (self.displacement_of(lead) - origin);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::Vec3;
 
-use crate::node_ranges::NodeRanges;
+use crate::node_ranges::NodeSums;
 
 /// Anderson mixing (acceleration) of displacement corrections.
 ///
@@ -40,8 +40,8 @@ impl Mixing {
     }
 
     /// Advances an iterate by its accelerated correction.
-    pub(super) fn advance(&mut self, ranges: &NodeRanges, u: &mut [Vec3], correction: Vec<Vec3>) {
-        let size = ranges.norm(&correction);
+    pub(super) fn advance(&mut self, sums: NodeSums, u: &mut [Vec3], correction: Vec<Vec3>) {
+        let size = sums.norm(&correction);
         if size > WORSE * self.size {
             self.differences.clear();
             self.last = None;
@@ -55,7 +55,7 @@ impl Mixing {
                 .push((minus(u, &point), minus(&correction, &before)));
         }
         let point = u.to_vec();
-        let shares = self.shares(ranges, &correction);
+        let shares = self.shares(sums, &correction);
         for (u, g) in u.iter_mut().zip(&correction) {
             *u += g;
         }
@@ -68,20 +68,20 @@ impl Mixing {
     }
 
     /// Coefficients `c_j` by least squares, from the eigenvalues of the normal equations without dependent directions.
-    fn shares(&self, ranges: &NodeRanges, correction: &[Vec3]) -> Vec<f64> {
+    fn shares(&self, sums: NodeSums, correction: &[Vec3]) -> Vec<f64> {
         let count = self.differences.len();
         if count == 0 {
             return Vec::new();
         }
         let column = |i: usize| &self.differences[i].1;
         let scales: Vec<f64> = (0..count)
-            .map(|i| ranges.norm(column(i)))
+            .map(|i| sums.norm(column(i)))
             .map(|size| if size > 0.0 { 1.0 / size } else { 0.0 })
             .collect();
         let normal = DMatrix::from_fn(count, count, |i, j| {
-            scales[i] * scales[j] * ranges.dot(column(i), column(j))
+            scales[i] * scales[j] * sums.dot(column(i), column(j))
         });
-        let right = DVector::from_fn(count, |i, _| scales[i] * ranges.dot(column(i), correction));
+        let right = DVector::from_fn(count, |i, _| scales[i] * sums.dot(column(i), correction));
         let eigen = normal.symmetric_eigen();
         let largest = eigen.eigenvalues.max();
         let mut shares = vec![0.0; count];

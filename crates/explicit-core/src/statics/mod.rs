@@ -259,7 +259,7 @@ impl Increment<'_> {
                 mixing = Mixing::new(KEPT_CORRECTIONS);
             }
             last = size;
-            mixing.advance(system.ranges(), &mut u, step);
+            mixing.advance(system.sums(), &mut u, step);
         }
     }
 }

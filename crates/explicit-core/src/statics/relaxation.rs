@@ -261,13 +261,13 @@ impl Relaxation {
         last: &[Vec3],
         out: &[Vec3],
     ) -> Option<f64> {
-        let ranges = system.ranges();
-        let resisted = ranges.sum(|nodes| {
+        let sums = system.sums();
+        let resisted = sums.sum(|nodes| {
             nodes
                 .map(|node| velocity[node].dot(&(last[node] - out[node])))
                 .sum()
         });
-        let moved = ranges.sum(|nodes| {
+        let moved = sums.sum(|nodes| {
             let of =
                 |node: usize| velocity[node].dot(&(self.effective[node] * velocity[node] * STEP));
             nodes.map(of).sum()

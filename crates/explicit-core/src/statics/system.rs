@@ -8,7 +8,8 @@ use super::Increment;
 use super::freedoms::DegreesOfFreedom;
 use crate::Model;
 use crate::groups::NodeGroup;
-use crate::node_ranges::NodeRanges;
+use crate::model::ElementAt;
+use crate::node_ranges::NodeSums;
 use crate::nodes::{Storage, with_nodes};
 use crate::subdomain::Subdomain;
 
@@ -99,7 +100,7 @@ impl<'a> System<'a> {
             let found = diagonal.try_inverse();
             let found = found.ok_or_else(|| StaticError::NoStiffness {
                 node: model.node_tag(node),
-                set: model.element_at(node).1,
+                set: model.element_at(node).set,
             })?;
             inverse.push(match group {
                 Some(group) => group.condition.project(&found).0,
@@ -227,19 +228,19 @@ impl<'a> System<'a> {
         }
     }
 
-    /// The ranges of nodes over which vectors are summed.
-    pub(super) fn ranges(&self) -> &NodeRanges {
-        &self.model.subdomain.node_ranges
+    /// Sums over the nodes.
+    pub(super) fn sums(&self) -> NodeSums<'_> {
+        self.model.node_sums()
     }
 
     /// The inner product of two vectors.
     pub(super) fn dot(&self, a: &[Vec3], b: &[Vec3]) -> f64 {
-        self.ranges().dot(a, b)
+        self.sums().dot(a, b)
     }
 
     /// The Euclidean norm of a vector.
     pub(super) fn norm(&self, a: &[Vec3]) -> f64 {
-        self.ranges().norm(a)
+        self.sums().norm(a)
     }
 
     /// Number of nodes.
@@ -301,7 +302,7 @@ impl<'a> System<'a> {
     /// The error of a factorisation that failed at a node.
     #[cfg(feature = "direct")]
     pub(super) fn not_definite(&self, node: u32) -> StaticError {
-        let (element, set) = self.model.element_at(node as usize);
+        let ElementAt { element, set, .. } = self.model.element_at(node as usize);
         StaticError::NotDefinite {
             node: self.model.node_tag(node as usize),
             element,
@@ -324,7 +325,7 @@ impl<'a> System<'a> {
                 worst = (node, size);
             }
         }
-        let (element, set) = self.model.element_at(worst.0);
+        let ElementAt { element, set, .. } = self.model.element_at(worst.0);
         StaticError::NotConverged {
             residual: relative,
             share: increment.share,
