@@ -170,8 +170,9 @@ fn a_disk_that_is_full_at_the_end_loses_no_result() {
     assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));
     let expected = files(&block.out());
     let size = |name: &str| expected[Path::new(name)].len() as u64;
-    let plot = size("plots/inside.svg");
-    assert!(plot > 2 * size("histories.csv") && plot > 8192);
+    // The largest file by far.
+    let plot = size("plots/energies.svg");
+    assert!(plot > size("energies.csv") + 4096);
     std::fs::remove_dir_all(block.out()).unwrap();
     let ended = limited(plot - 512, &with(&arguments, &EVERY_STEP))
         .output()
@@ -179,7 +180,7 @@ fn a_disk_that_is_full_at_the_end_loses_no_result() {
     let errors = text(&ended.stderr);
     assert_eq!(ended.status.code(), Some(2), "{errors}");
     assert!(
-        errors.contains("plots/inside.svg: File too large"),
+        errors.contains("plots/energies.svg: File too large"),
         "{errors}"
     );
     assert!(
@@ -472,9 +473,11 @@ fn a_diverging_run_names_its_last_good_state() {
     }
 }
 
-/// A run that takes more memory than the machine has is a warning of `check`, with both figures and what may help.
+/// A run that takes more memory than the machine has is a warning of `check`, with both figures and what may help:
+/// `cargo test --release -p powerhouse-cli --test faults memory -- --ignored`.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "takes minutes: what is recorded fills the memory only in a run of weeks"]
 fn a_lack_of_memory_is_predicted() {
     let endless = Block::new("memory", |scene| {
         let scene = scene

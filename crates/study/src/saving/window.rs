@@ -29,6 +29,8 @@ use crate::trade::{Misfit, columns, misfits};
 /// Share of a run's wall time that is spent on its window, and least wall time of all windows together.
 const SHARE: f64 = 0.015;
 const LEAST: Duration = Duration::from_millis(1200);
+/// Greatest wall time of a window: a check of a run of days is to end within minutes.
+const MOST: Duration = Duration::from_secs(60);
 /// Instants at which the incident field is sampled.
 const INSTANTS: usize = 4000;
 /// Time step of windows over that of the run; the stable steps of number formats differ by less.
@@ -144,7 +146,8 @@ impl Window {
         let RunTiming { of_step, step, .. } = *timing;
         let duration = file.duration;
         let run = of_step.mul_f64((duration / step).ceil());
-        let spent = run.mul_f64(SHARE).max(LEAST.div_f64((others + 1) as f64));
+        let least = LEAST.div_f64((others + 1) as f64);
+        let spent = run.mul_f64(SHARE).max(least).min(MOST);
         let steps = spent.as_secs_f64() / of_step.as_secs_f64().max(1e-12);
         let length = duration.min((steps.ceil() * step).max(step));
         let reference = match facts.obstacle {
