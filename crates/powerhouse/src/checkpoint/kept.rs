@@ -38,7 +38,7 @@ pub struct KeptState {
 }
 
 impl KeptState {
-    /// Accepts a scene as a variant of the run; returns its inputs, whose [origin](RunInputs::origin) tells this state
+    /// Accepts a scene as a variant of the run; returns its inputs, whose [origin](RunInputs::origin) names this state
     /// and what has changed since.
     ///
     /// # Errors

@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use crate::Scene;
+
 /// Wall time between two checkpoints of a run.
 ///
 /// ```
@@ -99,6 +101,19 @@ impl CheckpointPlan {
     pub fn with_keep(mut self, times: impl IntoIterator<Item = f64>) -> Self {
         self.keep = times.into_iter().collect();
         self.keep.sort_by(f64::total_cmp);
+        self
+    }
+}
+
+impl Scene {
+    /// Checkpoints that the scene requests.
+    pub fn checkpoints(&self) -> &CheckpointPlan {
+        &self.checkpoints
+    }
+    /// Sets the checkpoints of a run, and the times whose states are kept after it.
+    #[must_use]
+    pub fn with_checkpoints(mut self, checkpoints: CheckpointPlan) -> Self {
+        self.checkpoints = checkpoints;
         self
     }
 }

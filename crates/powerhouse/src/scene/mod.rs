@@ -408,13 +408,6 @@ impl Scene {
         self
     }
 
-    /// Sets the checkpoints of a run, and the times whose states are kept after it.
-    #[must_use]
-    pub fn with_checkpoints(mut self, checkpoints: CheckpointPlan) -> Self {
-        self.checkpoints = checkpoints;
-        self
-    }
-
     /// Sets the largest permitted relative L2 error of velocity in the free-field check (1), which the command
     /// `powerhouse run` and sweeps make before they run a scene; [`Scene::prepare`] and a simulation do not.
     #[must_use]
@@ -549,10 +542,6 @@ impl Scene {
     /// Output requests.
     pub fn output(&self) -> &OutputPlan {
         &self.output
-    }
-    /// Checkpoints that the scene requests.
-    pub fn checkpoints(&self) -> &CheckpointPlan {
-        &self.checkpoints
     }
     /// The largest permitted error of the free field, if a run is to check it first.
     pub fn self_check(&self) -> Option<f64> {
