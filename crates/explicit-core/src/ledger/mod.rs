@@ -9,8 +9,8 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstraintWork, ElementBlock, HourglassShare, MassDampingRule,
-    NodalView, Precision, Quad, StepTime, Vec3,
+    BlockContext, BlockEnergy, ConstraintWork, HourglassShare, MassDampingRule, NodalView,
+    Precision, Quad, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -116,8 +116,10 @@ impl Model {
         };
         let sets = self.ranks.sets.iter();
         let set_of_label: BTreeMap<&str, usize> = sets.map(String::as_str).zip(0..).collect();
-        let of_block = |block: &Box<dyn ElementBlock>| set_of_label.get(block.label()).copied();
-        ledger.set_of_block = self.blocks.iter().filter_map(of_block).collect();
+        let labels = self.blocks.iter().map(|block| block.label());
+        ledger.set_of_block = (labels.filter_map(|label| set_of_label.get(label)))
+            .copied()
+            .collect();
         for label in &self.ranks.sets {
             ledger.sets.push(SetBalance {
                 label: label.clone(),

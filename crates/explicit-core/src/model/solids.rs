@@ -161,13 +161,13 @@ fn all_frequency_bounds(
     solids: &Solids,
     team: &Communicator,
 ) -> Result<Vec<Vec<(f64, u32)>>, ModelError> {
-    let of_block = |block: &Box<dyn ElementBlock>| -> Vec<(f64, u32)> {
+    let of_blocks = solids.blocks.iter().map(|block| {
         let bounds = block.frequency_bounds().into_iter();
         bounds
             .map(|bound| (bound.frequency, bound.element))
             .collect()
-    };
-    let own: Vec<Vec<(f64, u32)>> = solids.blocks.iter().map(of_block).collect();
+    });
+    let own: Vec<Vec<(f64, u32)>> = of_blocks.collect();
     if team.is_single() {
         return Ok(own);
     }

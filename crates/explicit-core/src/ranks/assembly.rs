@@ -193,6 +193,9 @@ pub(crate) struct Ranked {
     pub(crate) outcome: Outcome,
 }
 
+/// Constraints of a rank, and the engine numbers of the nodes of each.
+pub(crate) type Restricted = (Vec<Box<dyn Constraint>>, Vec<Vec<u32>>);
+
 impl Ranked {
     fn new(
         team: Communicator,
@@ -288,7 +291,7 @@ impl Ranked {
         constraints: Vec<Box<dyn Constraint>>,
         nodes: Vec<Vec<u32>>,
         numbers: &[u32],
-    ) -> Result<(Vec<Box<dyn Constraint>>, Vec<Vec<u32>>), ModelError> {
+    ) -> Result<Restricted, ModelError> {
         self.constraint_numbers = (0..constraints.len() as u32).collect();
         self.has_constraints = !constraints.is_empty();
         if self.is_single() {

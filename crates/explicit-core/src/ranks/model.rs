@@ -52,12 +52,14 @@ use crate::{Model, run_reporting};
 /// let options = RunOptions::steps(50);
 /// let mut alone = spec().build()?;
 /// run(&mut alone, &Leapfrog, &options, &mut [], &mut |_| {})?;
+/// let nodes = 0..mesh.node_count() as u32;
+/// let expected: Vec<Vec3> = nodes.clone().map(|node| alone.displacement(node)).collect();
 /// let equal = ThreadRanks::run(3, |ranks| {
 ///     let mut part = RankModel::build(spec(), Box::new(ranks)).unwrap();
 ///     part.run(&Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
 ///     assert!(part.traffic().bytes > 0);
-///     let mut here = (0..mesh.node_count() as u32).filter(|&node| part.has(node));
-///     Ok(here.all(|node| part.displacement(node) == Some(alone.displacement(node))))
+///     let mut here = nodes.clone().filter(|&node| part.has(node));
+///     Ok(here.all(|node| part.displacement(node) == Some(expected[node as usize])))
 /// });
 /// assert_eq!(equal, [true; 3].map(Ok));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
