@@ -145,11 +145,8 @@ fn the_checkpoint_before_the_disk_was_full_remains() {
         printed.contains("warning: a checkpoint could not be written"),
         "{printed}"
     );
-    let goes_on = format!("goes on from t = ");
-    let line = printed
-        .lines()
-        .find(|line| line.contains(&goes_on))
-        .unwrap();
+    let goes_on = "goes on from t = ";
+    let line = printed.lines().find(|line| line.contains(goes_on)).unwrap();
     assert!(line.contains(&format!("after {before} steps")), "{line}");
     assert_eq!(steps_of_checkpoint(&block.out()), before);
     let mut resumed = powerhouse(&resume).spawn().unwrap();

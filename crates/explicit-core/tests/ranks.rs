@@ -491,7 +491,8 @@ fn observers_see_the_whole_body_on_rank_0() {
             }
         }
     }
-    let undeclared: [(fn(&dyn StepView) -> Vec<f64>, &str); 5] = [
+    type Read = fn(&dyn StepView) -> Vec<f64>;
+    let undeclared: [(Read, &str); 5] = [
         (|view| view.stress(3).0.to_vec(), "stresses"),
         (
             |view| vec![f64::from(view.element_forces(3, &mut [Vec3::zeros(); 8]))],

@@ -367,10 +367,11 @@ impl Simulation {
         stop: Option<&Arc<AtomicBool>>,
         sink: Option<Box<dyn StageSink + '_>>,
     ) -> Result<Option<EquilibratedBody>, Error> {
-        let mut hooks = RunHooks::default();
-        hooks.stop = stop.cloned();
-        hooks.stages = sink;
-        self.equilibrate_with(hooks)
+        self.equilibrate_with(RunHooks {
+            stop: stop.cloned(),
+            stages: sink,
+            ..RunHooks::default()
+        })
     }
 
     /// The same with hooks, of which the cancellation flag, the sink of stages, the
