@@ -17,18 +17,27 @@ name = "slanted"
 wave = [{ kind = "sv", incidence = 10, azimuth = 40, record = "el-centro-ns" }]
 "#;
 
+/// Runs a study without an interruption; returns the wall time that it took.
+fn run_whole(arguments: &[String], printed: &Path) -> Duration {
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let begun = Instant::now();
+    assert!(start(&arguments, 2, printed).wait().unwrap().success());
+    begun.elapsed()
+}
+
 /// Starts a study anew after each of a number of kills, each time with another number of threads, until it ends by
 /// itself; its life before each kill is at most a time. Returns what all of it printed.
 fn kill_and_start_again(
-    arguments: &[&str],
+    arguments: &[String],
     kills: u32,
     within: Duration,
     printed: &Path,
 ) -> String {
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let mut noise = Noise(11);
     let mut done = 0;
     loop {
-        let mut study = start(arguments, 1 + done as usize % 3, printed);
+        let mut study = start(&arguments, 1 + done as usize % 3, printed);
         if done < kills && noise.kill(&mut study, within) {
             done += 1;
             continue;
@@ -52,19 +61,8 @@ fn a_killed_sweep_goes_on_inside_its_cases() {
             .map(String::from)
             .into()
     };
-    let begun = Instant::now();
-    let arguments = sweep(&whole);
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    assert!(
-        start(&arguments, 2, &folder.join("printed"))
-            .wait()
-            .unwrap()
-            .success()
-    );
-    let within = begun.elapsed() / 4;
-    let arguments = sweep(&killed);
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let printed = kill_and_start_again(&arguments, 8, within, &folder.join("printed-killed"));
+    let within = run_whole(&sweep(&whole), &folder.join("printed")) / 4;
+    let printed = kill_and_start_again(&sweep(&killed), 8, within, &folder.join("printed-killed"));
     assert!(printed.contains("steep: resumed after"), "{printed}");
     assert!(printed.contains("steps, at t = "), "{printed}");
     assert!(!printed.contains("warning: a checkpoint"), "{printed}");
@@ -101,20 +99,9 @@ fn a_killed_trade_study_goes_on_inside_its_runs() {
         ];
         fixed.into_iter().chain(every).map(String::from).collect()
     };
-    let begun = Instant::now();
     let [whole, killed] = ["whole", "killed"].map(|name| folder.join(name));
-    let arguments = trade(&whole);
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    assert!(
-        start(&arguments, 2, &folder.join("printed"))
-            .wait()
-            .unwrap()
-            .success()
-    );
-    let within = begun.elapsed() / 4;
-    let arguments = trade(&killed);
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let printed = kill_and_start_again(&arguments, 6, within, &folder.join("printed-killed"));
+    let within = run_whole(&trade(&whole), &folder.join("printed")) / 4;
+    let printed = kill_and_start_again(&trade(&killed), 6, within, &folder.join("printed-killed"));
     assert!(printed.contains("  resumed after"), "{printed}");
     let histories = |folder: &Path| {
         let mut of_runs = files(folder);
