@@ -38,23 +38,21 @@ impl StageCheckpointSink for StopAt {
     }
 }
 
-/// The opening by dynamic relaxation in two increments, the lining by conjugate gradients in two.
-fn scene(threads: usize) -> Scene {
-    let text = EVERYTHING
-        .replace(
-            "increments = 2\n",
-            "increments = 2\nmethod = \"dynamic-relaxation\"\n",
-        )
-        .replace("grouted = [", "increments = 2\ngrouted = [")
-        .replace("duration = 1\n", "duration = 1e-4\n");
+/// The scene with everything, with other text in some places.
+fn scene(changes: &[(&str, &str)], threads: usize) -> Scene {
+    let mut text = EVERYTHING.replace("duration = 1\n", "duration = 1e-4\n");
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/everything.toml");
-    let scene = Scene::from_toml(text, file, &Registry::default()).unwrap();
+    let scene = Scene::from_toml(&text, file, &Registry::default()).unwrap();
     scene.with_threads(threads)
 }
 
 /// The last body that the stages reached, from a body and a solution, and whether the run came to its end.
 fn run(
-    threads: usize,
+    (changes, threads): (&[(&str, &str)], usize),
     sink: Arc<StopAt>,
     from: (Option<EquilibratedBody>, Option<StageSolution>),
 ) -> (Option<EquilibratedBody>, bool) {
@@ -63,7 +61,11 @@ fn run(
         .with_stage_checkpoints(sink)
         .with_stage_hook(|body| last = Some(body.clone()));
     (hooks.completed_stages, hooks.stage_solution) = from;
-    let completed = scene(threads).prepare().unwrap().run(hooks).is_ok();
+    let completed = scene(changes, threads)
+        .prepare()
+        .unwrap()
+        .run(hooks)
+        .is_ok();
     (last, completed)
 }
 
@@ -76,14 +78,59 @@ fn bits(body: &EquilibratedBody) -> (Vec<u8>, Vec<u8>) {
     (encode(body.state()).unwrap(), stages.concat())
 }
 
+/// The opening by dynamic relaxation in two increments, the lining by conjugate gradients in two.
 #[test]
 fn a_stopped_static_solution_goes_on_with_the_same_bits() {
+    let changes = [
+        (
+            "increments = 2\n",
+            "increments = 2\nmethod = \"dynamic-relaxation\"\n",
+        ),
+        ("grouted = [", "increments = 2\ngrouted = ["),
+    ];
+    let body = stop_and_resume(&changes, 0);
+    assert!(
+        body.state().joints[0]
+            .records
+            .iter()
+            .all(|record| record.friction == 0.0)
+    );
+}
+
+/// The lining by dynamic relaxation, in rock that closes on it along a joint that slides.
+#[test]
+fn a_joint_that_slides_goes_on_with_the_same_bits() {
+    let changes = [
+        ("release = 0.95\n", "release = 0.5\n"),
+        ("increments = 2\n", ""),
+        (
+            "cohesion = 5e5\ntensile_strength = 5e5\n",
+            "cohesion = 0\ntensile_strength = 0\n",
+        ),
+        (
+            "static_friction = 0.839\ndynamic_friction = 0.755\n",
+            "static_friction = 0.1\ndynamic_friction = 0.1\n",
+        ),
+        (
+            "grouted = [",
+            "method = \"dynamic-relaxation\"\ngrouted = [",
+        ),
+    ];
+    let body = stop_and_resume(&changes, 1);
+    let slipped = body.state().joints[0].records.iter();
+    let slipped = slipped.filter(|record| record.friction > 0.0).count();
+    assert!(slipped > 10, "{slipped}");
+}
+
+/// Stops the static solutions of a scene at several calls, in turn, and resumes them; returns the body of the solutions
+/// without a stop, one of whose stages is `relaxed` in many steps.
+fn stop_and_resume(changes: &[(&str, &str)], relaxed: usize) -> EquilibratedBody {
     let never = StopAt::new(u64::MAX);
-    let (whole, completed) = run(2, never.clone(), (None, None));
+    let (whole, completed) = run((changes, 2), never.clone(), (None, None));
     let whole = whole.unwrap();
     assert!(completed && whole.stages().len() == 2);
     let calls = never.seen.load(Ordering::Relaxed);
-    let relaxed = whole.stages()[0].solution.steps;
+    let relaxed = whole.stages()[relaxed].solution.steps;
     assert!(
         relaxed > 100 && calls > relaxed,
         "{relaxed} steps, {calls} calls"
@@ -92,13 +139,13 @@ fn a_stopped_static_solution_goes_on_with_the_same_bits() {
     let chosen = [0, 1, 2, 37, calls / 2, calls - 3, calls - 2, calls - 1];
     for (index, call) in chosen.into_iter().enumerate() {
         let sink = StopAt::new(call);
-        let (body, completed) = run(1, sink.clone(), (None, None));
+        let (body, completed) = run((changes, 1), sink.clone(), (None, None));
         let solution = sink.taken.lock().unwrap().clone();
         assert!(!completed && solution.is_some(), "call {call}");
         let stages = body.as_ref().map_or(0, |body| body.stages().len());
         assert_eq!(solution.as_ref().unwrap().stage, stages, "call {call}");
         let later = StopAt::new(u64::MAX);
-        let (resumed, completed) = run(1 + index % 3, later.clone(), (body, solution));
+        let (resumed, completed) = run((changes, 1 + index % 3), later.clone(), (body, solution));
         assert!(completed, "call {call}");
         assert!(bits(&resumed.unwrap()) == bits(&whole), "call {call}");
         // What was done before is not done again.
@@ -107,4 +154,5 @@ fn a_stopped_static_solution_goes_on_with_the_same_bits() {
             "call {call}"
         );
     }
+    whole
 }

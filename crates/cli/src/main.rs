@@ -124,10 +124,10 @@ enum Command {
         /// Number of cases that run in parallel; the cores are divided among them, and their memory adds up.
         #[arg(long, value_name = "CASES", default_value = "1")]
         jobs: NonZeroUsize,
-        /// Wall time between two checkpoints of a running case, such as 30s, 10min or 1h; `never` writes none but that of an
-        /// interruption.
-        #[arg(long, value_name = "TIME", default_value = "10min")]
-        checkpoint_every: CheckpointInterval,
+        /// Wall time between two checkpoints of a running case, such as 30s, 10min or 1h, in place of the scene's; `never`
+        /// writes none but that of an interruption. Ten minutes by default.
+        #[arg(long, value_name = "TIME")]
+        checkpoint_every: Option<CheckpointInterval>,
     },
     /// Measure cost and error of a scene's numerical options: run a window of it with different kernels, number formats,
     /// steps, boundaries and other options, and write the scene of the combination that meets a goal.

@@ -173,8 +173,8 @@ fn line(text: &mut String, line: &PeakLine) {
 pub(crate) struct Schedule {
     /// Number of cases that run in parallel.
     pub(crate) jobs: NonZeroUsize,
-    /// Wall time between two checkpoints of a case.
-    pub(crate) checkpoint_every: CheckpointInterval,
+    /// Wall time between two checkpoints of a case, in place of the scene's.
+    pub(crate) checkpoint_every: Option<CheckpointInterval>,
 }
 
 /// Runs the cases of a scene.
@@ -192,9 +192,10 @@ pub(crate) fn sweep(
     if let Some(duration) = duration {
         sweep = sweep.with_duration(duration)?;
     }
-    let sweep = sweep
-        .side_by_side(schedule.jobs)
-        .with_checkpoint_interval(schedule.checkpoint_every.duration());
+    if let Some(interval) = schedule.checkpoint_every {
+        sweep = sweep.with_checkpoint_interval(interval);
+    }
+    let sweep = sweep.side_by_side(schedule.jobs);
     let started = Instant::now();
     let mut output = SweepOutput {
         several: schedule.jobs > NonZeroUsize::MIN,

@@ -53,10 +53,10 @@ pub(crate) struct TradeArguments {
     /// Folder of the results, in place of `trade` in the scene's own.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Wall time between two checkpoints of a run, such as 30s, 10min or 1h; `never` writes none but that of an
-    /// interruption.
-    #[arg(long, value_name = "TIME", default_value = "10min")]
-    checkpoint_every: CheckpointInterval,
+    /// Wall time between two checkpoints of a run, such as 30s, 10min or 1h, in place of the scene's; `never` writes none
+    /// but that of an interruption. Ten minutes by default.
+    #[arg(long, value_name = "TIME")]
+    checkpoint_every: Option<CheckpointInterval>,
 }
 
 impl TradeArguments {
@@ -73,9 +73,10 @@ impl TradeArguments {
             ReferenceArgument::Finest => Reference::Finest,
             ReferenceArgument::ClosedForm => Reference::ClosedForm,
         };
-        let mut trade = Trade::of_file(&self.scene, self.out)?
-            .with_reference(reference)
-            .with_checkpoint_interval(self.checkpoint_every.duration());
+        let mut trade = Trade::of_file(&self.scene, self.out)?.with_reference(reference);
+        if let Some(interval) = self.checkpoint_every {
+            trade = trade.with_checkpoint_interval(interval);
+        }
         if let Some(window) = self.window {
             trade = trade.window(window);
         }

@@ -470,30 +470,6 @@ fn a_diverging_run_names_its_last_good_state() {
     }
 }
 
-/// A run that takes more memory than the machine has is a warning of `check`, with both figures and what may help:
-/// `cargo test --release -p powerhouse-cli --test faults memory -- --ignored`.
-#[cfg(target_os = "linux")]
-#[test]
-#[ignore = "takes minutes: what is recorded fills the memory only in a run of weeks"]
-fn a_lack_of_memory_is_predicted() {
-    let endless = Block::new("memory", |scene| {
-        let scene = scene
-            .replace("duration = 0.3", "duration = 3e7")
-            .replace("every = 0.01", "every = 1e-4");
-        format!("allow = [\"magnitudes\"]\n{scene}")
-    });
-    let checked = powerhouse(&["check", &endless.scene()]).output().unwrap();
-    let printed = text(&checked.stdout);
-    assert_eq!(checked.status.code(), Some(1), "{}", text(&checked.stderr));
-    assert!(
-        printed.contains(" GB are available: the system may end it. Record fewer"),
-        "{printed}"
-    );
-    let short = Block::new("memory-enough", |scene| scene);
-    let checked = powerhouse(&["check", &short.scene()]).output().unwrap();
-    assert!(!text(&checked.stdout).contains("are available: the system may end it"));
-}
-
 /// Library that sets the calendar of a program years back and ahead at each look at it; other clocks go on.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const JUMPS: &str = "

@@ -48,18 +48,18 @@ fn kill_and_start_again(
     }
 }
 
-/// A sweep that is killed several times, also in its stages, goes on inside its cases: all files are those of a sweep
+/// A sweep that is killed several times, also in its stages, goes on inside its cases, at the interval of checkpoints that
+/// its scene requests: all files are those of a sweep
 /// without an interruption but for wall times, and no checkpoint is left.
 #[test]
 fn a_killed_sweep_goes_on_inside_its_cases() {
     let folder = TestFolder::new("cli-sweep-killed");
-    let scene = scene(&folder, 0.2, CASES).display().to_string();
+    let more = format!("[checkpoint]\nevery = \"0.1s\"\n{CASES}");
+    let scene = scene(&folder, 0.2, &more).display().to_string();
     let [whole, killed] = ["whole", "killed"].map(|name| folder.join(name));
     let sweep = |out: &Path| -> Vec<String> {
         let out = out.display().to_string();
-        ["sweep", &scene, "--out", &out, "--checkpoint-every", "0.1s"]
-            .map(String::from)
-            .into()
+        ["sweep", &scene, "--out", &out].map(String::from).into()
     };
     let within = run_whole(&sweep(&whole), &folder.join("printed")) / 4;
     let printed = kill_and_start_again(&sweep(&killed), 8, within, &folder.join("printed-killed"));

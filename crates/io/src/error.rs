@@ -114,7 +114,8 @@ pub enum IoError {
 }
 
 impl IoError {
-    pub(crate) fn file(file: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    /// Conversion of an error of the operating system into that of a file: `fs::read(path).map_err(IoError::file(path))`.
+    pub fn file(file: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let file = file.to_path_buf();
         move |source| Self::File { file, source }
     }

@@ -380,18 +380,11 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`equilibrate`](Self::equilibrate); [`Error::ForeignStages`] for a body after other stages.
-    pub fn equilibrate_with(&self, hooks: RunHooks) -> Result<Option<EquilibratedBody>, Error> {
+    pub fn equilibrate_with(&self, mut hooks: RunHooks) -> Result<Option<EquilibratedBody>, Error> {
         let Some(staging) = &self.staging else {
             return Ok(None);
         };
-        let from = StagingStart {
-            completed: hooks.completed_stages,
-            keep: hooks.keep_stage,
-            solutions: SolutionStates {
-                sink: hooks.stage_checkpoints,
-                resume: hooks.stage_solution,
-            },
-        };
+        let from = StagingStart::of(&mut hooks);
         let found = staging.run(hooks.stop.as_ref(), hooks.stages, from);
         Ok(Some(
             found.map_err(|error| self.spans.put(&self.source, error))?,
@@ -405,7 +398,7 @@ impl Simulation {
     /// or during a stage; [`Error::ForeignBody`] for an equilibrated body of another mesh or with other inactive
     /// elements; a step above the stable one; [`Error::Failed`] with the results until then for whatever ended the run
     /// before its time.
-    pub fn run(mut self, hooks: RunHooks) -> Result<Results, Error> {
+    pub fn run(mut self, mut hooks: RunHooks) -> Result<Results, Error> {
         let started = Instant::now();
         let step = match &hooks.resume {
             Some(saved) => {
@@ -419,14 +412,7 @@ impl Simulation {
             let body = match hooks.equilibrated_body {
                 Some(body) => Ok(body),
                 None => {
-                    let from = StagingStart {
-                        completed: hooks.completed_stages,
-                        keep: hooks.keep_stage,
-                        solutions: SolutionStates {
-                            sink: hooks.stage_checkpoints,
-                            resume: hooks.stage_solution,
-                        },
-                    };
+                    let from = StagingStart::of(&mut hooks);
                     staging.run(hooks.stop.as_ref(), hooks.stages, from)
                 }
             };

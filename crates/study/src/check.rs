@@ -113,6 +113,12 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// The warning of a run that needs more memory (bytes) than the system can give, if it does and that is known.
+    fn of_memory(needed: u64, available: Option<u64>) -> Option<Self> {
+        let available = available.filter(|&available| needed > available)?;
+        Some(Self::Memory { needed, available })
+    }
+
     /// Converts the warning to the form that result files contain: its text with the affected kind of results.
     pub fn message(&self) -> Message {
         let about = match self {
@@ -314,13 +320,9 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         memory: model.memory(steps),
         output: model.output(steps),
     };
-    if let Some(available) = available_memory() {
-        let of_stages = cost.stages.as_ref().map_or(0, |stages| stages.memory);
-        let needed = cost.memory.max(of_stages);
-        if needed > available {
-            warnings.push(Warning::Memory { needed, available });
-        }
-    }
+    let of_stages = cost.stages.as_ref().map_or(0, |stages| stages.memory);
+    let needed = cost.memory.max(of_stages);
+    warnings.extend(Warning::of_memory(needed, available_memory()));
     let timing = RunTiming {
         step,
         steps,
@@ -410,4 +412,24 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
         }
     }
     Ok(warnings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run that needs more memory than there is has a warning with both figures and what may help; one that needs less,
+    /// or where the system does not tell, has none.
+    #[test]
+    fn a_lack_of_memory_is_predicted() {
+        let warning = Warning::of_memory(7_500_000_001, Some(7_500_000_000)).unwrap();
+        let text = warning.to_string();
+        assert!(
+            text.contains("about 7.50 GB of memory, and 7.50 GB are available"),
+            "{text}"
+        );
+        assert!(text.contains("Record fewer histories"), "{text}");
+        assert!(Warning::of_memory(7_500_000_000, Some(7_500_000_000)).is_none());
+        assert!(Warning::of_memory(u64::MAX, None).is_none());
+    }
 }

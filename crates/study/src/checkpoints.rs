@@ -3,18 +3,15 @@
 use core::fmt;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
 use powerhouse::engine::SavedRun;
+use powerhouse::model::StateError;
 use powerhouse::{
-    CheckpointError, CheckpointFiles, CheckpointWriter, EquilibratedBody, Error, ResumedRun,
-    RunInputs, Scene, StageSolution,
+    CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody,
+    Error, ResumedRun, RunInputs, Scene, StageSolution,
 };
 
 use crate::StudyError;
-
-/// Wall time between two checkpoints of a run by default.
-pub(crate) const INTERVAL: Duration = Duration::from_secs(600);
 
 /// Use of the checkpoint of a run of a study, for progress output; its text is a sentence without a full stop.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +50,13 @@ impl fmt::Display for CheckpointEvent<'_> {
     }
 }
 
+/// Whether an error is that of a saved state that does not fit the body.
+pub(crate) fn is_of_state(error: &StudyError) -> bool {
+    let first: &(dyn std::error::Error + 'static) = error;
+    core::iter::successors(Some(first), |error| error.source())
+        .any(|error| error.is::<StateError>())
+}
+
 /// Checkpoints in the results folder of a run of a study.
 pub(crate) struct RunCheckpoints {
     files: CheckpointFiles,
@@ -65,8 +69,16 @@ pub(crate) struct RunCheckpoints {
 
 impl RunCheckpoints {
     /// Reads the checkpoint of a scene's run from its results folder; one that is damaged or of other inputs is not used.
-    /// New ones are written at an interval of wall time; states that the scene wants to keep are, if it `keeps` them.
-    pub(crate) fn open(folder: &Path, scene: &Scene, interval: Duration, keeps: bool) -> Self {
+    /// New ones are written at an interval of wall time, in place of the scene's; states that the scene wants to keep are,
+    /// if it `keeps` them.
+    pub(crate) fn open(
+        folder: &Path,
+        scene: &Scene,
+        interval: Option<CheckpointInterval>,
+        keeps: bool,
+    ) -> Self {
+        let interval = interval.or(scene.checkpoints().every);
+        let interval = interval.unwrap_or(CheckpointInterval::DEFAULT).duration();
         let files = CheckpointFiles::of(folder);
         let inputs = RunInputs::of(scene);
         let found = files.read().and_then(|found| {

@@ -163,10 +163,9 @@ impl CheckpointFiles {
     fn next(&self, [latest, previous]: [&str; 2]) -> Result<PathBuf, IoError> {
         let latest = self.path(latest);
         match fs::rename(&latest, self.path(previous)) {
-            Err(source) if source.kind() != ErrorKind::NotFound => Err(IoError::File {
-                file: latest,
-                source,
-            }),
+            Err(source) if source.kind() != ErrorKind::NotFound => {
+                Err(IoError::file(&latest)(source))
+            }
             _ => Ok(latest),
         }
     }
@@ -295,10 +294,7 @@ impl CheckpointFiles {
 /// Removes a file if it exists.
 pub(super) fn remove(file: &Path) -> Result<(), IoError> {
     match fs::remove_file(file) {
-        Err(source) if source.kind() != ErrorKind::NotFound => Err(IoError::File {
-            file: file.into(),
-            source,
-        }),
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(IoError::file(file)(source)),
         _ => Ok(()),
     }
 }

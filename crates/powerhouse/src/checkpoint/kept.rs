@@ -100,7 +100,7 @@ impl CheckpointFiles {
         let body = self.kept(STAGES);
         let latest = self.path(BODIES[0]);
         if latest.is_file() && !body.is_file() {
-            let bytes = fs::read(&latest).map_err(file_error(&latest))?;
+            let bytes = fs::read(&latest).map_err(IoError::file(&latest))?;
             write_whole(&body, &bytes)?;
         }
         let motion = incident.at(saved.time).map_err(CheckpointError::Motion)?;
@@ -118,7 +118,7 @@ impl CheckpointFiles {
         let folder = self.results().join(FOLDER);
         let entries = match fs::read_dir(&folder) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-            entries => entries.map_err(file_error(&folder))?,
+            entries => entries.map_err(IoError::file(&folder))?,
         };
         let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
         let mut times: Vec<f64> = names.filter_map(|name| time_of(&name)).collect();
@@ -169,11 +169,6 @@ impl CheckpointFiles {
         let _ = fs::remove_dir(self.results().join(FOLDER));
         Ok(())
     }
-}
-
-fn file_error(file: &Path) -> impl FnOnce(std::io::Error) -> IoError {
-    let file = file.into();
-    |source| IoError::File { file, source }
 }
 
 /// Name of the file of a state at a time (s).

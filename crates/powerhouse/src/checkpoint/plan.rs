@@ -32,7 +32,7 @@ impl CheckpointInterval {
     pub const DEFAULT: Self = Self::Every(Duration::from_secs(600));
 
     /// The wall time; the longest there is for [`Never`](Self::Never).
-    pub fn duration(self) -> Duration {
+    pub const fn duration(self) -> Duration {
         match self {
             Self::Every(duration) => duration,
             Self::Never => Duration::MAX,

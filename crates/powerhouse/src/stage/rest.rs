@@ -100,6 +100,20 @@ pub(crate) struct StagingStart<'a> {
     pub(crate) solutions: SolutionStates,
 }
 
+impl<'a> StagingStart<'a> {
+    /// Takes what concerns the stages from the hooks of a run, but for the cancellation flag and the sink.
+    pub(crate) fn of(hooks: &mut RunHooks<'a>) -> Self {
+        Self {
+            completed: hooks.completed_stages.take(),
+            keep: hooks.keep_stage.take(),
+            solutions: SolutionStates {
+                sink: hooks.stage_checkpoints.take(),
+                resume: hooks.stage_solution.take(),
+            },
+        }
+    }
+}
+
 /// Static analysis of a scene with construction stages.
 pub(crate) struct Staging {
     pub(crate) scene: Scene,

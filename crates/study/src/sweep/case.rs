@@ -9,8 +9,8 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    EquilibratedBody, Error, Message, ResultFolder, RunHooks, RunNotes, Scene, SceneText,
-    Simulation,
+    CheckpointFiles, EquilibratedBody, Error, Message, ResultFolder, RunHooks, RunNotes, Scene,
+    SceneText, Simulation,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -18,7 +18,7 @@ use super::{
     CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
     pictures,
 };
-use crate::checkpoints::RunCheckpoints;
+use crate::checkpoints::{RunCheckpoints, is_of_state};
 use crate::{CheckpointEvent, FreeFieldCheck, OutputSize, StudyError, Warning};
 
 /// Cancellation flag and progress callback of a case.
@@ -28,8 +28,27 @@ pub(super) struct CaseControl<'h, 'w> {
 }
 
 impl Sweep {
-    /// Runs a case and writes its results, also if it fails during the run.
+    /// Runs a case and writes its results, also if it fails during the run. A checkpoint whose state does not fit the
+    /// body, as that of another build of the program, is removed, and the case begins anew.
     pub(super) fn case(
+        &self,
+        case: &str,
+        control: &CaseControl,
+        bodies: &BodyStore,
+    ) -> Result<CaseOutcome, StudyError> {
+        match self.run_case(case, control, bodies) {
+            Err(error) if is_of_state(&error) => {
+                let reason = error.to_string();
+                locked(control.watch).checkpoint(case, CheckpointEvent::Unused(&reason));
+                let files = CheckpointFiles::of(self.folder.join(case));
+                files.remove().map_err(Error::from)?;
+                self.run_case(case, control, bodies)
+            }
+            done => done,
+        }
+    }
+
+    fn run_case(
         &self,
         case: &str,
         control: &CaseControl,

@@ -39,10 +39,10 @@ use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{
-    CheckpointFiles, ProgressHook, Registry, ResultFolder, RunNotes, Scene, StageSink,
+    CheckpointFiles, CheckpointInterval, ProgressHook, Registry, ResultFolder, RunNotes, Scene,
+    StageSink,
 };
 
-use crate::checkpoints::INTERVAL;
 use crate::mark::Fingerprint;
 use crate::{CheckpointEvent, StudyError, registry};
 use at_rest::BodyStore;
@@ -124,7 +124,8 @@ pub struct Sweep {
     duration: Option<f64>,
     /// Number of cases that run in parallel.
     at_once: NonZeroUsize,
-    checkpoint_interval: Duration,
+    /// Wall time between two checkpoints, in place of the scene's.
+    checkpoint_interval: Option<CheckpointInterval>,
     /// Records as used by the waves.
     records: Vec<(String, TimeHistory)>,
 }
@@ -174,7 +175,7 @@ impl Sweep {
             registry: registry.clone(),
             duration: None,
             at_once: NonZeroUsize::MIN,
-            checkpoint_interval: INTERVAL,
+            checkpoint_interval: None,
         })
     }
 
@@ -215,11 +216,11 @@ impl Sweep {
         self
     }
 
-    /// Sets the wall time between two checkpoints of a running case, by default 10 minutes; [`Duration::MAX`] for none but
-    /// that of a cancellation. They are in the folder of the case until it is finished.
+    /// Sets the wall time between two checkpoints of a running case, in place of that of the scene's `[checkpoint]`, which
+    /// is 10 minutes by default. They are in the folder of the case until it is finished.
     #[must_use]
-    pub fn with_checkpoint_interval(mut self, interval: Duration) -> Self {
-        self.checkpoint_interval = interval;
+    pub fn with_checkpoint_interval(mut self, interval: CheckpointInterval) -> Self {
+        self.checkpoint_interval = Some(interval);
         self
     }
 

@@ -9,15 +9,17 @@ use powerhouse::engine::observe::HistoryTable;
 use powerhouse::engine::{Ended, SavedRun};
 use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
 use powerhouse::model::{CheckpointSink, ModelError, Progress};
-use powerhouse::{CheckpointFiles, CheckpointWriter, EquilibratedBody, RunHooks, Scene};
+use powerhouse::{
+    CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, RunHooks, Scene,
+};
 use serde::{Deserialize, Serialize};
 
 use super::plan::Design;
 use super::{Trade, TradeWatch};
-use crate::StudyError;
-use crate::checkpoints::RunCheckpoints;
+use crate::checkpoints::{RunCheckpoints, is_of_state};
 use crate::cost::CostModel;
 use crate::mark::Fingerprint;
+use crate::{CheckpointEvent, StudyError};
 
 const COST: &str = "cost.json";
 const HISTORIES: &str = "histories.csv";
@@ -129,8 +131,8 @@ pub(super) struct TradeRunner<'a> {
     /// Duration of a run (s), and of the whole scene (s).
     pub(super) window: f64,
     pub(super) duration: f64,
-    /// Wall time between two checkpoints of a run.
-    pub(super) checkpoint_interval: Duration,
+    /// Wall time between two checkpoints of a run, in place of the scene's.
+    pub(super) checkpoint_interval: Option<CheckpointInterval>,
     pub(super) bodies: BodyCache,
 }
 
@@ -346,8 +348,17 @@ impl Trade {
             watch.reused(name);
             return Ok(finished);
         }
-        let scene = Scene::from_toml(text, &self.path, &self.registry)?;
-        let finished = match runner.run(scene, (&folder, body), (watch, name)) {
+        let scene = || Scene::from_toml(text, &self.path, &self.registry);
+        let mut done = runner.run(scene()?, (&folder, body), (watch, name));
+        // A checkpoint whose state does not fit the body, as that of another build of the program, is removed.
+        if let Err(error) = &done
+            && is_of_state(error)
+        {
+            watch.checkpoint(name, CheckpointEvent::Unused(&error.to_string()));
+            discard(&folder)?;
+            done = runner.run(scene()?, (&folder, body), (watch, name));
+        }
+        let finished = match done {
             // A run that fails is a result of the study, which has no use for its checkpoints.
             Err(error @ StudyError::Scene(_)) => {
                 discard(&folder)?;

@@ -57,10 +57,9 @@ use std::time::Duration;
 
 use powerhouse::engine::StaticError;
 use powerhouse::io::TableColumn;
-use powerhouse::{Registry, Scene};
+use powerhouse::{CheckpointInterval, Registry, Scene};
 use toml::Table;
 
-use crate::checkpoints::INTERVAL;
 use crate::mark::inputs;
 use crate::price::pareto_front;
 use crate::{StudyError, cost, registry};
@@ -102,7 +101,8 @@ pub struct Trade {
     exhaustive: bool,
     /// Relative increase of the waves in the perturbation test; `None` if all histories count.
     perturbation: Option<f64>,
-    checkpoint_interval: Duration,
+    /// Wall time between two checkpoints, in place of the scene's.
+    checkpoint_interval: Option<CheckpointInterval>,
 }
 
 impl Trade {
@@ -157,7 +157,7 @@ impl Trade {
             mesh_error: false,
             exhaustive: false,
             perturbation: Some(repeat::PERTURBATION),
-            checkpoint_interval: INTERVAL,
+            checkpoint_interval: None,
             path: path.into(),
             file,
             registry: registry.clone(),
@@ -238,11 +238,11 @@ impl Trade {
         self.perturbation = None;
         self
     }
-    /// Sets the wall time between two checkpoints of a run, by default 10 minutes; [`Duration::MAX`] for none but that of a
-    /// cancellation.
+    /// Sets the wall time between two checkpoints of a run, in place of that of the scene's `[checkpoint]`, which is 10
+    /// minutes by default.
     #[must_use]
-    pub fn with_checkpoint_interval(mut self, interval: Duration) -> Self {
-        self.checkpoint_interval = interval;
+    pub fn with_checkpoint_interval(mut self, interval: CheckpointInterval) -> Self {
+        self.checkpoint_interval = Some(interval);
         self
     }
     /// Factors of the study, the most important first.

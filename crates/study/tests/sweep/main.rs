@@ -1,6 +1,7 @@
 //! Sweeps: cases of a scene, shared stages, reuse of finished cases.
 
 mod bodies;
+mod checkpoints;
 mod finished;
 mod report;
 mod running;
