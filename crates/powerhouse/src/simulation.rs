@@ -15,8 +15,8 @@ use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 use crate::output::{self, FinishedRun, Named, OutputPlan, Recordings, Results, RunningTables};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{
-    EquilibratedBody, SolutionStates, StageCheckpointSink, StageHook, StageSink, StageSolution,
-    Staging, StagingOutcome, StagingStart,
+    EquilibratedBody, StageCheckpointSink, StageHook, StageSink, StageSolution, Staging,
+    StagingOutcome, StagingStart,
 };
 use crate::{Error, Remark, SceneRemark, SceneText};
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use powerhouse_io::{IoError, read_sections, write_sections, write_whole};
 use powerhouse_model::{SavedRun, encode};

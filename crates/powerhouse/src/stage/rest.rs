@@ -12,7 +12,7 @@ use powerhouse_model::{
 use super::list::renewal;
 use super::{SolutionStates, Timeline};
 use crate::scene::Piece;
-use crate::{BoltForces, Error, Scene};
+use crate::{BoltForces, Error, RunHooks, Scene};
 
 /// Largest permitted change of the nodal forces at the transfer to the dynamic run, over the internal forces: rounding
 /// of single precision is below, a lost load above.
