@@ -102,7 +102,7 @@ fn a_stopped_static_solution_goes_on_with_the_same_bits() {
 fn a_joint_that_slides_goes_on_with_the_same_bits() {
     let changes = [
         ("release = 0.95\n", "release = 0.5\n"),
-        ("increments = 2\n", ""),
+        ("increments = 2\n", "method = \"dynamic-relaxation\"\n"),
         (
             "cohesion = 5e5\ntensile_strength = 5e5\n",
             "cohesion = 0\ntensile_strength = 0\n",

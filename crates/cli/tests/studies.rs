@@ -83,7 +83,7 @@ fn a_killed_trade_study_goes_on_inside_its_runs() {
         let out = out.display().to_string();
         let every = [
             "--checkpoint-every",
-            "0.1s",
+            "0.02s",
             "--every-history",
             "--every-combination",
         ];

@@ -419,7 +419,7 @@ mod tests {
     use super::*;
 
     /// A run that needs more memory than there is has a warning with both figures and what may help; one that needs less,
-    /// or where the system does not tell, has none.
+    /// or of a system that does not report it, has none.
     #[test]
     fn a_lack_of_memory_is_predicted() {
         let warning = Warning::of_memory(7_500_000_001, Some(7_500_000_000)).unwrap();
