@@ -10,7 +10,8 @@ use powerhouse::engine::{Ended, SavedRun};
 use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
 use powerhouse::model::{CheckpointSink, ModelError, Progress};
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, RunHooks, Scene,
+    CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, ResultFolder,
+    RunHooks, Scene,
 };
 use serde::{Deserialize, Serialize};
 
@@ -118,6 +119,8 @@ impl CheckpointSink for TimedCheckpoints {
 /// # Errors
 /// A file that cannot be removed.
 fn discard(folder: &Path) -> Result<(), StudyError> {
+    // Files that a killed run was writing.
+    ResultFolder::new(folder).remove_unfinished()?;
     let removed = CheckpointFiles::of(folder).remove();
     removed.map_err(powerhouse::Error::from)?;
     // Without a checkpoint it is not read.
