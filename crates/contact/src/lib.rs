@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | [`Tied`] | never breaks | |
 //! | [`BondedCoulomb`] | shear and tension up to an envelope, then none for good | static, dynamic |
+//! | [`Cohesive`] | fails gradually, with fracture energies in opening and shear | beside the bond, static, dynamic |
 //! | [`Paper`] | Eqs. (22) to (24) of Wang, Chen & Xiao (2019) as printed | static, dynamic |
 //! | [`SlipWeakening`] | none | falls with slip |
 //! | [`Frictionless`] | none | none |
@@ -63,8 +64,8 @@ mod tied;
 pub use error::ContactError;
 pub use joint::Joint;
 pub use laws::{
-    BondedCoulomb, BondedCoulombParameters, Frictionless, Paper, PaperParameters, SlipWeakening,
-    SlipWeakeningParameters, Tied,
+    BondedCoulomb, BondedCoulombParameters, Cohesive, CohesiveParameters, Frictionless, Paper,
+    PaperParameters, SlipWeakening, SlipWeakeningParameters, StrengthReduction, Tied,
 };
 pub use pairing::{Pairing, pair_nodes};
 pub use surface::{JointFacet, JointSurface, SurfaceOptions};

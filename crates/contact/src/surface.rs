@@ -143,7 +143,29 @@ impl JointSurface {
                 nodes: own.nodes.clone(),
             });
         }
+        surface.set_spacing();
         Ok(surface)
+    }
+
+    /// Sets the distance of each pair to the farthest of its neighbours along the edges of facets.
+    fn set_spacing(&mut self) {
+        let mut spacing = vec![0.0_f64; self.pairs.len()];
+        for facet in &self.facets {
+            for (corner, &one) in facet.pairs.iter().enumerate() {
+                let next = facet.pairs[(corner + 1) % facet.pairs.len()];
+                if let (Some(one), Some(next)) = (one, next) {
+                    let [one, next] = [one, next].map(|pair| pair as usize);
+                    let away = (self.pairs[next].position - self.pairs[one].position).norm();
+                    spacing[one] = spacing[one].max(away);
+                    spacing[next] = spacing[next].max(away);
+                }
+            }
+        }
+        for (pair, spacing) in self.pairs.iter_mut().zip(spacing) {
+            if spacing > 0.0 {
+                pair.spacing = spacing;
+            }
+        }
     }
 
     /// Surface in a body some nodes of which share one motion, as on periodic faces: pairs of the same
@@ -168,7 +190,10 @@ impl JointSurface {
                         let (one, of) = &mut kept[index];
                         let vector = |pair: &JointPair| pair.normal * pair.projected_area;
                         let (sum, area) = (vector(one) + vector(pair), one.area + pair.area);
-                        *one = JointPair::of_facets(nodes, sum, area).with_position(one.position);
+                        let spacing = one.spacing.max(pair.spacing);
+                        *one = JointPair::of_facets(nodes, sum, area)
+                            .with_position(one.position)
+                            .with_spacing(spacing);
                         of.push(pair.nodes);
                         index
                     }

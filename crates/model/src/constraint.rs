@@ -58,6 +58,8 @@ pub struct ConstraintWork {
     pub friction: f64,
     /// Energy dissipated by breaking bonds in the step (J).
     pub bond: f64,
+    /// Energy stored by bonds that fail gradually in the step (J); negative where they return it.
+    pub stored: f64,
     /// Kinetic energy lost by impact without rebound in the step (J).
     pub impact: f64,
     /// Work in the step (J) that the body does on the outside through the constraint, such as against a preload or a
@@ -76,6 +78,11 @@ impl ConstraintWork {
     pub const fn with_bond(self, bond: f64) -> Self {
         Self { bond, ..self }
     }
+    /// Sets the energy stored by bonds in the step (J).
+    #[must_use]
+    pub const fn with_stored(self, stored: f64) -> Self {
+        Self { stored, ..self }
+    }
     /// Sets the kinetic energy lost by impact in the step (J).
     #[must_use]
     pub const fn with_impact(self, impact: f64) -> Self {
@@ -92,6 +99,7 @@ impl core::ops::AddAssign for ConstraintWork {
     fn add_assign(&mut self, other: Self) {
         self.friction += other.friction;
         self.bond += other.bond;
+        self.stored += other.stored;
         self.impact += other.impact;
         self.external += other.external;
     }

@@ -1,6 +1,8 @@
 //! Contact laws: input, response and trait.
 
-use crate::{HistoryVariable, JointState, Vec3};
+use std::sync::Arc;
+
+use crate::{ElasticMedium, HistoryVariable, JointState, Vec3};
 
 /// Input of a contact law at one node pair in one time step.
 ///
@@ -39,6 +41,11 @@ pub struct JointInput<'a> {
     pub slip_rate: [f64; 2],
     /// Normal distance of the sides at the start of the step (m), negative where they overlap.
     pub opening: f64,
+    /// Rate of the opening in the last step (m/s), half a step before [`time`](Self::time).
+    pub opening_rate: f64,
+    /// Tangential displacement of the second side relative to the first at the start of the step (m), from where the pair
+    /// was built or closed anew.
+    pub shear_displacement: [f64; 2],
     /// Committed opening at which the pair counts as closed (m), see [`JointResponse::dilation`].
     pub dilation: f64,
     /// Relative velocity per traction that is taken from the trial (m/s/Pa); zero where unknown.
@@ -57,6 +64,10 @@ pub struct JointInput<'a> {
     ///
     /// [`JointPair::position`]: crate::JointPair::position
     pub position: Vec3,
+    /// Distance to the farthest of the neighbouring pairs along the joint (m), [`JointPair::spacing`]; zero where unknown.
+    ///
+    /// [`JointPair::spacing`]: crate::JointPair::spacing
+    pub spacing: f64,
 }
 
 impl<'a> JointInput<'a> {
@@ -70,12 +81,15 @@ impl<'a> JointInput<'a> {
             history: &[],
             slip_rate: [0.0; 2],
             opening: 0.0,
+            opening_rate: 0.0,
+            shear_displacement: [0.0; 2],
             dilation: 0.0,
             compliance: 0.0,
             step: 0.0,
             time: 0.0,
             area: 1.0,
             position: Vec3::zeros(),
+            spacing: 0.0,
         }
     }
     /// Sets the committed history variables: those at the end of the last step, in the order of
@@ -94,6 +108,22 @@ impl<'a> JointInput<'a> {
             slip_rate,
             ..self
         }
+    }
+    /// Sets the tangential displacement at the start of the step (m) and the rate of the opening in the last step (m/s).
+    #[inline(always)]
+    #[must_use]
+    pub fn with_shear_displacement(self, shear_displacement: [f64; 2], opening_rate: f64) -> Self {
+        Self {
+            shear_displacement,
+            opening_rate,
+            ..self
+        }
+    }
+    /// Sets the distance to the farthest of the neighbouring pairs along the joint (m).
+    #[inline(always)]
+    #[must_use]
+    pub fn with_spacing(self, spacing: f64) -> Self {
+        Self { spacing, ..self }
     }
     /// Sets the committed dilation (m): the opening, at the end of the last step, at which the pair counts as closed.
     #[inline(always)]
@@ -183,6 +213,30 @@ impl JointResponse {
     }
 }
 
+/// Energies per area of a bond that fails gradually, since its pair was built or closed anew (J/m2).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct BondEnergies {
+    /// Energy that the bond stores, which it returns when it is unloaded.
+    pub stored: f64,
+    /// Energy dissipated by the failure of the bond: it does not fall, and is the fracture energy when the bond has failed.
+    pub dissipated: f64,
+    /// Energy dissipated by friction beside the bond.
+    pub friction: f64,
+}
+
+impl BondEnergies {
+    /// Stored energy, and energies dissipated by the bond and by friction (J/m2).
+    #[inline(always)]
+    pub const fn new(stored: f64, dissipated: f64, friction: f64) -> Self {
+        Self {
+            stored,
+            dissipated,
+            friction,
+        }
+    }
+}
+
 /// Inputs of a contact law at several node pairs in one time step, but for what the law changes.
 ///
 /// Each slice has one value per pair; [`history`](Self::history) has the variables of a pair side by
@@ -198,12 +252,18 @@ pub struct JointInputs<'a> {
     pub slip_rate: [&'a [f64]; 2],
     /// Normal distances of the sides at the start of the step (m), negative where they overlap.
     pub opening: &'a [f64],
+    /// Rates of the openings in the last step (m/s).
+    pub opening_rate: &'a [f64],
+    /// Tangential displacements at the start of the step (m), see [`JointInput::shear_displacement`].
+    pub shear_displacement: [&'a [f64]; 2],
     /// Relative velocities per traction (m/s/Pa), see [`JointInput::compliance`].
     pub compliance: &'a [f64],
     /// Tributary areas over which tractions are forces (m2); ones if the slice is empty.
     pub area: &'a [f64],
     /// Positions of the pairs in the undeformed mesh (m): one slice each for x, y and z.
     pub position: [&'a [f64]; 3],
+    /// Distances to the farthest of the neighbouring pairs along the joint (m).
+    pub spacing: &'a [f64],
     /// Length of the step (s).
     pub step: f64,
     /// Time at the start of the step (s), on the clock of the run.
@@ -228,12 +288,15 @@ impl<'a> JointInputs<'a> {
             history: self.history.get(own).unwrap_or_default(),
             slip_rate: self.slip_rate.map(of),
             opening: of(self.opening),
+            opening_rate: of(self.opening_rate),
+            shear_displacement: self.shear_displacement.map(of),
             dilation,
             compliance: of(self.compliance),
             step: self.step,
             time: self.time,
             area: self.area.get(pair).copied().unwrap_or(1.0),
             position: Vec3::from(self.position.map(of)),
+            spacing: of(self.spacing),
         }
     }
 }
@@ -378,6 +441,32 @@ pub trait ContactLaw: Send + Sync {
     fn unbonded_tension(&self, _input: &JointInput) -> f64 {
         0.0
     }
+    /// The law between sides of two media, where it depends on them; none by default, for a law that does not.
+    fn between(&self, _media: [&ElasticMedium; 2]) -> Option<Arc<dyn ContactLaw>> {
+        None
+    }
+    /// Least factor (1) by which the law reduces its strengths where pairs have a [spacing](JointInput::spacing) (m), since the
+    /// mesh does not resolve the failure of the bond; 1 by default.
+    fn strength_factor(&self, _spacing: f64) -> f64 {
+        1.0
+    }
+    /// Share of the decline of traction by separation that a step resolves (1), for its length times compliance (m/Pa) and
+    /// the spacing of the pairs (m): at 4 and above the traction of a step is not unique, and a joint refuses 3 and above. Zero
+    /// by default, for laws whose traction does not decline by separation.
+    fn softening_ratio(&self, _compliance: f64, _spacing: f64) -> f64 {
+        0.0
+    }
+    /// Energies of the bond per area (J/m2) by the history variables of a pair, for laws whose bond fails gradually; none by
+    /// default, for laws whose bond breaks in one step.
+    fn bond_energies(&self, _history: &[f64]) -> Option<BondEnergies> {
+        None
+    }
+    /// Whether the tractions of a pair in a state follow from its displacement while it slides or opens, so that
+    /// [`sliding_strength`](Self::sliding_strength) does not give them, as with a bond that fails gradually; false by
+    /// default. Pairs that are solved together then evaluate [`admissible`](Self::admissible) in every sweep.
+    fn follows_displacement(&self, _state: &JointState) -> bool {
+        false
+    }
     /// Whether the law admits tension in every state, across an open pair without a bond too, as a tie
     /// does; false by default. Pairs of such a law have no initial gap and cannot be without a bond.
     fn bears_tension(&self) -> bool {
@@ -415,6 +504,21 @@ macro_rules! law_behind {
                 fn unbonded_tension(&self, input: &JointInput) -> f64 {
                     (**self).unbonded_tension(input)
                 }
+                fn between(&self, media: [&ElasticMedium; 2]) -> Option<Arc<dyn ContactLaw>> {
+                    (**self).between(media)
+                }
+                fn strength_factor(&self, spacing: f64) -> f64 {
+                    (**self).strength_factor(spacing)
+                }
+                fn softening_ratio(&self, compliance: f64, spacing: f64) -> f64 {
+                    (**self).softening_ratio(compliance, spacing)
+                }
+                fn bond_energies(&self, history: &[f64]) -> Option<BondEnergies> {
+                    (**self).bond_energies(history)
+                }
+                fn follows_displacement(&self, state: &JointState) -> bool {
+                    (**self).follows_displacement(state)
+                }
                 fn bears_tension(&self) -> bool {
                     (**self).bears_tension()
                 }
@@ -423,13 +527,12 @@ macro_rules! law_behind {
     };
 }
 
-law_behind!(Box<L>, std::sync::Arc<L>, &L);
+law_behind!(Box<L>, Arc<L>, &L);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use core::sync::atomic::{AtomicUsize, Ordering};
-    use std::sync::Arc;
 
     /// Admits everything and counts its evaluations.
     #[derive(Default)]
@@ -493,8 +596,16 @@ mod tests {
         }
         fn admissible(&self, input: &JointInput, new_history: &mut [f64]) -> JointResponse {
             let rates = input.slip_rate[0] + input.slip_rate[1];
-            let site = input.area + input.position.sum() + input.compliance;
-            let sum = rates + site + input.opening + input.step + input.time + input.dilation;
+            let site = input.area + input.position.sum() + input.compliance + input.spacing;
+            let shear = input.shear_displacement[0] + input.shear_displacement[1];
+            let sum = shear
+                + input.opening_rate
+                + rates
+                + site
+                + input.opening
+                + input.step
+                + input.time
+                + input.dilation;
             new_history[0] += sum;
             let traction = Vec3::new(sum, input.history[0], input.history[1]);
             JointResponse::new(traction, input.state).with_dilation(sum)
@@ -516,6 +627,9 @@ mod tests {
             compliance: &[100.0, 200.0],
             area: &[1e3, 2e3],
             position: [&[1e4, 2e4], &[1e5, 2e5], &[1e6, 2e6]],
+            opening_rate: &[1e-4, 2e-4],
+            shear_displacement: [&[1e-5, 2e-5], &[1e-6, 2e-6]],
+            spacing: &[1e-7, 2e-7],
             step: 0.5,
             time: 0.25,
         };
@@ -525,8 +639,8 @@ mod tests {
         responses = responses.with_history(&mut new, &mut dilations);
         Adding.admit(&inputs, &mut responses);
         for (pair, &dilation) in dilations.iter().enumerate() {
-            let sum = (pair + 1) as f64 * 11_111_110.011 + 0.75;
-            assert!((dilation - sum).abs() < 1e-6, "{dilation}");
+            let sum = (pair + 1) as f64 * 11_111_110.011_111_1 + 0.75;
+            assert!((dilation - sum).abs() < 1e-8, "{dilation}");
             let [first, second] = [history[2 * pair], history[2 * pair + 1]];
             assert_eq!(tractions[pair], Vec3::new(dilation, first, second));
             assert_eq!(new[2 * pair], first + dilation);

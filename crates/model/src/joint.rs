@@ -24,6 +24,8 @@ pub enum Bond {
     Never,
     /// The bond holds.
     Intact,
+    /// The bond is damaged and bears less than its strength; it fails gradually.
+    Softening,
     /// The bond broke; it stays broken unless the joint is re-initialised.
     Broken,
 }
@@ -93,6 +95,9 @@ pub struct JointPair {
     /// Position of the pair in the undeformed mesh (m), for laws that depend on it; the origin unless
     /// [`with_position`](Self::with_position) sets it, as pairs that are made of facets do.
     pub position: Vec3,
+    /// Distance to the farthest of the neighbouring pairs along the joint (m), the size of the mesh there: the root of the
+    /// area unless [`with_spacing`](Self::with_spacing) sets it, as pairs that are made of facets do.
+    pub spacing: f64,
 }
 
 impl JointPair {
@@ -108,6 +113,7 @@ impl JointPair {
             area,
             projected_area: area,
             position: Vec3::zeros(),
+            spacing: area.abs().sqrt(),
         }
     }
     /// Pair of several facets, given the sum of their vector areas (m2, along their outward normals) and
@@ -127,6 +133,11 @@ impl JointPair {
     #[must_use]
     pub fn with_position(self, position: Vec3) -> Self {
         Self { position, ..self }
+    }
+    /// The same pair with the distance to the farthest of its neighbours along the joint (m).
+    #[must_use]
+    pub fn with_spacing(self, spacing: f64) -> Self {
+        Self { spacing, ..self }
     }
     /// Sets the two nodes (mesh indices), that of the first side first; normal and areas are kept.
     #[must_use]
@@ -179,7 +190,7 @@ pub struct JointRecord {
     pub first_crack: Option<f64>,
     /// Energy dissipated by friction so far (J), less the work of dilation against the pressure.
     pub friction: f64,
-    /// Energy dissipated in the step in which the bond broke (J); zero while it holds.
+    /// Energy dissipated by the failure of the bond so far (J); zero while it holds.
     pub bond_energy: f64,
     /// Kinetic energy lost so far by impact of the sides (J).
     pub impact: f64,

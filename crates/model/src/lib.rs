@@ -69,7 +69,9 @@ pub use boundary::{
 pub use checksum::Checksum;
 pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
 pub use constraint_parts::ConstraintParts;
-pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
+pub use contact_law::{
+    BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
+};
 pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{

@@ -1,8 +1,8 @@
 //! Built-in contact laws of joints, registered in every registry.
 
 use powerhouse_contact::{
-    BondedCoulomb, BondedCoulombParameters, Frictionless, Paper, PaperParameters, SlipWeakening,
-    SlipWeakeningParameters, Tied,
+    BondedCoulomb, BondedCoulombParameters, Cohesive, CohesiveParameters, Frictionless, Paper,
+    PaperParameters, SlipWeakening, SlipWeakeningParameters, StrengthReduction, Tied,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -20,6 +20,24 @@ pub(crate) fn register(registry: &mut Registry) {
             static_friction: keys.static_friction.get(),
             dynamic_friction: keys.dynamic_friction.unwrap_or(keys.static_friction).get(),
             cohesion_loss: keys.cohesion_loss,
+        })?))
+    });
+    registry.add_joint_law("cohesive", |keys: CohesiveKeys| {
+        let energy = keys.opening_energy.get();
+        Ok(Box::new(Cohesive::new(CohesiveParameters {
+            tensile_strength: keys.tensile_strength.get(),
+            cohesion: keys.cohesion.get(),
+            opening_energy: energy,
+            shear_energy: keys
+                .shear_energy
+                .map_or(SHEAR_OVER_OPENING * energy, Positive::get),
+            mode_exponent: keys.mode_exponent.map_or(MODE_EXPONENT, Positive::get),
+            static_friction: keys.static_friction.get(),
+            dynamic_friction: keys.dynamic_friction.unwrap_or(keys.static_friction).get(),
+            reduction: match keys.reduce {
+                true => StrengthReduction::ByMedia,
+                false => StrengthReduction::None,
+            },
         })?))
     });
     registry.add_joint_law("paper", |bond: BondKeys| {
@@ -76,6 +94,38 @@ struct BondedCoulombKeys {
 }
 
 fn lost() -> bool {
+    true
+}
+
+/// Default of the fracture energy in shear over that in opening.
+const SHEAR_OVER_OPENING: f64 = 10.0;
+/// Default of the exponent of mixed modes.
+const MODE_EXPONENT: f64 = 2.0;
+
+/// A bond that fails gradually, with fracture energies, and Coulomb friction.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct CohesiveKeys {
+    /// Tensile strength (Pa).
+    tensile_strength: Positive,
+    /// Cohesion (Pa).
+    cohesion: Positive,
+    /// Fracture energy in opening (J/m2).
+    opening_energy: Positive,
+    /// Fracture energy in shear (J/m2), at least that in opening; ten times that by default.
+    shear_energy: Option<Positive>,
+    /// Exponent of mixed modes after Benzeggagh and Kenane, 2 by default.
+    mode_exponent: Option<Positive>,
+    /// Static friction coefficient.
+    static_friction: NonNegative,
+    /// Dynamic friction coefficient, at most the static one and the same by default.
+    dynamic_friction: Option<NonNegative>,
+    /// Whether strengths are reduced where the mesh does not resolve the failure, with the energies kept; they are by default.
+    #[serde(default = "reduced")]
+    reduce: bool,
+}
+
+fn reduced() -> bool {
     true
 }
 

@@ -1,6 +1,8 @@
 //! Records and energies of a pair after a step.
 
-use powerhouse_model::{Bond, ConstraintWork, ContactState, JointRecord, JointState, Vec3};
+use powerhouse_model::{
+    Bond, BondEnergies, ConstraintWork, ContactLaw, ContactState, JointRecord, JointState, Vec3,
+};
 
 /// Step of a pair that was solved with others; vectors along its normal and tangents.
 pub(super) struct PairStep {
@@ -23,6 +25,8 @@ pub(super) struct PairStep {
     pub(super) state: JointState,
     /// New dilation by the law (m).
     pub(super) dilation: f64,
+    /// Changes of the energies of a bond that fails gradually (J).
+    pub(super) bond: Option<BondEnergies>,
 }
 
 /// Outcome of a step of a pair, with its work.
@@ -38,6 +42,8 @@ pub(super) struct Outcome {
     pub(super) state: JointState,
     /// New dilation by the law (m); read of laws with history only.
     pub(super) dilation: f64,
+    /// Changes of the energies of a bond that fails gradually (J).
+    pub(super) bond: Option<BondEnergies>,
     /// Work that the body loses along the normal of the pair and along its tangents (J).
     pub(super) across: f64,
     pub(super) along: f64,
@@ -45,12 +51,31 @@ pub(super) struct Outcome {
     pub(super) path: f64,
 }
 
+/// Changes of the energies of a pair's bond (J) by its history variables before and after a step; none where the bond
+/// does not fail gradually.
+#[inline(always)]
+pub(super) fn bond_energy<L: ContactLaw>(
+    law: &L,
+    old: &[f64],
+    new: &[f64],
+    area: f64,
+) -> Option<BondEnergies> {
+    let (old, new) = (law.bond_energies(old)?, law.bond_energies(new)?);
+    Some(BondEnergies::new(
+        (new.stored - old.stored) * area,
+        (new.dissipated - old.dissipated) * area,
+        (new.friction - old.friction) * area,
+    ))
+}
+
 /// Updates the record of a pair by a step and adds the work of the step.
 ///
 /// Of a traction `T` on area `A` that meets the mean relative velocity `w` of a step the body loses
 /// `A dt T . w`: the normal part by impact, the tangential part by friction, both by the bond in the step
 /// in which it breaks. The joint's own forces are those of `T - T0`, so the work of the preload `T0`,
-/// which belongs to stresses that the ledger does not have, is external.
+/// which belongs to stresses that the ledger does not have, is external. Of the work on a bond that fails gradually the part
+/// that it neither stores nor dissipates, nor friction beside it, counts as impact: it is that of faces that close, and the
+/// error of the steps.
 pub(super) fn update_by_step<const HISTORY: bool>(
     record: &mut JointRecord,
     step: &PairStep,
@@ -64,6 +89,7 @@ pub(super) fn update_by_step<const HISTORY: bool>(
         traction: step.traction,
         state: step.state,
         dilation: step.dilation,
+        bond: step.bond,
         across: step.traction.x * path.x,
         along: step.traction.y * path.y + step.traction.z * path.z,
         path: slip.sqrt() * step.length,
@@ -88,7 +114,20 @@ pub(super) fn update<const HISTORY: bool>(
         && (record.dilation != 0.0 || step.dilation != 0.0)
         && closed(&old)
         && closed(&step.state);
-    if old.bond == Bond::Intact && step.state.bond == Bond::Broken {
+    // A bond that fails gradually splits the work itself, until the step in which it has failed.
+    let softens = step.state.bond == Bond::Softening || old.bond == Bond::Softening;
+    let fails = old.bond == Bond::Intact && step.state.bond == Bond::Broken;
+    let gradual = step.bond.filter(|_| softens || fails);
+    if let Some(bond) = gradual {
+        let rest = step.across + step.along - bond.stored - bond.dissipated - bond.friction;
+        record.bond_energy += bond.dissipated;
+        record.friction += bond.friction;
+        record.impact += rest;
+        work.stored += bond.stored;
+        work.bond += bond.dissipated;
+        work.friction += bond.friction;
+        work.impact += rest;
+    } else if fails {
         record.bond_energy += step.across + step.along;
         work.bond += step.across + step.along;
     } else if dilates {

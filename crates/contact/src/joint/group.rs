@@ -6,7 +6,7 @@ use powerhouse_model::{
     PredictedMotion, Vec3,
 };
 
-use super::bookkeeping::{PairStep, update_by_step};
+use super::bookkeeping::{PairStep, bond_energy, update_by_step};
 use super::isolated::held_back;
 use super::matrices::Matrices;
 use super::solve::{Contact, Effort, solve};
@@ -148,6 +148,8 @@ impl Group {
             let input = JointInput::new(record.traction, &record.state)
                 .with_history(&history[member.history_of(index)])
                 .with_motion(offset.x, [old.y, old.z])
+                .with_shear_displacement([offset.y, offset.z], old.x)
+                .with_spacing(pair.spacing)
                 .with_dilation(record.dilation)
                 .with_step(motion.time, step, mobility * per_traction)
                 .with_site(pair.position, pair.projected_area);
@@ -186,6 +188,7 @@ impl Group {
                 state: contact.outcome(&traction),
                 traction,
                 dilation: 0.0,
+                bond: None,
             };
             let slots = members.of(index).history_of(index);
             if slots.is_empty() {
@@ -195,6 +198,8 @@ impl Group {
             let left = after + offsets[a].1;
             let (dilation, new) = advance(contact, &record.state, &step, &left);
             step.dilation = dilation;
+            let (law, old) = (&members.of(index).law, &history[slots.clone()]);
+            step.bond = bond_energy(law, old, &new, step.area);
             changed.push((slots, new));
             update_by_step::<true>(record, &step, work);
         }

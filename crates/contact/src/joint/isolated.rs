@@ -7,7 +7,7 @@ use powerhouse_model::{
 };
 
 use super::Side;
-use super::bookkeeping::{Outcome, update};
+use super::bookkeeping::{Outcome, bond_energy, update};
 use super::strips::{Step, Window, Windows};
 
 /// Number of pairs that the loops process side by side.
@@ -93,8 +93,9 @@ pub(super) struct Tile {
     stiffness: Row,
     /// Its inverse (m/(Pa s)).
     compliance: Row,
-    /// Positions (m), for the law.
+    /// Positions and distances to neighbours along the joint (m), for the law.
     position: Rows,
+    spacing: Row,
 }
 
 impl Tile {
@@ -116,6 +117,7 @@ impl Tile {
             stiffness: ZEROS,
             compliance: ZEROS,
             position: [ZEROS; 3],
+            spacing: ZEROS,
         };
         for (k, own) in pairs.iter().enumerate() {
             let [first, second] = own.inverse_mass;
@@ -143,6 +145,7 @@ impl Tile {
             put(&mut tile.origin, k, &own.side.origin);
             put(&mut tile.preload, k, &own.side.preload);
             put(&mut tile.position, k, &own.pair.position);
+            tile.spacing[k] = own.pair.spacing;
             tile.compliance[k] = step * (first + second) * own.pair.projected_area;
             tile.stiffness[k] = 1.0 / tile.compliance[k];
         }
@@ -325,6 +328,9 @@ impl Tile {
         let mut responses = JointResponses::new(tractions, states);
         if variables > 0 {
             (inputs.variables, inputs.history) = (variables, &old[..count * variables]);
+            inputs.opening_rate = &step.before[0][..count];
+            inputs.shear_displacement = [1, 2].map(|c| &step.offset[c][..count]);
+            inputs.spacing = &self.spacing[..count];
             let new = &mut new[..count * variables];
             responses = responses.with_history(new, &mut step.dilation[..count]);
         }
@@ -395,20 +401,28 @@ impl Tile {
 
     /// Updates the records by the step and sums up its work.
     #[inline(always)]
-    pub(super) fn update<const HISTORY: bool>(
+    pub(super) fn update<L: ContactLaw, const HISTORY: bool>(
         &self,
-        step: &TileStep,
+        (law, step): (&L, &TileStep),
         records: &mut Window<JointRecord>,
         motion: &Step,
+        (variables, [old, new]): (usize, &[Vec<f64>; 2]),
         work: &mut ConstraintWork,
     ) {
         for k in 0..self.count {
+            let bond = if HISTORY {
+                let own = k * variables..(k + 1) * variables;
+                bond_energy(law, &old[own.clone()], &new[own], self.area[k])
+            } else {
+                None
+            };
             let outcome = Outcome {
                 time: motion.time,
                 offset: get(&step.offset, k),
                 traction: step.traction[k],
                 state: step.state[k],
                 dilation: if HISTORY { step.dilation[k] } else { 0.0 },
+                bond,
                 across: step.across[k],
                 along: step.along[k],
                 path: step.path[k],

@@ -139,7 +139,12 @@ pub struct Joint<L> {
     effort: Effort,
     /// Length of the step (s) that it is prepared for.
     prepared: Option<f64>,
+    /// Name of the joint whose softening the step does not resolve, with its [ratio](ContactLaw::softening_ratio).
+    unresolved: Option<(String, f64)>,
 }
+
+/// Largest [ratio](ContactLaw::softening_ratio) of softening that a step resolves.
+const MOST_SOFTENING: f64 = 3.0;
 
 impl<L: ContactLaw> Joint<L> {
     /// Joint of some pairs in the initial state of the law.
@@ -219,6 +224,7 @@ impl<L: ContactLaw> Joint<L> {
             groups: Vec::new(),
             effort: Effort::default(),
             prepared: None,
+            unresolved: None,
         }
     }
 
@@ -368,6 +374,25 @@ impl<L: ContactLaw> Joint<L> {
         Ok(self)
     }
 
+    /// The joint whose softening a step (s) resolves worst, if it does not resolve it.
+    fn unresolved_by(&self, step: f64, inverse_mass: &[Mat3]) -> Option<(String, f64)> {
+        let mut worst: Option<(String, f64)> = None;
+        for member in &self.members {
+            for index in member.pairs() {
+                let masses = self.pair_nodes[index].map(|node| &inverse_mass[node as usize]);
+                let mobility = (masses[0] + masses[1]).diagonal().max();
+                let pair = &self.pairs[index];
+                let compliance = step * step * mobility * pair.projected_area;
+                let ratio = member.law.softening_ratio(compliance, pair.spacing);
+                let most = worst.as_ref().map_or(MOST_SOFTENING, |(_, most)| *most);
+                if ratio >= most {
+                    worst = Some((member.name.clone(), ratio));
+                }
+            }
+        }
+        worst
+    }
+
     /// Node pairs.
     pub fn pairs(&self) -> &[JointPair] {
         &self.pairs
@@ -440,6 +465,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             group.prepare(&self.pairs, inverse_mass);
             self.groups.push(group);
         }
+        self.unresolved = self.unresolved_by(step, inverse_mass);
         isolated.sort_by_key(|pair| pair.index);
         self.isolated_count = isolated.len();
         let mut start = 0;
@@ -453,6 +479,17 @@ impl<L: ContactLaw> Constraint for Joint<L> {
     fn correct(&mut self, mut motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
         if self.prepared != Some(motion.step) {
             self.prepare(motion.step, motion.inverse_mass);
+        }
+        if let Some((name, ratio)) = &self.unresolved {
+            return Err(RunError::Constraint {
+                name: name.clone(),
+                step: motion.number,
+                reason: format!(
+                    "the time step does not resolve the failure of its bond: step, masses and strengths over fracture energies \
+                     give a ratio of {ratio:.1}, and {MOST_SOFTENING} is the most; let the strengths be reduced by the mesh \
+                     (`reduce`), raise the fracture energies, or give a shorter step"
+                ),
+            });
         }
         let mut work = ConstraintWork::default();
         for member in &mut self.members {

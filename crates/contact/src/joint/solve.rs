@@ -51,6 +51,8 @@ pub(super) struct Contact<'a, L> {
     let_go: bool,
     /// Whether its shear is reduced to the sliding strength.
     slides: bool,
+    /// State that the law returned in the last sweep, of a pair whose tractions follow its displacement.
+    followed: Option<JointState>,
 }
 
 impl<'a, L: ContactLaw> Contact<'a, L> {
@@ -65,6 +67,7 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
             held: state.contact == ContactState::Stick || state.bond == Bond::Intact,
             let_go: false,
             slides: false,
+            followed: None,
         }
     }
 
@@ -83,6 +86,9 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
 
     /// State of the pair after the step, under its final traction.
     pub(super) fn outcome(&self, traction: &Vec3) -> JointState {
+        if let (false, Some(state)) = (self.held, self.followed) {
+            return state;
+        }
         let contact = if self.held {
             ContactState::Stick
         } else if traction.x >= 0.0 && !self.bears_tension() {
@@ -107,6 +113,23 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
             return trial.min((cohesive - self.preload.x) * self.per_traction);
         }
         trial.min(-self.preload.x * self.per_traction)
+    }
+
+    /// Impulse of a pair whose tractions follow its displacement, from the last one and the relative velocity that it leaves,
+    /// with the relative velocity per impulse (1/kg); none for other pairs.
+    fn following(&mut self, impulse: &Vec3, left: &Vec3, mobility: f64) -> Option<Vec3> {
+        let follows = mobility > 0.0 && self.law.follows_displacement(&self.input.state);
+        if !follows {
+            self.followed = None;
+            return None;
+        }
+        self.input.trial = self.traction(&(impulse + left / mobility));
+        self.input.compliance = mobility * self.per_traction;
+        let mut new_history = self.input.history.to_vec();
+        let response = self.law.admissible(&self.input, &mut new_history);
+        self.followed = Some(response.state);
+        self.slides = true;
+        Some((response.traction - self.preload) * self.per_traction)
     }
 
     /// Derivative of the sliding strength with respect to the pressure.
@@ -209,6 +232,8 @@ fn let_go_worst<L: ContactLaw>(contacts: &mut [Contact<L>], impulses: &DVector<f
         let (admitted, state) = (response.traction, response.state);
         let stays = if contact.held {
             admitted == trial && state.contact == ContactState::Stick
+        } else if contact.followed.is_some() {
+            true
         } else {
             // A pair that slides and bears tension is held along its normal; it may still crack.
             !contact.bears_tension() || state.contact != ContactState::Open
@@ -281,6 +306,14 @@ fn sweep<L: ContactLaw>(
         let free = contacts.iter_mut().filter(|contact| !contact.held);
         for (b, contact) in free.enumerate() {
             let row = 3 * b;
+            let now = impulses.fixed_rows::<3>(row).into_owned();
+            let rest = Vec3::from([0, 1, 2].map(|c| left(row + c, impulses)));
+            let most = [0, 1, 2].map(|c| schur[(row + c, row + c)]);
+            let most = most.into_iter().fold(matrices.tangential[b], f64::max);
+            if let Some(impulse) = contact.following(&now, &rest, most) {
+                impulses.fixed_rows_mut::<3>(row).copy_from(&impulse);
+                continue;
+            }
             let own = schur[(row, row)] + contact.friction() * matrices.mixed[b];
             impulses[row] = contact.normal(impulses[row] + by(left(row, impulses), own));
             let own = matrices.tangential[b];

@@ -217,7 +217,8 @@ impl<L: ContactLaw, const HISTORY: bool> pulp::NullaryFnOnce for Pass<'_, L, HIS
                 windows.history.scatter(tile.pairs(), &rows[1]);
             }
             tile.correct(&mut step, motion, &mut windows.velocity);
-            tile.update::<HISTORY>(&step, &mut windows.records, motion, &mut work);
+            let records = &mut windows.records;
+            tile.update::<L, HISTORY>((law, &step), records, motion, (variables, rows), &mut work);
         }
         work
     }

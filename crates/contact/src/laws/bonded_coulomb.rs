@@ -92,7 +92,7 @@ impl BondedCoulomb {
     fn strengths(&self, bond: Bond) -> (f64, f64) {
         match bond {
             Bond::Intact => (self.0.cohesion, self.0.tensile_strength),
-            Bond::Never | Bond::Broken => (0.0, 0.0),
+            Bond::Never | Bond::Softening | Bond::Broken => (0.0, 0.0),
         }
     }
     /// Shear strength (Pa) of a pair that slides under a normal traction (Pa), with a bond in this state.

@@ -1,12 +1,14 @@
 //! Contact laws of joints.
 
 mod bonded_coulomb;
+mod cohesive;
 mod frictionless;
 mod paper;
 mod slip_weakening;
 mod tied;
 
 pub use bonded_coulomb::{BondedCoulomb, BondedCoulombParameters};
+pub use cohesive::{Cohesive, CohesiveParameters, StrengthReduction};
 pub use frictionless::Frictionless;
 pub use paper::{Paper, PaperParameters};
 pub use slip_weakening::{SlipWeakening, SlipWeakeningParameters};
@@ -42,7 +44,7 @@ fn initial_state(cohesion: f64, tensile_strength: f64) -> JointState {
 fn failed(bond: Bond) -> Bond {
     match bond {
         Bond::Never => Bond::Never,
-        Bond::Intact | Bond::Broken => Bond::Broken,
+        Bond::Intact | Bond::Softening | Bond::Broken => Bond::Broken,
     }
 }
 

@@ -77,7 +77,7 @@ impl ContactLaw for Paper {
         let shear = shear(&trial);
         let cohesion = match state.bond {
             Bond::Intact => law.cohesion,
-            Bond::Never | Bond::Broken => 0.0,
+            Bond::Never | Bond::Softening | Bond::Broken => 0.0,
         };
         if shear <= law.static_friction * -normal + cohesion {
             return JointResponse::new(trial, state.with_contact(ContactState::Stick));

@@ -32,6 +32,7 @@ const FAR_ABOVE: f64 = 1.0e8;
 struct ConstraintEnergy {
     friction: Sum,
     bond: Sum,
+    stored: Sum,
     impact: Sum,
     external: Sum,
     /// Of all energies, those of constraints that have nodes with prescribed motion.
@@ -193,6 +194,7 @@ impl Model {
         let energy = &mut ledger.constraints;
         energy.friction.add(energy.reported.friction);
         energy.bond.add(energy.reported.bond);
+        energy.stored.add(energy.reported.stored);
         energy.impact.add(energy.reported.impact);
         energy.external.add(energy.reported.external);
         energy.prescribed.add(energy.reported_prescribed);
@@ -288,11 +290,12 @@ impl Ledger {
         let energy = &mut self.constraints;
         energy.reported.friction += report.friction;
         energy.reported.bond += report.bond;
+        energy.reported.stored += report.stored;
         energy.reported.impact += report.impact;
         energy.reported.external += report.external;
         if is_prescribed {
             energy.reported_prescribed +=
-                report.friction + report.bond + report.impact + report.external;
+                report.friction + report.bond + report.stored + report.impact + report.external;
         }
     }
 
@@ -348,7 +351,7 @@ impl Ledger {
         let spent = [
             ("kinetic", kinetic + difference),
             ("time step", -difference),
-            ("elastic", sum.elastic),
+            ("elastic", sum.elastic + constraints.stored.total()),
             ("hourglass", sum.hourglass),
             ("plastic", sum.plastic),
             ("damage", sum.damage),

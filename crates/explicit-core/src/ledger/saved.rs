@@ -16,8 +16,8 @@ pub(crate) struct SavedLedger {
     work_of_block: Vec<Sum>,
     /// Nodal work of each range of nodes.
     ranges: Vec<NodalWork<Sum>>,
-    /// Energies of the constraints: friction, bond, impact, external work, and those with prescribed motion.
-    constraints: [Sum; 5],
+    /// Energies of the constraints: friction, bond, energy stored by bonds, impact, external work, and those with prescribed motion.
+    constraints: [Sum; 6],
     origin: Option<f64>,
     potential: f64,
     scale: f64,
@@ -38,6 +38,7 @@ impl Ledger {
             constraints: [
                 energy.friction,
                 energy.bond,
+                energy.stored,
                 energy.impact,
                 energy.external,
                 energy.prescribed,
@@ -65,10 +66,11 @@ impl Ledger {
         for (range, all) in self.ranges.iter_mut().zip(&saved.ranges) {
             range.all = *all;
         }
-        let [friction, bond, impact, external, prescribed] = saved.constraints;
+        let [friction, bond, stored, impact, external, prescribed] = saved.constraints;
         self.constraints = ConstraintEnergy {
             friction,
             bond,
+            stored,
             impact,
             external,
             prescribed,

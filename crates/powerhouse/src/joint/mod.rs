@@ -117,13 +117,13 @@ impl SceneJoint {
         Ok(())
     }
 
-    /// Builds the joint in its initial state, and its sides, in a body some nodes of which share the motion of
+    /// Builds the joint in its initial state by a law, and its sides, in a body some nodes of which share the motion of
     /// others, their leads.
     pub(crate) fn build(
         &self,
         mesh: &Mesh,
         leads: &HashMap<u32, u32>,
-        closing: Closing,
+        (closing, law): (Closing, Arc<dyn ContactLaw>),
     ) -> Result<(NamedJoint, NamedSurface), Error> {
         let mut surface = self.surface.clone();
         if !leads.is_empty() {
@@ -131,7 +131,7 @@ impl SceneJoint {
             surface = surface.united(lead);
         }
         let (start, law) = match closing {
-            Closing::Own => (self.start(mesh, &surface)?, self.law.clone()),
+            Closing::Own => (self.start(mesh, &surface)?, law),
             Closing::Tied => (Start::default(), Arc::new(Tied) as Arc<dyn ContactLaw>),
         };
         let joint = start.joint(mesh, (&self.name, &surface), law)?;

@@ -272,6 +272,7 @@ const FIELDS: [(&str, Value); 13] = [
         Bond::Never => 0.0,
         Bond::Intact => 1.0,
         Bond::Broken => 2.0,
+        Bond::Softening => 3.0,
     }),
     ("normal traction", |_, record| record.traction.x),
     ("shear traction", |_, record| {

@@ -223,6 +223,17 @@ pub enum Remark {
         /// Whether it is grouted, or its tie is removed.
         renewal: Renewal,
     },
+    /// Warning: the strength of a joint is reduced where the mesh does not resolve the failure of its bond.
+    ReducedStrength {
+        /// Name of the joint.
+        joint: String,
+        /// Least factor of a strength (1).
+        factor: f64,
+        /// Area of the pairs whose strength is reduced (m2).
+        area: f64,
+        /// Area of all pairs (m2).
+        of: f64,
+    },
     /// Warning: a damped part without a rim touches an absorbing face, although the free field is elastic.
     DampedRim {
         /// Element set of the part.
@@ -324,7 +335,9 @@ impl Remark {
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
             | Self::Bending(_) => Topic::Sections,
-            Self::LargeSlip { .. } | Self::JointRenewed { .. } => Topic::Joints,
+            Self::LargeSlip { .. } | Self::JointRenewed { .. } | Self::ReducedStrength { .. } => {
+                Topic::Joints
+            }
             Self::Hourglass { .. } => Topic::Energy,
             Self::NoState { .. }
             | Self::Undersampled { .. }
@@ -381,7 +394,8 @@ impl Remark {
             | Self::NoState { .. }
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
-            | Self::LoadedSurface { .. } => true,
+            | Self::LoadedSurface { .. }
+            | Self::ReducedStrength { .. } => true,
             Self::FlatDamping { .. }
             | Self::Rim { .. }
             | Self::Conversion { .. }

@@ -286,6 +286,16 @@ impl fmt::Display for Remark {
                     ),
                 }
             }
+            Self::ReducedStrength {
+                joint,
+                factor,
+                area,
+                of,
+            } => write!(
+                f,
+                "the mesh does not resolve how the bond of joint '{joint}' fails: its strength is reduced to {factor:.2} of its own, its fracture energies are kept, on {:.0} % of its area ({area:.1} m2); cracks begin too early, their energy and final area are as with smaller elements",
+                100.0 * area / of
+            ),
             Self::JointRenewed {
                 joint,
                 stage,

@@ -70,6 +70,7 @@ impl Scene {
                 renewal,
             })
         }));
+        remarks.extend(self.reduced_joints()?);
         let state_variables = StateVariables::of(&self, &rims)?;
         let (mut recordings, mut observers) = Recordings::observe(
             &self.output,

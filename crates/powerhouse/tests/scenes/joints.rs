@@ -183,6 +183,7 @@ fn all_laws_of_joints_can_be_named() {
     let names: Vec<&str> = registry.joint_law_names().collect();
     let expected = [
         "bonded-coulomb",
+        "cohesive",
         "frictionless",
         "paper",
         "slip-weakening",
@@ -202,6 +203,7 @@ fn all_laws_of_joints_can_be_named() {
     let (start, end) = (JOINT.find("law = \"bonded").unwrap(), JOINT.len());
     for law in [
         "law = \"tied\"\n",
+        "law = \"cohesive\"\ntensile_strength = 1e6\ncohesion = 2e6\nopening_energy = 100\nstatic_friction = 0.8\n",
         "law = \"frictionless\"\n",
         "law = \"paper\"\ncohesion = 1e6\ntensile_strength = 1e6\nstatic_friction = 0.8\n",
         "law = \"slip-weakening\"\nstatic_friction = 0.7\ndynamic_friction = 0.5\nslip_distance = 0.1\n",
@@ -308,4 +310,67 @@ fn a_joint_runs_through_periodic_sides() {
         least > 1e-4 && most - least <= 1e-9 * most,
         "{least} {most}"
     );
+}
+
+/// A bond with fracture energies fails under a wave: what it dissipates is in the column of bonds and between the energies in
+/// opening and in shear of the area that has failed, the balance closes, and the strength that the coarse mesh does not
+/// resolve is reduced with a warning. The number of threads changes no bit.
+#[test]
+fn a_bond_with_fracture_energies_fails_gradually() {
+    let folder = folder("joint-cohesive");
+    let (start, end) = (JOINT.find("law = \"bonded").unwrap(), JOINT.len());
+    let with = |keys: &str, threads: usize| {
+        let mut text = JOINT.to_owned();
+        let law = "law = \"cohesive\"\ntensile_strength = 2e4\ncohesion = 3e4\nopening_energy = 5\n\
+                   shear_energy = 20\nstatic_friction = 0.7\ndynamic_friction = 0.5\n";
+        text.replace_range(start..end, &format!("{law}{keys}"));
+        run(read(&folder, &text).unwrap().with_threads(threads))
+    };
+    let results = with("", 1);
+    let joint = &results.joint_outcomes[0];
+    assert!(joint.bond > 0.0 && joint.broken > 0.05, "{joint:?}");
+    let failed = joint.broken * joint.area;
+    assert!(joint.bond >= 5.0 * failed * (1.0 - 1e-9), "{joint:?}");
+    assert!(joint.bond <= 20.0 * joint.area, "{joint:?}");
+    let ledger = results
+        .energies
+        .columns
+        .iter()
+        .find(|column| column.name == "bond");
+    let ledger = *ledger.unwrap().values.last().unwrap();
+    assert!(
+        (ledger / joint.bond - 1.0).abs() < 1e-6,
+        "{ledger} {}",
+        joint.bond
+    );
+    let residual = results.energy_residual().unwrap().largest;
+    assert!(residual < 1e-9, "{residual}");
+    let again = with("", 3);
+    assert_eq!(again.joint_outcomes, results.joint_outcomes);
+    assert_eq!(again.energies, results.energies);
+
+    let brittle = |keys: &str| {
+        let mut text = JOINT.to_owned();
+        let law = "law = \"cohesive\"\ntensile_strength = 2e6\ncohesion = 3e6\nopening_energy = 5\nstatic_friction = 0.7\n";
+        text.replace_range(start..end, &format!("{law}{keys}"));
+        read(&folder, &text).unwrap().prepare().unwrap()
+    };
+    let reduced = |simulation: &powerhouse::Simulation| {
+        let remarks = simulation.remarks().iter();
+        let found = remarks.filter_map(|remark| match remark {
+            Remark::ReducedStrength {
+                factor, area, of, ..
+            } => Some((*factor, *area, *of)),
+            _ => None,
+        });
+        found.collect::<Vec<_>>()
+    };
+    let [(factor, area, of)] = reduced(&brittle(""))[..] else {
+        panic!("{:?}", brittle("").remarks());
+    };
+    assert!(
+        (0.01..0.9).contains(&factor) && (area - of).abs() < 1e-6 * of,
+        "{factor} {area} {of}"
+    );
+    assert_eq!(reduced(&brittle("reduce = false\n")), []);
 }

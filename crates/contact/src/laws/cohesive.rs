@@ -1,0 +1,490 @@
+//! Cohesive bond with fracture energies, and Coulomb friction.
+
+use std::sync::Arc;
+
+use powerhouse_model::{
+    Bond, BondEnergies, ContactLaw, ContactState, ElasticMedium, HistoryVariable, JointInput,
+    JointResponse, JointState, ParameterError, Vec3,
+};
+
+use super::{check_friction, opened, shear, with_shear};
+
+/// Parameters of [`Cohesive`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CohesiveParameters {
+    /// Tensile strength of the bond `ft` (Pa), above 0.
+    pub tensile_strength: f64,
+    /// Cohesion of the bond `c` (Pa): its shear strength without pressure, above 0.
+    pub cohesion: f64,
+    /// Fracture energy in opening, `GI` (J/m2), above 0.
+    pub opening_energy: f64,
+    /// Fracture energy in shear, `GII` (J/m2), at least `GI`.
+    pub shear_energy: f64,
+    /// Exponent of mixed modes after Benzeggagh and Kenane (1996), `eta` (1), above 0.
+    pub mode_exponent: f64,
+    /// Static friction coefficient `mu_s` (1), 0 or above: of an intact bond under pressure, and after its failure.
+    pub static_friction: f64,
+    /// Dynamic friction coefficient `mu_d` (1), 0 to `mu_s`: while the bond softens, and of slip after its failure.
+    pub dynamic_friction: f64,
+    /// Reduction of the strengths where the mesh is coarse.
+    pub reduction: StrengthReduction,
+}
+
+/// Reduction of the strengths of a bond where the mesh does not resolve its failure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum StrengthReduction {
+    /// By the media of the two sides of the joint: none until the law is put [between](ContactLaw::between) them.
+    #[default]
+    ByMedia,
+    /// By a plane-strain modulus `E'` (Pa), `2/E' = 1/E1' + 1/E2'` of the two sides.
+    Modulus(f64),
+    /// None, whatever the mesh.
+    None,
+}
+
+/// Contact law with a bond that fails gradually, by traction-separation with fracture energies in opening and shear, and
+/// Coulomb friction that grows as the bond fades.
+///
+/// - *Intact*: a traction with normal part `n` (positive in tension) and shear `s` is carried without opening or slip if
+///   `(n/ft)^2 + (s/c)^2 <= 1` in tension, `s <= c - mu_s n` under pressure.
+/// - *Softening*: with `b = c/ft` and the opening `g` and slip `d` since then, the bond bears
+///   `T = F (g, b^2 d)`. The secant stiffness `F` (Pa/m) falls only: it ends where
+///   `F lambda = ft (1 - lambda/lf)` with `lambda = sqrt(g^2 + b^2 d^2)` and `lf = 2 G/ft`, so that the whole separation
+///   takes the energy `G`. It is `GI` in opening, `GII` in shear and
+///   `GI + (GII - GI) B^eta` between, `B = b^2 d^2/lambda^2` (Benzeggagh & Kenane 1996). Under pressure the faces are in
+///   contact, the bond bears shear alone, and friction `mu_d` acts beside it.
+/// - *Failed*: friction as of [`BondedCoulomb`](crate::BondedCoulomb) without a bond.
+///
+/// There is no penalty stiffness and no loss of stable step: the traction of a step is found together with the opening at its
+/// end, and on the softening branch with the mean opening of the step before and after it, so that the work of central
+/// differences is the area under the curve. It is unique for `step * compliance * ft/lf < 4`, compliance as in
+/// [`JointInput::compliance`].
+///
+/// # Coarse meshes
+/// A mesh resolves the zone in which the bond softens if some five node pairs are in it. Where they are not, the strength
+/// is reduced and the energy kept (Turon et al. 2007): `ft = min(ft, 0.42 sqrt(E' GI/h))`, cohesion likewise with `GII`,
+/// with the [spacing](JointInput::spacing) `h` of the pairs. Cracks then begin early, and take the right energy.
+///
+/// ```
+/// use powerhouse_contact::{Cohesive, CohesiveParameters, StrengthReduction};
+/// use powerhouse_model::{ContactLaw, JointInput, Vec3};
+/// let law = Cohesive::new(CohesiveParameters {
+///     tensile_strength: 1.0e6,
+///     cohesion: 2.0e6,
+///     opening_energy: 100.0,
+///     shear_energy: 1000.0,
+///     mode_exponent: 2.0,
+///     static_friction: 0.7,
+///     dynamic_friction: 0.7,
+///     reduction: StrengthReduction::ByMedia,
+/// })?;
+/// let intact = vec![0.0; law.history().len()];
+/// let mut history = intact.clone();
+/// let trial = Vec3::new(0.6e6, 1.6e6, 0.0);
+/// let input = JointInput::new(trial, &law.initial()).with_history(&intact);
+/// assert_eq!(law.admissible(&input, &mut history).traction, trial);
+/// # Ok::<(), powerhouse_model::ParameterError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cohesive(CohesiveParameters);
+
+/// History variables: secant compliance `1/F`, zero while intact; share of the separation at failure, 1 when failed;
+/// energies per area; tangential displacement at which the bond was intact.
+const HISTORY: [HistoryVariable; 7] = [
+    HistoryVariable::amount("bond_compliance", "m/Pa"),
+    HistoryVariable::amount("bond_damage", "1"),
+    HistoryVariable::amount("bond_stored", "J/m2"),
+    HistoryVariable::amount("bond_dissipated", "J/m2"),
+    HistoryVariable::amount("bond_friction", "J/m2"),
+    HistoryVariable::amount("bond_anchor_1", "m"),
+    HistoryVariable::amount("bond_anchor_2", "m"),
+];
+const COMPLIANCE: usize = 0;
+const DAMAGE: usize = 1;
+const STORED: usize = 2;
+const DISSIPATED: usize = 3;
+const FRICTION: usize = 4;
+const ANCHOR: usize = 5;
+
+/// Greatest share of `sqrt(E' G/h)` that a strength has: five node pairs in a softening zone of `9 pi/32` times the
+/// cohesive length `E' G/ft^2` (Turon et al. 2007).
+const RESOLVED: f64 = 0.42;
+/// Least separation of a bond that softens, as a share of that at failure: its secant stiffness is finite.
+const ONSET: f64 = 1e-12;
+
+/// Strengths of a pair (Pa), and the separation at failure in opening (m) is from them.
+#[derive(Clone, Copy, Debug)]
+struct Strengths {
+    tensile: f64,
+    cohesion: f64,
+}
+
+/// Displacement of the second side relative to the first, or traction on the first: part along the normal, and two along
+/// the tangents.
+#[derive(Clone, Copy, Debug)]
+struct Split {
+    normal: f64,
+    tangential: [f64; 2],
+}
+
+impl Split {
+    /// Size of the tangential part.
+    fn shear(&self) -> f64 {
+        self.tangential[0].hypot(self.tangential[1])
+    }
+    /// Both parts by functions of the components.
+    fn map(self, normal: impl Fn(f64) -> f64, tangential: impl Fn(usize, f64) -> f64) -> Self {
+        Self {
+            normal: normal(self.normal),
+            tangential: [0, 1].map(|c| tangential(c, self.tangential[c])),
+        }
+    }
+}
+
+impl Cohesive {
+    /// Law with given parameters.
+    ///
+    /// # Errors
+    /// A strength, energy, exponent or modulus that is not finite and above 0, `GII` below `GI`, a negative friction
+    /// coefficient, or `mu_d > mu_s`.
+    pub fn new(parameters: CohesiveParameters) -> Result<Self, ParameterError> {
+        const LEAST: f64 = f64::MIN_POSITIVE;
+        let above_zero = |name, value| ParameterError::check(name, value, LEAST, f64::MAX);
+        above_zero("tensile_strength", parameters.tensile_strength)?;
+        above_zero("cohesion", parameters.cohesion)?;
+        above_zero("opening_energy", parameters.opening_energy)?;
+        let least = parameters.opening_energy;
+        ParameterError::check("shear_energy", parameters.shear_energy, least, f64::MAX)?;
+        above_zero("mode_exponent", parameters.mode_exponent)?;
+        check_friction(parameters.static_friction, parameters.dynamic_friction)?;
+        if let StrengthReduction::Modulus(modulus) = parameters.reduction {
+            above_zero("modulus", modulus)?;
+        }
+        Ok(Self(parameters))
+    }
+    /// Parameters of the law.
+    pub fn parameters(&self) -> &CohesiveParameters {
+        &self.0
+    }
+    /// Factors (1) by which tensile strength and cohesion are reduced where pairs have a spacing (m); 1 where the mesh
+    /// resolves the bond's failure.
+    pub fn reduction(&self, spacing: f64) -> [f64; 2] {
+        let law = &self.0;
+        let strengths = self.strengths(spacing);
+        [
+            strengths.tensile / law.tensile_strength,
+            strengths.cohesion / law.cohesion,
+        ]
+    }
+
+    fn strengths(&self, spacing: f64) -> Strengths {
+        let law = &self.0;
+        let (mut tensile, mut cohesion) = (law.tensile_strength, law.cohesion);
+        if let StrengthReduction::Modulus(modulus) = law.reduction
+            && spacing > 0.0
+        {
+            let resolved = |energy: f64| RESOLVED * (modulus * energy / spacing).sqrt();
+            tensile = tensile.min(resolved(law.opening_energy));
+            cohesion = cohesion.min(resolved(law.shear_energy));
+        }
+        Strengths { tensile, cohesion }
+    }
+
+    /// Whether an intact bond carries a traction (Pa).
+    fn carries(&self, strengths: &Strengths, traction: &Vec3) -> bool {
+        let shear = shear(traction);
+        if traction.x > 0.0 {
+            let (n, s) = (traction.x / strengths.tensile, shear / strengths.cohesion);
+            n * n + s * s <= 1.0
+        } else {
+            shear <= strengths.cohesion - self.0.static_friction * traction.x
+        }
+    }
+
+    /// Response of a pair without a bond: no tension, and friction.
+    fn unbonded(&self, input: &JointInput) -> JointResponse {
+        let (trial, state) = (input.trial, &input.state);
+        if trial.x > 0.0 {
+            return opened(state.bond, state);
+        }
+        let friction = match state.contact {
+            ContactState::Stick => self.0.static_friction,
+            ContactState::Slide | ContactState::Open => self.0.dynamic_friction,
+        };
+        let size = shear(&trial);
+        if size <= -friction * trial.x {
+            return JointResponse::new(trial, state.with_contact(ContactState::Stick));
+        }
+        let strength = -self.0.dynamic_friction * trial.x;
+        let slid = state.with_contact(ContactState::Slide);
+        JointResponse::new(with_shear(trial.x, &trial, size, strength), slid)
+    }
+
+    /// Response of a pair whose bond begins to soften or softens.
+    fn softening(
+        &self,
+        strengths: &Strengths,
+        input: &JointInput,
+        new: &mut [f64],
+    ) -> JointResponse {
+        let (law, trial, state) = (&self.0, input.trial, &input.state);
+        let compliance = input.step * input.compliance;
+        let Strengths { tensile, cohesion } = *strengths;
+        let ratio = cohesion / tensile;
+        let intact = input.history[COMPLIANCE] == 0.0;
+        let stiffness = 1.0 / input.history[COMPLIANCE];
+        let closed = trial.x <= 0.0;
+
+        // Displacements at the start of the step, a step before, and at its end if the pair bore no traction.
+        if intact {
+            new[ANCHOR..ANCHOR + 2].copy_from_slice(&input.shear_displacement);
+        }
+        let now = Split {
+            normal: input.opening - input.dilation,
+            tangential: [0, 1].map(|c| input.shear_displacement[c] - new[ANCHOR + c]),
+        };
+        let before = now.map(
+            |opening| opening - input.step * input.opening_rate,
+            |c, sliding| sliding - input.step * input.slip_rate[c],
+        );
+        // The trial takes back the opening, and no displacement along the tangents but rounding.
+        let mut free = Split {
+            normal: compliance * trial.x,
+            tangential: [0, 1].map(|c| compliance * trial[c + 1] + now.tangential[c]),
+        };
+
+        // Friction beside the bond.
+        let mut friction = [0.0; 2];
+        if closed {
+            let own = if intact {
+                0.0
+            } else {
+                ratio * ratio * stiffness
+            };
+            let stick = [0, 1].map(|c| (free.tangential[c] - now.tangential[c]) / compliance);
+            let beside = [0, 1].map(|c| stick[c] - own * now.tangential[c]);
+            let (size, most) = (beside[0].hypot(beside[1]), -law.dynamic_friction * trial.x);
+            if !intact && size <= most {
+                new[STORED] = 0.5 * own * (now.tangential[0].powi(2) + now.tangential[1].powi(2));
+                let traction = Vec3::new(trial.x, stick[0], stick[1]);
+                let state = state
+                    .with_contact(ContactState::Slide)
+                    .with_bond(Bond::Softening);
+                return JointResponse::new(traction, state);
+            }
+            if size > 0.0 {
+                friction = beside.map(|part| most * part / size);
+            }
+            free.tangential = [0, 1].map(|c| free.tangential[c] - compliance * friction[c]);
+            free.normal = 0.0;
+        }
+
+        // Mean of the opening before and after the step at its start.
+        let opened_by = |opening: f64| if closed { 0.0 } else { opening.max(0.0) };
+        let mean = Split {
+            normal: opened_by(0.25 * (free.normal + 2.0 * now.normal + before.normal)),
+            tangential: [0, 1].map(|c| {
+                0.25 * (free.tangential[c] + 2.0 * now.tangential[c] + before.tangential[c])
+            }),
+        };
+        let slid = ratio * mean.shear();
+        let size = mean.normal.hypot(slid);
+        let mixed = if size > 0.0 {
+            (slid / size).powi(2)
+        } else {
+            0.0
+        };
+        let (least, most) = (law.opening_energy, law.shear_energy);
+        let energy = least + (most - least) * mixed.powf(law.mode_exponent);
+        let last = 2.0 * energy / tensile;
+        let reached = if intact {
+            0.0
+        } else {
+            tensile / (stiffness + tensile / last)
+        };
+
+        let bond = |secant: f64, end: Split| {
+            let shear = ratio * ratio * secant;
+            Split {
+                normal: secant * end.normal,
+                tangential: end.tangential.map(|part| shear * part),
+            }
+        };
+        let secant_end = free.map(
+            |opening| opening / (1.0 + compliance * stiffness),
+            |_, sliding| sliding / (1.0 + compliance * ratio * ratio * stiffness),
+        );
+        let end_size = secant_end.normal.hypot(ratio * secant_end.shear());
+        let (traction, failed) = if !intact && end_size <= reached {
+            new[STORED] = 0.5 * stiffness * end_size * end_size;
+            (bond(stiffness, secant_end), false)
+        } else if size >= last {
+            new[DISSIPATED] += 0.5 * tensile * (last - reached).max(0.0);
+            (new[STORED], new[DAMAGE]) = (0.0, 1.0);
+            (
+                Split {
+                    normal: 0.0,
+                    tangential: [0.0; 2],
+                },
+                true,
+            )
+        } else {
+            let quarter = 0.25 * compliance;
+            let envelope = |separation: f64| tensile * (1.0 - separation / last);
+            let parts = |separation: f64| {
+                let weight = quarter * envelope(separation);
+                [
+                    mean.normal / (separation + weight),
+                    slid / (separation + ratio * ratio * weight),
+                ]
+            };
+            let beyond = |separation: f64| {
+                let [normal, sliding] = parts(separation);
+                normal * normal + sliding * sliding - 1.0
+            };
+            let root = bisected(beyond, size);
+            let [normal, sliding] = parts(root.max(ONSET * last));
+            let length = normal.hypot(sliding);
+            let separation = root.max(reached).max(ONSET * last);
+            let bearing = envelope(separation);
+            new[COMPLIANCE] = new[COMPLIANCE].max(separation / bearing);
+            new[DAMAGE] = new[DAMAGE].max(separation / last);
+            new[DISSIPATED] += 0.5 * tensile * (separation - reached).max(0.0);
+            new[STORED] = 0.5 * bearing * separation;
+            let (share, along) = (bearing / length, mean.shear());
+            let direction = |c: usize| {
+                if along > 0.0 {
+                    mean.tangential[c] / along
+                } else {
+                    0.0
+                }
+            };
+            let traction = Split {
+                normal: share * normal,
+                tangential: [0, 1].map(|c| ratio * share * sliding * direction(c)),
+            };
+            (traction, false)
+        };
+
+        let end = [0, 1].map(|c| free.tangential[c] - compliance * traction.tangential[c]);
+        let rubbed = [0, 1].map(|c| 0.5 * friction[c] * (end[c] - before.tangential[c]));
+        new[FRICTION] += (rubbed[0] + rubbed[1]).max(0.0);
+        let total = Vec3::new(
+            if closed { trial.x } else { traction.normal },
+            traction.tangential[0] + friction[0],
+            traction.tangential[1] + friction[1],
+        );
+        let contact = if closed {
+            ContactState::Slide
+        } else {
+            ContactState::Open
+        };
+        let after = if failed {
+            Bond::Broken
+        } else {
+            Bond::Softening
+        };
+        JointResponse::new(total, state.with_contact(contact).with_bond(after))
+    }
+}
+
+/// Root in 0 to a bound of a function that falls, positive at 0 and not at the bound; 0 if it is not positive there.
+fn bisected(function: impl Fn(f64) -> f64, bound: f64) -> f64 {
+    let (mut low, mut high) = (0.0, bound);
+    if function(low) <= 0.0 {
+        return 0.0;
+    }
+    // Secants with halving where they do not shrink the interval (Illinois), to the last bits.
+    let (mut at_low, mut at_high) = (function(low), function(high));
+    for _ in 0..100 {
+        if high - low <= f64::EPSILON * high || at_high == 0.0 {
+            break;
+        }
+        let finite = at_low.is_finite() && at_low > at_high;
+        let mut next = if finite {
+            (low * -at_high + high * at_low) / (at_low - at_high)
+        } else {
+            0.5 * (low + high)
+        };
+        if !(next > low && next < high) {
+            next = 0.5 * (low + high);
+        }
+        let value = function(next);
+        if value > 0.0 {
+            (low, at_low) = (next, value);
+            at_high *= 0.5;
+        } else {
+            (high, at_high) = (next, value);
+            at_low *= 0.5;
+        }
+        if value == 0.0 {
+            break;
+        }
+    }
+    high
+}
+
+impl ContactLaw for Cohesive {
+    fn name(&self) -> &str {
+        "cohesive"
+    }
+    fn initial(&self) -> JointState {
+        JointState::default().with_bond(Bond::Intact)
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &HISTORY
+    }
+    fn admissible(&self, input: &JointInput, new_history: &mut [f64]) -> JointResponse {
+        let failed =
+            input.history[DAMAGE] >= 1.0 || matches!(input.state.bond, Bond::Never | Bond::Broken);
+        if failed {
+            return self.unbonded(input);
+        }
+        let strengths = self.strengths(input.spacing);
+        let intact = input.history[COMPLIANCE] == 0.0;
+        if intact && self.carries(&strengths, &input.trial) {
+            let state = input.state.with_contact(ContactState::Stick);
+            return JointResponse::new(input.trial, state.with_bond(Bond::Intact));
+        }
+        if input.step * input.compliance <= 0.0 {
+            // A static check: nothing is known of the motion.
+            return opened(Bond::Softening, &input.state);
+        }
+        self.softening(&strengths, input, new_history)
+    }
+    fn sliding_strength(&self, normal: f64, _input: &JointInput) -> f64 {
+        (-self.0.dynamic_friction * normal).max(0.0)
+    }
+    fn between(&self, media: [&ElasticMedium; 2]) -> Option<Arc<dyn ContactLaw>> {
+        if self.0.reduction != StrengthReduction::ByMedia {
+            return None;
+        }
+        let compliance = |medium: &ElasticMedium| (1.0 - medium.poisson.powi(2)) / medium.young;
+        let modulus = 2.0 / (compliance(media[0]) + compliance(media[1]));
+        let reduction = StrengthReduction::Modulus(modulus);
+        Some(Arc::new(Self(CohesiveParameters {
+            reduction,
+            ..self.0
+        })))
+    }
+    fn strength_factor(&self, spacing: f64) -> f64 {
+        let [tensile, cohesion] = self.reduction(spacing);
+        tensile.min(cohesion)
+    }
+    fn softening_ratio(&self, compliance: f64, spacing: f64) -> f64 {
+        let Strengths { tensile, cohesion } = self.strengths(spacing);
+        let ratio = |strength: f64, energy: f64| 0.5 * compliance * strength * strength / energy;
+        let opening = ratio(tensile, self.0.opening_energy);
+        opening.max(ratio(cohesion, self.0.shear_energy))
+    }
+    fn bond_energies(&self, history: &[f64]) -> Option<BondEnergies> {
+        Some(BondEnergies::new(
+            history[STORED],
+            history[DISSIPATED],
+            history[FRICTION],
+        ))
+    }
+    fn follows_displacement(&self, state: &JointState) -> bool {
+        matches!(state.bond, Bond::Intact | Bond::Softening)
+    }
+}
