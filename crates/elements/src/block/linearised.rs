@@ -1,12 +1,11 @@
 //! Stiffness operators as matrices: nodal diagonals, and secant and tangent stiffness in the present state.
 
 use powerhouse_model::{
-    ElementKernel, Extents, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3,
+    ElementKernel, Extents, Geometry, Hourglass, LawInput, Mat3, Operator, Strain, Stress, Vec3,
 };
 
 use super::Block;
 use super::law::ErasedLaw;
-use super::remaining::LEAST_HOURGLASS_SHARE;
 use super::transfer::NodeScalar;
 
 /// Stiffness `d stress / d strain` at an integration point, rows of stress (Pa).
@@ -102,13 +101,13 @@ where
         value.map_or_else(Vec3::zeros, |value| value.to_vector())
     }
 
-    /// Stiffness at each integration point of an element for an operator, and hourglass modulus (Pa).
+    /// Stiffness at each integration point of an element for an operator, and hourglass moduli (Pa).
     fn stiffness(
         &self,
         operator: Operator,
         element: usize,
         geometry: &[f64],
-    ) -> ([Stiffness; P], f64) {
+    ) -> ([Stiffness; P], [f64; 3]) {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
         let law = match self.law.static_form() {
             Some(law) if operator != Operator::Elastic => law,
@@ -122,18 +121,18 @@ where
             Operator::Secant => secant(law, input, new),
             _ => tangent(law, input, new),
         });
-        (stiffness, self.hourglass_modulus(law, element, &strains))
+        (stiffness, self.hourglass_moduli(law, element, &strains))
     }
 
-    /// Hourglass modulus (Pa) of an element at some strains, from the committed history variables.
-    pub(super) fn hourglass_modulus(
+    /// Hourglass moduli (Pa) of an element at some strains, from the committed history variables.
+    pub(super) fn hourglass_moduli(
         &self,
         law: &(impl ErasedLaw + ?Sized),
         element: usize,
         strains: &[Strain; P],
-    ) -> f64 {
+    ) -> [f64; 3] {
         let whole = self.moduli.hourglass;
-        if whole == 0.0 {
+        if !self.moduli.resist() {
             return whole;
         }
         let left = self.at_points(element, strains, |input, new| {
@@ -141,7 +140,7 @@ where
             law.hourglass_share(input, new, &change)
         });
         let mean = left.iter().sum::<f64>() / P as f64;
-        whole * mean.max(LEAST_HOURGLASS_SHARE)
+        whole.map(|modulus| modulus * mean.max(self.kernel.least_hourglass_share()))
     }
 
     /// Results of a function at each integration point of an element at some strains: it takes the input of
@@ -189,13 +188,14 @@ where
                 continue;
             }
             self.geometry_of(element, &mut numbers);
-            let (stiffness, modulus) = self.stiffness(operator, element, &numbers);
+            let (stiffness, moduli) = self.stiffness(operator, element, &numbers);
             let geometry = Geometry::<f64>::new((), &numbers);
             visit(element, &|nodal| {
                 let modes = self.kernel.modes(nodal);
                 let strains = self.kernel.strains(geometry, &modes);
                 let stresses = core::array::from_fn(|p| times(&stiffness[p], &strains[p]));
-                let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+                let hourglass = Hourglass::new(moduli);
+                let forces = (self.kernel).forces(geometry, &stresses, &hourglass, &modes);
                 self.kernel.nodal_forces(&forces)
             });
         }
@@ -220,7 +220,7 @@ where
 
     /// Adds the nodal forces of uniform element stresses.
     pub(super) fn add_forces_of_stress(&self, stresses: &[Stress], out: &mut [Vec3]) {
-        let modulus = self.moduli.hourglass;
+        let hourglass = Hourglass::new(self.moduli.hourglass);
         let mut numbers = vec![0.0; self.kernel.geometry_len()];
         for (element, &stress) in stresses.iter().enumerate().take(self.elements.len()) {
             if !self.is_active(element) {
@@ -228,7 +228,7 @@ where
             }
             self.geometry_of(element, &mut numbers);
             let geometry = Geometry::<f64>::new((), &numbers);
-            let modal = (self.kernel).forces(geometry, &[stress; P], modulus, &[[0.0; 3]; N]);
+            let modal = (self.kernel).forces(geometry, &[stress; P], &hourglass, &[[0.0; 3]; N]);
             let nodal = self.kernel.nodal_forces(&modal);
             for (&local, force) in self.connectivity.as_slice()[element].iter().zip(nodal) {
                 out[local as usize] += Vec3::from(force);

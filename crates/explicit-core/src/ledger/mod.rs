@@ -349,6 +349,7 @@ impl Ledger {
             ("kinetic", kinetic + difference),
             ("time step", -difference),
             ("elastic", sum.elastic),
+            ("bending", sum.bending),
             ("hourglass", sum.hourglass),
             ("plastic", sum.plastic),
             ("damage", sum.damage),
