@@ -262,6 +262,27 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
         _new: &mut [L],
     ) {
     }
+    /// Turns the own history that a step has left into that with which the next one begins; the same by default.
+    #[inline(always)]
+    fn own_at_start<L: Lane>(&self, _history: &mut [L]) {}
+    /// Corrects the own history towards static equilibrium within the elements, from stresses at the points, and returns
+    /// whether any lane changed; `before` keeps what iterations need, pairs of equal numbers at first. False, without a
+    /// change, by default.
+    #[inline(always)]
+    fn relax_own<L: Lane>(
+        &self,
+        _geometry: Geometry<L>,
+        _stresses: &[Stress<L>; P],
+        _history: &mut [L],
+        _before: &mut [[L; 2]],
+    ) -> bool {
+        false
+    }
+    /// Number of the first numbers of the own history, three at most, in which the strains that they add are linear, and
+    /// which equilibrium within the element determines; none by default.
+    fn own_strains(&self) -> usize {
+        0
+    }
     /// Adds to the strains at the points what the own history of the elements adds; nothing by default.
     #[inline(always)]
     fn add_own_strains<L: Lane>(

@@ -40,6 +40,7 @@ where
             changes: mut stresses,
             response,
             remaining,
+            own,
         } = stress;
         let token = stresses[0].0[0].token();
         let (zero, one) = (L::splat(token, 0.0), L::splat(token, 1.0));
@@ -60,8 +61,8 @@ where
         let by_law = !matches!(response, Response::Elastic);
         let own = match by_law {
             true => {
-                let remaining = remaining.as_ref();
-                self.own_history(index, &batch, geometry, &modes, &stresses, remaining)
+                let step = (&modes, &stresses, remaining.as_ref());
+                self.own_history(index, &batch, geometry, own, step)
             }
             false => OwnHistory::zero(zero),
         };

@@ -61,6 +61,76 @@ fn tangent(law: &(impl ErasedLaw + ?Sized), input: &LawInput<f64>, new: &mut [f6
     stiffness
 }
 
+/// Strains at the points that equilibrium within an element determines.
+struct InnerStrains<const P: usize> {
+    volumes: [f64; P],
+    /// Strains of unit numbers of the element's own history.
+    strains: Vec<[Strain; P]>,
+    /// Inverse of their stiffness, padded by ones.
+    inverse: Mat3,
+}
+
+impl<const P: usize> InnerStrains<P> {
+    /// Those of an element with a stiffness at each point; none if its kernel has none, or their stiffness is singular.
+    fn new<K, const N: usize>(
+        kernel: &K,
+        geometry: Geometry<f64>,
+        stiffness: &[Stiffness; P],
+    ) -> Option<Self>
+    where
+        K: ElementKernel<N, P>,
+    {
+        let count = kernel.own_strains();
+        if count == 0 {
+            return None;
+        }
+        let strains = (0..count).map(|k| {
+            let mut history = vec![0.0; kernel.own_history()];
+            history[k] = 1.0;
+            let mut strains = [Strain([0.0; 6]); P];
+            kernel.add_own_strains(geometry, &history, &mut strains);
+            strains
+        });
+        let mut inner = Self {
+            volumes: kernel.volumes(geometry),
+            strains: strains.collect(),
+            inverse: Mat3::identity(),
+        };
+        let mut matrix = Mat3::identity();
+        for column in 0..count {
+            let work = inner.work(stiffness, &inner.strains[column]);
+            for row in 0..count {
+                matrix[(row, column)] = work[row];
+            }
+        }
+        inner.inverse = matrix.try_inverse()?;
+        Some(inner)
+    }
+
+    /// Work of the stress of some strains on each unit strain.
+    fn work(&self, stiffness: &[Stiffness; P], strains: &[Strain; P]) -> Vec3 {
+        let mut work = Vec3::zeros();
+        for (row, unit) in self.strains.iter().enumerate() {
+            let of_points =
+                (0..P).map(|p| times(&stiffness[p], &strains[p]).work(&unit[p]) * self.volumes[p]);
+            work[row] = of_points.sum();
+        }
+        work
+    }
+
+    /// Adds the strains that bring an element to equilibrium within.
+    fn relax(&self, stiffness: &[Stiffness; P], strains: &mut [Strain; P]) {
+        let numbers = -(self.inverse * self.work(stiffness, strains));
+        for (unit, number) in self.strains.iter().zip(numbers.iter()) {
+            for p in 0..P {
+                for i in 0..6 {
+                    strains[p].0[i] += number * unit[p].0[i];
+                }
+            }
+        }
+    }
+}
+
 impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
 where
     K: ElementKernel<N, P>,
@@ -116,7 +186,11 @@ where
         let nodal = self.connectivity.as_slice()[element]
             .map(|local| self.last_static_displacement(local as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
-        let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
+        let mut strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
+        let own = self.history.own_of_element(&self.arrangement, element);
+        if !own.is_empty() {
+            self.kernel.add_own_strains(geometry, &own, &mut strains);
+        }
         let stiffness = self.at_points(element, &strains, |input, new| match operator {
             Operator::Secant => secant(law, input, new),
             _ => tangent(law, input, new),
@@ -190,9 +264,13 @@ where
             self.geometry_of(element, &mut numbers);
             let (stiffness, moduli) = self.stiffness(operator, element, &numbers);
             let geometry = Geometry::<f64>::new((), &numbers);
+            let inner = InnerStrains::new(&self.kernel, geometry, &stiffness);
             visit(element, &|nodal| {
                 let modes = self.kernel.modes(nodal);
-                let strains = self.kernel.strains(geometry, &modes);
+                let mut strains = self.kernel.strains(geometry, &modes);
+                if let Some(inner) = &inner {
+                    inner.relax(&stiffness, &mut strains);
+                }
                 let stresses = core::array::from_fn(|p| times(&stiffness[p], &strains[p]));
                 let hourglass = Hourglass::new(moduli);
                 let forces = (self.kernel).forces(geometry, &stresses, &hourglass, &modes);

@@ -270,6 +270,7 @@ where
             return self.elastic(nodes, out, survey);
         };
         let mut exchanges = EXCHANGES.take();
+        let writes = matches!(history, HistoryAccess::Write(_));
         let operation = Material::<K, A, S, N, P> {
             kernel: &self.kernel,
             law,
@@ -283,6 +284,7 @@ where
             exchange: S::exchange(&mut exchanges),
             nodes,
             still,
+            relaxes: writes && !self.law.is_stepping() && self.kernel.own_history() > 0,
             rates,
             out,
             survey,

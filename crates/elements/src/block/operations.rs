@@ -11,6 +11,7 @@ use super::exchange::{Exchange, PointBuffers};
 use super::law::{BatchLaw, Evaluation, HistoryAccess, RemainingOutput};
 use super::locations::Locations;
 use super::numbers::Aligned;
+use super::own::MOST_OWN;
 use super::survey::{
     FiniteCheck, Summary, complementary_energy, each_lane, linear_energy, write_mean,
 };
@@ -167,11 +168,13 @@ pub(super) struct BatchStress<L, const P: usize> {
     pub(super) changes: [Stress<L>; P],
     pub(super) response: Response<L, P>,
     pub(super) remaining: Option<[RemainingStiffness<L>; P]>,
+    /// Own history with which the step began.
+    pub(super) own: [L; MOST_OWN],
 }
 
 /// Output of a law that is required besides stresses.
 #[derive(Clone, Copy)]
-struct Required {
+pub(super) struct Required {
     energy: bool,
     /// Whether stiffness damping acts, or the element's own history follows plastic flow, which require all of the
     /// remaining stiffness.
@@ -197,6 +200,8 @@ pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: us
     pub(super) nodes: &'a [Quad<f64>],
     /// Displacement of the last committed static state, from which own histories follow, by local node index.
     pub(super) still: Option<&'a [Quad<f64>]>,
+    /// Whether own histories are brought to equilibrium within their elements: in static states that are stored.
+    pub(super) relaxes: bool,
     pub(super) rates: Option<Rates<'a, A, S>>,
     /// Output, if required: forces by local node index.
     pub(super) out: Option<&'a mut [Quad<A>]>,
@@ -227,18 +232,24 @@ where
         // Number of the last batches for which the law is still to be evaluated.
         let mut pending = 0;
         for index in 0..count {
-            let (modes, strains) = self.deformed::<L>(token, index);
+            let (modes, strains, own) = self.deformed::<L>(token, index);
             let elastic = self.elastic_response::<L>(index, &strains);
             let mut end = index;
             if elastic.is_none() {
                 self.exchange
                     .store::<L, N, P>(token, pending, &modes, &strains);
+                if self.kernel.own_history() > 0 {
+                    self.exchange.store_own::<L>(token, pending, &own);
+                }
                 pending += 1;
                 end += 1;
             }
             if pending == capacity || (pending > 0 && (elastic.is_some() || end == count)) {
                 let first = end - pending;
                 let has_energies = self.evaluate::<L>(first, pending, required);
+                if self.relaxes {
+                    self.relax::<L>(token, first, pending, required);
+                }
                 for batch in 0..pending {
                     let modes = self.exchange.modes::<L, N>(token, batch);
                     let (changes, energies) =
@@ -253,10 +264,15 @@ where
                     } else {
                         None
                     };
+                    let mut own = own;
+                    if self.kernel.own_history() > 0 {
+                        own = self.exchange.own::<L>(token, batch);
+                    }
                     let stress = BatchStress {
                         changes,
                         response,
                         remaining,
+                        own,
                     };
                     self.finish::<L>(first + batch, modes, stress, &mut rows.0, &mut check);
                 }
@@ -267,6 +283,7 @@ where
                     changes,
                     response: Response::Elastic,
                     remaining: None,
+                    own,
                 };
                 self.finish::<L>(index, modes, stress, &mut rows.0, &mut check);
             }
@@ -281,13 +298,13 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Modal displacements and strains of a batch.
+    /// Modal displacements, strains and own history of a batch.
     #[inline(always)]
     fn deformed<L: BatchLane<Scalar = S>>(
         &self,
         token: L::Token,
         index: usize,
-    ) -> ([[L; 3]; N], [Strain<L>; P]) {
+    ) -> ([[L; 3]; N], [Strain<L>; P], [L; MOST_OWN]) {
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::<L>::new(token, batch.geometry);
         let nodes = self.batches.connectivity.over(self.nodes);
@@ -295,12 +312,12 @@ where
         gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
         let modes = self.kernel.modes(&nodal);
         let mut strains = self.kernel.strains(geometry, &modes);
+        let own = self.own_at_start(L::splat(token, 0.0), index);
         let count = self.kernel.own_history();
         if count > 0 {
-            let own = self.committed_own(modes[0][0].constant(0.0), index);
             (self.kernel).add_own_strains(geometry, &own[..count], &mut strains);
         }
-        (modes, strains)
+        (modes, strains, own)
     }
 
     /// Changes of stress of a virgin batch inside the elastic domain, for which the law need not be evaluated.
@@ -343,7 +360,7 @@ where
     /// Evaluates the law for successive batches, whose strains are in the exchange buffers, with the required
     /// output; writes new history variables. Returns whether energies are required and the law has them.
     #[inline(always)]
-    fn evaluate<L: BatchLane<Scalar = S>>(
+    pub(super) fn evaluate<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,

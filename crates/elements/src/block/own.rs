@@ -4,13 +4,16 @@ use powerhouse_model::{ElementKernel, Geometry, OwnStep, RemainingStiffness, Str
 
 use super::batches::Batch;
 use super::law::HistoryAccess;
-use super::operations::Material;
+use super::operations::{Material, Required};
 use super::remaining::{less, product, times};
 use super::transfer::gather;
 use crate::lanes::{BatchLane, BatchScalar};
 
 /// Most numbers of an element's own history.
 pub(super) const MOST_OWN: usize = 12;
+
+/// Most corrections of an own history in one evaluation of a static state.
+const MOST_ITERATIONS: usize = 16;
 
 /// Own history of a batch before and after a step.
 pub(super) struct OwnHistory<L> {
@@ -43,12 +46,7 @@ impl<L: BatchLane> OwnHistory<L> {
     /// Whether any number of any lane changed in the step.
     #[inline(always)]
     pub(super) fn changed(&self) -> bool {
-        let zero = self.before[0].constant(0.0);
-        let mut sum = zero;
-        for h in 0..self.count {
-            sum = sum + (self.after[h] - self.before[h]).abs();
-        }
-        self.count > 0 && zero.any(zero.less(sum))
+        self.count > 0 && differ(&self.before, &self.after)
     }
     /// Sum of both histories times factors.
     #[inline(always)]
@@ -91,6 +89,24 @@ impl<L: BatchLane> OwnHistory<L> {
         ];
         product(kernel, geometry, moduli, pair)
     }
+}
+
+/// Modal displacements, stresses and remaining stiffness at the end of a step.
+type FinishedStep<'a, L, const N: usize, const P: usize> = (
+    &'a [[L; 3]; N],
+    &'a [Stress<L>; P],
+    Option<&'a [RemainingStiffness<L>; P]>,
+);
+
+/// Whether any lane of two histories differs.
+#[inline(always)]
+fn differ<L: BatchLane>(a: &[L; MOST_OWN], b: &[L; MOST_OWN]) -> bool {
+    let zero = a[0].constant(0.0);
+    let mut sum = zero;
+    for h in 0..MOST_OWN {
+        sum = sum + (a[h] - b[h]).abs();
+    }
+    zero.any(zero.less(sum))
 }
 
 /// Deviatoric elastic part of strain increments over the whole, mean over the points.
@@ -147,18 +163,29 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Own history of a batch after the last forces; zeros if it is all zero.
+    /// Own history of a batch with which a step begins, or after the last forces where new ones are not stored.
     #[inline(always)]
-    pub(super) fn latest_own<L: BatchLane<Scalar = S>>(
+    pub(super) fn own_at_start<L: BatchLane<Scalar = S>>(
         &self,
         zero: L,
         batch: usize,
     ) -> [L; MOST_OWN] {
         let mut own = [zero; MOST_OWN];
-        if let Some(numbers) = self.history.get().own(batch) {
-            for h in 0..self.kernel.own_history() {
+        let count = self.kernel.own_history();
+        if count == 0 {
+            return own;
+        }
+        let (numbers, starts) = match &self.history {
+            HistoryAccess::Read(history) => (history.own(batch), false),
+            HistoryAccess::Write(history) => (history.committed_own(batch), true),
+        };
+        if let Some(numbers) = numbers {
+            for h in 0..count {
                 own[h] = L::load(zero.token(), &numbers[h * L::WIDTH..]);
             }
+        }
+        if starts {
+            self.kernel.own_at_start(&mut own[..count]);
         }
         own
     }
@@ -171,19 +198,14 @@ where
         index: usize,
         batch: &Batch<S, N>,
         geometry: Geometry<L>,
-        modes: &[[L; 3]; N],
-        stresses: &[Stress<L>; P],
-        remaining: Option<&[RemainingStiffness<L>; P]>,
+        before: [L; MOST_OWN],
+        (modes, stresses, remaining): FinishedStep<L, N, P>,
     ) -> OwnHistory<L> {
         let zero = geometry.constant(0.0);
         let count = self.kernel.own_history();
         if count == 0 {
             return OwnHistory::zero(zero);
         }
-        let before = match &self.history {
-            HistoryAccess::Read(_) => self.latest_own(zero, index),
-            HistoryAccess::Write(_) => self.committed_own(zero, index),
-        };
         let mut own = OwnHistory {
             before,
             after: before,
@@ -214,27 +236,61 @@ where
                     .own_history_after(geometry, &step, &mut own.after[..count]);
             }
         }
-        let changed = own.changed();
         if let HistoryAccess::Write(history) = &mut self.history {
+            let mut committed = [zero; MOST_OWN];
+            if let Some(numbers) = history.committed_own(index) {
+                for h in 0..count {
+                    committed[h] = L::load(zero.token(), &numbers[h * L::WIDTH..]);
+                }
+            }
+            let changed = differ(&committed, &own.after);
             history.store_own(index, &own.after[..count], changed);
         }
         own
     }
 
-    /// Committed own history of a batch.
+    /// Brings the own histories of successive batches, of which the law was evaluated, to equilibrium within their elements.
     #[inline(always)]
-    pub(super) fn committed_own<L: BatchLane<Scalar = S>>(
-        &self,
-        zero: L,
-        batch: usize,
-    ) -> [L; MOST_OWN] {
-        let mut own = [zero; MOST_OWN];
-        if let Some(numbers) = self.history.get().committed_own(batch) {
-            for h in 0..self.kernel.own_history() {
-                own[h] = L::load(zero.token(), &numbers[h * L::WIDTH..]);
+    pub(super) fn relax<L: BatchLane<Scalar = S>>(
+        &mut self,
+        token: L::Token,
+        first: usize,
+        pending: usize,
+        required: Required,
+    ) {
+        let count = self.kernel.own_history();
+        let zero = L::splat(token, 0.0);
+        let mut before = vec![[[zero; 2]; MOST_OWN]; pending];
+        for (batch, before) in before.iter_mut().enumerate() {
+            let own = self.exchange.own::<L>(token, batch);
+            for h in 0..MOST_OWN {
+                before[h] = [own[h]; 2];
             }
         }
-        own
+        for _iteration in 0..MOST_ITERATIONS {
+            let mut any = false;
+            for batch in 0..pending {
+                let index = first + batch;
+                let geometry = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
+                let geometry = Geometry::<L>::new(token, geometry.geometry);
+                let (stresses, _) = self.exchange.response::<L, P>(token, batch, false);
+                let mut own = self.exchange.own::<L>(token, batch);
+                let before = &mut before[batch];
+                if (self.kernel).relax_own(geometry, &stresses, &mut own[..count], before) {
+                    any = true;
+                    let modes = self.exchange.modes::<L, N>(token, batch);
+                    let mut strains = self.kernel.strains(geometry, &modes);
+                    (self.kernel).add_own_strains(geometry, &own[..count], &mut strains);
+                    self.exchange
+                        .store::<L, N, P>(token, batch, &modes, &strains);
+                    self.exchange.store_own::<L>(token, batch, &own);
+                }
+            }
+            if !any {
+                return;
+            }
+            self.evaluate::<L>(first, pending, required);
+        }
     }
 
     /// Increments of the modal displacements of a batch in the step; none if the state before it is not known.

@@ -6,8 +6,8 @@ use powerhouse_model::{
 };
 
 use super::hexahedron;
-use super::mean_gradient::{self, LINEAR, NUMBERS, SHRINK, Shape, VOLUME};
-use super::natural_frame::{self, NaturalFrame};
+use super::mean_gradient::{self, NUMBERS, SHRINK, Shape, VOLUME};
+use super::natural_frame::{self, NaturalFrame, linear};
 use super::positions;
 use super::vectors::strain_of;
 
@@ -42,16 +42,6 @@ use super::vectors::strain_of;
 /// 1029-1064.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hex8Natural;
-
-/// Linear parts of the position of a batch, `X_k / sqrt V`.
-#[inline(always)]
-fn linear<L: Lane>(geometry: &Geometry<L>) -> [[L; 3]; 3] {
-    [
-        geometry.vector(LINEAR),
-        geometry.vector(LINEAR + 3),
-        geometry.vector(LINEAR + 6),
-    ]
-}
 
 impl ElementKernel<8, 1> for Hex8Natural {
     fn name(&self) -> &'static str {

@@ -1,7 +1,8 @@
 //! Stress of a brick that is linear in its natural coordinates, from hourglass strains.
 
-use powerhouse_model::{ElasticMedium, Lane, OwnStep, Stress};
+use powerhouse_model::{ElasticMedium, Geometry, Lane, OwnStep, Stress};
 
+use super::mean_gradient::LINEAR;
 use super::vectors::{dot, scaled, scaled_sum};
 
 /// Number of history variables of a brick: the plastic parts of its hourglass strains.
@@ -11,7 +12,7 @@ pub(super) const HISTORY: usize = 12;
 const LEAST_ELASTIC_SHARE: f64 = 0.02;
 
 /// The directions in the plane of the plate with its thickness along each natural direction.
-const PLANES: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
+pub(super) const PLANES: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// Moduli of the hourglass forces: `2 lambda G / (lambda + 2 G)`, shear and Young's modulus.
 pub(super) fn moduli(medium: &ElasticMedium) -> [f64; 3] {
@@ -38,11 +39,21 @@ pub(super) fn elastic_part<L: Lane>(mut strains: [[L; 3]; 4], history: &[L]) -> 
 
 /// Natural frame of a batch of bricks, scaled to the volume one: `x_i = X_i / sqrt V`, with which no volume enters the forces.
 pub(super) struct NaturalFrame<L> {
-    x: [[L; 3]; 3],
+    pub(super) x: [[L; 3]; 3],
     /// `A_ii`, `A_jj` and `A_ij` in the plane of each plate.
-    planes: [[L; 3]; 3],
+    pub(super) planes: [[L; 3]; 3],
     /// `1 / |x_i|^2`.
-    inverse: [L; 3],
+    pub(super) inverse: [L; 3],
+}
+
+/// Linear parts of the position of a batch of bricks with any corners, `X_k / sqrt V`.
+#[inline(always)]
+pub(super) fn linear<L: Lane>(geometry: &Geometry<L>) -> [[L; 3]; 3] {
+    [
+        geometry.vector(LINEAR),
+        geometry.vector(LINEAR + 3),
+        geometry.vector(LINEAR + 6),
+    ]
 }
 
 impl<L: Lane> NaturalFrame<L> {
@@ -63,6 +74,32 @@ impl<L: Lane> NaturalFrame<L> {
         Self { x, planes, inverse }
     }
 
+    /// Curvatures `k_ii, k_jj, k_ij` of each plate, of hourglass strains (eight times those of the interpolation).
+    #[inline(always)]
+    pub(super) fn curvatures(&self, strains: &[[L; 3]; 4]) -> [[L; 3]; 3] {
+        let x = &self.x;
+        let half = x[0][0].constant(0.5);
+        let mut own = self.inverse;
+        for i in 0..3 {
+            own[i] = dot(x[i], strains[i]);
+        }
+        let mut curvatures = self.planes;
+        for k in 0..3 {
+            let (i, j) = PLANES[k];
+            let mixed = (own[i] + own[j]) * half;
+            curvatures[k] = [dot(x[i], strains[j]), dot(x[j], strains[i]), mixed];
+        }
+        curvatures
+    }
+
+    /// Trace `A:k` of curvatures of plate `k`.
+    #[inline(always)]
+    pub(super) fn trace(&self, [ii, jj, both]: [L; 3], k: usize) -> L {
+        let [a_ii, a_jj, a_ij] = self.planes[k];
+        let mixed = a_ij * both;
+        a_ii.mul_add(ii, a_jj.mul_add(jj, mixed + mixed))
+    }
+
     /// Plane stress `s_ii, s_jj, s_ij` of each plate at its coordinate 1, of hourglass strains (eight times those of the
     /// interpolation), times a factor.
     #[inline(always)]
@@ -72,19 +109,13 @@ impl<L: Lane> NaturalFrame<L> {
         strains: &[[L; 3]; 4],
         factor: f64,
     ) -> [[L; 3]; 3] {
-        let (x, factor) = (&self.x, plate.constant(factor));
+        let factor = plate.constant(factor);
         let (plate, twice) = (*plate * factor, (*shear + *shear) * factor);
-        let half = factor.constant(0.5);
-        let mut own = self.inverse;
-        for i in 0..3 {
-            own[i] = dot(x[i], strains[i]);
-        }
+        let curvatures = self.curvatures(strains);
         let mut stresses = self.planes;
         for k in 0..3 {
-            let (i, j) = PLANES[k];
             let [ii, jj, ij] = self.planes[k];
-            let (k_ii, k_jj) = (dot(x[i], strains[j]), dot(x[j], strains[i]));
-            let k_ij = (own[i] + own[j]) * half;
+            let [k_ii, k_jj, k_ij] = curvatures[k];
             // B = A k, then s = (plate tr B I + 2 G B) A.
             let b_ii = ii.mul_add(k_ii, ij * k_ij);
             let b_ij = ii.mul_add(k_ij, ij * k_jj);
@@ -107,7 +138,21 @@ impl<L: Lane> NaturalFrame<L> {
     pub(super) fn forces(&self, moduli: &[L; 3], strains: &[[L; 3]; 4]) -> [[L; 3]; 4] {
         let x = &self.x;
         let stresses = self.plane_stresses(moduli, strains, 1.0 / 192.0);
-        let mut forces = *strains;
+        let mut forces = self.distributed(&stresses);
+        let uniaxial = moduli[2] * moduli[2].constant(1.0 / 576.0);
+        for i in 0..3 {
+            let square = self.inverse[i] * self.inverse[i];
+            forces[3] = scaled_sum(x[i], uniaxial * square * dot(x[i], strains[3]), forces[3]);
+        }
+        forces
+    }
+
+    /// Forces on the modes of products of two coordinates of plane stresses `s_ii, s_jj, s_ij` of each plate; none on the
+    /// last mode.
+    #[inline(always)]
+    pub(super) fn distributed(&self, stresses: &[[L; 3]; 3]) -> [[L; 3]; 4] {
+        let x = &self.x;
+        let mut forces = [[x[0][0].constant(0.0); 3]; 4];
         for a in 0..3 {
             // The mode of the product of the coordinates other than `a` belongs to the plates `i` and `j`.
             let (i, j) = PLANES[a];
@@ -119,13 +164,6 @@ impl<L: Lane> NaturalFrame<L> {
             let along = scaled_sum(x[j], along_j, scaled(x[i], along_i));
             forces[a] = scaled_sum(x[a], shear_i + shear_j, along);
         }
-        let uniaxial = moduli[2] * moduli[2].constant(1.0 / 576.0);
-        let mut last = [uniaxial.constant(0.0); 3];
-        for i in 0..3 {
-            let square = self.inverse[i] * self.inverse[i];
-            last = scaled_sum(x[i], uniaxial * square * dot(x[i], strains[3]), last);
-        }
-        forces[3] = last;
         forces
     }
 

@@ -7,7 +7,7 @@ use powerhouse_model::{
 
 use super::hex8_natural::Hex8Natural;
 use super::hexahedron;
-use super::natural_frame::{self, NaturalFrame};
+use super::natural_frame::{self, NaturalFrame, linear};
 use super::positions;
 use super::vectors::{Matrix, cross, dot, outer_sum, scaled, strain_of, uniform_forces};
 
@@ -72,11 +72,6 @@ impl StraightNatural {
             NaturalFrame::new(linear(geometry))
         }
     }
-}
-
-#[inline(always)]
-fn linear<L: Lane>(geometry: &Geometry<L>) -> [[L; 3]; 3] {
-    [geometry.vector(0), geometry.vector(3), geometry.vector(6)]
 }
 
 #[inline(always)]

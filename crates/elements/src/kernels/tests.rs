@@ -26,7 +26,7 @@ impl<K, const N: usize> Element<K, N> {
     {
         let mut numbers = vec![0.0; kernel.geometry_len()];
         kernel.geometry(&corners, &mut numbers);
-        let medium = ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap();
+        let medium = rock();
         Self {
             kernel,
             corners,
@@ -120,6 +120,9 @@ fn distorted<const N: usize>(corners: [[f64; 3]; N]) -> [Vec3; N] {
     })
 }
 
+fn rock() -> ElasticMedium {
+    ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap()
+}
 fn brick() -> [Vec3; 8] {
     distorted(hexahedron::CORNERS)
 }
@@ -372,6 +375,7 @@ macro_rules! kernel_tests {
 kernel_tests!(hex8_one_point, Hex8OnePoint::DEFAULT, brick(), 8, 1);
 kernel_tests!(hex8_natural, Hex8Natural, brick(), 8, 1);
 kernel_tests!(straight_natural, straight(false), parallelepiped(), 8, 1);
+kernel_tests!(hex8_eas, Hex8Eas::new(&rock()), brick(), 8, 8);
 kernel_tests!(hex8_full, Hex8Full, brick(), 8, 8);
 kernel_tests!(hex8_b_bar, Hex8BBar, brick(), 8, 8);
 kernel_tests!(straight_full, skewed(false), parallelepiped(), 8, 8);

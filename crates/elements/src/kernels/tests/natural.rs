@@ -136,6 +136,20 @@ proptest! {
         }
     }
 
+    /// Eight points with the bending strains of the material are equal to one with its stress, on any brick.
+    #[test]
+    fn eight_elastic_points_are_one_that_bends(
+        corners in any_brick(0.2),
+        poisson in 0.0..0.499_f64,
+    ) {
+        let medium = ElasticMedium::new(9.0e9, poisson, 2750.0).unwrap();
+        let mut one = Element::new::<1>(Hex8Natural, corners);
+        let mut eight = Element::new::<8>(Hex8Eas::new(&medium), corners);
+        (one.medium, eight.medium) = (medium, medium);
+        let (one, eight) = (one.stiffness::<1>(), eight.stiffness::<8>());
+        prop_assert!((&one - &eight).amax() < 1e-12 * one.amax());
+    }
+
     /// A brick of natural bending oscillates no faster than one of the mean gradient alone: not at all if it is right, and
     /// by a few thousandths if its corners are moved by a tenth; it has no motion without energy but the rigid ones.
     #[test]
