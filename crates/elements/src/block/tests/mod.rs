@@ -2,6 +2,7 @@
 
 mod boxes;
 mod elastic;
+mod hinge;
 mod invariance;
 mod location;
 mod memory;
