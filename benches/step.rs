@@ -57,6 +57,8 @@ fn steps(criterion: &mut Criterion) {
                 (one_point, Precision::F64, "f64"),
                 (one_point, Precision::Mixed, "mixed"),
                 (one_point, Precision::F32, "f32"),
+                (SolidKernel::Hex8Natural, Precision::F64, "f64"),
+                (SolidKernel::Hex8Natural, Precision::Mixed, "mixed"),
                 (SolidKernel::Hex8Full, Precision::F64, "f64"),
             ] {
                 let mut model = model(&mesh, kernel, precision, threads);

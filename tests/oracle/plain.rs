@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, ConstitutiveLaw,
     ElementBlock, ElementFault, ElementKernel, ElementKind, Extents, FrequencyBound, Geometry,
-    HistoryField, LawInput, Mat3, ModelError, NodalView, NodalViewMut, Operator, Quad, Rayleigh,
-    Strain, Stress, Vec3,
+    HistoryField, Hourglass, LawInput, Mat3, ModelError, NodalView, NodalViewMut, Operator, Quad,
+    Rayleigh, Strain, Stress, Vec3,
 };
 
 /// Factory of plain blocks of a kernel and a law, with Rayleigh damping.
@@ -34,7 +34,7 @@ struct PlainBlock<K, M, const N: usize, const P: usize> {
     kernel: K,
     law: M,
     damping: Rayleigh,
-    hourglass: f64,
+    hourglass: [f64; 3],
     elements: Vec<u32>,
     nodes: Vec<u32>,
     parts: Vec<Element<N>>,
@@ -83,13 +83,13 @@ where
                 new_history: vec![0.0; count],
             }
         });
-        let modulus = kernel.hourglass_modulus(medium.constrained(), medium.shear());
+        let moduli = kernel.hourglass_moduli(&medium);
         Ok(Box::new(PlainBlock::<K, M, N, P> {
             set,
             kernel: kernel.clone(),
             law: law.clone(),
             damping: *damping,
-            hourglass: modulus.unwrap_or(0.0),
+            hourglass: moduli.unwrap_or_default(),
             elements: part.elements.to_vec(),
             nodes: part.nodes.to_vec(),
             parts: parts.collect(),
@@ -178,9 +178,9 @@ where
             for (mode, rate) in modes.iter_mut().flatten().zip(rates.iter().flatten()) {
                 *mode += coefficient * rate;
             }
-            let forces = self
-                .kernel
-                .forces(geometry, &stresses, self.hourglass, &modes);
+            let forces =
+                self.kernel
+                    .forces(geometry, &stresses, &Hourglass::new(self.hourglass), &modes);
             let forces = self.kernel.nodal_forces(&forces);
             for (&node, force) in element.nodes.iter().zip(forces) {
                 sums[node] += Vec3::from(force);

@@ -17,7 +17,8 @@ impl Model {
                 set: set.clone(),
                 ..HourglassShare::default()
             };
-            share.update(energy.hourglass, energy.elastic.abs() + energy.hourglass);
+            let stored = energy.elastic.abs() + energy.bending;
+            share.update(energy.hourglass, stored + energy.hourglass);
             share
         });
         HourglassShare::above_rounding(shares)

@@ -77,6 +77,25 @@ impl StepView for View<'_> {
             None => change,
         }
     }
+    fn stress_at(&self, element: u32, natural: &Vec3) -> Option<Stress> {
+        let mut stress = self.stress(element);
+        let model = self.model;
+        let of_block = model.subdomain.block_of_element.get(element as usize);
+        let known = of_block.filter(|(block, _)| (*block as usize) < model.blocks.len());
+        let Some(&(block, index)) = known else {
+            return Some(stress);
+        };
+        let (block, index) = (block as usize, index as usize);
+        let displacement = NodalView::F64(self.displacement_of_block(block));
+        if let Some(linear) = model.blocks[block].surface_stresses(index, displacement) {
+            for (part, coordinate) in linear.iter().zip(natural.iter()) {
+                for i in 0..6 {
+                    stress.0[i] += part.0[i] * coordinate;
+                }
+            }
+        }
+        Some(stress)
+    }
     fn element_forces(&self, element: u32, out: &mut [Vec3]) -> bool {
         let model = self.model;
         let of_block = model.subdomain.block_of_element.get(element as usize);

@@ -1,156 +1,8 @@
-//! Elements: kernels, which compute one batch of elements in lanes, and blocks of elements.
+//! Blocks of elements, behind which an engine knows neither kernels nor laws.
 
 use crate::{
-    ElementKind, HistoryField, Lane, Mat3, NodalView, NodalViewMut, Quad, StateError, StepTime,
-    Strain, Stress, Vec3,
+    HistoryField, Mat3, NodalView, NodalViewMut, Quad, StateError, StepTime, Stress, Vec3,
 };
-
-/// Geometry numbers of one batch of elements, computed once by a kernel and read at every step.
-///
-/// Number `i` of all lanes is at `numbers[i * WIDTH..(i + 1) * WIDTH]`.
-#[derive(Clone, Copy, Debug)]
-pub struct Geometry<'a, L: Lane> {
-    token: L::Token,
-    numbers: &'a [L::Scalar],
-}
-
-impl<'a, L: Lane> Geometry<'a, L> {
-    /// A view of the stored numbers of a batch.
-    #[inline(always)]
-    pub fn new(token: L::Token, numbers: &'a [L::Scalar]) -> Self {
-        Self { token, numbers }
-    }
-    /// One geometry number of every lane.
-    ///
-    /// # Panics
-    /// If the batch holds fewer numbers.
-    #[inline(always)]
-    pub fn get(&self, index: usize) -> L {
-        L::load(
-            self.token,
-            &self.numbers[index * L::WIDTH..(index + 1) * L::WIDTH],
-        )
-    }
-    /// Three successive geometry numbers of every lane, such as a vector.
-    ///
-    /// # Panics
-    /// If the batch holds fewer numbers.
-    #[inline(always)]
-    pub fn vector(&self, index: usize) -> [L; 3] {
-        [self.get(index), self.get(index + 1), self.get(index + 2)]
-    }
-    /// Number with the same value in every lane.
-    #[inline(always)]
-    pub fn constant(&self, value: f64) -> L {
-        L::splat(self.token, value)
-    }
-}
-
-/// Element kernel: the arithmetic of one element type on a batch of elements in lanes, without knowledge of
-/// mesh and threads.
-///
-/// `N` is the number of nodes, `P` the number of integration points. A kernel computes geometry numbers
-/// from corner positions once. At every step it maps nodal values to *modal* ones (a fixed linear map of
-/// its choice, in which the arithmetic is short; the identity by default), modal values to strains at the
-/// integration points, and stresses at the points to modal forces, which the transposed map turns into
-/// nodal forces.
-///
-/// A bar of two nodes, as a kernel of one point:
-/// ```
-/// use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
-/// /// A bar along x with unit section.
-/// #[derive(Clone)]
-/// struct Bar;
-/// impl ElementKernel<2, 1> for Bar {
-///     fn name(&self) -> &'static str { "bar-x" }
-///     fn kind(&self) -> ElementKind { ElementKind::Bar2 }
-///     fn geometry_len(&self) -> usize { 1 }
-///     fn geometry(&self, corners: &[Vec3; 2], out: &mut [f64]) { out[0] = corners[1].x - corners[0].x; }
-///     fn point_positions(&self, corners: &[Vec3; 2]) -> [Vec3; 1] { [(corners[0] + corners[1]) / 2.0] }
-///     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; 1] { [geometry.get(0)] }
-///     fn node_shares(&self, _corners: &[Vec3; 2]) -> [f64; 2] { [0.5, 0.5] }
-///     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 2]) -> [Strain<L>; 1] {
-///         let zero = geometry.constant(0.0);
-///         [Strain([(modes[1][0] - modes[0][0]) / geometry.get(0), zero, zero, zero, zero, zero])]
-///     }
-///     fn forces<L: Lane>(&self, geometry: Geometry<L>, stresses: &[Stress<L>; 1], _modulus: L, _modes: &[[L; 3]; 2]) -> [[L; 3]; 2] {
-///         let (zero, force) = (geometry.constant(0.0), stresses[0].0[0]);
-///         [[-force, zero, zero], [force, zero, zero]]
-///     }
-/// }
-/// let stress = [Stress([3.0, 0.0, 0.0, 0.0, 0.0, 0.0])];
-/// let forces = Bar.forces(Geometry::new((), &[2.0]), &stress, 0.0, &[[0.0_f64; 3]; 2]);
-/// assert_eq!(forces, [[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]]);
-/// ```
-pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + 'static {
-    /// The kernel's name in scenes and reports.
-    fn name(&self) -> &'static str;
-    /// The kind of elements that the kernel computes.
-    fn kind(&self) -> ElementKind;
-    /// Number of geometry numbers per element.
-    fn geometry_len(&self) -> usize;
-    /// Writes the geometry numbers of one element from its corners (m).
-    fn geometry(&self, corners: &[Vec3; N], out: &mut [f64]);
-    /// Positions of the integration points (m) of one element from its corners (m).
-    fn point_positions(&self, corners: &[Vec3; N]) -> [Vec3; P];
-    /// Volume of each integration point (m3): the weights of the quadrature; they sum to the volume of the
-    /// element.
-    fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; P];
-    /// Shares of the element's mass that are lumped at its nodes; they sum to one.
-    fn node_shares(&self, corners: &[Vec3; N]) -> [f64; N];
-    /// Modal values from nodal values, `T u`.
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; N]) -> [[L; 3]; N] {
-        *nodal
-    }
-    /// Nodal forces from modal forces, `T^T F`.
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; N]) -> [[L; 3]; N] {
-        *modal
-    }
-    /// Strains at the integration points from modal displacements, or strain rates from modal velocities.
-    fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; N]) -> [Strain<L>; P];
-    /// Modal internal forces (N): `sum_p B_p^T sigma_p V_p`, plus hourglass forces.
-    ///
-    /// Hourglass forces resist the part of the modal displacement `modes` that the integration points do not
-    /// see, in proportion to `modulus` (Pa): [`hourglass_modulus`](Self::hourglass_modulus) times the
-    /// remaining share of it.
-    fn forces<L: Lane>(
-        &self,
-        geometry: Geometry<L>,
-        stresses: &[Stress<L>; P],
-        modulus: L,
-        modes: &[[L; 3]; N],
-    ) -> [[L; 3]; N];
-    /// Modal forces (N) of a linear elastic medium with Lame's constants `[lambda, shear]` (Pa), where they are
-    /// known without strains and stresses at the points; none, the default, otherwise. A kernel has them for all elements
-    /// or for none, and only if it has no hourglass forces. They are not finite where a modal displacement is not.
-    #[inline(always)]
-    fn elastic_forces<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _moduli: [L; 2],
-        _modes: &[[L; 3]; N],
-    ) -> Option<[[L; 3]; N]> {
-        None
-    }
-    /// Hourglass modulus (Pa), to which hourglass forces are proportional, of a medium with `lambda + 2 G`
-    /// and `G` (Pa); none, the default, if the integration points see every mode.
-    fn hourglass_modulus(&self, _constrained: f64, _shear: f64) -> Option<f64> {
-        None
-    }
-    /// Hourglass energy (J), stored by the hourglass forces of [`forces`](Self::forces); none, the default,
-    /// if the integration points see every mode.
-    #[inline(always)]
-    fn hourglass_energy<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _modulus: L,
-        _modes: &[[L; 3]; N],
-    ) -> Option<L> {
-        None
-    }
-}
 
 /// Storage of the new history variables of a force evaluation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -249,6 +101,9 @@ pub struct BlockEnergy {
     pub elastic: f64,
     /// Energy (J) stored by hourglass forces, and lost where their stiffness fell with that of the law.
     pub hourglass: f64,
+    /// Stored strain energy (J) of bending that hourglass forces stand for, as those of `hex8-natural`; what damage and
+    /// plastic flow take of it is in their own energies.
+    pub bending: f64,
     /// Energy dissipated by plastic flow (J), accumulated over the steps with energy bookkeeping.
     pub plastic: f64,
     /// Energy dissipated by damage (J), accumulated alike.
@@ -271,6 +126,7 @@ impl core::ops::AddAssign for BlockEnergy {
     fn add_assign(&mut self, other: Self) {
         self.elastic += other.elastic;
         self.hourglass += other.hourglass;
+        self.bending += other.bending;
         self.plastic += other.plastic;
         self.damage += other.damage;
         self.recovery += other.recovery;
@@ -292,6 +148,7 @@ impl BlockEnergy {
     pub fn total(&self) -> f64 {
         self.elastic
             + self.hourglass
+            + self.bending
             + self.plastic
             + self.damage
             + self.recovery
@@ -517,6 +374,12 @@ pub trait ElementBlock: Send + Sync {
         _out: &mut [Vec3],
     ) -> bool {
         false
+    }
+    /// Stress (Pa) on the faces of an element at the natural coordinates r = 1, s = 1 and t = 1 less its mean stress, at a
+    /// displacement (m) of the block's nodes from the committed history variables; on the opposite faces it has the other
+    /// sign. None, the default, where the stress of elements does not vary within them, or is that of several points.
+    fn surface_stresses(&self, _index: usize, _displacement: NodalView) -> Option<[Stress; 3]> {
+        None
     }
     /// Energies (J): elastic and hourglass energy at the context's displacement, and accumulated dissipation.
     fn energy(&self, context: &BlockContext) -> BlockEnergy;

@@ -295,6 +295,12 @@ pub trait StepView {
     fn acceleration(&self, node: u32) -> Vec3;
     /// Mean stress (Pa) of an element (mesh index), initial stress included; zero for an absent element.
     fn stress(&self, element: u32) -> Stress;
+    /// Stress (Pa) at a place with natural coordinates in an element (mesh index), initial stress included: the mean
+    /// stress, and in bricks that have one its part that is linear in these coordinates. None, the default, if the engine
+    /// does not know the linear part.
+    fn stress_at(&self, _element: u32, _natural: &Vec3) -> Option<Stress> {
+        None
+    }
     /// Writes the internal forces (N) of an element at its nodes, in the mesh's order: those of its
     /// stress, initial stress included, and of hourglass resistance, without stiffness damping. They
     /// resist the motion; zero for an absent element. Returns whether the engine provides element forces; false by

@@ -37,6 +37,7 @@ mod extents;
 mod field;
 mod hourglass;
 mod joint;
+mod kernel;
 mod lane;
 mod law;
 mod law_input;
@@ -75,8 +76,8 @@ pub use contact_law::{
 pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{
-    BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound, Geometry,
-    HistoryUpdate, LimitingTerm, Operator,
+    BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound, HistoryUpdate,
+    LimitingTerm, Operator,
 };
 pub use embedded_bars::{AXIAL_FORCE, EmbeddedBars, EmbeddedElements};
 pub use engine::{
@@ -92,6 +93,7 @@ pub use hourglass::HourglassShare;
 pub use joint::{
     Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
+pub use kernel::{ElementKernel, Geometry, Hourglass, OwnStep};
 pub use lane::{Lane, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, RemainingStiffness, point_energy,

@@ -28,6 +28,14 @@ pub enum ObserveError {
         /// Number of the node.
         node: u64,
     },
+    /// An engine that knows stresses as means over elements alone.
+    #[error(
+        "'{name}' is the stress at a point, of which the engine knows the mean over its element alone"
+    )]
+    NoStressAtPoint {
+        /// Name of the output request.
+        name: String,
+    },
     /// An output request for an element that does not exist.
     #[error("'{name}' refers to element {element}, which does not exist")]
     NoSuchElement {

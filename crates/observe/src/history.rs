@@ -7,8 +7,8 @@ use powerhouse_model::{
 
 use super::place::{ActiveElements, Probe, elements, probes};
 use super::{
-    HistoryTable, Motion, ObserveError, Place, Recording, StressPlace, check_cadence,
-    principal_stresses,
+    HistoryTable, Motion, ObservationPoint, ObserveError, Place, Recording, StressPlace,
+    check_cadence, principal_stresses,
 };
 
 /// Observer of histories: motion at locations, relative motion of two locations, and stress and history variables of
@@ -43,7 +43,8 @@ use super::{
 pub struct History {
     cadence: Cadence,
     probes: Vec<Probe>,
-    elements: Vec<u32>,
+    /// Mesh indices and natural coordinates.
+    elements: Vec<(u32, Vec3)>,
     channels: Vec<Channel>,
     row: Vec<f64>,
     recording: Recording<HistoryTable>,
@@ -68,6 +69,8 @@ enum Channel {
     Stress {
         name: String,
         element: usize,
+        /// Whether it is that at the point, or the mean over the element.
+        at_point: bool,
     },
     State {
         name: String,
@@ -125,8 +128,22 @@ impl HistoryBuilder {
         self.channels.push(Channel::Stress {
             name: name.into(),
             element: self.stress_places.len(),
+            at_point: false,
         });
         self.stress_places.push((name.into(), place.into()));
+        self
+    }
+    /// Records the stress at a point (Pa), such as the surface of a lining: that of its element, which in bricks that bend
+    /// as their material is linear; columns as those of [`stress`](Self::stress).
+    #[must_use]
+    pub fn stress_at(mut self, name: &str, point: impl Into<ObservationPoint>) -> Self {
+        self.channels.push(Channel::Stress {
+            name: name.into(),
+            element: self.stress_places.len(),
+            at_point: true,
+        });
+        self.stress_places
+            .push((name.into(), StressPlace::Point(point.into())));
         self
     }
     /// Adds the history variables (internal state variables) of an element's law.
@@ -186,7 +203,7 @@ impl HistoryBuilder {
                 element, variables, ..
             } = channel
             {
-                *variables = variables_of(elements[*element]);
+                *variables = variables_of(elements[*element].0);
             }
             for (name, unit) in channel.columns() {
                 table.add_column(name, unit)?;
@@ -330,15 +347,25 @@ impl Observer for History {
                         self.row.push(displacement.dot(direction));
                     }
                 }
-                Channel::Stress { element, .. } => {
-                    let stress: Stress = view.stress(self.elements[*element]);
+                Channel::Stress {
+                    name,
+                    element,
+                    at_point,
+                } => {
+                    let (element, natural) = &self.elements[*element];
+                    let stress: Stress = match at_point {
+                        true => view
+                            .stress_at(*element, natural)
+                            .ok_or_else(|| ObserveError::NoStressAtPoint { name: name.clone() })?,
+                        false => view.stress(*element),
+                    };
                     self.row.extend_from_slice(&stress.0);
                     self.row.extend_from_slice(&principal_stresses(&stress));
                 }
                 Channel::State {
                     element, variables, ..
                 } => {
-                    let element = self.elements[*element];
+                    let (element, _) = self.elements[*element];
                     let values = variables.iter().map(|v| view.history(element, v.name));
                     self.row.extend(values.map(|value| value.unwrap_or(0.0)));
                 }

@@ -95,6 +95,12 @@ impl From<Vec3> for Place {
     }
 }
 
+impl From<Vec3> for ObservationPoint {
+    fn from(position: Vec3) -> Self {
+        Self::at(position)
+    }
+}
+
 impl From<ObservationPoint> for Place {
     fn from(point: ObservationPoint) -> Self {
         Self::Point(point)
@@ -276,12 +282,12 @@ pub(super) fn probes(
     Ok(probes)
 }
 
-/// The elements of named locations, in their order.
+/// The elements of named locations, in their order, with natural coordinates: those of points, or of the centre.
 pub(super) fn elements(
     mesh: &Mesh,
     places: &[(String, StressPlace)],
     active: ActiveElements,
-) -> Result<Vec<u32>, ObserveError> {
+) -> Result<Vec<(u32, Vec3)>, ObserveError> {
     let points: Vec<(&str, &ObservationPoint)> = places
         .iter()
         .filter_map(|(name, place)| match place {
@@ -293,7 +299,9 @@ pub(super) fn elements(
     let mut elements = Vec::with_capacity(places.len());
     for (name, place) in places {
         match place {
-            StressPlace::Point(_) => elements.extend(located.next().map(|found| found.element)),
+            StressPlace::Point(_) => {
+                elements.extend(located.next().map(|found| (found.element, found.natural)));
+            }
             StressPlace::Element(tag) => {
                 let element = index_of(mesh.element_tags(), *tag);
                 let element = element.ok_or_else(|| ObserveError::NoSuchElement {
@@ -306,7 +314,7 @@ pub(super) fn elements(
                         place: format!("element {tag}"),
                     });
                 }
-                elements.push(element);
+                elements.push((element, mesh.kind(element).natural_centre()));
             }
         }
     }

@@ -182,6 +182,17 @@ impl Kernel {
             AnyKernel::Own(kernel) => kernel.points(),
         }
     }
+    /// Number of history variables of an element as a whole, with laws that have a history.
+    pub(crate) fn own_history(&self) -> usize {
+        match &self.0 {
+            AnyKernel::Solid(kernel) => kernel.own_history(),
+            AnyKernel::Own(kernel) => kernel.own_history(),
+        }
+    }
+    /// Whether straight elements in one layer have the bending stiffness of a plate.
+    pub(crate) fn bends_as_its_material(&self) -> bool {
+        matches!(&self.0, AnyKernel::Solid(kernel) if kernel.bends_as_its_material())
+    }
     /// Factory that builds the element block of a set: the elements of the set, computed together by this kernel with
     /// the law of a material. A scene builds each of its parts by one; a program that builds a
     /// model without a scene gives it to the [`ModelSpec`](powerhouse_model::ModelSpec). `set` is the name of the element set in the mesh,
@@ -211,6 +222,7 @@ trait OwnKernel: Send + Sync {
     fn name(&self) -> &str;
     fn kind(&self) -> ElementKind;
     fn points(&self) -> usize;
+    fn own_history(&self) -> usize;
     fn factory(&self, set: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory>;
 }
 
@@ -225,6 +237,9 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> OwnKernel for Own<K
     }
     fn points(&self) -> usize {
         P
+    }
+    fn own_history(&self) -> usize {
+        self.0.own_history()
     }
     fn factory(&self, set: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
         solid(set, self.0.clone(), law, options)

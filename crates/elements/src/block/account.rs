@@ -224,6 +224,9 @@ pub(super) struct StepSums {
     damping: f64,
     /// Hourglass energy lost with hourglass stiffness.
     hourglass_loss: f64,
+    /// Energy of bending lost with its stiffness, and in plastic flow.
+    bending_damage: f64,
+    bending_plastic: f64,
     /// Whether the law has energies of its own.
     has_energies: bool,
 }
@@ -249,14 +252,30 @@ impl StepSums {
         each_lane(dissipated, batch, |_, energy| self.damping += energy);
     }
 
-    /// Adds the hourglass energy that a batch lost with its hourglass stiffness in the step.
+    /// Adds the hourglass energy that a batch lost with its hourglass stiffness in the step; that of bending is energy
+    /// of damage.
     #[inline(always)]
     pub(super) fn release<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
         &mut self,
         lost: L,
+        of_bending: bool,
         batch: &Batch<S, N>,
     ) {
-        each_lane(lost, batch, |_, lost| self.hourglass_loss += lost);
+        let sum = match of_bending {
+            true => &mut self.bending_damage,
+            false => &mut self.hourglass_loss,
+        };
+        each_lane(lost, batch, |_, lost| *sum += lost);
+    }
+
+    /// Adds the plastic energy of bending of a batch in the step.
+    #[inline(always)]
+    pub(super) fn flow<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
+        &mut self,
+        plastic: L,
+        batch: &Batch<S, N>,
+    ) {
+        each_lane(plastic, batch, |_, plastic| self.bending_plastic += plastic);
     }
 
     /// Ends the bookkeeping of a batch with the work of the step and its stored energy after it.
@@ -325,7 +344,7 @@ where
         } else {
             account.damped = false;
         }
-        if damping != 0.0 && (self.is_linear() || self.moduli.hourglass != 0.0) {
+        if damping != 0.0 && (self.is_linear() || self.moduli.resist()) {
             let velocity = in_double(context.velocity);
             let continues = follows && account.velocity.len() == velocity.len();
             let mut energy = 0.0;
@@ -355,6 +374,8 @@ where
                 spent.damage += sums.damage;
                 spent.recovery -= sums.recovered;
                 spent.hourglass += sums.hourglass_loss;
+                spent.damage += sums.bending_damage;
+                spent.plastic += sums.bending_plastic;
                 let gained = sums.stored + sums.left - sums.entered - account.stored;
                 let of_law = gained + sums.plastic + sums.damage - sums.recovered;
                 let rest = sums.work - of_law;

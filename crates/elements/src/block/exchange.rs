@@ -6,6 +6,7 @@ use powerhouse_model::{LawEnergy, RemainingStiffness, Strain, Stress};
 
 use super::memory::{as_lanes, as_lanes_mut};
 use super::numbers::AlignedNumbers;
+use super::own::MOST_OWN;
 use crate::lanes::{BatchLane, BatchScalar};
 
 /// Number of integration points of successive batches for which a law is evaluated in one call.
@@ -21,6 +22,8 @@ const POINTS: usize = 32;
 pub(super) struct Exchange<S> {
     /// Three modal displacements of each node.
     modes: AlignedNumbers<S>,
+    /// Own history of each element, with which its step began.
+    own: AlignedNumbers<S>,
     /// Six strains per point.
     strains: AlignedNumbers<S>,
     /// Six stresses per point (Pa).
@@ -48,6 +51,7 @@ impl<S: BatchScalar> Exchange<S> {
     pub(super) fn prepare(&mut self, nodes: usize, points: usize, width: usize) -> usize {
         let batches = (POINTS / points).max(1);
         self.modes.grow(3 * nodes * batches * width);
+        self.own.grow(MOST_OWN * batches * width);
         self.strains.grow(6 * points * batches * width);
         self.stresses.grow(6 * points * batches * width);
         self.energies.grow(4 * points * batches * width);
@@ -73,6 +77,29 @@ impl<S: BatchScalar> Exchange<S> {
         for (stored, strain) in stored.as_chunks_mut().0.iter_mut().zip(strains) {
             *stored = strain.0;
         }
+    }
+    /// Stores the own history of a batch with which its step began.
+    #[inline(always)]
+    pub(super) fn store_own<L: BatchLane<Scalar = S>>(
+        &mut self,
+        token: L::Token,
+        batch: usize,
+        own: &[L; MOST_OWN],
+    ) {
+        let range = numbers_of(batch, MOST_OWN * L::WIDTH);
+        as_lanes_mut::<L>(token, &mut self.own.as_mut_slice()[range]).copy_from_slice(own);
+    }
+    /// Own history of a batch with which its step began.
+    #[inline(always)]
+    pub(super) fn own<L: BatchLane<Scalar = S>>(
+        &self,
+        token: L::Token,
+        batch: usize,
+    ) -> [L; MOST_OWN] {
+        let mut own = [L::splat(token, 0.0); MOST_OWN];
+        let range = numbers_of(batch, MOST_OWN * L::WIDTH);
+        own.copy_from_slice(as_lanes::<L>(token, &self.own.as_slice()[range]));
+        own
     }
     /// Modal displacements of a batch.
     #[inline(always)]

@@ -130,9 +130,7 @@ where
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
-            hourglass: (self.kernel)
-                .hourglass_modulus(medium.constrained(), medium.shear())
-                .unwrap_or(0.0),
+            hourglass: self.kernel.hourglass_moduli(&medium).unwrap_or_default(),
         };
         let connectivity = self.connect(part, arrangement.width).map_err(refused)?;
         let padded = connectivity.len();
@@ -186,6 +184,7 @@ where
         let masses = shapes.iter().map(|(_, masses)| *masses).collect();
         let frequencies = squares.into_iter().map(f64::sqrt).collect();
         let variables = law.as_ref().map_or(&[][..], |law| law.history());
+        let own = law.as_ref().map_or(0, |_| self.kernel.own_history());
         let batches = (padded / arrangement.width, arrangement.width);
         Ok(Block {
             label: self.label.clone(),
@@ -208,8 +207,9 @@ where
             active: None,
             reference: None,
             initial: AlignedNumbers::zeros(0),
-            history: History::new(variables, P, batches),
+            history: History::new(variables, (P, own), batches),
             static_displacement: Vec::new(),
+            committed_displacement: None,
             account: Account::default(),
             law: LawForms::new(law),
         })

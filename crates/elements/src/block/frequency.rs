@@ -1,6 +1,6 @@
 //! Highest natural frequency of single elements.
 
-use powerhouse_model::{ElementKernel, Geometry, Lane, Stress, Vec3};
+use powerhouse_model::{ElementKernel, Geometry, Hourglass, Lane, Stress, Vec3};
 
 use super::operations::Moduli;
 use crate::lanes::{BatchLane, BatchOperation, MOST_LANES};
@@ -54,7 +54,7 @@ where
                 geometry: Geometry::<L>::new(token, &numbers),
                 lambda: L::splat(token, self.moduli.lambda),
                 shear: L::splat(token, self.moduli.shear),
-                modulus: L::splat(token, self.moduli.hourglass),
+                moduli: self.moduli.hourglass::<L>(token),
                 scale,
             };
             tridiagonalise(&operator, &mut workspace);
@@ -73,7 +73,7 @@ struct Operator<'a, K, L: Lane, const N: usize> {
     geometry: Geometry<'a, L>,
     lambda: L,
     shear: L,
-    modulus: L,
+    moduli: [L; 3],
     scale: [L; N],
 }
 
@@ -89,9 +89,8 @@ impl<K, L: Lane, const N: usize> Operator<'_, K, L, N> {
         for p in 0..P {
             stresses[p] = Stress::elastic(self.lambda, self.shear, &strains[p]);
         }
-        let forces = self
-            .kernel
-            .forces(self.geometry, &stresses, self.modulus, &modes);
+        let hourglass = Hourglass::new(self.moduli);
+        let forces = (self.kernel).forces(self.geometry, &stresses, &hourglass, &modes);
         self.scaled(&self.kernel.nodal_forces(&forces))
     }
     #[inline(always)]

@@ -8,6 +8,9 @@ use super::memory::{Cache, prefetch};
 use super::numbers::AlignedNumbers;
 use crate::lanes::{Arrangement, BatchLane, BatchScalar};
 
+/// Name of the field of the history of elements as a whole.
+const OWN: &str = "element_history";
+
 /// Flags of the double-buffered trial and committed history variables of a batch of elements.
 #[derive(Clone, Copy, Debug)]
 struct BatchState {
@@ -44,6 +47,8 @@ impl BatchState {
 pub(super) struct History<S> {
     variables: Vec<HistoryVariable>,
     points: usize,
+    /// Number of history variables of an element as a whole, after those of its points.
+    own: usize,
     width: usize,
     stores: [AlignedNumbers<S>; 2],
     states: Vec<BatchState>,
@@ -52,13 +57,13 @@ pub(super) struct History<S> {
 }
 
 impl<S: BatchScalar> History<S> {
-    /// All history variables zero, for a number of batches of a width.
+    /// All history variables zero, of points and of elements as a whole, for a number of batches of a width.
     pub(super) fn new(
         variables: &[HistoryVariable],
-        points: usize,
+        (points, own): (usize, usize),
         (batches, width): (usize, usize),
     ) -> Self {
-        let numbers = batches * width * points * variables.len();
+        let numbers = batches * width * (points * variables.len() + own);
         let state = BatchState {
             side: 0,
             changed: false,
@@ -69,6 +74,7 @@ impl<S: BatchScalar> History<S> {
         Self {
             variables: variables.to_vec(),
             points,
+            own,
             width,
             stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),
             states: vec![state; batches],
@@ -78,7 +84,7 @@ impl<S: BatchScalar> History<S> {
 
     /// Number of values per batch.
     fn numbers(&self) -> usize {
-        self.points * self.variables.len() * self.width
+        self.per_element() * self.width
     }
     /// Sets whether new history variables overwrite the committed ones.
     pub(super) fn set_in_place(&mut self, in_place: bool) {
@@ -106,6 +112,64 @@ impl<S: BatchScalar> History<S> {
         let numbers = self.numbers();
         let store = self.stores[usize::from(1 - state.side)].as_slice();
         Some(&store[batch * numbers..][..numbers])
+    }
+
+    /// The own numbers of the elements among those of a batch.
+    #[inline(always)]
+    fn own_of<'a>(&self, numbers: &'a [S]) -> &'a [S] {
+        &numbers[numbers.len() - self.own * self.width..]
+    }
+    /// Committed own history of a batch; none if its history is all zero.
+    #[inline(always)]
+    pub(super) fn committed_own(&self, batch: usize) -> Option<&[S]> {
+        let numbers = self.committed(batch)?;
+        Some(self.own_of(numbers))
+    }
+    /// Own history of a batch after the last forces; none if its history is all zero.
+    #[inline(always)]
+    pub(super) fn own(&self, batch: usize) -> Option<&[S]> {
+        let numbers = self.latest(batch)?;
+        Some(self.own_of(numbers))
+    }
+    /// Own history of one element after the last forces.
+    pub(super) fn own_of_element(&self, arrangement: &Arrangement, element: usize) -> Vec<f64> {
+        let numbers = match self.own {
+            0 => None,
+            _ => self.own(element / self.width),
+        };
+        let of = |h| {
+            numbers.map_or(0.0, |own| {
+                own[arrangement.place(element % self.width, h, 0)].to_f64()
+            })
+        };
+        (0..self.own).map(of).collect()
+    }
+    /// Stores the own history of a batch, after that of its points, if it or theirs changed.
+    #[inline(always)]
+    pub(super) fn store_own<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        new: &[L],
+        changed: bool,
+    ) {
+        if !(changed || self.states[batch].changed) {
+            return;
+        }
+        if !(self.in_place || self.states[batch].changed) {
+            self.open_trial(batch, self.points);
+        }
+        let end = (batch + 1) * self.numbers();
+        let state = &mut self.states[batch];
+        let mut side = 1 - state.side;
+        if self.in_place {
+            (state.overwritten, state.zero) = (true, false);
+            side = state.side;
+        }
+        let numbers = &mut self.stores[usize::from(side)].as_mut_slice()[..end];
+        let start = end - new.len() * L::WIDTH;
+        for (value, numbers) in new.iter().zip(numbers[start..].chunks_exact_mut(L::WIDTH)) {
+            value.store(numbers);
+        }
     }
 
     /// Prefetches the committed history of a batch, and the store of its trial history if laws write there.
@@ -246,6 +310,14 @@ impl<S: BatchScalar> History<S> {
     }
     /// Committed history of some elements of the mesh, one field per variable.
     pub(super) fn fields(&self, arrangement: &Arrangement, elements: &[u32]) -> Vec<HistoryField> {
+        let of_elements = (self.own > 0).then(|| {
+            let first = self.points * self.variables.len();
+            let values = elements.iter().enumerate().flat_map(|(element, _)| {
+                let own = self.of_element(arrangement, element).skip(first);
+                own.map(|value| value.to_f64())
+            });
+            HistoryField::new(OWN, elements.to_vec(), self.own, values.collect())
+        });
         let variables = self.variables.iter().enumerate();
         let field = |(v, variable): (usize, &HistoryVariable)| {
             let values = (0..elements.len() * self.points)
@@ -253,7 +325,7 @@ impl<S: BatchScalar> History<S> {
                 .collect();
             HistoryField::new(variable.name, elements.to_vec(), self.points, values)
         };
-        variables.map(field).collect()
+        variables.map(field).chain(of_elements).collect()
     }
     /// Sets the committed history of some elements of the mesh from fields.
     pub(super) fn set_fields(
@@ -262,9 +334,16 @@ impl<S: BatchScalar> History<S> {
         elements: &[u32],
         fields: &[HistoryField],
     ) {
-        for field in fields.iter().filter(|field| field.points == self.points) {
-            let Some((v, _)) = self.find(&field.name) else {
-                continue;
+        let first = self.points * self.variables.len();
+        for field in fields {
+            // Place of the first value of an element, and of the next one.
+            let (start, next) = if field.name == OWN && field.points == self.own {
+                (first, 1)
+            } else {
+                match self.find(&field.name) {
+                    Some((v, _)) if field.points == self.points => (v, self.variables.len()),
+                    _ => continue,
+                }
             };
             let row_of: HashMap<u32, usize> = field.elements.iter().copied().zip(0..).collect();
             for (element, mesh_element) in elements.iter().enumerate() {
@@ -273,9 +352,10 @@ impl<S: BatchScalar> History<S> {
                 };
                 let batch = element / self.width;
                 self.states[batch].changed = false;
-                for point in 0..self.points {
-                    let value = field.values[row * self.points + point];
-                    let index = self.index(arrangement, element, (point, v));
+                for point in 0..field.points {
+                    let value = field.values[row * field.points + point];
+                    let number = start + point * next;
+                    let index = arrangement.place(element % self.width, number, 0);
                     let index = batch * self.numbers() + index;
                     let state = &mut self.states[batch];
                     // A zero with a sign is a value of its own.
@@ -292,8 +372,9 @@ impl<S: BatchScalar> History<S> {
         self.variables.iter().map(|variable| variable.name)
     }
     /// Number of values per element.
+    #[inline(always)]
     pub(super) fn per_element(&self) -> usize {
-        self.points * self.variables.len()
+        self.points * self.variables.len() + self.own
     }
     /// Whether the committed history of a batch may differ from zero, and whether the last commit changed it.
     pub(super) fn flags(&self, batch: usize) -> (bool, bool) {

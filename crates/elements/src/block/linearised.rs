@@ -1,12 +1,11 @@
 //! Stiffness operators as matrices: nodal diagonals, and secant and tangent stiffness in the present state.
 
 use powerhouse_model::{
-    ElementKernel, Extents, Geometry, LawInput, Mat3, Operator, Strain, Stress, Vec3,
+    ElementKernel, Extents, Geometry, Hourglass, LawInput, Mat3, Operator, Strain, Stress, Vec3,
 };
 
 use super::Block;
 use super::law::ErasedLaw;
-use super::remaining::LEAST_HOURGLASS_SHARE;
 use super::transfer::NodeScalar;
 
 /// Stiffness `d stress / d strain` at an integration point, rows of stress (Pa).
@@ -62,6 +61,76 @@ fn tangent(law: &(impl ErasedLaw + ?Sized), input: &LawInput<f64>, new: &mut [f6
     stiffness
 }
 
+/// Strains at the points that equilibrium within an element determines.
+struct InnerStrains<const P: usize> {
+    volumes: [f64; P],
+    /// Strains of unit numbers of the element's own history.
+    strains: Vec<[Strain; P]>,
+    /// Inverse of their stiffness, padded by ones.
+    inverse: Mat3,
+}
+
+impl<const P: usize> InnerStrains<P> {
+    /// Those of an element with a stiffness at each point; none if its kernel has none, or their stiffness is singular.
+    fn new<K, const N: usize>(
+        kernel: &K,
+        geometry: Geometry<f64>,
+        stiffness: &[Stiffness; P],
+    ) -> Option<Self>
+    where
+        K: ElementKernel<N, P>,
+    {
+        let count = kernel.own_strains();
+        if count == 0 {
+            return None;
+        }
+        let strains = (0..count).map(|k| {
+            let mut history = vec![0.0; kernel.own_history()];
+            history[k] = 1.0;
+            let mut strains = [Strain([0.0; 6]); P];
+            kernel.add_own_strains(geometry, &history, &mut strains);
+            strains
+        });
+        let mut inner = Self {
+            volumes: kernel.volumes(geometry),
+            strains: strains.collect(),
+            inverse: Mat3::identity(),
+        };
+        let mut matrix = Mat3::identity();
+        for column in 0..count {
+            let work = inner.work(stiffness, &inner.strains[column]);
+            for row in 0..count {
+                matrix[(row, column)] = work[row];
+            }
+        }
+        inner.inverse = matrix.try_inverse()?;
+        Some(inner)
+    }
+
+    /// Work of the stress of some strains on each unit strain.
+    fn work(&self, stiffness: &[Stiffness; P], strains: &[Strain; P]) -> Vec3 {
+        let mut work = Vec3::zeros();
+        for (row, unit) in self.strains.iter().enumerate() {
+            let of_points =
+                (0..P).map(|p| times(&stiffness[p], &strains[p]).work(&unit[p]) * self.volumes[p]);
+            work[row] = of_points.sum();
+        }
+        work
+    }
+
+    /// Adds the strains that bring an element to equilibrium within.
+    fn relax(&self, stiffness: &[Stiffness; P], strains: &mut [Strain; P]) {
+        let numbers = -(self.inverse * self.work(stiffness, strains));
+        for (unit, number) in self.strains.iter().zip(numbers.iter()) {
+            for p in 0..P {
+                for i in 0..6 {
+                    strains[p].0[i] += number * unit[p].0[i];
+                }
+            }
+        }
+    }
+}
+
 impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
 where
     K: ElementKernel<N, P>,
@@ -102,13 +171,13 @@ where
         value.map_or_else(Vec3::zeros, |value| value.to_vector())
     }
 
-    /// Stiffness at each integration point of an element for an operator, and hourglass modulus (Pa).
+    /// Stiffness at each integration point of an element for an operator, and hourglass moduli (Pa).
     fn stiffness(
         &self,
         operator: Operator,
         element: usize,
         geometry: &[f64],
-    ) -> ([Stiffness; P], f64) {
+    ) -> ([Stiffness; P], [f64; 3]) {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
         let law = match self.law.static_form() {
             Some(law) if operator != Operator::Elastic => law,
@@ -117,23 +186,27 @@ where
         let nodal = self.connectivity.as_slice()[element]
             .map(|local| self.last_static_displacement(local as usize).into());
         let geometry = Geometry::<f64>::new((), geometry);
-        let strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
+        let mut strains = self.kernel.strains(geometry, &self.kernel.modes(&nodal));
+        let own = self.history.own_of_element(&self.arrangement, element);
+        if !own.is_empty() {
+            self.kernel.add_own_strains(geometry, &own, &mut strains);
+        }
         let stiffness = self.at_points(element, &strains, |input, new| match operator {
             Operator::Secant => secant(law, input, new),
             _ => tangent(law, input, new),
         });
-        (stiffness, self.hourglass_modulus(law, element, &strains))
+        (stiffness, self.hourglass_moduli(law, element, &strains))
     }
 
-    /// Hourglass modulus (Pa) of an element at some strains, from the committed history variables.
-    pub(super) fn hourglass_modulus(
+    /// Hourglass moduli (Pa) of an element at some strains, from the committed history variables.
+    pub(super) fn hourglass_moduli(
         &self,
         law: &(impl ErasedLaw + ?Sized),
         element: usize,
         strains: &[Strain; P],
-    ) -> f64 {
+    ) -> [f64; 3] {
         let whole = self.moduli.hourglass;
-        if whole == 0.0 {
+        if !self.moduli.resist() {
             return whole;
         }
         let left = self.at_points(element, strains, |input, new| {
@@ -141,7 +214,7 @@ where
             law.hourglass_share(input, new, &change)
         });
         let mean = left.iter().sum::<f64>() / P as f64;
-        whole * mean.max(LEAST_HOURGLASS_SHARE)
+        whole.map(|modulus| modulus * mean.max(self.kernel.least_hourglass_share()))
     }
 
     /// Results of a function at each integration point of an element at some strains: it takes the input of
@@ -189,13 +262,18 @@ where
                 continue;
             }
             self.geometry_of(element, &mut numbers);
-            let (stiffness, modulus) = self.stiffness(operator, element, &numbers);
+            let (stiffness, moduli) = self.stiffness(operator, element, &numbers);
             let geometry = Geometry::<f64>::new((), &numbers);
+            let inner = InnerStrains::new(&self.kernel, geometry, &stiffness);
             visit(element, &|nodal| {
                 let modes = self.kernel.modes(nodal);
-                let strains = self.kernel.strains(geometry, &modes);
+                let mut strains = self.kernel.strains(geometry, &modes);
+                if let Some(inner) = &inner {
+                    inner.relax(&stiffness, &mut strains);
+                }
                 let stresses = core::array::from_fn(|p| times(&stiffness[p], &strains[p]));
-                let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+                let hourglass = Hourglass::new(moduli);
+                let forces = (self.kernel).forces(geometry, &stresses, &hourglass, &modes);
                 self.kernel.nodal_forces(&forces)
             });
         }
@@ -220,7 +298,7 @@ where
 
     /// Adds the nodal forces of uniform element stresses.
     pub(super) fn add_forces_of_stress(&self, stresses: &[Stress], out: &mut [Vec3]) {
-        let modulus = self.moduli.hourglass;
+        let hourglass = Hourglass::new(self.moduli.hourglass);
         let mut numbers = vec![0.0; self.kernel.geometry_len()];
         for (element, &stress) in stresses.iter().enumerate().take(self.elements.len()) {
             if !self.is_active(element) {
@@ -228,7 +306,7 @@ where
             }
             self.geometry_of(element, &mut numbers);
             let geometry = Geometry::<f64>::new((), &numbers);
-            let modal = (self.kernel).forces(geometry, &[stress; P], modulus, &[[0.0; 3]; N]);
+            let modal = (self.kernel).forces(geometry, &[stress; P], &hourglass, &[[0.0; 3]; N]);
             let nodal = self.kernel.nodal_forces(&modal);
             for (&local, force) in self.connectivity.as_slice()[element].iter().zip(nodal) {
                 out[local as usize] += Vec3::from(force);

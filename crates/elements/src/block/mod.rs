@@ -6,6 +6,8 @@ mod batches;
 mod element_forces;
 mod exchange;
 mod factory;
+mod fault;
+mod finish;
 mod frequency;
 mod history;
 mod law;
@@ -15,6 +17,7 @@ mod locations;
 mod memory;
 mod numbers;
 mod operations;
+mod own;
 mod remaining;
 mod saved;
 mod survey;
@@ -90,6 +93,8 @@ struct Block<K, S, const N: usize, const P: usize> {
     /// Displacement (m) of the last static forces since the reference, on which secant and tangent stiffness
     /// depend; empty before.
     static_displacement: Vec<Quad<f64>>,
+    /// That of the last committed static state, from which the elements' own histories follow; none if it is not known.
+    committed_displacement: Option<Vec<Quad<f64>>>,
     account: Account<S>,
 }
 
@@ -123,6 +128,11 @@ where
         self.damping.stiffness + context.damping_shift
     }
 
+    /// Whether the elements have histories of their own that follow from increments of the motion.
+    fn follows_flow(&self) -> bool {
+        !self.is_linear() && self.moduli.resist() && self.kernel.own_history() > 0
+    }
+
     fn is_active(&self, element: usize) -> bool {
         self.active.as_ref().is_none_or(|active| active[element])
     }
@@ -140,7 +150,8 @@ where
         out: &mut [Quad<A>],
     ) -> bool {
         let damped = damping != 0.0;
-        let needs_velocity = damped || (sums.is_some() && !self.is_linear());
+        let follows = self.law.is_stepping() && self.follows_flow();
+        let needs_velocity = damped || follows || (sums.is_some() && !self.is_linear());
         if const { size_of::<A>() < size_of::<S>() } {
             // Nodes in lower precision than elements: few blocks, whose forces are rounded after their sum.
             let mut forces = vec![Quad::default(); out.len()];
@@ -207,8 +218,16 @@ where
                 damping,
                 bookkeeping,
             });
+            let mut still = None;
+            if stores && self.follows_flow() {
+                // The first state is the committed one.
+                let known = self.committed_displacement.take();
+                still = Some(known.unwrap_or_else(|| nodes.to_vec()));
+            }
             let access = HistoryAccess::Write(&mut history);
-            let finite = self.material(nodes, access, rates, Some(out), None);
+            let start = still.as_deref();
+            let finite = self.material(nodes, (access, start), rates, Some(out), None);
+            self.committed_displacement = still;
             (self.account, self.history) = (account, history);
             finite
         };
@@ -242,7 +261,7 @@ where
     fn material<A: BatchScalar>(
         &self,
         nodes: &[Quad<f64>],
-        history: HistoryAccess<S>,
+        (history, still): (HistoryAccess<S>, Option<&[Quad<f64>]>),
         rates: Option<Rates<A, S>>,
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
@@ -251,6 +270,7 @@ where
             return self.elastic(nodes, out, survey);
         };
         let mut exchanges = EXCHANGES.take();
+        let writes = matches!(history, HistoryAccess::Write(_));
         let operation = Material::<K, A, S, N, P> {
             kernel: &self.kernel,
             law,
@@ -263,6 +283,8 @@ where
             history,
             exchange: S::exchange(&mut exchanges),
             nodes,
+            still,
+            relaxes: writes && !self.law.is_stepping() && self.kernel.own_history() > 0,
             rates,
             out,
             survey,
@@ -291,7 +313,7 @@ where
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
         let access = HistoryAccess::Read(&self.history);
-        self.material::<f64>(nodes, access, None, None, Some(&mut survey));
+        self.material::<f64>(nodes, (access, None), None, None, Some(&mut survey));
         survey
     }
 
@@ -300,52 +322,6 @@ where
         let mut survey = vec![Summary::default(); self.elements.len()];
         self.elastic::<f64>(nodes, None, Some(&mut survey));
         survey
-    }
-
-    /// The first element of which a nodal value or the stress is not finite.
-    fn fault(&self, context: &BlockContext) -> Option<ElementFault> {
-        let displacement = self.since_reference(context.displacement);
-        let velocity = in_double(context.velocity);
-        let survey = self.survey(&displacement);
-        // Velocities that the block does not read may be missing.
-        let finite = |values: &[Quad<f64>], local: u32| {
-            values.get(local as usize).is_none_or(|value| {
-                let vector = value.to_vector();
-                vector.iter().all(|component| component.is_finite())
-            })
-        };
-        let reason = |element: usize| {
-            let nodes = &self.connectivity.as_slice()[element];
-            if !nodes.iter().all(|&local| finite(&displacement, local)) {
-                Some("a node's displacement is not finite")
-            } else if !nodes.iter().all(|&local| finite(&velocity, local)) {
-                Some("a node's velocity is not finite")
-            } else if !survey[element].stress.0.iter().all(|s| s.is_finite()) {
-                Some("its stress is not finite")
-            } else {
-                None
-            }
-        };
-        (0..self.elements.len())
-            .filter(|&element| self.is_active(element))
-            .find_map(|element| {
-                reason(element).map(|reason| ElementFault::new(self.elements[element], reason))
-            })
-    }
-
-    /// The first element with a nodal force that is not finite: the fault of a stress whose history was
-    /// overwritten since.
-    fn fault_of<A: NodeScalar>(&self, forces: &[Quad<A>]) -> Option<ElementFault> {
-        let finite = |local: &u32| {
-            let force = forces[*local as usize].to_vector();
-            force.iter().all(|component| component.is_finite())
-        };
-        let element = (0..self.elements.len()).find(|&element| {
-            self.is_active(element) && !self.connectivity.as_slice()[element].iter().all(finite)
-        });
-        element.map(|element| {
-            ElementFault::new(self.elements[element], "a force of its nodes is not finite")
-        })
     }
 
     fn forces_of<A: NodeScalar>(
@@ -452,7 +428,7 @@ where
     }
     fn reads_velocity(&self, damping_shift: f64, ledger: bool) -> bool {
         let damped = self.damping.stiffness + damping_shift != 0.0;
-        damped || (ledger && !self.is_linear())
+        damped || self.follows_flow() || (ledger && !self.is_linear())
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         let converted;
@@ -471,6 +447,11 @@ where
     }
     fn commit(&mut self) {
         self.history.commit();
+        if self.law.is_stepping() || !self.follows_flow() {
+            self.committed_displacement = None;
+        } else if let Some(committed) = &mut self.committed_displacement {
+            committed.clone_from(&self.static_displacement);
+        }
     }
     fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut) {
         match (x, out) {
@@ -518,6 +499,7 @@ where
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
         self.reference = Some(in_double(displacement));
+        self.committed_displacement = None;
         self.account.restart();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {
@@ -555,11 +537,17 @@ where
         self.write_forces_of(index, displacement, initial, out);
         true
     }
+    fn surface_stresses(&self, index: usize, displacement: NodalView) -> Option<[Stress; 3]> {
+        self.surface_stresses_of(index, displacement)
+    }
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
         let mut energy = self.account.spent();
         for summary in self.survey(&self.since_reference(context.displacement)) {
             energy.elastic += summary.elastic;
-            energy.hourglass += summary.hourglass;
+            match self.kernel.hourglass_is_bending() {
+                true => energy.bending += summary.hourglass,
+                false => energy.hourglass += summary.hourglass,
+            }
         }
         energy
     }

@@ -1,7 +1,8 @@
 //! Force evaluation of all batches of a block: elastic, and with a law.
 
 use powerhouse_model::{
-    ElasticDomain, ElementKernel, Geometry, LawEnergy, Quad, RemainingStiffness, Strain, Stress,
+    ElasticDomain, ElementKernel, Geometry, Hourglass, LawEnergy, Quad, RemainingStiffness, Strain,
+    Stress,
 };
 
 use super::account::{PreviousStep, StepSums};
@@ -10,10 +11,9 @@ use super::exchange::{Exchange, PointBuffers};
 use super::law::{BatchLaw, Evaluation, HistoryAccess, RemainingOutput};
 use super::locations::Locations;
 use super::numbers::Aligned;
-use super::remaining::{LEAST_HOURGLASS_SHARE, damped_share, less, product, times};
+use super::own::MOST_OWN;
 use super::survey::{
-    FiniteCheck, Summary, complementary_energy, each_lane, earlier, linear_energy, step_work,
-    write_all, write_mean,
+    FiniteCheck, Summary, complementary_energy, each_lane, linear_energy, write_mean,
 };
 use super::transfer::{gather, scatter};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
@@ -23,8 +23,22 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) struct Moduli {
     pub(super) lambda: f64,
     pub(super) shear: f64,
-    /// Hourglass modulus of the undamaged material, zero if there are no hourglass forces.
-    pub(super) hourglass: f64,
+    /// Hourglass moduli of the undamaged material, zero if there are no hourglass forces.
+    pub(super) hourglass: [f64; 3],
+}
+
+impl Moduli {
+    /// Whether there are hourglass forces.
+    #[inline(always)]
+    pub(super) fn resist(&self) -> bool {
+        self.hourglass[0] != 0.0
+    }
+    /// Hourglass moduli in lanes.
+    #[inline(always)]
+    pub(super) fn hourglass<L: BatchLane>(&self, token: L::Token) -> [L; 3] {
+        let [a, b, c] = self.hourglass;
+        [L::splat(token, a), L::splat(token, b), L::splat(token, c)]
+    }
 }
 
 /// Elastic forces of a displacement by local node index; returns whether all is finite.
@@ -50,7 +64,7 @@ where
     fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
         let lambda = L::splat(token, self.moduli.lambda);
         let shear = L::splat(token, self.moduli.shear);
-        let modulus = L::splat(token, self.moduli.hourglass);
+        let hourglass = Hourglass::new(self.moduli.hourglass::<L>(token));
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         let mut check = FiniteCheck(L::splat(token, 0.0));
@@ -86,14 +100,14 @@ where
                         write_mean(&volumes, &stresses, &batch, survey);
                         let energy = linear_energy(&volumes, &stresses, &strains);
                         each_lane(energy, &batch, |e, energy| survey[e].elastic = energy);
-                        let energy = self.kernel.hourglass_energy(geometry, modulus, &modes);
+                        let energy = self.kernel.hourglass_energy(geometry, &hourglass, &modes);
                         if let Some(energy) = energy {
                             each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
                         }
                     }
                     match short {
                         Some(forces) => forces,
-                        None => self.kernel.forces(geometry, &stresses, modulus, &modes),
+                        None => (self.kernel).forces(geometry, &stresses, &hourglass, &modes),
                     }
                 }
             };
@@ -140,7 +154,7 @@ pub(super) struct EnergyBookkeeping<'a, S> {
 }
 
 /// Source of the stresses of a batch.
-enum Response<L, const P: usize> {
+pub(super) enum Response<L, const P: usize> {
     /// Hooke's law, inside the elastic domain.
     Elastic,
     /// The law, without energies.
@@ -150,18 +164,21 @@ enum Response<L, const P: usize> {
 }
 
 /// Changes of stress of a batch, their source, and the remaining stiffness if it is required.
-struct BatchStress<L, const P: usize> {
-    changes: [Stress<L>; P],
-    response: Response<L, P>,
-    remaining: Option<[RemainingStiffness<L>; P]>,
+pub(super) struct BatchStress<L, const P: usize> {
+    pub(super) changes: [Stress<L>; P],
+    pub(super) response: Response<L, P>,
+    pub(super) remaining: Option<[RemainingStiffness<L>; P]>,
+    /// Own history with which the step began.
+    pub(super) own: [L; MOST_OWN],
 }
 
 /// Output of a law that is required besides stresses.
 #[derive(Clone, Copy)]
-struct Required {
+pub(super) struct Required {
     energy: bool,
-    /// Whether stiffness damping acts, which requires all of the remaining stiffness.
-    damping: bool,
+    /// Whether stiffness damping acts, or the element's own history follows plastic flow, which require all of the
+    /// remaining stiffness.
+    all: bool,
     /// Whether hourglass forces act, which require the hourglass share of the remaining stiffness.
     hourglass: bool,
 }
@@ -181,6 +198,10 @@ pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: us
     pub(super) history: HistoryAccess<'a, S>,
     pub(super) exchange: &'a mut Exchange<S>,
     pub(super) nodes: &'a [Quad<f64>],
+    /// Displacement of the last committed static state, from which own histories follow, by local node index.
+    pub(super) still: Option<&'a [Quad<f64>]>,
+    /// Whether own histories are brought to equilibrium within their elements: in static states that are stored.
+    pub(super) relaxes: bool,
     pub(super) rates: Option<Rates<'a, A, S>>,
     /// Output, if required: forces by local node index.
     pub(super) out: Option<&'a mut [Quad<A>]>,
@@ -202,26 +223,33 @@ where
         let rates = self.rates.as_ref();
         let required = Required {
             energy: self.survey.is_some() || rates.is_some_and(|rates| rates.bookkeeping.is_some()),
-            damping: rates.is_some_and(|rates| rates.damping != 0.0),
-            hourglass: self.moduli.hourglass != 0.0,
+            all: rates.is_some_and(|rates| rates.damping != 0.0)
+                || (self.moduli.resist() && self.kernel.own_history() > 0),
+            hourglass: self.moduli.resist(),
         };
         let capacity = self.exchange.prepare(N, P, L::WIDTH);
         let count = self.batches.count(L::WIDTH);
         // Number of the last batches for which the law is still to be evaluated.
         let mut pending = 0;
         for index in 0..count {
-            let (modes, strains) = self.deformed::<L>(token, index);
+            let (modes, strains, own) = self.deformed::<L>(token, index);
             let elastic = self.elastic_response::<L>(index, &strains);
             let mut end = index;
             if elastic.is_none() {
                 self.exchange
                     .store::<L, N, P>(token, pending, &modes, &strains);
+                if self.kernel.own_history() > 0 {
+                    self.exchange.store_own::<L>(token, pending, &own);
+                }
                 pending += 1;
                 end += 1;
             }
             if pending == capacity || (pending > 0 && (elastic.is_some() || end == count)) {
                 let first = end - pending;
                 let has_energies = self.evaluate::<L>(first, pending, required);
+                if self.relaxes {
+                    self.relax::<L>(token, first, pending, required);
+                }
                 for batch in 0..pending {
                     let modes = self.exchange.modes::<L, N>(token, batch);
                     let (changes, energies) =
@@ -231,15 +259,20 @@ where
                     } else {
                         Response::Law
                     };
-                    let remaining = if required.damping || required.hourglass {
+                    let remaining = if required.all || required.hourglass {
                         Some(self.exchange.remaining::<L, P>(token, batch))
                     } else {
                         None
                     };
+                    let mut own = own;
+                    if self.kernel.own_history() > 0 {
+                        own = self.exchange.own::<L>(token, batch);
+                    }
                     let stress = BatchStress {
                         changes,
                         response,
                         remaining,
+                        own,
                     };
                     self.finish::<L>(first + batch, modes, stress, &mut rows.0, &mut check);
                 }
@@ -250,6 +283,7 @@ where
                     changes,
                     response: Response::Elastic,
                     remaining: None,
+                    own,
                 };
                 self.finish::<L>(index, modes, stress, &mut rows.0, &mut check);
             }
@@ -264,21 +298,26 @@ where
     A: BatchScalar,
     S: BatchScalar,
 {
-    /// Modal displacements and strains of a batch.
+    /// Modal displacements, strains and own history of a batch.
     #[inline(always)]
     fn deformed<L: BatchLane<Scalar = S>>(
         &self,
         token: L::Token,
         index: usize,
-    ) -> ([[L; 3]; N], [Strain<L>; P]) {
+    ) -> ([[L; 3]; N], [Strain<L>; P], [L; MOST_OWN]) {
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::<L>::new(token, batch.geometry);
         let nodes = self.batches.connectivity.over(self.nodes);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
         let modes = self.kernel.modes(&nodal);
-        let strains = self.kernel.strains(geometry, &modes);
-        (modes, strains)
+        let mut strains = self.kernel.strains(geometry, &modes);
+        let own = self.own_at_start(L::splat(token, 0.0), index);
+        let count = self.kernel.own_history();
+        if count > 0 {
+            (self.kernel).add_own_strains(geometry, &own[..count], &mut strains);
+        }
+        (modes, strains, own)
     }
 
     /// Changes of stress of a virgin batch inside the elastic domain, for which the law need not be evaluated.
@@ -318,202 +357,10 @@ where
         Some(changes)
     }
 
-    /// Whether a batch had energy bookkeeping at the previous step.
-    #[inline(always)]
-    fn was_balanced(&self, batch: usize) -> bool {
-        let rates = self.rates.as_ref();
-        let bookkeeping = rates.and_then(|rates| rates.bookkeeping.as_ref());
-        bookkeeping.is_some_and(|bookkeeping| bookkeeping.previous.balanced[batch])
-    }
-
-    /// Forces, summaries and energy bookkeeping of a batch with its changes of stress.
-    #[inline(always)]
-    fn finish<L: BatchLane<Scalar = S>>(
-        &mut self,
-        index: usize,
-        mut modes: [[L; 3]; N],
-        stress: BatchStress<L, P>,
-        rows: &mut [[[S; 4]; MOST_LANES]; N],
-        check: &mut FiniteCheck<L>,
-    ) {
-        let BatchStress {
-            changes: mut stresses,
-            response,
-            remaining,
-        } = stress;
-        let token = stresses[0].0[0].token();
-        let one = L::splat(token, 1.0);
-        // Remaining share of the hourglass stiffness.
-        let mut share = one;
-        if let (Some(remaining), true) = (&remaining, self.moduli.hourglass != 0.0) {
-            share = remaining[0].hourglass;
-            for point in &remaining[1..] {
-                share = share + point.hourglass;
-            }
-            share = share * share.constant(1.0 / P as f64);
-            share = share.max(share.constant(LEAST_HOURGLASS_SHARE));
-        }
-        let whole = L::splat(token, self.moduli.hourglass);
-        let modulus = whole * share;
-        let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
-        let geometry = Geometry::<L>::new(token, batch.geometry);
-        if let (HistoryAccess::Write(history), true) = (&mut self.history, batch.active.is_some()) {
-            for lane in 0..L::WIDTH {
-                if !batch.has(batch.arrangement.element_in[lane]) {
-                    history.revert_lane(index, lane);
-                }
-            }
-        }
-        let volumes = self.kernel.volumes(geometry);
-        let by_law = !matches!(response, Response::Elastic);
-        let points = match response {
-            Response::LawWithEnergies(energies) => Some(energies),
-            Response::Elastic if self.was_balanced(index) => Some(None),
-            Response::Elastic | Response::Law => None,
-        };
-        let energy = match &points {
-            Some(points) => {
-                let points = points.as_ref();
-                Some(Energy::over(points, self.moduli, &volumes, &stresses))
-            }
-            None => None,
-        };
-        if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
-            write_mean(&volumes, &stresses, &batch, survey);
-            each_lane(energy.sum.stored, &batch, |e, energy| {
-                survey[e].elastic = energy;
-            });
-            if let Some(energy) = self.kernel.hourglass_energy(geometry, modulus, &modes) {
-                each_lane(energy, &batch, |e, energy| survey[e].hourglass = energy);
-            }
-        }
-        if let Some(rates) = &mut self.rates
-            && (rates.damping != 0.0 || energy.is_some())
-        {
-            let velocity = self.batches.connectivity.over(rates.velocity);
-            let velocity = velocity.elements(batch.first, L::WIDTH);
-            let mut nodal = [[L::splat(token, 0.0); 3]; N];
-            gather::<A, L, N>(token, velocity, &mut nodal);
-            let zero = L::splat(token, 0.0);
-            let modal_rates = self.kernel.modes(&nodal);
-            let strain_rates = self.kernel.strains(geometry, &modal_rates);
-            // Remaining share of the hourglass stiffness at the previous step.
-            let of_share = index * L::WIDTH;
-            let mut share_before = one;
-            if let Some(bookkeeping) = &rates.bookkeeping {
-                share_before = L::load(token, &bookkeeping.previous.shares[of_share..]);
-            }
-            if let (Some(bookkeeping), Some(energy)) = (&mut rates.bookkeeping, energy) {
-                let (previous, sums) = (&mut bookkeeping.previous, &mut *bookkeeping.sums);
-                let numbers = 6 * P * L::WIDTH;
-                let before = &mut previous.stresses[index * numbers..(index + 1) * numbers];
-                let enters = !core::mem::replace(&mut previous.balanced[index], by_law);
-                if enters {
-                    // The step began under Hooke's law.
-                    let strains = self.kernel.strains(geometry, &modes);
-                    let began = earlier(self.moduli, rates.step, &strains, &strain_rates);
-                    write_all(&began, before);
-                    let stored = complementary_energy(self.moduli, &volumes, &began);
-                    sums.enter(stored, &batch);
-                }
-                let work = step_work(
-                    &geometry,
-                    rates.step,
-                    &volumes,
-                    &stresses,
-                    &strain_rates,
-                    before,
-                );
-                if by_law {
-                    sums.add(work, &energy, &batch);
-                } else {
-                    sums.leave(work, energy.sum.stored, &batch);
-                }
-                // Hourglass energy is lost as its stiffness falls: half of the fall times the product of the
-                // deformations before and after the step.
-                let before = if enters { one } else { share_before };
-                share.store(&mut previous.shares[of_share..]);
-                let fallen = before - share;
-                if fallen.any(zero.less(fallen.abs())) {
-                    let moved = times(&modal_rates, L::splat(token, rates.step));
-                    let began = less(&modes, &moved);
-                    let product = product(self.kernel, geometry, whole, [&modes, &began, &moved]);
-                    sums.release(fallen * product * fallen.constant(0.5), &batch);
-                }
-            }
-            let lambda = L::splat(token, rates.damping * self.moduli.lambda);
-            let shear = L::splat(token, rates.damping * self.moduli.shear);
-            let mut shares = [one; P];
-            if let (Some(remaining), true) = (&remaining, rates.damping != 0.0) {
-                for p in 0..P {
-                    let resisted = Stress::elastic(lambda, shear, &strain_rates[p]);
-                    shares[p] =
-                        damped_share(&remaining[p], &resisted, &strain_rates[p], rates.step);
-                }
-            }
-            let mut damping_stresses = [Stress([zero; 6]); P];
-            for p in 0..P {
-                let whole = Stress::elastic(lambda, shear, &strain_rates[p]);
-                for i in 0..6 {
-                    damping_stresses[p].0[i] = whole.0[i] * shares[p];
-                }
-                stresses[p] = stresses[p] + damping_stresses[p];
-            }
-            if let (Some(bookkeeping), true) = (&mut rates.bookkeeping, rates.damping != 0.0) {
-                let (previous, sums) = (&mut bookkeeping.previous, &mut *bookkeeping.sums);
-                let stored = &mut previous.damping_stresses[index * 6 * P * L::WIDTH..];
-                if previous.damped {
-                    let mut power = zero;
-                    for p in 0..P {
-                        let mut both = damping_stresses[p];
-                        for i in 0..6 {
-                            let before = L::load(token, &stored[(6 * p + i) * L::WIDTH..]);
-                            both.0[i] = both.0[i] + before;
-                        }
-                        let both = both.work(&strain_rates[p]);
-                        power = both.mul_add(volumes[p], power);
-                    }
-                    if !previous.velocity.is_empty() {
-                        let velocity = self.batches.connectivity.over(previous.velocity);
-                        let velocity = velocity.elements(batch.first, L::WIDTH);
-                        gather::<f64, L, N>(token, velocity, &mut nodal);
-                        let modal_before = self.kernel.modes(&nodal);
-                        let change = less(&modal_rates, &modal_before);
-                        let still = times(&modal_rates, zero);
-                        let mixed = [&modal_rates, &modal_before, &change];
-                        let mixed = product(self.kernel, geometry, whole, mixed);
-                        let own = [&modal_rates, &modal_rates, &still];
-                        let own = product(self.kernel, geometry, whole, own);
-                        let both = share_before.mul_add(mixed, share * own);
-                        power = both.mul_add(L::splat(token, rates.damping), power);
-                    }
-                    sums.damp(power * power.constant(0.5 * rates.step), &batch);
-                }
-                write_all(&damping_stresses, stored);
-                share.store(&mut previous.shares[of_share..]);
-            }
-            let damping = L::splat(token, rates.damping);
-            for a in 0..N {
-                for i in 0..3 {
-                    modes[a][i] = modal_rates[a][i].mul_add(damping, modes[a][i]);
-                }
-            }
-        }
-        for p in 0..P {
-            check.add(&stresses[p]);
-        }
-        let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
-        let forces = self.kernel.nodal_forces(&forces);
-        if let Some(out) = self.out.as_deref_mut() {
-            let mut out = self.batches.connectivity.over_sums(out);
-            scatter::<A, L, N>(&forces, &batch, rows, out.elements(batch.first, L::WIDTH));
-        }
-    }
-
     /// Evaluates the law for successive batches, whose strains are in the exchange buffers, with the required
     /// output; writes new history variables. Returns whether energies are required and the law has them.
     #[inline(always)]
-    fn evaluate<L: BatchLane<Scalar = S>>(
+    pub(super) fn evaluate<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,
@@ -526,10 +373,10 @@ where
             energies,
             remaining,
         } = self.exchange.of_points(P * count, L::WIDTH);
-        let remaining = if required.damping || required.hourglass {
+        let remaining = if required.all || required.hourglass {
             Some(RemainingOutput {
                 numbers: remaining,
-                all: required.damping,
+                all: required.all,
             })
         } else {
             None
@@ -568,7 +415,7 @@ impl<L: BatchLane> Energy<L> {
     /// Integrates the energies of the points, or computes those of an undamaged medium with these stresses.
     /// Without closures, which could be compiled on their own, without the instructions of the lane.
     #[inline(always)]
-    fn over<const P: usize>(
+    pub(super) fn over<const P: usize>(
         points: Option<&[LawEnergy<L>; P]>,
         moduli: Moduli,
         volumes: &[L; P],

@@ -1,12 +1,8 @@
 //! Stiffness damping and hourglass stiffness that remain after damage and plastic flow.
 
-use powerhouse_model::{ElementKernel, Geometry, RemainingStiffness, Strain, Stress};
+use powerhouse_model::{ElementKernel, Geometry, Hourglass, RemainingStiffness, Strain, Stress};
 
 use crate::lanes::BatchLane;
-
-/// Least share of the hourglass stiffness, whatever damage leaves: an hourglass mode without stiffness
-/// would grow until its neighbours stop it.
-pub(super) const LEAST_HOURGLASS_SHARE: f64 = 0.01;
 
 /// Share of stiffness damping that acts at a point in a step of a length (s): the share that damage leaves,
 /// times the elastic share of the strain increment.
@@ -56,22 +52,26 @@ pub(super) fn less<L: BatchLane, const N: usize>(
     out
 }
 
-/// Bilinear form of the hourglass stiffness of two modal vectors, given with their difference; that of a
-/// vector with itself is twice its energy.
+/// Modal values of a batch, and its own history, from which hourglass forces follow.
+pub(super) type Deformation<'a, L, const N: usize> = (&'a [[L; 3]; N], &'a [L]);
+
+/// Bilinear form of the hourglass stiffness of two deformations, given with their difference; that of a
+/// deformation with itself is twice its energy.
 #[inline(always)]
 pub(super) fn product<K, L, const N: usize, const P: usize>(
     kernel: &K,
     geometry: Geometry<L>,
-    modulus: L,
-    [a, b, difference]: [&[[L; 3]; N]; 3],
+    moduli: [L; 3],
+    [a, b, difference]: [Deformation<L, N>; 3],
 ) -> L
 where
     K: ElementKernel<N, P>,
     L: BatchLane,
 {
-    let mut sum = modulus.constant(0.0);
-    for (vector, sign) in [(a, 1.0), (b, 1.0), (difference, -1.0)] {
-        if let Some(energy) = kernel.hourglass_energy(geometry, modulus, vector) {
+    let mut sum = moduli[0].constant(0.0);
+    for ((modes, history), sign) in [(a, 1.0), (b, 1.0), (difference, -1.0)] {
+        let hourglass = Hourglass::new(moduli).with_history(history);
+        if let Some(energy) = kernel.hourglass_energy(geometry, &hourglass, modes) {
             sum = energy.mul_add(sum.constant(sign), sum);
         }
     }

@@ -1,6 +1,6 @@
 //! State of a block between two steps: history variables and energy bookkeeping, in the order of the elements.
 
-use powerhouse_model::{ElementKernel, StateError, decode, encode};
+use powerhouse_model::{ElementKernel, Quad, StateError, decode, encode};
 use serde::{Deserialize, Serialize};
 
 use super::Block;
@@ -112,6 +112,8 @@ struct SavedBlock {
     /// Committed history of the copies of the last element that fill the last batch, if that is touched: it differs from
     /// the element's where only the element's was set, and whether a batch leaves its elastic domain depends on it.
     copies: Numbers,
+    /// Displacement of the last committed static state, by local node index, if histories of elements follow from it.
+    committed_displacement: Option<Vec<[f64; 3]>>,
     account: SavedAccount,
 }
 
@@ -155,6 +157,10 @@ where
             copies: Numbers::of(copies),
             variables: self.history.names().map(String::from).collect(),
             history: Numbers::of(numbers),
+            committed_displacement: self.committed_displacement.as_ref().map(|values| {
+                let values = values.iter();
+                values.map(|value| value.to_vector().into()).collect()
+            }),
             account: self.account.saved(self.places(), P, is_balanced),
             flags,
         })
@@ -209,6 +215,10 @@ where
                 self.history.put_element(&arrangement, copy, numbers);
             }
         }
+        self.committed_displacement = saved.committed_displacement.map(|values| {
+            let values = values.into_iter();
+            values.map(|[x, y, z]| Quad::new(x, y, z)).collect()
+        });
         let mut account = core::mem::take(&mut self.account);
         let is_balanced = |element: usize| saved.flags[element] & BALANCED != 0;
         let restored = account.restore(saved.account, self.places(), P, balanced, is_balanced);

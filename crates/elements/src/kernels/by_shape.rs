@@ -4,9 +4,11 @@ use powerhouse_model::{
     BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementKind, ModelError, Vec3,
 };
 
+use super::hex8_natural::Hex8Natural;
 use super::hex8_one_point::Hex8OnePoint;
 use super::parallelepiped::{Parallelepiped, is_parallelepiped};
 use super::straight_brick::{StraightBrick, is_along_axes};
+use super::straight_natural::StraightNatural;
 use crate::AnyLaw;
 use crate::block::of_any_law;
 
@@ -31,6 +33,23 @@ pub(super) fn one_point_bricks(
     Box::new(ByShape {
         general: of_any_law(label, kernel, law, options),
         special: vec![(is_parallelepiped, straight)],
+    })
+}
+
+/// A factory of one-point bricks that bend as their material does, likewise.
+pub(super) fn natural_bricks(
+    label: &str,
+    law: &AnyLaw,
+    options: BlockOptions,
+) -> Box<dyn BlockFactory> {
+    let of = |along_axes| {
+        let kernel = StraightNatural { along_axes };
+        of_any_law(label, kernel, law.clone(), options)
+    };
+    let special: Vec<(Shape, _)> = vec![(is_along_axes, of(true)), (is_parallelepiped, of(false))];
+    Box::new(ByShape {
+        general: of_any_law(label, Hex8Natural, law.clone(), options),
+        special,
     })
 }
 

@@ -1,6 +1,8 @@
 //! Eight-node bricks with 2 x 2 x 2 integration points, without and with mean dilatation.
 
-use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+};
 
 use super::hexahedron::{self, GAUSS, MODE_NUMBERS};
 use super::positions;
@@ -178,7 +180,7 @@ macro_rules! integrated_hexahedron {
                 &self,
                 geometry: Geometry<L>,
                 stresses: &[Stress<L>; 8],
-                _modulus: L,
+                _hourglass: &Hourglass<L>,
                 _modes: &[[L; 3]; 8],
             ) -> [[L; 3]; 8] {
                 $forces(&geometry, stresses)

@@ -1,23 +1,30 @@
 //! Element kernels: bricks, wedge and tetrahedron.
 
 mod by_shape;
+mod hex8_eas;
 mod hex8_integrated;
+mod hex8_natural;
 mod hex8_one_point;
 mod hexahedron;
+mod mean_gradient;
+mod natural_frame;
 mod parallelepiped;
 mod straight_brick;
+mod straight_natural;
 #[cfg(test)]
 mod tests;
 mod tet4;
 mod vectors;
 mod wedge6;
 
+pub use hex8_eas::Hex8Eas;
 pub use hex8_integrated::{Hex8BBar, Hex8Full};
+pub use hex8_natural::Hex8Natural;
 pub use hex8_one_point::Hex8OnePoint;
 pub use tet4::Tet4;
 pub use wedge6::Wedge6;
 
-use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind, Vec3};
+use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind, PointLaw, Vec3};
 
 use crate::AnyLaw;
 use crate::block::of_any_law;
@@ -28,6 +35,10 @@ use crate::block::of_any_law;
 pub enum SolidKernel {
     /// Eight-node brick with one integration point, [`Hex8OnePoint`].
     Hex8OnePoint(Hex8OnePoint),
+    /// Eight-node brick with one integration point that bends as its material does, [`Hex8Natural`].
+    Hex8Natural,
+    /// Eight-node brick with 2 x 2 x 2 integration points and the bending strains of its material, [`Hex8Eas`].
+    Hex8Eas,
     /// Eight-node brick with 2 x 2 x 2 integration points, [`Hex8Full`].
     Hex8Full,
     /// Eight-node brick with mean dilatation, [`Hex8BBar`].
@@ -40,8 +51,10 @@ pub enum SolidKernel {
 
 impl SolidKernel {
     /// All kernels, with their default parameters.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Hex8OnePoint(Hex8OnePoint::DEFAULT),
+        Self::Hex8Natural,
+        Self::Hex8Eas,
         Self::Hex8Full,
         Self::Hex8BBar,
         Self::Tet4,
@@ -52,6 +65,8 @@ impl SolidKernel {
     pub fn name(self) -> &'static str {
         match self {
             Self::Hex8OnePoint(kernel) => kernel.name(),
+            Self::Hex8Natural => Hex8Natural.name(),
+            Self::Hex8Eas => Hex8Eas::NAME,
             Self::Hex8Full => Hex8Full.name(),
             Self::Hex8BBar => Hex8BBar.name(),
             Self::Tet4 => Tet4.name(),
@@ -65,7 +80,11 @@ impl SolidKernel {
     /// Kind of elements that the kernel computes.
     pub fn kind(self) -> ElementKind {
         match self {
-            Self::Hex8OnePoint(_) | Self::Hex8Full | Self::Hex8BBar => ElementKind::Hex8,
+            Self::Hex8OnePoint(_)
+            | Self::Hex8Natural
+            | Self::Hex8Eas
+            | Self::Hex8Full
+            | Self::Hex8BBar => ElementKind::Hex8,
             Self::Tet4 => ElementKind::Tet4,
             Self::Wedge6 => ElementKind::Wedge6,
         }
@@ -77,11 +96,24 @@ impl SolidKernel {
         }
         match self {
             Self::Hex8OnePoint(kernel) => points(&kernel),
-            Self::Hex8Full => points(&Hex8Full),
+            Self::Hex8Natural => points(&Hex8Natural),
+            Self::Hex8Eas | Self::Hex8Full => points(&Hex8Full),
             Self::Hex8BBar => points(&Hex8BBar),
             Self::Tet4 => points(&Tet4),
             Self::Wedge6 => points(&Wedge6),
         }
+    }
+    /// Number of history variables of an element as a whole, with laws that have a history.
+    pub fn own_history(self) -> usize {
+        match self {
+            Self::Hex8Natural => Hex8Natural.own_history(),
+            Self::Hex8Eas => Hex8Eas::HISTORY,
+            _ => 0,
+        }
+    }
+    /// Whether straight elements in one layer have the bending stiffness of a plate of their material.
+    pub fn bends_as_its_material(self) -> bool {
+        matches!(self, Self::Hex8Natural | Self::Hex8Eas)
     }
     /// The default kernel of a kind of elements; none for kinds without volume.
     pub fn default_for(kind: ElementKind) -> Option<Self> {
@@ -101,6 +133,11 @@ impl SolidKernel {
     fn of_any_law(self, label: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
         match self {
             Self::Hex8OnePoint(kernel) => by_shape::one_point_bricks(label, kernel, law, options),
+            Self::Hex8Natural => by_shape::natural_bricks(label, &law, options),
+            Self::Hex8Eas => {
+                let kernel = Hex8Eas::new(&law.medium());
+                of_any_law(label, kernel, law, options)
+            }
             Self::Hex8Full => {
                 let general = of_any_law(label, Hex8Full, law.clone(), options);
                 by_shape::integrated_bricks(general, false, &law)

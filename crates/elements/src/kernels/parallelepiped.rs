@@ -1,6 +1,8 @@
 //! One-point brick for parallelepipeds.
 
-use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+};
 
 use super::hex8_one_point::Hex8OnePoint;
 use super::hexahedron;
@@ -70,12 +72,12 @@ impl ElementKernel<8, 1> for Parallelepiped {
         &self,
         geometry: Geometry<L>,
         stresses: &[Stress<L>; 1],
-        modulus: L,
+        hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 8],
     ) -> [[L; 3]; 8] {
         let gradients = linear_gradients(&geometry);
         let [f1, f2, f3] = uniform_forces(&stresses[0], geometry.get(VOLUME), gradients);
-        let resistance = modulus * geometry.get(RESISTANCE);
+        let resistance = hourglass.moduli[0] * geometry.get(RESISTANCE);
         [
             [geometry.constant(0.0); 3],
             f1,
@@ -87,20 +89,20 @@ impl ElementKernel<8, 1> for Parallelepiped {
             scaled(modes[7], resistance),
         ]
     }
-    fn hourglass_modulus(&self, constrained: f64, shear: f64) -> Option<f64> {
-        self.0.hourglass_modulus(constrained, shear)
+    fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
+        self.0.hourglass_moduli(medium)
     }
     #[inline(always)]
     fn hourglass_energy<L: Lane>(
         &self,
         geometry: Geometry<L>,
-        modulus: L,
+        hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 8],
     ) -> Option<L> {
         let [_, _, _, _, q4, q5, q6, q7] = *modes;
         let squares = (dot(q4, q4) + dot(q5, q5)) + (dot(q6, q6) + dot(q7, q7));
         let half = geometry.constant(0.5);
-        Some(half * modulus * geometry.get(RESISTANCE) * squares)
+        Some(half * hourglass.moduli[0] * geometry.get(RESISTANCE) * squares)
     }
 }
 

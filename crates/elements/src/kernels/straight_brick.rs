@@ -1,6 +1,8 @@
 //! Bricks with 2 x 2 x 2 integration points whose edges are parallel.
 
-use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+};
 
 use super::hex8_integrated::{Hex8BBar, Hex8Full};
 use super::hexahedron::{self, GAUSS};
@@ -359,7 +361,7 @@ impl ElementKernel<8, 8> for StraightBrick {
         &self,
         geometry: Geometry<L>,
         stresses: &[Stress<L>; 8],
-        _modulus: L,
+        _hourglass: &Hourglass<L>,
         _modes: &[[L; 3]; 8],
     ) -> [[L; 3]; 8] {
         let zero = geometry.constant(0.0);

@@ -1,9 +1,14 @@
 //! Properties of every kernel, on distorted elements.
 
+mod natural;
+
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
-use powerhouse_model::{ElasticMedium, ElementKernel, Geometry, Mat3, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElasticMedium, ElementKernel, Geometry, Hourglass, Mat3, Strain, Stress, Vec3,
+};
 
 use super::straight_brick::StraightBrick;
+use super::straight_natural::StraightNatural;
 use super::*;
 
 /// One element in an isotropic medium, in double precision.
@@ -21,7 +26,7 @@ impl<K, const N: usize> Element<K, N> {
     {
         let mut numbers = vec![0.0; kernel.geometry_len()];
         kernel.geometry(&corners, &mut numbers);
-        let medium = ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap();
+        let medium = rock();
         Self {
             kernel,
             corners,
@@ -56,10 +61,9 @@ impl<K, const N: usize> Element<K, N> {
     {
         let modes = self.kernel.modes(nodal);
         let stresses = self.stresses::<P>(nodal);
-        let modulus = self.medium.constrained();
         let modal = self
             .kernel
-            .forces(self.geometry(), &stresses, modulus, &modes);
+            .forces(self.geometry(), &stresses, &self.hourglass::<P>(), &modes);
         self.kernel.nodal_forces(&modal)
     }
     fn hourglass_energy<const P: usize>(&self, nodal: &[[f64; 3]; N]) -> f64
@@ -68,8 +72,15 @@ impl<K, const N: usize> Element<K, N> {
     {
         let modes = self.kernel.modes(nodal);
         self.kernel
-            .hourglass_energy(self.geometry(), self.medium.constrained(), &modes)
+            .hourglass_energy(self.geometry(), &self.hourglass::<P>(), &modes)
             .unwrap_or(0.0)
+    }
+    fn hourglass<const P: usize>(&self) -> Hourglass<'static, f64>
+    where
+        K: ElementKernel<N, P>,
+    {
+        let moduli = self.kernel.hourglass_moduli(&self.medium);
+        Hourglass::new(moduli.unwrap_or_default())
     }
     fn volume<const P: usize>(&self) -> f64
     where
@@ -109,6 +120,9 @@ fn distorted<const N: usize>(corners: [[f64; 3]; N]) -> [Vec3; N] {
     })
 }
 
+fn rock() -> ElasticMedium {
+    ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap()
+}
 fn brick() -> [Vec3; 8] {
     distorted(hexahedron::CORNERS)
 }
@@ -121,6 +135,9 @@ fn skewed(mean_dilatation: bool) -> StraightBrick {
         along_axes: false,
         mean_dilatation,
     }
+}
+fn straight(along_axes: bool) -> StraightNatural {
+    StraightNatural { along_axes }
 }
 fn wedge() -> [Vec3; 6] {
     distorted([
@@ -356,6 +373,9 @@ macro_rules! kernel_tests {
 }
 
 kernel_tests!(hex8_one_point, Hex8OnePoint::DEFAULT, brick(), 8, 1);
+kernel_tests!(hex8_natural, Hex8Natural, brick(), 8, 1);
+kernel_tests!(straight_natural, straight(false), parallelepiped(), 8, 1);
+kernel_tests!(hex8_eas, Hex8Eas::new(&rock()), brick(), 8, 8);
 kernel_tests!(hex8_full, Hex8Full, brick(), 8, 8);
 kernel_tests!(hex8_b_bar, Hex8BBar, brick(), 8, 8);
 kernel_tests!(straight_full, skewed(false), parallelepiped(), 8, 8);

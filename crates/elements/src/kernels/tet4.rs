@@ -1,6 +1,8 @@
 //! Four-node tetrahedron.
 
-use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+};
 
 use super::positions;
 use super::vectors::{difference, linear_gradients, outer_sum, strain_of, sum, uniform_forces};
@@ -71,7 +73,7 @@ impl ElementKernel<4, 1> for Tet4 {
         &self,
         geometry: Geometry<L>,
         stresses: &[Stress<L>; 1],
-        _modulus: L,
+        _hourglass: &Hourglass<L>,
         _modes: &[[L; 3]; 4],
     ) -> [[L; 3]; 4] {
         let gradients = linear_gradients(&geometry);

@@ -1,6 +1,8 @@
 //! Six-node wedge.
 
-use powerhouse_model::{ElementKernel, ElementKind, Geometry, Lane, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+};
 
 use super::positions;
 use super::vectors::{
@@ -183,7 +185,7 @@ impl ElementKernel<6, 6> for Wedge6 {
         &self,
         geometry: Geometry<L>,
         stresses: &[Stress<L>; 6],
-        _modulus: L,
+        _hourglass: &Hourglass<L>,
         _modes: &[[L; 3]; 6],
     ) -> [[L; 3]; 6] {
         let position = position_modes(&geometry);

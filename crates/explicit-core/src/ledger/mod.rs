@@ -352,6 +352,7 @@ impl Ledger {
             ("kinetic", kinetic + difference),
             ("time step", -difference),
             ("elastic", sum.elastic + constraints.stored.total()),
+            ("bending", sum.bending),
             ("hourglass", sum.hourglass),
             ("plastic", sum.plastic),
             ("damage", sum.damage),

@@ -43,6 +43,7 @@ pub(crate) fn total_energy<'a>(
     [
         all.elastic,
         all.hourglass,
+        all.bending,
         all.plastic,
         all.damage,
         all.recovery,
@@ -52,6 +53,7 @@ pub(crate) fn total_energy<'a>(
     ] = team.totals([
         sum(|energy| energy.elastic),
         sum(|energy| energy.hourglass),
+        sum(|energy| energy.bending),
         sum(|energy| energy.plastic),
         sum(|energy| energy.damage),
         sum(|energy| energy.recovery),

@@ -256,6 +256,7 @@ fn energies_of_blocks_do_not_depend_on_their_order() {
         energy.integration = of(5);
         energy.damping = of(6);
         energy.relaxation = of(7);
+        energy.bending = of(8);
         energy
     };
     let mut blocks: Vec<BlockEnergy> = (0..100).map(energy).collect();
@@ -271,6 +272,7 @@ fn energies_of_blocks_do_not_depend_on_their_order() {
         (expected.integration, plain.integration),
         (expected.damping, plain.damping),
         (expected.relaxation, plain.relaxation),
+        (expected.bending, plain.bending),
     ] {
         assert!(found != 0.0 && (found - plain).abs() < 1e-13);
     }

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, ElasticMedium, ElementBlock,
-    ElementFault, ElementKernel, ElementKind, FrequencyBound, Geometry, HistoryField, Mat3,
-    ModelError, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    ElementFault, ElementKernel, ElementKind, FrequencyBound, Geometry, HistoryField, Hourglass,
+    Mat3, ModelError, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
 };
 
 /// Makes plain blocks.
@@ -80,8 +80,8 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> PlainBlock<K, N, P>
     fn forces_of(&self, element: usize, x: &NodalView) -> [[f64; 3]; N] {
         let (modes, stresses) = self.state(element, x);
         let geometry = Geometry::<f64>::new((), &self.geometries[element]);
-        let modulus = self.medium.constrained();
-        let forces = self.kernel.forces(geometry, &stresses, modulus, &modes);
+        let hourglass = Hourglass::new([self.medium.constrained(), 0.0, 0.0]);
+        let forces = self.kernel.forces(geometry, &stresses, &hourglass, &modes);
         self.kernel.nodal_forces(&forces)
     }
 }

@@ -77,6 +77,9 @@ pub struct History {
     /// Largest distance by which the point may be moved into an element (m), such as onto the chord of a curved
     /// wall; above 0, 0.001 by default.
     pub within: Option<At<Positive>>,
+    /// Whether the stress is that at the point `at` itself, such as the surface of a lining: in bricks of `hex8-natural` the
+    /// stress is linear. By default it is the mean over the element.
+    pub stress_at_point: Option<At<bool>>,
     /// Recorded quantities; displacement, velocity and acceleration by default, stress for `element`.
     pub quantities: Option<At<Vec<At<Quantity>>>>,
 }

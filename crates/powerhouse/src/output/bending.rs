@@ -58,7 +58,7 @@ impl fmt::Display for BendingError {
         };
         write!(
             f,
-            "section '{section}' cuts bricks of '{set}' that are {verb} in bending: {length:.2} m long with {layers} across {thickness:.2} m, kernel '{kernel}', have {factor:.2} times the bending stiffness; where the ground imposes the curvature its moments err by about as much, axial forces do not. Within 10 % are bricks of 'hex8-full' at most {:.3} m long, of 'hex8-b-bar' the same with at least 3 across, and of 'hex8-one-point' at most {:.3} m long with at least 4 across",
+            "section '{section}' cuts bricks of '{set}' that are {verb} in bending: {length:.2} m long with {layers} across {thickness:.2} m, kernel '{kernel}', have {factor:.2} times the bending stiffness; where the ground imposes the curvature its moments err by about as much, axial forces do not. Within 10 % are bricks of 'hex8-natural', straight ones of any length, of 'hex8-full' at most {:.3} m long, of 'hex8-b-bar' the same with at least 3 across, and of 'hex8-one-point' at most {:.3} m long with at least 4 across",
             LONGEST_OF_FULL * thickness,
             LONGEST_OF_ONE_POINT * thickness
         )
@@ -85,6 +85,9 @@ pub(crate) fn coarse_in_bending(
         return None;
     }
     let kernel = part.kernel_for(ElementKind::Hex8)?;
+    if kernel.bends_as_its_material() {
+        return None;
+    }
     let extent = |direction: &Vec3| median(bricks.clone().map(|&e| extent_of(mesh, e, direction)));
     let length = extent(&geometry.normal)?;
     let layers = (piece.depth / extent(&geometry.across)?).round().max(1.0) as usize;

@@ -1,7 +1,7 @@
 //! Output requests.
 
 use powerhouse_observe::{
-    CrossSection, JointQuantities, Motion, Place, SnapshotFields, StressPlace,
+    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
 };
 
 use crate::JointZone;
@@ -37,6 +37,9 @@ pub struct StressRequest {
     pub name: String,
     /// An element by its number, or around a point.
     pub place: StressPlace,
+    /// Whether a stress is that at the point, which in bricks that bend as their material is linear, or the mean over the
+    /// element.
+    pub at_point: bool,
 }
 
 impl StressRequest {
@@ -45,6 +48,15 @@ impl StressRequest {
         Self {
             name: name.into(),
             place: place.into(),
+            at_point: false,
+        }
+    }
+    /// Request for the stress at a point itself, under a name.
+    pub fn at_point(name: impl Into<String>, point: impl Into<ObservationPoint>) -> Self {
+        Self {
+            name: name.into(),
+            place: StressPlace::Point(point.into()),
+            at_point: true,
         }
     }
 }
@@ -333,6 +345,12 @@ impl OutputPlan {
     #[must_use]
     pub fn stress(mut self, name: &str, place: impl Into<StressPlace>) -> Self {
         self.stresses.push(StressRequest::new(name, place));
+        self
+    }
+    /// Adds the stress at a point itself, such as the surface of a lining.
+    #[must_use]
+    pub fn stress_at(mut self, name: &str, point: impl Into<ObservationPoint>) -> Self {
+        self.stresses.push(StressRequest::at_point(name, point));
         self
     }
     /// Adds the history variables of an element's law, by its number or around a point.

@@ -14,6 +14,7 @@ use powerhouse_observe::{
     BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
     JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
+    StressPlace,
 };
 
 use super::{BoltForces, JointRequest, OutputPlan, StateVariables};
@@ -513,7 +514,12 @@ fn histories(
         }
     }
     for request in &plan.stresses {
-        builder = builder.stress(&request.name, request.place.clone());
+        builder = match &request.place {
+            StressPlace::Point(point) if request.at_point => {
+                builder.stress_at(&request.name, point.clone())
+            }
+            place => builder.stress(&request.name, place.clone()),
+        };
     }
     for request in &plan.state.places {
         builder = builder.state(&request.name, request.place.clone());

@@ -329,7 +329,7 @@ impl fmt::Display for Remark {
                 };
                 write!(
                     f,
-                    "{prefix}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 1 %: displacements and stresses there are affected by it; use the kernel \"hex8-full\" or \"hex8-b-bar\", or smaller elements",
+                    "{prefix}hourglass resistance takes {:.1} % of the internal work of set '{set}', more than 1 %: displacements and stresses there are affected by it; use the kernel \"hex8-natural\", \"hex8-full\" or \"hex8-b-bar\", or smaller elements",
                     100.0 * share
                 )
             }

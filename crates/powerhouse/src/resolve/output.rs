@@ -168,6 +168,20 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
         within: &history.within,
     };
     let of_element = |quantity| matches!(quantity, Quantity::Stress | Quantity::State);
+    let at_point = history.stress_at_point.as_ref().filter(|at| ***at);
+    let has_stress = (history.quantities.iter())
+        .any(|quantities| quantities.iter().any(|q| **q == Quantity::Stress));
+    if let Some(at) = at_point
+        && !(history.at.is_some() && has_stress)
+    {
+        return Err(Fault::new(
+            at.span(),
+            Problem::Value {
+                found: "stress at a point without a point, or without stress".into(),
+                expected: "a point `at`, and \"stress\" among the `quantities`".into(),
+            },
+        ));
+    }
     if let (Some(element), None, None, None) =
         (&history.element, &history.at, &history.node, &history.set)
     {
@@ -183,7 +197,12 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
         )?;
         let requested = quantities(&history.quantities, &[Quantity::Stress])?;
         site.without_point()?;
-        in_element(plan, &requested, &name, &StressPlace::Element(**element));
+        in_element(
+            plan,
+            &requested,
+            (&name, false),
+            &StressPlace::Element(**element),
+        );
         return Ok(());
     }
     let place = match site.place((&history.at, &history.node, &history.set))? {
@@ -198,7 +217,8 @@ fn histories(names: &Names, history: &History, plan: &mut OutputPlan) -> Result<
     let requested = quantities(&history.quantities, &MOTION)?;
     match &place {
         Place::Point(spot) => {
-            in_element(plan, &requested, &name, &StressPlace::Point(spot.clone()));
+            let name = (&*name, at_point.is_some());
+            in_element(plan, &requested, name, &StressPlace::Point(spot.clone()));
         }
         _ => {
             let found = "stress or state at a node or set";
@@ -273,10 +293,16 @@ fn joint(
 }
 
 /// Adds requests for stress and state variables of an element.
-fn in_element(plan: &mut OutputPlan, requested: &[Quantity], name: &str, place: &StressPlace) {
+fn in_element(
+    plan: &mut OutputPlan,
+    requested: &[Quantity],
+    (name, at_point): (&str, bool),
+    place: &StressPlace,
+) {
     let request = || StressRequest {
         name: name.into(),
         place: place.clone(),
+        at_point,
     };
     if requested.contains(&Quantity::Stress) {
         plan.stresses.push(request());

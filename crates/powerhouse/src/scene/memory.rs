@@ -32,7 +32,9 @@ impl Scene {
                     continue;
                 }
                 let kernel = part.kernel_for(self.mesh.kind(*element));
-                memory.numbers += of_point * kernel.map_or(0, |kernel| kernel.points());
+                if let (Some(kernel), true) = (kernel, of_point > 0) {
+                    memory.numbers += of_point * kernel.points() + kernel.own_history();
+                }
                 memory.elements += usize::from(!shown.is_empty());
             }
             for variable in shown {

@@ -40,7 +40,7 @@ fn lane_width_leaves_no_trace() {
             }
             let energy = fixture.block.energy(&context);
             numbers.extend([energy.elastic, energy.hourglass, energy.damping]);
-            numbers.push(energy.plastic);
+            numbers.extend([energy.plastic, energy.bending, energy.damage]);
             fixture.block.commit();
             fixture.block.set_reference_displacement(views.1);
             let mut mean = vec![Stress::default(); count];
@@ -60,6 +60,8 @@ fn lane_width_leaves_no_trace() {
             let of = |lanes| bits(kernel, Linear(rock()), precision, lanes);
             assert_eq!(of(LaneWidth::One), of(LaneWidth::Native), "{kernel:?}");
             let of = |lanes| bits(kernel, Softening(rock()), precision, lanes);
+            assert_eq!(of(LaneWidth::One), of(LaneWidth::Native), "{kernel:?}");
+            let of = |lanes| bits(kernel, Yielding(rock(), 5e-5), precision, lanes);
             assert_eq!(of(LaneWidth::One), of(LaneWidth::Native), "{kernel:?}");
         }
     }

@@ -2,9 +2,11 @@
 
 mod boxes;
 mod elastic;
+mod hinge;
 mod invariance;
 mod location;
 mod memory;
+mod natural;
 mod remaining;
 mod saved;
 mod state;
@@ -12,9 +14,9 @@ mod state;
 use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
     BlockContext, BlockOptions, BlockPart, ConstitutiveLaw, ElasticMedium, ElementBlock,
-    ElementFault, ElementKind, HistoryUpdate, HistoryVariable, Lane, LaneWidth, LawInput, Mat3,
-    Mesh, NodalScalar, NodalView, NodalViewMut, Operator, Precision, Quad, RemainingStiffness,
-    StepTime, Strain, Stress, Vec3,
+    ElementFault, ElementKind, HistoryUpdate, HistoryVariable, Lane, LaneWidth, LawEnergy,
+    LawInput, Mat3, Mesh, NodalScalar, NodalView, NodalViewMut, Operator, Precision, Quad,
+    RemainingStiffness, StepTime, Strain, Stress, Vec3,
 };
 
 use crate::{Hex8OnePoint, SolidKernel, solid};
@@ -93,6 +95,99 @@ impl ConstitutiveLaw for Softening {
         RemainingStiffness::whole(any)
             .with_undamaged(kept)
             .with_hourglass(kept)
+    }
+}
+
+/// Perfect plasticity of von Mises up to a deviatoric strain, in elements without initial stress.
+#[derive(Clone)]
+struct Yielding(ElasticMedium, f64);
+
+impl Yielding {
+    /// Deviatoric part of a strain less a plastic one, components with engineering shears.
+    #[inline(always)]
+    fn elastic<L: Lane>(strain: &Strain<L>, plastic: &[L]) -> [L; 6] {
+        let mut elastic = strain.0;
+        for i in 0..6 {
+            elastic[i] = elastic[i] - plastic[i];
+        }
+        elastic
+    }
+    #[inline(always)]
+    fn stress<L: Lane>(&self, elastic: [L; 6]) -> Stress<L> {
+        let any = elastic[0];
+        let (lambda, shear) = (self.0.lambda(), self.0.shear());
+        Stress::elastic(any.constant(lambda), any.constant(shear), &Strain(elastic))
+    }
+}
+
+impl ConstitutiveLaw for Yielding {
+    fn name(&self) -> &str {
+        "yielding"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        const {
+            &[
+                HistoryVariable::component("plastic_xx", "1"),
+                HistoryVariable::component("plastic_yy", "1"),
+                HistoryVariable::component("plastic_zz", "1"),
+                HistoryVariable::component("plastic_xy", "1"),
+                HistoryVariable::component("plastic_yz", "1"),
+                HistoryVariable::component("plastic_zx", "1"),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {
+        let trial = Self::elastic(&input.strain, input.history);
+        let any = trial[0];
+        let mean = (trial[0] + trial[1] + trial[2]) * any.constant(1.0 / 3.0);
+        let mut deviator = trial;
+        for normal in &mut deviator[..3] {
+            *normal = *normal - mean;
+        }
+        let mut square = any.constant(0.0);
+        for i in 0..6 {
+            let weight = any.constant(if i < 3 { 1.0 } else { 0.5 });
+            square = (deviator[i] * weight).mul_add(deviator[i], square);
+        }
+        let (one, most) = (any.constant(1.0), any.constant(self.1));
+        let size = square.sqrt();
+        let beyond = most.less(size);
+        let flow = (one - most / size.select(beyond, one)).select(beyond, any.constant(0.0));
+        let mut elastic = trial;
+        for i in 0..6 {
+            new[i] = deviator[i].mul_add(flow, input.history[i]);
+            elastic[i] = input.strain.0[i] - new[i];
+        }
+        self.stress(elastic)
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new: &[L]) -> Option<LawEnergy<L>> {
+        let elastic = Self::elastic(&input.strain, new);
+        let stress = self.stress(elastic);
+        let mut grown = elastic;
+        for i in 0..6 {
+            grown[i] = new[i] - input.history[i];
+        }
+        let half = elastic[0].constant(0.5);
+        let stored = stress.work(&Strain(elastic)) * half;
+        Some(LawEnergy::stored(stored).with_plastic(stress.work(&Strain(grown))))
+    }
+    #[inline(always)]
+    fn remaining_stiffness<L: Lane>(
+        &self,
+        input: &LawInput<L>,
+        new: &[L],
+        _change: &Stress<L>,
+    ) -> RemainingStiffness<L> {
+        let mut grown = input.strain.0;
+        for i in 0..6 {
+            grown[i] = new[i] - input.history[i];
+        }
+        RemainingStiffness::whole(grown[0]).with_plastic_strain_increment(grown)
     }
 }
 

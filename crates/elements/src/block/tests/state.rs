@@ -267,6 +267,8 @@ fn the_ledger_closes() {
             assert!(linear < 1e-12, "{} {linear}", kernel.name());
             let softening = residual(kernel, Softening(rock()), stiffness);
             assert!(softening < 1e-12, "{} {softening}", kernel.name());
+            let yielding = residual(kernel, Yielding(rock(), 5e-5), stiffness);
+            assert!(yielding < 1e-12, "{} {yielding}", kernel.name());
         }
     }
 }
