@@ -165,18 +165,22 @@ impl AppliedLoads {
         let count: usize = self.sums.lengths[..self.own].iter().sum();
         let own = self.sums.nodes[..count].iter().zip(&self.sums.forces);
         for (&node, force) in own {
-            forces[node as usize] += force;
+            if let Some(sum) = forces.get_mut(node as usize) {
+                *sum += force;
+            }
         }
     }
 
-    /// Adds the loads (N) at a time (s) by engine node, without the carried forces.
+    /// Adds the loads (N) at a time (s) by local node, without the carried forces.
     pub(crate) fn add_all(&mut self, time: f64, forces: &mut [Vec3]) {
         self.evaluate(time, None);
         let carried = self.sums.lengths.last().copied().unwrap_or(0);
         let count = self.sums.nodes.len() - carried;
         let all = self.sums.nodes[..count].iter().zip(&self.sums.forces);
         for (&node, force) in all {
-            forces[node as usize] += force;
+            if let Some(sum) = forces.get_mut(node as usize) {
+                *sum += force;
+            }
         }
     }
 

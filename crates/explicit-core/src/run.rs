@@ -4,14 +4,14 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use powerhouse_model::{
-    Cadence, Dynamics, Ended, EnergyCheck, Fields, Flow, ForceTerms, HistoryUpdate, Length,
-    MassDampingRule, Observer, ParameterError, Precision, Progress, RunError, RunFailure,
+    Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
+    MassDampingRule, Observer, ParameterError, Precision, Progress, Reach, RunError, RunFailure,
     RunOptions, RunReport, StableStep, StateError, StepChoice, StepView, TimeIntegrator,
 };
 
 use crate::Model;
 use crate::profile::{Phase, Profiler};
-use crate::ranks::Gathered;
+use crate::ranks::{Gathered, Wanted};
 use crate::saved::{Readings, restore_observers};
 use crate::view::View;
 
@@ -133,6 +133,7 @@ fn run_steps(
     }
     let started = Instant::now();
     let mut time_loop = TimeLoop {
+        reach: observers.iter().map(|observer| observer.reach()).collect(),
         observers,
         energy: options.energy,
         readings: restored
@@ -217,6 +218,8 @@ fn choose_step(
 struct TimeLoop<'a> {
     model: &'a mut Model,
     observers: &'a mut [Box<dyn Observer>],
+    /// What each of them reads.
+    reach: Vec<Reach>,
     energy: Option<EnergyCheck>,
     readings: Readings,
     last: bool,
@@ -357,10 +360,11 @@ impl TimeLoop<'_> {
             return Ok(());
         }
         self.model.ranks.agree_to_go_on()?;
-        let mut fields = Fields::default();
-        fields.stress = self.observers.iter().any(|o| o.fields().stress);
+        let observers = self.observers.iter().map(|observer| observer.as_ref());
+        let all = observers.zip(&self.reach).zip(&due);
+        let wanted = Wanted::of(all.filter(|(_, due)| **due).map(|(read, _)| read));
         // Rank 0 alone has observers at work.
-        let gathered = Gathered::of(self.model, step, fields, energies);
+        let gathered = Gathered::of(self.model, step, wanted, energies);
         let shown = gathered.map(|view| {
             let stopped_by = show(self.observers, &due, &view)?;
             match view.missing() {

@@ -48,6 +48,7 @@ mod periodic;
 mod point_law;
 mod ranks;
 mod rayleigh;
+mod reach;
 mod run;
 mod saved_run;
 mod spec;
@@ -67,7 +68,7 @@ pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use checksum::Checksum;
-pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
+pub use constraint::{Constraint, ConstraintWork, DividedWork, PredictedMotion};
 pub use constraint_parts::ConstraintParts;
 pub use contact_law::{ContactLaw, JointInput, JointInputs, JointResponse, JointResponses};
 pub use disjoint_sets::DisjointSets;
@@ -106,6 +107,7 @@ pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
 pub use ranks::{Message, RankError, Ranks, SingleRank, ThreadRanks};
+pub use reach::{Reach, Selection};
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,
 };

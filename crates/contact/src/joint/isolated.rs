@@ -393,16 +393,17 @@ impl Tile {
         }
     }
 
-    /// Updates the records by the step and sums up its work.
+    /// Updates the records by the step and sets its work.
     #[inline(always)]
     pub(super) fn update<const HISTORY: bool>(
         &self,
         step: &TileStep,
         records: &mut Window<JointRecord>,
         motion: &Step,
-        work: &mut ConstraintWork,
+        works: &mut Window<ConstraintWork>,
     ) {
         for k in 0..self.count {
+            let mut work = ConstraintWork::default();
             let outcome = Outcome {
                 time: motion.time,
                 offset: get(&step.offset, k),
@@ -413,8 +414,10 @@ impl Tile {
                 along: step.along[k],
                 path: step.path[k],
             };
-            update::<HISTORY>(records.at(self.index[k] as usize), &outcome, work);
+            let index = self.index[k] as usize;
+            update::<HISTORY>(records.at(index), &outcome, &mut work);
             work.external -= step.external[k];
+            *works.at(index) = work;
         }
     }
 }

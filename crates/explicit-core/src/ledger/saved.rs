@@ -3,9 +3,9 @@
 use powerhouse_model::{HourglassShare, StateError};
 use serde::{Deserialize, Serialize};
 
+use super::Ledger;
 use super::sum::Sum;
 use super::work::NodalWork;
-use super::{ConstraintEnergy, Ledger};
 
 /// Saved state of the energy ledger.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -14,10 +14,8 @@ pub(crate) struct SavedLedger {
     /// Name, initial energy (J) and largest hourglass work of each element set.
     sets: Vec<(String, f64, HourglassShare)>,
     work_of_block: Vec<Sum>,
-    /// Nodal work of each range of nodes.
-    ranges: Vec<NodalWork<Sum>>,
-    /// Energies of the constraints: friction, bond, impact, external work, and those with prescribed motion.
-    constraints: [Sum; 5],
+    /// Work of the nodal forces in each range of nodes, and of the constraints: friction, bond, impact, external work.
+    ranges: Vec<(NodalWork<Sum>, [Sum; 4])>,
     origin: Option<f64>,
     potential: f64,
     scale: f64,
@@ -27,21 +25,15 @@ impl Ledger {
     /// State between two steps, when no half of a step is pending.
     pub(crate) fn saved(&self) -> SavedLedger {
         let sets = self.sets.iter();
-        let energy = &self.constraints;
         SavedLedger {
             by_set: self.by_set,
             sets: sets
                 .map(|set| (set.label.clone(), set.origin, set.hourglass.clone()))
                 .collect(),
             work_of_block: self.work_of_block.clone(),
-            ranges: self.ranges.iter().map(|range| range.all).collect(),
-            constraints: [
-                energy.friction,
-                energy.bond,
-                energy.impact,
-                energy.external,
-                energy.prescribed,
-            ],
+            ranges: (self.ranges.iter())
+                .map(|range| (range.all, range.dissipated))
+                .collect(),
             origin: self.origin,
             potential: self.potential,
             scale: self.scale,
@@ -62,18 +54,9 @@ impl Ledger {
             (set.origin, set.hourglass) = (*origin, hourglass.clone());
         }
         self.work_of_block.clone_from(&saved.work_of_block);
-        for (range, all) in self.ranges.iter_mut().zip(&saved.ranges) {
-            range.all = *all;
+        for (range, saved) in self.ranges.iter_mut().zip(&saved.ranges) {
+            (range.all, range.dissipated) = *saved;
         }
-        let [friction, bond, impact, external, prescribed] = saved.constraints;
-        self.constraints = ConstraintEnergy {
-            friction,
-            bond,
-            impact,
-            external,
-            prescribed,
-            ..ConstraintEnergy::default()
-        };
         (self.origin, self.potential, self.scale) = (saved.origin, saved.potential, saved.scale);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use powerhouse_model::{MassDampingRule, Vec3};
+use powerhouse_model::{ConstraintWork, MassDampingRule, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,10 @@ pub(super) struct RangeWork {
     pub(super) constraints: [f64; 2],
     /// Work (J) in the present step of those constraints that have nodes with prescribed motion.
     pub(super) prescribed: f64,
+    /// Energies that the constraints reported for the present step.
+    pub(super) reported: ConstraintWork,
+    /// The same in all steps before (J): friction, bond, impact, external work.
+    pub(super) dissipated: [Sum; 4],
 }
 
 impl RangeWork {
@@ -60,6 +64,16 @@ impl RangeWork {
         self.second.loads = loads;
         self.second.prescribed += self.prescribed;
         self.all.add(&self.second);
+        let ConstraintWork {
+            friction,
+            bond,
+            impact,
+            external,
+            ..
+        } = core::mem::take(&mut self.reported);
+        for (sum, work) in (self.dissipated.iter_mut()).zip([friction, bond, impact, external]) {
+            sum.add(work);
+        }
         (self.constraints, self.prescribed) = Default::default();
     }
 }

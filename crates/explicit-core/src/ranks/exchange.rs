@@ -71,6 +71,13 @@ impl Exchange {
         }
     }
 
+    /// Own slots that some other rank receives.
+    pub(crate) fn sent_slots(&self) -> impl Iterator<Item = u32> + '_ {
+        self.neighbours
+            .iter()
+            .flat_map(|n| n.outgoing.iter().copied())
+    }
+
     /// Sends the own slots of shared nodes. The buffers of the messages received last are used again.
     pub(crate) fn send<S: Storage>(&mut self, team: &Communicator, forces: &[Quad<S>]) {
         self.traffic.exchanges += 1;

@@ -231,7 +231,8 @@ impl Ranked {
         }
         let mut of_observers = Checksum::default();
         for observer in observers {
-            let kind = format!("{:?} {:?}", observer.cadence(), observer.fields());
+            let (cadence, fields) = (observer.cadence(), observer.fields());
+            let kind = format!("{cadence:?} {fields:?} {:?}", observer.reach());
             of_observers.add_whole(kind.as_bytes());
         }
         for (what, number) in [
@@ -318,9 +319,12 @@ impl Model {
     }
 
     /// Of the elements of all ranks at an engine node, the one with the highest frequency bound, on all ranks.
-    fn element_of_all(&self, node: u64) -> ElementAt {
+    pub(crate) fn element_of_all(&self, node: u64) -> ElementAt {
         let team = &self.ranks.team;
         let local = self.ranks.local(node as u32);
+        if team.is_single() {
+            return self.element_at(node as usize);
+        }
         let own = match local {
             ABSENT => ElementAt::default(),
             _ => self.element_at(local as usize),
