@@ -12,6 +12,7 @@ mod drive;
 mod mesh;
 mod page;
 mod progress;
+mod ranks;
 mod report;
 mod run;
 mod stop;
@@ -201,6 +202,14 @@ fn main() -> ExitCode {
         command,
         Command::Check { .. } | Command::Advise { .. } | Command::Schema
     );
+    let refused = match command {
+        Command::Run { .. } => Ok(()),
+        _ => ranks::refuse_processes(),
+    };
+    if let Err(error) = refused {
+        warn_aside!("{}", explain(error.as_ref()));
+        return ExitCode::from(FAILED);
+    }
     let outcome = match command {
         Command::Run {
             scene,
@@ -225,7 +234,7 @@ fn main() -> ExitCode {
                     out,
                 },
             };
-            run::run(choice, checkpoint_every, profile)
+            ranks::on_all(|place| run::run(choice, checkpoint_every, profile, place))
         }
         Command::Check {
             scene,
@@ -297,6 +306,9 @@ fn read(path: &Path, case: Option<&str>) -> Result<Scene, Error> {
 
 /// The text of an error: for a fault of a scene file with the lines concerned, otherwise in one line.
 fn explain(error: &(dyn std::error::Error + 'static)) -> String {
+    if let Some(explained) = error.downcast_ref::<ranks::Explained>() {
+        return explained.to_string();
+    }
     let own = match error.downcast_ref::<StudyError>() {
         Some(StudyError::Scene(error)) => Some(error),
         _ => error.downcast_ref::<Error>(),

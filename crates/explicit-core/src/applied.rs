@@ -117,6 +117,10 @@ impl AppliedLoads {
     pub(crate) fn all(&self) -> &[Box<dyn NodalLoad>] {
         &self.loads
     }
+    /// Whether each of them acts on a node of this rank.
+    pub(crate) fn here(&self) -> &[bool] {
+        &self.here
+    }
     /// The same, mutable.
     pub(crate) fn all_mut(&mut self) -> &mut [Box<dyn NodalLoad>] {
         &mut self.loads

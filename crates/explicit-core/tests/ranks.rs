@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, RankModel, Traffic, run};
 use powerhouse_model::{
-    BlockOptions, Cadence, CheckpointSink, ConstitutiveLaw, Constraint, ConstraintParts,
-    ConstraintWork, ElasticMedium, Ended, EnergyCheck, Fields, Flow, HistoryVariable, Lane,
-    LawInput, Mesh, ModelError, ModelSpec, Observer, PredictedMotion, Progress, RankError,
-    RunError, RunOptions, SavedRun, SingleRank, StepView, Stress, Support, ThreadRanks, Vec3,
+    BlockOptions, Cadence, ConstitutiveLaw, Constraint, ConstraintParts, ConstraintWork,
+    ElasticMedium, Ended, EnergyCheck, Fields, Flow, HistoryVariable, Lane, LawInput, Mesh,
+    ModelError, ModelSpec, Observer, PredictedMotion, RankError, Reach, RunError, RunOptions,
+    SingleRank, StepView, Stress, Support, ThreadRanks, Vec3,
 };
 use support::hex_box;
 
@@ -193,33 +193,20 @@ fn models_that_ranks_cannot_share_are_refused_on_all() {
 /// Options of a run that several ranks do not support are refused by name, and ranks with other options too.
 #[test]
 fn runs_that_ranks_do_not_support_are_refused_by_name() {
-    #[derive(Debug)]
-    struct Nowhere;
-    impl CheckpointSink for Nowhere {
-        fn is_due(&self, _progress: &Progress) -> bool {
-            false
-        }
-        fn take(&self, _saved: SavedRun) -> Result<(), ModelError> {
-            Ok(())
-        }
-    }
     let mesh = mesh();
     let glued = || {
         spec(mesh).constraint(Box::new(Failing {
             name: "glue".into(),
             nodes: vec![50, 51],
             at: u64::MAX,
-            parts: None,
+            parts: Some(ConstraintParts::merged([&[50][..], &[51]])),
         }))
     };
     let steps = || RunOptions::steps(3);
-    let saved = Arc::new(SavedRun::new(0, 0.0, 1e-4));
     for (what, options) in [
-        ("a checkpoint", steps().with_checkpoints(Arc::new(Nowhere))),
-        ("a saved state", steps().with_resume(saved)),
         ("a profile", steps().with_profile(true)),
         (
-            "an energy balance with constraints",
+            "an energy balance with a constraint that does not divide its work",
             steps().with_energy(EnergyCheck::every(1)),
         ),
     ] {
@@ -393,6 +380,7 @@ type Readings = Arc<Mutex<Vec<u64>>>;
 struct Reader {
     readings: Readings,
     fields: Fields,
+    reach: Reach,
     read: fn(&dyn StepView) -> Vec<f64>,
     stop_at: u64,
     finished: Arc<AtomicBool>,
@@ -404,6 +392,9 @@ impl Observer for Reader {
     }
     fn fields(&self) -> Fields {
         self.fields
+    }
+    fn reach(&self) -> Reach {
+        self.reach.clone()
     }
     fn cadence(&self) -> Cadence {
         Cadence::Steps(7)
@@ -433,7 +424,13 @@ fn everything(view: &dyn StepView) -> Vec<f64> {
     }
     for element in 0..120 {
         all.extend(view.stress(element).0);
+        let mut forces = [Vec3::zeros(); 8];
+        assert!(view.element_forces(element, &mut forces));
+        all.extend(forces.iter().flat_map(|f| [f.x, f.y, f.z]));
+        all.extend(view.history(element, "damage"));
     }
+    all.push(view.joints().len() as f64);
+    all.extend(view.embedded("bolts", "force").unwrap_or_default());
     all.extend(view.energies().iter().map(|(_, energy)| *energy));
     all
 }
@@ -465,15 +462,19 @@ fn observers_see_the_whole_body_on_rank_0() {
             Ok((ended, readings))
         })
     };
-    let reader = |fields: Fields, read: fn(&dyn StepView) -> Vec<f64>, stop_at: u64| Reader {
+    let whole = Reach::default()
+        .with_element_forces()
+        .with_variables(["damage"]);
+    let reader = |(fields, reach), read: fn(&dyn StepView) -> Vec<f64>, stop_at: u64| Reader {
         readings: Readings::default(),
         fields,
+        reach,
         read,
         stop_at,
         finished: Arc::default(),
     };
     for stop_at in [u64::MAX, 30] {
-        let all = || reader(declared, everything, stop_at);
+        let all = || reader((declared, whole.clone()), everything, stop_at);
         let expected = observed(1, &all).remove(0).unwrap();
         let cut = stop_at == 30;
         assert!(
@@ -492,7 +493,8 @@ fn observers_see_the_whole_body_on_rank_0() {
         }
     }
     type Read = fn(&dyn StepView) -> Vec<f64>;
-    let undeclared: [(Read, &str); 5] = [
+    let undeclared: [(Read, &str); 6] = [
+        (|view| vec![view.velocity(7).x], "nodes beyond"),
         (|view| view.stress(3).0.to_vec(), "stresses"),
         (
             |view| vec![f64::from(view.element_forces(3, &mut [Vec3::zeros(); 8]))],
@@ -509,7 +511,7 @@ fn observers_see_the_whole_body_on_rank_0() {
         (|view| vec![view.joints().len() as f64], "joints"),
     ];
     for (read, name) in undeclared {
-        let reads = || reader(Fields::default(), read, u64::MAX);
+        let reads = || reader((Fields::default(), Reach::NONE), read, u64::MAX);
         for (rank, found) in observed(3, &reads).into_iter().enumerate() {
             let (ended, _) = found.unwrap();
             assert!(

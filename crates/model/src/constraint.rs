@@ -187,6 +187,14 @@ pub trait Constraint: Send {
     fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
         Ok(None)
     }
+    /// Restores, of a state that a constraint of some [parts](Self::parts) of an equal one [saved](Self::save_state), what
+    /// belongs to its own parts; others keep theirs.
+    ///
+    /// # Errors
+    /// A state of another constraint; by default every one.
+    fn restore_parts(&mut self, _saved: &[u8]) -> Result<(), StateError> {
+        Err(StateError::Unexpected)
+    }
     /// Restores a state that an equal constraint [saved](Self::save_state).
     ///
     /// # Errors

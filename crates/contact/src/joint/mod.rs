@@ -541,6 +541,10 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         self.saved().map(Some)
     }
 
+    fn restore_parts(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.put_parts(saved)
+    }
+
     fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
         self.put_saved(saved)
     }

@@ -59,6 +59,10 @@ pub(super) struct RangeWork {
 }
 
 impl RangeWork {
+    /// The nodes.
+    pub(super) fn nodes(&self) -> Range<usize> {
+        self.nodes.clone()
+    }
     /// Completes a step with the second half of the work of the loads (J).
     pub(super) fn complete(&mut self, loads: f64) {
         self.second.loads = loads;

@@ -378,16 +378,7 @@ impl Model {
             }
         }
         for joint in &state.joints {
-            let here = match self.ranks.is_single() {
-                true => Cow::Borrowed(joint),
-                false => match self.here(joint)? {
-                    Some(here) => Cow::Owned(here),
-                    None => continue,
-                },
-            };
-            let mut constraints = self.constraints.iter_mut();
-            let found = constraints.any(|bound| bound.constraint.restore(&here));
-            if !found {
+            if !self.restore_joint(joint)? {
                 return Err(EngineError::UnknownJoint {
                     name: joint.name.clone(),
                     pairs: joint.records.len(),
@@ -405,6 +396,22 @@ impl Model {
             block.set_history(&fields);
         }
         Ok(())
+    }
+
+    /// Restores the state of a joint of the body; returns whether there is a joint of that name with these pairs.
+    ///
+    /// # Errors
+    /// [`EngineError::UnknownJoint`] if no rank has one.
+    pub(crate) fn restore_joint(&mut self, joint: &JointHistory) -> Result<bool, EngineError> {
+        let here = match self.ranks.is_single() {
+            true => Cow::Borrowed(joint),
+            false => match self.here(joint)? {
+                Some(here) => Cow::Owned(here),
+                None => return Ok(true),
+            },
+        };
+        let mut constraints = self.constraints.iter_mut();
+        Ok(constraints.any(|bound| bound.constraint.restore(&here)))
     }
 
     /// Resets a joint, by name, at the present displacement, from which its opening and slip are measured from then

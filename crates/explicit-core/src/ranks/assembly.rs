@@ -1,7 +1,10 @@
 //! Assembly of the part of a model that one rank computes.
 
+use std::collections::HashSet;
+
 use powerhouse_model::{
     Constraint, ConstraintParts, ElementBlock, EngineError, ModelError, PeriodicPairs, Quad,
+    SavedSection,
 };
 
 use super::communicator::Communicator;
@@ -338,6 +341,17 @@ impl Ranked {
         (self.joints, self.undivided) = (joints, undivided);
         self.constraint_numbers = kept_numbers;
         Ok((kept, nodes))
+    }
+
+    /// The sections of a saved run of all ranks on rank 0, each name once.
+    pub(crate) fn sections_of_all(&self, own: Vec<SavedSection>) -> Vec<SavedSection> {
+        if self.is_single() {
+            return own;
+        }
+        let mut all: Vec<SavedSection> = self.team.all_at_first(&own).concat();
+        let mut names = HashSet::new();
+        all.retain(|section| names.insert(section.name.clone()));
+        all
     }
 
     /// For each constraint of this rank, whether it is true of it on any rank.

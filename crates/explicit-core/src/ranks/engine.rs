@@ -54,6 +54,26 @@ impl ExplicitOnRanks {
     pub fn check_same(&self, what: &'static str, value: u64) -> Result<(), ModelError> {
         self.team.check_same(what, value)
     }
+
+    /// Reports whether this rank has failed, with a message; the same for all ranks.
+    ///
+    /// # Errors
+    /// The failure of another rank, the lowest one, with its message; a failure of the communication.
+    pub fn agree(&self, failure: Option<&str>) -> Result<(), ModelError> {
+        let own = failure.map_or(Ok(()), |text| Err(ModelError::refused("this rank", text)));
+        match (self.team.agree(own), failure) {
+            (Err(error), None) => Err(error),
+            _ => Ok(()),
+        }
+    }
+    /// Whether something is true on all ranks.
+    ///
+    /// # Errors
+    /// A failure of the communication.
+    pub fn all(&self, own: bool) -> Result<bool, RankError> {
+        let least = self.team.least(u64::from(own));
+        self.team.check().map(|()| least == 1)
+    }
 }
 
 impl Engine for ExplicitOnRanks {

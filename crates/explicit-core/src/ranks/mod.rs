@@ -29,6 +29,7 @@ pub(crate) use communicator::{Communicator, rank_failure};
 pub use distribution::Distribution;
 pub use engine::ExplicitOnRanks;
 pub use exchange::Traffic;
+pub(crate) use fault::Decision;
 pub(crate) use fingerprint::fingerprint;
 pub(crate) use gathered::{Gathered, Wanted};
 pub(crate) use layout::ABSENT;

@@ -21,7 +21,7 @@ use crate::{Model, run_reporting};
 /// What can be computed on several ranks: all elements, laws, boundary conditions, loads, absorbing boundaries, embedded
 /// elements and constraints; dynamic runs with the stable step and the energy balance, as far as constraints [divide their
 /// work](powerhouse_model::Constraint::divided_work); all observers that declare [what they
-/// read](powerhouse_model::Observer::reach). Not so checkpoints and profiles.
+/// read](powerhouse_model::Observer::reach); checkpoints, which rank 0 receives every sixteenth step at most. Not so profiles.
 ///
 /// ```
 /// use powerhouse_elements::{Hex8OnePoint, solid};
@@ -217,8 +217,6 @@ impl RankModel {
         let balanced = options.energy.is_some() || observers.iter().any(|o| o.fields().energy);
         let undivided = balanced && !self.model.ranks.undivided.is_empty();
         let refused = [
-            ("a checkpoint", options.checkpoints.is_some()),
-            ("a saved state", options.resume.is_some()),
             ("a profile", options.profile),
             (
                 "an energy balance with a constraint that does not divide its work",
