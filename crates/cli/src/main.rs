@@ -9,6 +9,7 @@ mod advise;
 mod check;
 mod checkpoint;
 mod drive;
+mod forecast;
 mod mesh;
 mod page;
 mod progress;
@@ -77,6 +78,10 @@ enum Command {
         /// Run the scene's box without the structure and compare it with the incident field.
         #[arg(long)]
         free_field: bool,
+        /// Number of ranks (processes of `mpirun -n RANKS powerhouse run`) whose elements, messages, cost and memory are
+        /// predicted.
+        #[arg(long, value_name = "RANKS", conflicts_with = "free_field")]
+        ranks: Option<NonZeroUsize>,
         /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
@@ -239,11 +244,13 @@ fn main() -> ExitCode {
         Command::Check {
             scene,
             free_field: false,
+            ranks,
             case,
-        } => check::check(&scene, case.as_deref()),
+        } => check::check(&scene, case.as_deref(), ranks),
         Command::Check {
             scene,
             free_field: true,
+            ranks: _,
             case,
         } => check::free_field(&scene, case.as_deref()),
         Command::Advise {

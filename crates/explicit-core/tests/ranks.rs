@@ -7,12 +7,13 @@ use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
 use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
-use powerhouse_explicit_core::{BuildModel, Leapfrog, RankModel, Traffic, run};
+use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, RankModel, Traffic, run};
 use powerhouse_model::{
     BlockOptions, Cadence, ConstitutiveLaw, Constraint, ConstraintParts, ConstraintWork,
-    ElasticMedium, Ended, EnergyCheck, Fields, Flow, HistoryVariable, Lane, LawInput, Mesh,
-    ModelError, ModelSpec, Observer, PredictedMotion, RankError, Reach, RunError, RunOptions,
-    SingleRank, StepView, Stress, Support, ThreadRanks, Vec3,
+    ElasticMedium, Ended, EnergyCheck, Engine, Fields, Flow, HistoryVariable, Lane, LawInput,
+    Linearisation, Mesh, ModelError, ModelSpec, Observer, PredictedMotion, RankError, Reach,
+    RunError, RunOptions, SingleRank, StaticError, StaticMethod, StaticOptions, StepView, Stress,
+    Support, ThreadRanks, Vec3,
 };
 use support::hex_box;
 
@@ -197,9 +198,9 @@ fn runs_that_ranks_do_not_support_are_refused_by_name() {
     let glued = || {
         spec(mesh).constraint(Box::new(Failing {
             name: "glue".into(),
-            nodes: vec![50, 51],
+            nodes: vec![0, 1],
             at: u64::MAX,
-            parts: Some(ConstraintParts::merged([&[50][..], &[51]])),
+            parts: Some(ConstraintParts::merged([&[0][..], &[1]])),
         }))
     };
     let steps = || RunOptions::steps(3);
@@ -370,6 +371,95 @@ fn a_step_sends_few_bytes_for_each_shared_node() {
         let of_node = bytes / after.shared_nodes as f64;
         println!("rank {rank}: {after:?}, {of_node:.1} bytes for each shared node");
         assert!(of_node > 12.0 && of_node <= 30.0, "{of_node}");
+    }
+}
+
+/// What ranks will send is known from a model on one rank, to the byte.
+#[test]
+fn a_forecast_is_what_the_ranks_send() {
+    let mesh = mesh();
+    let alone = spec(mesh).build().unwrap();
+    for count in [1, 2, 3, 7] {
+        let forecast = alone.rank_forecast(count).unwrap();
+        let found = ThreadRanks::run(count, |ranks| {
+            let mut model = RankModel::build(spec(mesh), Box::new(ranks)).unwrap();
+            let options = RunOptions::steps(9);
+            model
+                .run(&Leapfrog, &options, &mut [], &mut |_| {})
+                .unwrap();
+            Ok((model.node_count(), model.traffic()))
+        });
+        assert_eq!(forecast.len(), count);
+        let elements: usize = forecast.iter().map(|rank| rank.elements).sum();
+        assert_eq!(elements, mesh.element_count());
+        for (forecast, found) in forecast.iter().zip(found) {
+            let (nodes, traffic) = found.unwrap();
+            assert_eq!(
+                (forecast.nodes, forecast.shared_nodes),
+                (nodes, traffic.shared_nodes)
+            );
+            let exchanges = traffic.exchanges;
+            let counted = (traffic.messages, traffic.bytes);
+            let (messages, bytes) = (forecast.messages as u64, forecast.bytes as u64);
+            assert_eq!(
+                counted,
+                (exchanges * messages, exchanges * bytes),
+                "{count}"
+            );
+            assert_eq!(messages > 0, count > 1);
+        }
+    }
+    let refused = alone.rank_forecast(121).unwrap_err().to_string();
+    assert!(refused.contains("121"), "{refused}");
+}
+
+/// A static solution fails on all ranks for the reason for which it fails on one, or by which one of them is stopped.
+#[test]
+fn all_ranks_end_with_the_failure_of_a_static_solution() {
+    let mesh = mesh();
+    let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
+    let loose = || {
+        let options = BlockOptions::default();
+        let rock = solid("rock", Hex8OnePoint::default(), law.clone(), options);
+        let base = mesh.node_set("z0").unwrap().to_vec();
+        ModelSpec::new(mesh)
+            .elements("rock", rock)
+            .support(Support::roller(base, Vec3::z()))
+            .block_size(8)
+    };
+    let weighted = || {
+        let gravity = Box::new(|_: f64| 1.0);
+        spec(mesh).gravity(Vec3::new(0.0, 0.0, -9.81), gravity)
+    };
+    let options = StaticOptions::default();
+    let failure = |spec: &(dyn Fn(usize) -> ModelSpec<'static> + Sync), options: &StaticOptions| {
+        ThreadRanks::run(3, |ranks| {
+            let rank = powerhouse_model::Ranks::rank(&ranks);
+            let engine = ExplicitOnRanks::new(Box::new(ranks));
+            let mut model = engine.build(spec(rank)).unwrap();
+            let failed = model.equilibrate(options, &mut |_| {});
+            Ok(failed.unwrap_err())
+        })
+    };
+    let mut alone = loose().build().unwrap();
+    let expected = alone.equilibrate(&options, &mut |_| {}).unwrap_err();
+    assert!(matches!(expected, StaticError::Floating { .. }));
+    for found in failure(&|_| loose(), &options) {
+        assert_eq!(found.unwrap(), expected);
+    }
+    let direct =
+        StaticOptions::default().with_method(StaticMethod::Cholesky(Linearisation::Elastic));
+    for found in failure(&|_| loose(), &direct) {
+        let what = "the static method `direct`";
+        assert_eq!(found.unwrap(), StaticError::OneRankOnly { what, ranks: 3 });
+    }
+    let stopped = Arc::new(AtomicBool::new(true));
+    let stops = |rank: usize| match rank {
+        1 => weighted().stop_on(stopped.clone()),
+        _ => weighted(),
+    };
+    for found in failure(&stops, &options) {
+        assert_eq!(found.unwrap(), StaticError::Interrupted);
     }
 }
 

@@ -106,7 +106,7 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
-pub use ranks::{Message, RankError, Ranks, SingleRank, ThreadRanks};
+pub use ranks::{Message, RankError, RankForecast, Ranks, SingleRank, ThreadRanks};
 pub use reach::{Reach, Selection};
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,

@@ -71,6 +71,17 @@ impl Exchange {
         }
     }
 
+    /// Number of shared nodes, of messages in an exchange, and of the slots that they have together.
+    pub(crate) fn planned(&self) -> (usize, usize, usize) {
+        let slots = self.neighbours.iter().map(|n| n.outgoing.len());
+        let Traffic {
+            shared_nodes,
+            neighbours,
+            ..
+        } = self.traffic;
+        (shared_nodes, neighbours, slots.sum())
+    }
+
     /// Own slots that some other rank receives.
     pub(crate) fn sent_slots(&self) -> impl Iterator<Item = u32> + '_ {
         self.neighbours

@@ -19,6 +19,7 @@ mod engine;
 mod exchange;
 mod fault;
 mod fingerprint;
+mod forecast;
 mod gathered;
 mod layout;
 mod model;
