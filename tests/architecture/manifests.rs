@@ -17,7 +17,7 @@ pub(crate) fn workspace() -> PathBuf {
 const ENGINE: &str = "powerhouse-explicit-core";
 
 /// The crates around the model; none knows another.
-const AROUND_MODEL: [&str; 8] = [
+const AROUND_MODEL: [&str; 9] = [
     ENGINE,
     "powerhouse-elements",
     "powerhouse-observe",
@@ -26,6 +26,7 @@ const AROUND_MODEL: [&str; 8] = [
     "powerhouse-contact",
     "powerhouse-material-damage",
     "powerhouse-io",
+    "powerhouse-mpi",
 ];
 
 /// The packages that are not published, and that no library depends on.
@@ -85,6 +86,7 @@ fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
         "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
         "powerhouse-observe" => Some(&["thiserror", "serde"]),
         "powerhouse-elements" => Some(&["pulp", "serde"]),
+        "powerhouse-mpi" => Some(&["thiserror", "mpi"]),
         "powerhouse-explicit-core" => {
             Some(&["nalgebra", "thiserror", "rayon", "pulp", "faer", "serde"])
         }

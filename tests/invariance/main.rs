@@ -8,6 +8,7 @@ mod energy_balance;
 mod graded;
 mod joints;
 mod laws;
+mod rank_scenes;
 mod ranks;
 mod resume;
 mod resume_stages;

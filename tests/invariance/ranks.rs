@@ -294,7 +294,9 @@ fn ranks_change_no_bit_of_joints_and_bolts() {
             .embed(Box::new(bolts[1].clone()))
             .block_size(32)
     };
-    let options = RunOptions::steps(300).with_step(StepChoice::Fixed(1e-4));
+    let options = RunOptions::steps(300)
+        .with_step(StepChoice::Fixed(1e-4))
+        .with_energy(EnergyCheck::every(20));
     let mut model = spec().build().unwrap();
     run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
     let mut joints = model.joints();

@@ -1,5 +1,6 @@
 //! `powerhouse check`.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -10,12 +11,17 @@ use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
 use crate::progress::Display;
 use crate::terminal::say;
-use crate::{INTERRUPTED, Outcome, WARNED, read, report, stop};
+use crate::{INTERRUPTED, Outcome, WARNED, forecast, read, report, stop};
 
-/// Checks a scene and prints the report; the exit status is 1 if there are warnings.
-pub(crate) fn check(path: &Path, case: Option<&str>) -> Outcome {
+/// Checks a scene and prints the report, also of a run on some ranks if a number is given; the exit status is 1 if there
+/// are warnings.
+pub(crate) fn check(path: &Path, case: Option<&str>, ranks: Option<NonZeroUsize>) -> Outcome {
     let found = powerhouse_study::check(read(path, case)?)?;
     report::check(&found);
+    if let Some(ranks) = ranks {
+        let simulation = read(path, case)?.prepare()?;
+        forecast::print(&simulation.model().rank_forecast(ranks.get())?, &found);
+    }
     Ok(if found.warnings.is_empty() {
         ExitCode::SUCCESS
     } else {

@@ -9,9 +9,11 @@ mod advise;
 mod check;
 mod checkpoint;
 mod drive;
+mod forecast;
 mod mesh;
 mod page;
 mod progress;
+mod ranks;
 mod report;
 mod run;
 mod stop;
@@ -76,6 +78,10 @@ enum Command {
         /// Run the scene's box without the structure and compare it with the incident field.
         #[arg(long)]
         free_field: bool,
+        /// Number of ranks (processes of `mpirun -n RANKS powerhouse run`) whose elements, messages, cost and memory are
+        /// predicted.
+        #[arg(long, value_name = "RANKS", conflicts_with = "free_field")]
+        ranks: Option<NonZeroUsize>,
         /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
@@ -201,6 +207,14 @@ fn main() -> ExitCode {
         command,
         Command::Check { .. } | Command::Advise { .. } | Command::Schema
     );
+    let refused = match command {
+        Command::Run { .. } => Ok(()),
+        _ => ranks::refuse_processes(),
+    };
+    if let Err(error) = refused {
+        warn_aside!("{}", explain(error.as_ref()));
+        return ExitCode::from(FAILED);
+    }
     let outcome = match command {
         Command::Run {
             scene,
@@ -225,16 +239,18 @@ fn main() -> ExitCode {
                     out,
                 },
             };
-            run::run(choice, checkpoint_every, profile)
+            ranks::on_all(|place| run::run(choice, checkpoint_every, profile, place))
         }
         Command::Check {
             scene,
             free_field: false,
+            ranks,
             case,
-        } => check::check(&scene, case.as_deref()),
+        } => check::check(&scene, case.as_deref(), ranks),
         Command::Check {
             scene,
             free_field: true,
+            ranks: _,
             case,
         } => check::free_field(&scene, case.as_deref()),
         Command::Advise {
@@ -297,6 +313,9 @@ fn read(path: &Path, case: Option<&str>) -> Result<Scene, Error> {
 
 /// The text of an error: for a fault of a scene file with the lines concerned, otherwise in one line.
 fn explain(error: &(dyn std::error::Error + 'static)) -> String {
+    if let Some(explained) = error.downcast_ref::<ranks::Explained>() {
+        return explained.to_string();
+    }
     let own = match error.downcast_ref::<StudyError>() {
         Some(StudyError::Scene(error)) => Some(error),
         _ => error.downcast_ref::<Error>(),

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use crate::terminal::warn_aside;
+use crate::terminal::{is_mute, warn_aside};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
 use powerhouse::engine::{Progress, StaticProgress};
@@ -29,7 +29,7 @@ impl Display {
 
     /// One of several simultaneous displays.
     pub(crate) fn among(bars: &MultiProgress, prefix: &str) -> Self {
-        if !std::io::stderr().is_terminal() {
+        if is_mute() || !std::io::stderr().is_terminal() {
             return Self::Lines(prefix.into());
         }
         let bar = bars.add(ProgressBar::new(0).with_prefix(prefix.to_owned()));

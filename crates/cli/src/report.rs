@@ -498,7 +498,7 @@ fn energies(results: &Results) {
 }
 
 /// A duration as text in seconds, minutes or hours.
-fn duration(time: Duration) -> String {
+pub(crate) fn duration(time: Duration) -> String {
     match time.as_secs_f64() {
         s if s < 120.0 => format!("{s:.1} s"),
         s if s < 7200.0 => format!("{:.1} min", s / 60.0),
@@ -507,7 +507,7 @@ fn duration(time: Duration) -> String {
 }
 
 /// A number of bytes as text.
-fn bytes(count: u64) -> String {
+pub(crate) fn bytes(count: u64) -> String {
     match count as f64 {
         b if b < 1e6 => format!("{:.0} kB", b / 1e3),
         b if b < 1e9 => format!("{:.0} MB", b / 1e6),

@@ -6,14 +6,16 @@ use std::process::ExitCode;
 use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, KeptState,
-    Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, StageSink,
+    CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, FolderLock,
+    KeptState, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, Simulation,
+    StageSink,
 };
 use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::checkpoint::{self, KeptAt};
 use crate::progress::{Display, StaticDisplay};
+use crate::ranks::{NoSnapshots, Place};
 use crate::terminal::{say, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
@@ -133,6 +135,35 @@ fn is_same(first: &Path, second: &Path) -> bool {
     }
 }
 
+/// Locks the folder of the results, removes what an earlier run left unfinished, and proves that the files of a simulation,
+/// with a size (bytes), can be written.
+fn prepare(
+    folder: &ResultFolder,
+    (simulation, size): (&Simulation, u64),
+) -> Result<FolderLock, Box<dyn std::error::Error>> {
+    let lock = folder.lock()?;
+    if let Some(remark) = lock.remark() {
+        say!("{remark}");
+    }
+    folder.remove_unfinished()?;
+    folder.prove(simulation, size)?;
+    Ok(lock)
+}
+
+/// Removes the files of an earlier run unless it is resumed, and writes the summary of one that has begun.
+fn begin(
+    folder: &ResultFolder,
+    files: &CheckpointFiles,
+    (title, resumes): (&str, bool),
+) -> Result<(), Box<dyn std::error::Error>> {
+    if !resumes {
+        folder.clear()?;
+        files.clear().map_err(Error::from)?;
+    }
+    folder.begin(title)?;
+    Ok(())
+}
+
 /// Stage sink that prints a line per stage, shows the progress of its solution, and forwards to the writer of files.
 pub(crate) struct Stages {
     files: Box<dyn StageSink>,
@@ -164,17 +195,36 @@ impl StageSink for Stages {
 }
 
 /// Runs the free-field check if the scene requests it, runs the scene, and writes the results, also of a failed run.
-pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bool) -> Outcome {
+///
+/// On several ranks all of them run the scene; one of them checks and writes.
+pub(crate) fn run(
+    choice: Choice,
+    every: Option<CheckpointInterval>,
+    profile: bool,
+    place: &Place,
+) -> Outcome {
+    let leads = place.leads();
     let Planned {
         scene,
         folder,
         inputs,
         beginning,
-    } = choice.open()?;
+    } = place.agree(choice.open())?;
+    place.refuse(&[
+        ("--profile", profile),
+        (
+            "a run from a kept state (--from)",
+            matches!(beginning, Beginning::Kept(_)),
+        ),
+        (
+            "`keep` of `[checkpoint]`",
+            !scene.checkpoints().keep.is_empty(),
+        ),
+    ])?;
     let text = scene.source().map(|source| source.text.clone());
     let resumes = matches!(beginning, Beginning::Checkpoint(_));
     // A run that is resumed has passed the check.
-    let limit = scene.self_check().filter(|_| !resumes);
+    let limit = scene.self_check().filter(|_| !resumes && leads);
     let free_field = match limit {
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
@@ -184,6 +234,7 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
+    let scene = place.take(scene, &inputs)?;
     let origin = inputs.origin.clone();
     let saved = match &beginning {
         Beginning::Scene => None,
@@ -211,30 +262,34 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
         say!("{remark}");
         remarks.push(remark);
     }
-    // Everything that the end of the run needs is tested before its first step.
-    let lock = folder.lock()?;
-    if let Some(remark) = lock.remark() {
-        say!("{remark}");
-    }
-    folder.remove_unfinished()?;
     let step = match saved_step {
         Some(step) => step,
         None => simulation.step()?,
     };
-    folder.prove(&simulation, size.bytes(step))?;
-
-    if let (Some(free_field), Some(limit)) = (free_field, limit) {
-        match check::compare(free_field, step, &stop)? {
-            Some(found) => found.require(limit)?,
-            None => return Ok(ExitCode::from(INTERRUPTED)),
-        }
-    }
-    if !resumes {
-        folder.clear()?;
-        files.clear().map_err(Error::from)?;
+    // Everything that the end of the run needs is tested before its first step.
+    let prepared = match leads {
+        true => prepare(&folder, (&simulation, size.bytes(step))).map(Some),
+        false => Ok(None),
+    };
+    let lock = place.agree(prepared)?;
+    let checked = match (free_field, limit) {
+        (Some(free_field), Some(limit)) => match check::compare(free_field, step, &stop) {
+            Ok(Some(found)) => found.require(limit).map(|()| true).map_err(Into::into),
+            Ok(None) => Ok(false),
+            Err(error) => Err(error.into()),
+        },
+        _ => Ok(true),
+    };
+    let goes_on = place.agree(checked)?;
+    if !place.all(goes_on)? {
+        return Ok(ExitCode::from(INTERRUPTED));
     }
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    folder.begin(&title)?;
+    let begun = match leads {
+        true => begin(&folder, &files, (&title, resumes)),
+        false => Ok(()),
+    };
+    place.agree(begun)?;
     let notes =
         RunNotes::new(remarks).with_warnings(warnings.iter().map(Warning::message).collect());
     let bars = MultiProgress::new();
@@ -242,19 +297,23 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
     let hooks = RunHooks::default()
         .with_progress(display.hook())
         .with_stop(stop)
-        .with_profile(profile)
-        .with_tables(folder.tables())
-        .with_snapshots(folder.snapshots(&simulation)?)
-        .with_stages(Box::new(Stages::new(
-            folder.stages(&simulation)?,
-            &bars,
-            "",
-        )));
-    let keep = checkpoints.clone();
-    let hooks = hooks
-        .with_checkpoints(checkpoints.clone())
-        .with_stage_checkpoints(checkpoints.clone())
-        .with_stage_hook(move |body| keep.keep_stage(body));
+        .with_profile(profile);
+    let mut hooks = match leads {
+        false => hooks.with_snapshots(Box::new(NoSnapshots)),
+        true => {
+            let keep = checkpoints.clone();
+            let sink = folder.stages(&simulation)?;
+            hooks
+                .with_tables(folder.tables())
+                .with_snapshots(folder.snapshots(&simulation)?)
+                .with_stages(Box::new(Stages::new(sink, &bars, "")))
+                .with_checkpoints(checkpoints.clone())
+                .with_stage_hook(move |body| keep.keep_stage(body))
+        }
+    };
+    if place.count() == 1 {
+        hooks = hooks.with_stage_checkpoints(checkpoints.clone());
+    }
     let hooks = match beginning {
         Beginning::Scene => hooks,
         Beginning::Checkpoint(resumed) => checkpoint::resuming(hooks, resumed, stages),
@@ -270,6 +329,15 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
     if let Some(lost) = checkpoints.finish() {
         say!("warning: a checkpoint could not be written: {lost}");
     }
+    if !leads {
+        return match outcome {
+            Ok(results) if results.run.ended == Ended::Stopped => Ok(ExitCode::from(INTERRUPTED)),
+            Ok(_) => Ok(ExitCode::SUCCESS),
+            Err(Error::Interrupted { .. }) => Ok(ExitCode::from(INTERRUPTED)),
+            Err(Error::Failed { error, .. }) => Err(error.into()),
+            Err(error) => Err(error.into()),
+        };
+    }
     let (results, failure) = match outcome {
         Ok(results) => (results, None),
         Err(Error::Failed { error, results }) => (*results, Some(error)),
@@ -284,7 +352,7 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
     if let Some(profile) = &results.run.profile {
         report::profile(profile);
     }
-    let is_held = lock.is_held();
+    let is_held = lock.as_ref().is_some_and(FolderLock::is_held);
     let written = folder.write((&title, &mesh), &results, &notes, text.as_deref());
     if written.is_err() {
         // Both errors are printed, that of the run first.
@@ -295,7 +363,7 @@ pub(crate) fn run(choice: Choice, every: Option<CheckpointInterval>, profile: bo
     }
     report::results(&mesh, &results, (&notes, &written?));
     // Released after all files are written, so that no results are lost.
-    if !is_held {
+    if let Some(lock) = lock.filter(|_| !is_held) {
         lock.release()?;
     }
     for advice in &results.advice {

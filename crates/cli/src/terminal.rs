@@ -9,9 +9,13 @@
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::FAILED;
+
+/// Whether nothing is written, because another process writes it.
+static MUTE: AtomicBool = AtomicBool::new(false);
 
 /// First error of the standard output, if there was one.
 static LOST: Mutex<Option<(ErrorKind, String)>> = Mutex::new(None);
@@ -26,14 +30,32 @@ macro_rules! say_on {
 }
 /// Writes a line to the error stream.
 macro_rules! warn_aside {
-    ($($text:tt)*) => { $crate::terminal::aside(format_args!($($text)*)) };
+    ($($text:tt)*) => {
+        if !$crate::terminal::is_mute() {
+            $crate::terminal::aside(format_args!($($text)*))
+        }
+    };
 }
 pub(crate) use {say, say_on, warn_aside};
+
+/// Drops all further text of this process but that of [`aside`].
+#[cfg_attr(
+    not(feature = "mpi"),
+    expect(dead_code, reason = "one process writes all text")
+)]
+pub(crate) fn mute() {
+    MUTE.store(true, Ordering::Relaxed);
+}
+
+/// Whether text of this process is dropped.
+pub(crate) fn is_mute() -> bool {
+    MUTE.load(Ordering::Relaxed)
+}
 
 /// Writes text to the standard output, with a line break if `line`; after an error nothing more is written.
 pub(crate) fn write_out(text: Arguments, line: bool) {
     let mut lost = LOST.lock().unwrap_or_else(PoisonError::into_inner);
-    if lost.is_some() {
+    if lost.is_some() || is_mute() {
         return;
     }
     let end = if line { "\n" } else { "" };

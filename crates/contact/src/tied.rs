@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    Constraint, ConstraintParts, ConstraintWork, Mat3, ModelError, PredictedMotion, RunError, Vec3,
+    Constraint, ConstraintParts, ConstraintWork, DividedWork, Mat3, ModelError, PredictedMotion,
+    RunError, Vec3,
 };
 
 use crate::ContactError;
@@ -28,6 +29,9 @@ pub struct TiedPairs {
     members: Vec<u32>,
     /// End of each group in `members`.
     ends: Vec<u32>,
+    /// The first member of each group, and the work of the group in the last step.
+    first: Vec<u32>,
+    work: Vec<ConstraintWork>,
 }
 
 impl TiedPairs {
@@ -42,7 +46,13 @@ impl TiedPairs {
         if let Some([node, _]) = pairs.iter().find(|[i, j]| i == j) {
             return Err(ContactError::SelfPair { node: *node }.into());
         }
-        let groups = ConstraintParts::connected_by(pairs);
+        Ok(Self::of_groups(
+            name.into(),
+            &ConstraintParts::connected_by(pairs),
+        ))
+    }
+
+    fn of_groups(name: String, groups: &ConstraintParts) -> Self {
         let mut nodes = groups.nodes().to_vec();
         nodes.sort_unstable();
         let index: BTreeMap<u32, u32> = nodes.iter().copied().zip(0..).collect();
@@ -51,12 +61,15 @@ impl TiedPairs {
             *end += group.len() as u32;
             Some(*end)
         });
-        Ok(Self {
-            name: name.into(),
+        let first = groups.iter().filter_map(|group| group.first());
+        Self {
+            name,
             ends: ends.collect(),
+            first: first.map(|node| index[node]).collect(),
+            work: vec![ConstraintWork::default(); groups.len()],
             nodes,
             members,
-        })
+        }
     }
 
     /// Number of groups of nodes with a common motion.
@@ -82,6 +95,19 @@ impl Constraint for TiedPairs {
         let groups: Vec<Vec<u32>> = groups.collect();
         ConstraintParts::merged(groups.iter().map(|group| &group[..]))
     }
+    fn keep_parts(&mut self, kept: &[bool]) -> bool {
+        let parts = self.parts();
+        let parts = parts.iter().zip(kept).filter(|(_, kept)| **kept);
+        let kept = ConstraintParts::merged(parts.map(|(nodes, _)| nodes));
+        *self = Self::of_groups(core::mem::take(&mut self.name), &kept);
+        true
+    }
+    fn divided_work(&self) -> Option<DividedWork<'_>> {
+        Some(DividedWork {
+            nodes: &self.first,
+            work: &self.work,
+        })
+    }
     fn ties(&self) -> Vec<[u32; 2]> {
         let mut ties = Vec::new();
         let mut start = 0;
@@ -95,13 +121,15 @@ impl Constraint for TiedPairs {
         ties
     }
     fn correct(&mut self, mut motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
-        let mut impact = 0.0;
+        let mut total = ConstraintWork::default();
         let mut start = 0;
-        for &end in &self.ends {
-            impact += join(&self.members[start..end as usize], &mut motion);
+        for (&end, work) in self.ends.iter().zip(&mut self.work) {
+            let impact = join(&self.members[start..end as usize], &mut motion);
+            *work = ConstraintWork::default().with_impact(impact);
+            total += *work;
             start = end as usize;
         }
-        Ok(ConstraintWork::default().with_impact(impact))
+        Ok(total)
     }
 }
 

@@ -117,6 +117,10 @@ impl AppliedLoads {
     pub(crate) fn all(&self) -> &[Box<dyn NodalLoad>] {
         &self.loads
     }
+    /// Whether each of them acts on a node of this rank.
+    pub(crate) fn here(&self) -> &[bool] {
+        &self.here
+    }
     /// The same, mutable.
     pub(crate) fn all_mut(&mut self) -> &mut [Box<dyn NodalLoad>] {
         &mut self.loads
@@ -165,18 +169,22 @@ impl AppliedLoads {
         let count: usize = self.sums.lengths[..self.own].iter().sum();
         let own = self.sums.nodes[..count].iter().zip(&self.sums.forces);
         for (&node, force) in own {
-            forces[node as usize] += force;
+            if let Some(sum) = forces.get_mut(node as usize) {
+                *sum += force;
+            }
         }
     }
 
-    /// Adds the loads (N) at a time (s) by engine node, without the carried forces.
+    /// Adds the loads (N) at a time (s) by local node, without the carried forces.
     pub(crate) fn add_all(&mut self, time: f64, forces: &mut [Vec3]) {
         self.evaluate(time, None);
         let carried = self.sums.lengths.last().copied().unwrap_or(0);
         let count = self.sums.nodes.len() - carried;
         let all = self.sums.nodes[..count].iter().zip(&self.sums.forces);
         for (&node, force) in all {
-            forces[node as usize] += force;
+            if let Some(sum) = forces.get_mut(node as usize) {
+                *sum += force;
+            }
         }
     }
 

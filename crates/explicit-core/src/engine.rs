@@ -2,9 +2,9 @@
 
 use powerhouse_model::{
     Engine, EngineModel, FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh,
-    ModelError, ModelSpec, Observer, Progress, Renewal, RunError, RunFailure, RunOptions,
-    RunReport, StableStep, State, StaticError, StaticOptions, StaticProgress, StaticReport, Stress,
-    TimeIntegrator, Vec3,
+    ModelError, ModelSpec, Observer, Progress, RankForecast, Renewal, RunError, RunFailure,
+    RunOptions, RunReport, StableStep, State, StaticError, StaticOptions, StaticProgress,
+    StaticReport, Stress, TimeIntegrator, Vec3,
 };
 
 use crate::{BuildModel, Model, run_reporting};
@@ -71,6 +71,9 @@ impl EngineModel for Model {
     }
     fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError> {
         self.stable_step(integrator)
+    }
+    fn rank_forecast(&self, ranks: usize) -> Result<Vec<RankForecast>, ModelError> {
+        Ok(self.rank_forecast(ranks)?)
     }
     fn run(
         &mut self,

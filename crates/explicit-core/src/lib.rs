@@ -157,6 +157,6 @@ pub use exact::ExactSum;
 pub use integrator::{Leapfrog, OneSided};
 pub use model::{BuildModel, Model};
 pub use partition::{Partition, PartitionBlock};
-pub use ranks::{Distribution, RankModel, Traffic};
+pub use ranks::{Distribution, ExplicitOnRanks, RankModel, Traffic};
 pub use run::{run, run_reporting};
 pub use stage::run_stages;

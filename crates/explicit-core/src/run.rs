@@ -4,14 +4,14 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use powerhouse_model::{
-    Cadence, Dynamics, Ended, EnergyCheck, Fields, Flow, ForceTerms, HistoryUpdate, Length,
-    MassDampingRule, Observer, ParameterError, Precision, Progress, RunError, RunFailure,
+    Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
+    MassDampingRule, Observer, ParameterError, Precision, Progress, Reach, RunError, RunFailure,
     RunOptions, RunReport, StableStep, StateError, StepChoice, StepView, TimeIntegrator,
 };
 
 use crate::Model;
 use crate::profile::{Phase, Profiler};
-use crate::ranks::Gathered;
+use crate::ranks::{Decision, Gathered, Wanted};
 use crate::saved::{Readings, restore_observers};
 use crate::view::View;
 
@@ -102,7 +102,8 @@ fn run_steps(
         ParameterError::check("speed limit", limit, f64::MIN_POSITIVE, f64::MAX)?;
     }
     let resumed = options.resume.as_deref();
-    let restored = resumed.map(|saved| model.restore_run(saved)).transpose()?;
+    let restored = resumed.map(|saved| model.restore_run(saved)).transpose();
+    let restored = model.ranks.agree(restored)?;
     let (step, stable) = choose_step(model, integrator, options, resumed.map(|saved| saved.step))?;
     let planned = match options.length {
         Length::Steps(count) => count,
@@ -122,17 +123,22 @@ fn run_steps(
         model.open_ledger(options.energy.is_some_and(|check| check.by_set));
     }
     if let (Some(saved), Some(restored)) = (resumed, &restored) {
-        model.restore_ledger(restored, saved.new_observers)?;
-        if !saved.new_observers {
-            restore_observers(saved, observers)?;
+        let mut put = model.restore_ledger(restored, saved.new_observers);
+        // On other ranks than rank 0 observers see nothing.
+        if put.is_ok() && !saved.new_observers && model.ranks.team.rank() == 0 {
+            put = restore_observers(saved, observers);
         }
+        model.ranks.agree(put)?;
     }
     if options.profile {
         let (blocks, constraints) = (model.blocks.len(), model.constraints.len());
         model.profiler = Some(Box::new(Profiler::new(blocks, constraints)));
     }
+    let keeps = model.ranks.team.rank() == 0 && options.checkpoints.is_some();
+    let keeps = model.ranks.team.least(u64::from(!keeps)) == 0;
     let started = Instant::now();
     let mut time_loop = TimeLoop {
+        reach: observers.iter().map(|observer| observer.reach()).collect(),
         observers,
         energy: options.energy,
         readings: restored
@@ -141,6 +147,7 @@ fn run_steps(
         last: false,
         stopped_by: None,
         failure: None,
+        keeps,
         done: resumed.map_or(0, |saved| saved.done),
         model,
     };
@@ -217,11 +224,15 @@ fn choose_step(
 struct TimeLoop<'a> {
     model: &'a mut Model,
     observers: &'a mut [Box<dyn Observer>],
+    /// What each of them reads.
+    reach: Vec<Reach>,
     energy: Option<EnergyCheck>,
     readings: Readings,
     last: bool,
     stopped_by: Option<String>,
     failure: Option<RunError>,
+    /// Whether rank 0 has a receiver of checkpoints.
+    keeps: bool,
     done: u64,
 }
 
@@ -241,10 +252,16 @@ impl TimeLoop<'_> {
                 .as_ref()
                 .is_some_and(|stop| stop.load(Ordering::Relaxed))
         };
+        let sink = options.checkpoints.as_ref();
+        let first = self.done;
         while self.done < planned {
-            let stopped = self.model.ranks.agree_to_stop(raised(), self.done)?;
-            if stopped {
-                // The next step is the last one of this run, but not of one that goes on.
+            let (done, model) = (self.done, &mut *self.model);
+            let now = Progress::new(done, planned, model.time);
+            let is_due = || done > first && sink.is_some_and(|sink| sink.is_due(&now));
+            let decision = model.ranks.agree_to_stop(raised(), is_due, done)?;
+            let stopped = decision == Decision::Stop;
+            if decision != Decision::GoOn {
+                // The next step is the last one of a run that stops, but not of one that goes on.
                 self.checkpoint(options, step)?;
             }
             self.last = stopped || self.done + 1 == planned;
@@ -264,8 +281,8 @@ impl TimeLoop<'_> {
             if stopped {
                 return Ok(Ended::Stopped);
             }
-            let sink = options.checkpoints.as_ref();
-            if self.done < planned && sink.is_some_and(|sink| sink.is_due(&reached)) {
+            let is_due = self.model.ranks.is_single() && self.done < planned;
+            if is_due && sink.is_some_and(|sink| sink.is_due(&reached)) {
                 self.checkpoint(options, step)?;
             }
         }
@@ -274,10 +291,15 @@ impl TimeLoop<'_> {
 
     /// Passes the present state of the run to the receiver of checkpoints, if there is one.
     fn checkpoint(&mut self, options: &RunOptions, step: f64) -> Result<(), RunError> {
-        let Some(sink) = &options.checkpoints else {
+        if !self.keeps {
+            return Ok(());
+        }
+        self.model.ranks.agree_to_go_on()?;
+        let saved = (self.model).save_run((self.done, step), &self.readings, self.observers)?;
+        let sink = options.checkpoints.as_ref();
+        let Some(sink) = sink.filter(|_| self.model.ranks.team.rank() == 0) else {
             return Ok(());
         };
-        let saved = (self.model).save_run((self.done, step), &self.readings, self.observers)?;
         let taken = sink.take(saved);
         taken.map_err(|source| failed("checkpoint", self.model.number, source))
     }
@@ -357,10 +379,11 @@ impl TimeLoop<'_> {
             return Ok(());
         }
         self.model.ranks.agree_to_go_on()?;
-        let mut fields = Fields::default();
-        fields.stress = self.observers.iter().any(|o| o.fields().stress);
+        let observers = self.observers.iter().map(|observer| observer.as_ref());
+        let all = observers.zip(&self.reach).zip(&due);
+        let wanted = Wanted::of(all.filter(|(_, due)| **due).map(|(read, _)| read));
         // Rank 0 alone has observers at work.
-        let gathered = Gathered::of(self.model, step, fields, energies);
+        let gathered = Gathered::of(self.model, step, wanted, energies);
         let shown = gathered.map(|view| {
             let stopped_by = show(self.observers, &due, &view)?;
             match view.missing() {

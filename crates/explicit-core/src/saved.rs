@@ -54,6 +54,13 @@ pub(crate) struct RestoredRun {
     ledger: Option<SavedLedger>,
 }
 
+/// Kinds of the sections of blocks and constraints, with a state of their own or without, and of parts of constraints.
+const BLOCK: &str = "block";
+const HISTORY: &str = "history";
+const CONSTRAINT: &str = "constraint";
+const JOINTS: &str = "joints";
+const PART: &str = "part";
+
 /// Name of the section of a part.
 fn name(kind: &str, index: usize, label: &str) -> String {
     format!("{kind} {index}: {label}")
@@ -126,10 +133,29 @@ impl<'a> Sections<'a> {
     ) -> Result<T, PartFault> {
         decode(self.expect(name)?).map_err(of_part(name))
     }
-    /// Accepts sections of observers alone.
-    fn expect_observers(self) -> Result<(), PartFault> {
+    /// The sections of the parts of a constraint that ranks have saved, in the order of the ranks.
+    fn take_parts(&mut self, whole: &str) -> Vec<&'a [u8]> {
+        let start = format!("{PART} ");
+        let end = format!(" of {whole}");
+        let rank = |name: &str| -> Option<usize> {
+            let rank = name.strip_prefix(&start)?.strip_suffix(&end)?;
+            rank.parse().ok()
+        };
+        let names = self.0.keys().copied();
+        let mut parts: Vec<(usize, &str)> =
+            names.filter_map(|name| Some((rank(name)?, name))).collect();
+        parts.sort_unstable();
+        let parts = parts.into_iter();
+        parts.filter_map(|(_, name)| self.0.remove(name)).collect()
+    }
+    /// Accepts sections of observers alone, and with `parts` those of blocks and constraints of other ranks.
+    fn expect_observers(self, parts: bool) -> Result<(), PartFault> {
         let mut names: Vec<&str> = self.0.into_keys().collect();
         names.retain(|name| !name.starts_with(OBSERVER));
+        if parts {
+            let of_parts = [BLOCK, HISTORY, CONSTRAINT, JOINTS, PART];
+            names.retain(|name| !of_parts.iter().any(|kind| name.starts_with(kind)));
+        }
         names.sort_unstable();
         match names.first() {
             None => Ok(()),
@@ -150,7 +176,8 @@ impl Model {
         }
     }
 
-    /// State of a run after a number of steps with a length (s).
+    /// State of a run after a number of steps with a length (s); on several ranks rank 0 has that of the whole body, and
+    /// the others that of a part.
     pub(crate) fn save_run(
         &mut self,
         (done, step): (u64, f64),
@@ -164,19 +191,19 @@ impl Model {
             partition: self.partition().fingerprint(&self.mesh),
             readings: readings.clone(),
             spectrum: self.spectrum,
-            ledger: self.ledger.as_ref().map(|ledger| ledger.saved()),
+            ledger: (self.ledger.as_ref()).map(|ledger| ledger.saved(&self.ranks)),
         };
         add(&mut saved, RUN.into(), encode(&run))?;
         add(&mut saved, BODY.into(), encode(&body))?;
         drop(body);
-        self.save_parts(&mut saved)?;
-        for (index, load) in self.loads.all().iter().enumerate() {
-            add(
-                &mut saved,
-                name("load", index, load.name()),
-                load.save_state(),
-            )?;
-        }
+        let mut parts = SavedRun::default();
+        let own = self
+            .save_parts(&mut parts)
+            .and_then(|()| self.save_loads(&mut parts));
+        saved
+            .sections
+            .extend(self.ranks.sections_of_all(parts.sections));
+        own?;
         for (index, observer) in observers.iter().enumerate() {
             let own = name(OBSERVER, index, observer.name());
             add(&mut saved, own, observer.save_state())?;
@@ -184,28 +211,51 @@ impl Model {
         Ok(saved)
     }
 
+    /// Adds sections with the states of all loads that act on this rank.
+    fn save_loads(&self, saved: &mut SavedRun) -> Result<(), PartFault> {
+        let loads = self.loads.all().iter().zip(self.loads.here());
+        for (index, (load, here)) in loads.enumerate() {
+            // A load that acts nowhere has its first state, which rank 0 has too.
+            if *here || self.ranks.team.rank() == 0 {
+                add(saved, name("load", index, load.name()), load.save_state())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Start of the names of the sections of constraints: of a part of them where there are other ranks.
+    fn part(&self, kind: &str) -> String {
+        match self.ranks.is_single() {
+            true => kind.into(),
+            false => format!("{PART} {} of {kind}", self.ranks.team.rank()),
+        }
+    }
+
     /// Adds sections with the states of all blocks and constraints.
     pub(crate) fn save_parts(&self, saved: &mut SavedRun) -> Result<(), PartFault> {
-        for (index, block) in self.blocks.iter().enumerate() {
-            let own = name("block", index, block.label());
+        for (block, &index) in self.blocks.iter().zip(&self.ranks.block_numbers) {
+            let index = index as usize;
+            let own = name(BLOCK, index, block.label());
             match block.save_state().transpose() {
                 Some(bytes) => add(saved, own, bytes)?,
                 None => {
-                    let own = name("history", index, block.label());
+                    let own = name(HISTORY, index, block.label());
                     add(saved, own, encode(&block.history()))?;
                 }
             }
         }
-        for (index, bound) in self.constraints.iter().enumerate() {
-            let constraint = &bound.constraint;
+        let numbers = &self.ranks.constraint_numbers;
+        for (bound, &index) in self.constraints.iter().zip(numbers) {
+            let (constraint, index) = (&bound.constraint, index as usize);
             match constraint.save_state().transpose() {
                 Some(bytes) => {
-                    add(saved, name("constraint", index, constraint.name()), bytes)?;
+                    let own = name(&self.part(CONSTRAINT), index, constraint.name());
+                    add(saved, own, bytes)?;
                 }
                 None => {
                     let joints = constraint.joints();
                     let joints: Vec<JointHistory> = joints.iter().map(JointHistory::from).collect();
-                    let own = name("joints", index, constraint.name());
+                    let own = name(&self.part(JOINTS), index, constraint.name());
                     add(saved, own, encode(&joints))?;
                 }
             }
@@ -215,27 +265,53 @@ impl Model {
 
     /// Restores the states of all blocks and constraints from their sections.
     pub(crate) fn restore_parts(&mut self, sections: &mut Sections) -> Result<(), PartFault> {
-        for (index, block) in self.blocks.iter_mut().enumerate() {
-            let own = name("block", index, block.label());
+        for (block, &index) in self.blocks.iter_mut().zip(&self.ranks.block_numbers) {
+            let index = index as usize;
+            let own = name(BLOCK, index, block.label());
             if let Some(bytes) = sections.take(&own) {
                 block.restore_state(bytes).map_err(of_part(&own))?;
             } else {
                 let fields: Vec<HistoryField> =
-                    sections.decode(&name("history", index, block.label()))?;
+                    sections.decode(&name(HISTORY, index, block.label()))?;
                 block.set_history(&fields);
             }
         }
-        for (index, bound) in self.constraints.iter_mut().enumerate() {
-            let constraint = &mut bound.constraint;
-            let own = name("constraint", index, constraint.name());
+        let is_single = self.ranks.is_single();
+        let mut joints: Vec<(String, Vec<JointHistory>)> = Vec::new();
+        let numbers = &self.ranks.constraint_numbers;
+        for (bound, &index) in self.constraints.iter_mut().zip(numbers) {
+            let (constraint, index) = (&mut bound.constraint, index as usize);
+            let own = name(CONSTRAINT, index, constraint.name());
             if let Some(bytes) = sections.take(&own) {
-                constraint.restore_state(bytes).map_err(of_part(&own))?;
+                let restored = match is_single {
+                    true => constraint.restore_state(bytes),
+                    false => constraint.restore_parts(bytes),
+                };
+                restored.map_err(of_part(&own))?;
                 continue;
             }
-            let own = name("joints", index, constraint.name());
-            let joints: Vec<JointHistory> = sections.decode(&own)?;
-            if !joints.iter().all(|joint| constraint.restore(joint)) {
-                return Err(of_part(&own)(StateError::Unexpected));
+            let parts = sections.take_parts(&own);
+            for bytes in &parts {
+                constraint.restore_parts(bytes).map_err(of_part(&own))?;
+            }
+            if !parts.is_empty() {
+                continue;
+            }
+            let own = name(JOINTS, index, constraint.name());
+            let parts = sections.take_parts(&own);
+            let parts = match parts.is_empty() {
+                true => vec![sections.expect(&own)?],
+                false => parts,
+            };
+            for bytes in parts {
+                joints.push((own.clone(), decode(bytes).map_err(of_part(&own))?));
+            }
+        }
+        for (own, joints) in joints {
+            for joint in joints {
+                if !self.restore_joint(&joint).unwrap_or(false) {
+                    return Err(of_part(&own)(StateError::Unexpected));
+                }
             }
         }
         Ok(())
@@ -271,7 +347,7 @@ impl Model {
             let bytes = bytes.ok_or(StateError::Missing).map_err(of_part(&own))?;
             load.restore_state(bytes).map_err(of_part(&own))?;
         }
-        sections.expect_observers()?;
+        sections.expect_observers(!self.ranks.is_single())?;
         Ok(run)
     }
 
@@ -282,7 +358,7 @@ impl Model {
         may_begin: bool,
     ) -> Result<(), RunError> {
         let restored = match (&mut self.ledger, &run.ledger) {
-            (Some(ledger), Some(saved)) => ledger.restore(saved),
+            (Some(ledger), Some(saved)) => ledger.restore(saved, &self.ranks),
             (None, None) => Ok(()),
             _ if may_begin => Ok(()),
             (Some(_), None) => Err(StateError::Missing),

@@ -138,6 +138,11 @@ impl Subdomain {
         &self.nodes[self.ranges[block].clone()]
     }
 
+    /// Local number of the node of a slot of this rank's blocks.
+    pub(crate) fn node_of_slot(&self, slot: u32) -> u32 {
+        self.nodes[slot as usize]
+    }
+
     /// The forces that a block wrote, in the block's order, of all forces.
     pub(crate) fn forces_of<'f, A>(&self, block: usize, forces: &'f [A]) -> &'f [A] {
         &forces[self.ranges[block].clone()]

@@ -7,12 +7,13 @@ use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
 use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
-use powerhouse_explicit_core::{BuildModel, Leapfrog, RankModel, Traffic, run};
+use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, RankModel, Traffic, run};
 use powerhouse_model::{
-    BlockOptions, Cadence, CheckpointSink, ConstitutiveLaw, Constraint, ConstraintParts,
-    ConstraintWork, ElasticMedium, Ended, EnergyCheck, Fields, Flow, HistoryVariable, Lane,
-    LawInput, Mesh, ModelError, ModelSpec, Observer, PredictedMotion, Progress, RankError,
-    RunError, RunOptions, SavedRun, SingleRank, StepView, Stress, Support, ThreadRanks, Vec3,
+    BlockOptions, Cadence, ConstitutiveLaw, Constraint, ConstraintParts, ConstraintWork,
+    ElasticMedium, Ended, EnergyCheck, Engine, Fields, Flow, HistoryVariable, Lane, LawInput,
+    Linearisation, Mesh, ModelError, ModelSpec, Observer, PredictedMotion, RankError, Reach,
+    RunError, RunOptions, SingleRank, StaticError, StaticMethod, StaticOptions, StepView, Stress,
+    Support, ThreadRanks, Vec3,
 };
 use support::hex_box;
 
@@ -193,33 +194,20 @@ fn models_that_ranks_cannot_share_are_refused_on_all() {
 /// Options of a run that several ranks do not support are refused by name, and ranks with other options too.
 #[test]
 fn runs_that_ranks_do_not_support_are_refused_by_name() {
-    #[derive(Debug)]
-    struct Nowhere;
-    impl CheckpointSink for Nowhere {
-        fn is_due(&self, _progress: &Progress) -> bool {
-            false
-        }
-        fn take(&self, _saved: SavedRun) -> Result<(), ModelError> {
-            Ok(())
-        }
-    }
     let mesh = mesh();
     let glued = || {
         spec(mesh).constraint(Box::new(Failing {
             name: "glue".into(),
-            nodes: vec![50, 51],
+            nodes: vec![0, 1],
             at: u64::MAX,
-            parts: None,
+            parts: Some(ConstraintParts::merged([&[0][..], &[1]])),
         }))
     };
     let steps = || RunOptions::steps(3);
-    let saved = Arc::new(SavedRun::new(0, 0.0, 1e-4));
     for (what, options) in [
-        ("a checkpoint", steps().with_checkpoints(Arc::new(Nowhere))),
-        ("a saved state", steps().with_resume(saved)),
         ("a profile", steps().with_profile(true)),
         (
-            "an energy balance with constraints",
+            "an energy balance with a constraint that does not divide its work",
             steps().with_energy(EnergyCheck::every(1)),
         ),
     ] {
@@ -386,6 +374,95 @@ fn a_step_sends_few_bytes_for_each_shared_node() {
     }
 }
 
+/// What ranks will send is known from a model on one rank, to the byte.
+#[test]
+fn a_forecast_is_what_the_ranks_send() {
+    let mesh = mesh();
+    let alone = spec(mesh).build().unwrap();
+    for count in [1, 2, 3, 7] {
+        let forecast = alone.rank_forecast(count).unwrap();
+        let found = ThreadRanks::run(count, |ranks| {
+            let mut model = RankModel::build(spec(mesh), Box::new(ranks)).unwrap();
+            let options = RunOptions::steps(9);
+            model
+                .run(&Leapfrog, &options, &mut [], &mut |_| {})
+                .unwrap();
+            Ok((model.node_count(), model.traffic()))
+        });
+        assert_eq!(forecast.len(), count);
+        let elements: usize = forecast.iter().map(|rank| rank.elements).sum();
+        assert_eq!(elements, mesh.element_count());
+        for (forecast, found) in forecast.iter().zip(found) {
+            let (nodes, traffic) = found.unwrap();
+            assert_eq!(
+                (forecast.nodes, forecast.shared_nodes),
+                (nodes, traffic.shared_nodes)
+            );
+            let exchanges = traffic.exchanges;
+            let counted = (traffic.messages, traffic.bytes);
+            let (messages, bytes) = (forecast.messages as u64, forecast.bytes as u64);
+            assert_eq!(
+                counted,
+                (exchanges * messages, exchanges * bytes),
+                "{count}"
+            );
+            assert_eq!(messages > 0, count > 1);
+        }
+    }
+    let refused = alone.rank_forecast(121).unwrap_err().to_string();
+    assert!(refused.contains("121"), "{refused}");
+}
+
+/// A static solution fails on all ranks for the reason for which it fails on one, or by which one of them is stopped.
+#[test]
+fn all_ranks_end_with_the_failure_of_a_static_solution() {
+    let mesh = mesh();
+    let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
+    let loose = || {
+        let options = BlockOptions::default();
+        let rock = solid("rock", Hex8OnePoint::default(), law.clone(), options);
+        let base = mesh.node_set("z0").unwrap().to_vec();
+        ModelSpec::new(mesh)
+            .elements("rock", rock)
+            .support(Support::roller(base, Vec3::z()))
+            .block_size(8)
+    };
+    let weighted = || {
+        let gravity = Box::new(|_: f64| 1.0);
+        spec(mesh).gravity(Vec3::new(0.0, 0.0, -9.81), gravity)
+    };
+    let options = StaticOptions::default();
+    let failure = |spec: &(dyn Fn(usize) -> ModelSpec<'static> + Sync), options: &StaticOptions| {
+        ThreadRanks::run(3, |ranks| {
+            let rank = powerhouse_model::Ranks::rank(&ranks);
+            let engine = ExplicitOnRanks::new(Box::new(ranks));
+            let mut model = engine.build(spec(rank)).unwrap();
+            let failed = model.equilibrate(options, &mut |_| {});
+            Ok(failed.unwrap_err())
+        })
+    };
+    let mut alone = loose().build().unwrap();
+    let expected = alone.equilibrate(&options, &mut |_| {}).unwrap_err();
+    assert!(matches!(expected, StaticError::Floating { .. }));
+    for found in failure(&|_| loose(), &options) {
+        assert_eq!(found.unwrap(), expected);
+    }
+    let direct =
+        StaticOptions::default().with_method(StaticMethod::Cholesky(Linearisation::Elastic));
+    for found in failure(&|_| loose(), &direct) {
+        let what = "the static method `direct`";
+        assert_eq!(found.unwrap(), StaticError::OneRankOnly { what, ranks: 3 });
+    }
+    let stopped = Arc::new(AtomicBool::new(true));
+    let stops = |rank: usize| match rank {
+        1 => weighted().stop_on(stopped.clone()),
+        _ => weighted(),
+    };
+    for found in failure(&stops, &options) {
+        assert_eq!(found.unwrap(), StaticError::Interrupted);
+    }
+}
+
 /// Values that an observer reads at a step, as bits.
 type Readings = Arc<Mutex<Vec<u64>>>;
 
@@ -393,6 +470,7 @@ type Readings = Arc<Mutex<Vec<u64>>>;
 struct Reader {
     readings: Readings,
     fields: Fields,
+    reach: Reach,
     read: fn(&dyn StepView) -> Vec<f64>,
     stop_at: u64,
     finished: Arc<AtomicBool>,
@@ -404,6 +482,9 @@ impl Observer for Reader {
     }
     fn fields(&self) -> Fields {
         self.fields
+    }
+    fn reach(&self) -> Reach {
+        self.reach.clone()
     }
     fn cadence(&self) -> Cadence {
         Cadence::Steps(7)
@@ -433,7 +514,13 @@ fn everything(view: &dyn StepView) -> Vec<f64> {
     }
     for element in 0..120 {
         all.extend(view.stress(element).0);
+        let mut forces = [Vec3::zeros(); 8];
+        assert!(view.element_forces(element, &mut forces));
+        all.extend(forces.iter().flat_map(|f| [f.x, f.y, f.z]));
+        all.extend(view.history(element, "damage"));
     }
+    all.push(view.joints().len() as f64);
+    all.extend(view.embedded("bolts", "force").unwrap_or_default());
     all.extend(view.energies().iter().map(|(_, energy)| *energy));
     all
 }
@@ -465,15 +552,19 @@ fn observers_see_the_whole_body_on_rank_0() {
             Ok((ended, readings))
         })
     };
-    let reader = |fields: Fields, read: fn(&dyn StepView) -> Vec<f64>, stop_at: u64| Reader {
+    let whole = Reach::default()
+        .with_element_forces()
+        .with_variables(["damage"]);
+    let reader = |(fields, reach), read: fn(&dyn StepView) -> Vec<f64>, stop_at: u64| Reader {
         readings: Readings::default(),
         fields,
+        reach,
         read,
         stop_at,
         finished: Arc::default(),
     };
     for stop_at in [u64::MAX, 30] {
-        let all = || reader(declared, everything, stop_at);
+        let all = || reader((declared, whole.clone()), everything, stop_at);
         let expected = observed(1, &all).remove(0).unwrap();
         let cut = stop_at == 30;
         assert!(
@@ -492,7 +583,8 @@ fn observers_see_the_whole_body_on_rank_0() {
         }
     }
     type Read = fn(&dyn StepView) -> Vec<f64>;
-    let undeclared: [(Read, &str); 5] = [
+    let undeclared: [(Read, &str); 6] = [
+        (|view| vec![view.velocity(7).x], "nodes beyond"),
         (|view| view.stress(3).0.to_vec(), "stresses"),
         (
             |view| vec![f64::from(view.element_forces(3, &mut [Vec3::zeros(); 8]))],
@@ -509,7 +601,7 @@ fn observers_see_the_whole_body_on_rank_0() {
         (|view| vec![view.joints().len() as f64], "joints"),
     ];
     for (read, name) in undeclared {
-        let reads = || reader(Fields::default(), read, u64::MAX);
+        let reads = || reader((Fields::default(), Reach::NONE), read, u64::MAX);
         for (rank, found) in observed(3, &reads).into_iter().enumerate() {
             let (ended, _) = found.unwrap();
             assert!(

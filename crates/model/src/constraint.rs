@@ -105,6 +105,15 @@ impl core::ops::AddAssign for ConstraintWork {
     }
 }
 
+/// Work of a constraint in its last step, divided among some of its nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DividedWork<'a> {
+    /// Indices in [`Constraint::nodes`], such as that of the first node of each pair; one may occur several times.
+    pub nodes: &'a [u32],
+    /// Work of the step that is accounted at each of them (J).
+    pub work: &'a [ConstraintWork],
+}
+
 /// Condition on the motion of some nodes, enforced by correcting predicted velocities.
 ///
 /// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step, and
@@ -151,6 +160,12 @@ pub trait Constraint: Send {
     /// # Errors
     /// If the condition cannot be met within the constraint's own cap on iterations; it ends the run.
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
+    /// Work in the last [corrected](Self::correct) step divided among its nodes, that of a part among nodes of this part: where
+    /// several processes have a part, one of them accounts its work. None by default: the work of a constraint that is not
+    /// divided is accounted at its first node, and it cannot be restricted to parts in a run with an energy balance.
+    fn divided_work(&self) -> Option<DividedWork<'_>> {
+        None
+    }
     /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
     /// joints that stick; static solutions take the nodes of such a pair for one. None by default.
     fn ties(&self) -> Vec<[u32; 2]> {
@@ -179,6 +194,14 @@ pub trait Constraint: Send {
     /// A state that cannot be saved.
     fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
         Ok(None)
+    }
+    /// Restores, of a state that a constraint of some [parts](Self::parts) of an equal one [saved](Self::save_state), what
+    /// belongs to its own parts; others keep theirs.
+    ///
+    /// # Errors
+    /// A state of another constraint; by default every one.
+    fn restore_parts(&mut self, _saved: &[u8]) -> Result<(), StateError> {
+        Err(StateError::Unexpected)
     }
     /// Restores a state that an equal constraint [saved](Self::save_state).
     ///

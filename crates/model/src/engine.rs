@@ -1,7 +1,7 @@
 //! Interfaces of time integration and observation.
 
 use crate::{
-    HistoryUpdate, JointView, ModelError, ParameterError, RunError, StateError, Stress, Vec3,
+    HistoryUpdate, JointView, ModelError, ParameterError, Reach, RunError, StateError, Stress, Vec3,
 };
 
 /// Time discretisation of mass-proportional damping.
@@ -348,6 +348,10 @@ pub trait Observer: Send {
     fn name(&self) -> &str;
     /// Fields that the observer reads; the same in every step.
     fn fields(&self) -> Fields;
+    /// Part of the body that the observer reads, the same in every step; all nodes and elements by default.
+    fn reach(&self) -> Reach {
+        Reach::default()
+    }
     /// Sampling interval, the same throughout the run; the last step is always observed.
     fn cadence(&self) -> Cadence;
     /// Processes the state in a step; returns whether the run continues. Observers are called one after the other, with

@@ -3,9 +3,9 @@
 use crate::stage::run_stages;
 use crate::{
     FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh, ModelError, ModelSpec,
-    Observer, Progress, Renewal, RunError, RunFailure, RunOptions, RunReport, StableStep, Stage,
-    StageError, StageEvent, StageReport, State, StaticError, StaticOptions, StaticProgress,
-    StaticReport, Stress, TimeIntegrator, Vec3,
+    Observer, Progress, RankForecast, Renewal, RunError, RunFailure, RunOptions, RunReport,
+    StableStep, Stage, StageError, StageEvent, StageReport, State, StaticError, StaticOptions,
+    StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
 };
 
 /// A finite element engine: it builds models from their specification.
@@ -90,6 +90,16 @@ pub trait EngineModel: Send {
     /// # Errors
     /// If the scheme is unstable at every step under the model's damping.
     fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError>;
+    /// Elements, nodes and messages of each of some ranks that would share this model.
+    ///
+    /// # Errors
+    /// More ranks than the model can be divided into; by default, for engines without ranks, always.
+    fn rank_forecast(&self, ranks: usize) -> Result<Vec<RankForecast>, ModelError> {
+        Err(ModelError::refused(
+            format!("{ranks} ranks"),
+            "the engine computes on one",
+        ))
+    }
     /// Integrates the model in time and calls observers; `progress` is called after every step.
     ///
     /// In a step from `t` to `t + dt` observers receive the state at `t`, when the velocities before and after are

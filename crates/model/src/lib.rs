@@ -49,6 +49,7 @@ mod periodic;
 mod point_law;
 mod ranks;
 mod rayleigh;
+mod reach;
 mod run;
 mod saved_run;
 mod spec;
@@ -68,7 +69,7 @@ pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use checksum::Checksum;
-pub use constraint::{Constraint, ConstraintWork, PredictedMotion};
+pub use constraint::{Constraint, ConstraintWork, DividedWork, PredictedMotion};
 pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
@@ -109,7 +110,8 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
-pub use ranks::{Message, RankError, Ranks, SingleRank, ThreadRanks};
+pub use ranks::{Message, RankError, RankForecast, Ranks, SingleRank, ThreadRanks};
+pub use reach::{Reach, Selection};
 pub use run::{
     Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,
 };

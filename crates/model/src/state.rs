@@ -78,6 +78,14 @@ impl HistoryField {
         }
     }
 
+    /// The same variable of these and further elements, which follow.
+    #[must_use]
+    pub fn with(mut self, further: Self) -> Self {
+        self.elements.extend(further.elements);
+        self.values.extend(further.values);
+        self
+    }
+
     /// Removes the values of some elements.
     fn remove(&mut self, elements: &HashSet<u32>) {
         let points = self.points;

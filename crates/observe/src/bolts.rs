@@ -1,7 +1,8 @@
 //! Histories and envelopes of axial bolt forces.
 
 use powerhouse_model::{
-    AXIAL_FORCE, Cadence, EmbeddedBars, Fields, Flow, ModelError, Observer, StateError, StepView,
+    AXIAL_FORCE, Cadence, EmbeddedBars, Fields, Flow, ModelError, Observer, Reach, StateError,
+    StepView,
 };
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +72,9 @@ impl Observer for BoltHistories {
     }
     fn fields(&self) -> Fields {
         Fields::default()
+    }
+    fn reach(&self) -> Reach {
+        Reach::NONE.with_embedded()
     }
     fn cadence(&self) -> Cadence {
         self.cadence

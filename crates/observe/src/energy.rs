@@ -1,6 +1,6 @@
 //! Histories of the energy balance.
 
-use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, StateError, StepView};
+use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, Reach, StateError, StepView};
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
 
@@ -38,6 +38,9 @@ impl Observer for EnergyHistory {
     }
     fn fields(&self) -> Fields {
         Fields::default().with_energy(true)
+    }
+    fn reach(&self) -> Reach {
+        Reach::NONE
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -1,7 +1,7 @@
 //! Envelopes: extreme values over time, with their times.
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, Mesh, ModelError, Observer, StateError, StepView, Vec3,
+    Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView, Vec3,
 };
 use serde::{Deserialize, Serialize};
 
@@ -187,6 +187,12 @@ impl Observer for Envelope {
         Fields::default()
             .with_acceleration(self.motion.acceleration && !self.node_tags.is_empty())
             .with_stress(!self.element_tags.is_empty())
+    }
+    fn reach(&self) -> Reach {
+        let table = self.recording.lock();
+        Reach::NONE
+            .with_nodes(Selection::These(table.nodes.clone()))
+            .with_elements(Selection::These(table.elements.clone()))
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -1,8 +1,8 @@
 //! Histories of motion, stress and history variables.
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, StateError, StepView,
-    Stress, Vec3,
+    Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, Reach, Selection,
+    StateError, StepView, Stress, Vec3,
 };
 
 use super::place::{ActiveElements, Probe, elements, probes};
@@ -311,6 +311,17 @@ impl Observer for History {
         Fields::default()
             .with_acceleration(channels().any(|c| c.motion().acceleration))
             .with_stress(channels().any(|c| matches!(c, Channel::Stress { .. })))
+    }
+    fn reach(&self) -> Reach {
+        let nodes = self.probes.iter().flat_map(Probe::nodes);
+        let variables = self.channels.iter().flat_map(|channel| match channel {
+            Channel::State { variables, .. } => variables.as_slice(),
+            _ => &[],
+        });
+        Reach::NONE
+            .with_nodes(Selection::These(nodes.collect()))
+            .with_elements(Selection::These(self.elements.clone()))
+            .with_variables(variables.map(|variable| variable.name))
     }
     fn cadence(&self) -> Cadence {
         self.cadence

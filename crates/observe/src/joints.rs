@@ -2,7 +2,7 @@
 
 use powerhouse_model::{
     Bond, Cadence, ContactState, Fields, Flow, HistoryKind, HistoryVariable, JointPair,
-    JointRecord, JointView, ModelError, Observer, StateError, StepView,
+    JointRecord, JointView, ModelError, Observer, Reach, StateError, StepView,
 };
 use serde::{Deserialize, Serialize};
 
@@ -399,6 +399,9 @@ impl Observer for JointHistories {
     }
     fn fields(&self) -> Fields {
         Fields::default()
+    }
+    fn reach(&self) -> Reach {
+        Reach::NONE.with_joints()
     }
     fn cadence(&self) -> Cadence {
         self.cadence

@@ -131,6 +131,10 @@ impl Probe {
         let terms = self.0.iter();
         terms.map(|&(node, weight)| field(node) * weight).sum()
     }
+    /// Mesh indices of the nodes.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.0.iter().map(|&(node, _)| node)
+    }
 }
 
 impl From<Located> for Probe {

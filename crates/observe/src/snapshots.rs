@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, HistoryVariable, JointView, Mesh, ModelError, Observer, StateError,
-    StepView, Stress, Vec3, decode, encode,
+    Cadence, Fields, Flow, HistoryVariable, JointView, Mesh, ModelError, Observer, Reach,
+    Selection, StateError, StepView, Stress, Vec3, decode, encode,
 };
 
 use super::{Motion, ObserveError, check_cadence};
@@ -172,6 +172,26 @@ impl Observer for Snapshots {
         Fields::default()
             .with_acceleration(self.fields.motion.acceleration)
             .with_stress(self.fields.stress)
+    }
+    fn reach(&self) -> Reach {
+        let Motion {
+            displacement,
+            velocity,
+            acceleration,
+        } = self.fields.motion;
+        let moves = displacement || velocity || acceleration;
+        let chosen = |read: bool| {
+            if read {
+                Selection::All
+            } else {
+                Selection::NONE
+            }
+        };
+        Reach::NONE
+            .with_nodes(chosen(moves))
+            .with_elements(chosen(self.fields.stress || !self.state.is_empty()))
+            .with_variables(self.state.iter().map(|(variable, _)| variable.name))
+            .with_joints()
     }
     fn cadence(&self) -> Cadence {
         self.cadence

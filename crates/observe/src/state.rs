@@ -1,8 +1,8 @@
 //! Envelopes (maxima over time) of the history variables of laws.
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, HistoryKind, HistoryVariable, Mesh, ModelError, Observer, StateError,
-    StepView,
+    Cadence, Fields, Flow, HistoryKind, HistoryVariable, Mesh, ModelError, Observer, Reach,
+    Selection, StateError, StepView,
 };
 use serde::{Deserialize, Serialize};
 
@@ -81,6 +81,14 @@ impl Observer for StatePeaks {
     }
     fn fields(&self) -> Fields {
         Fields::default()
+    }
+    fn reach(&self) -> Reach {
+        let table = self.recording.lock();
+        let peaks = table.peaks.iter().map(|peak| peak.0.name);
+        let variables = peaks.chain(table.flags.iter().map(|flags| flags.0.name));
+        Reach::NONE
+            .with_elements(Selection::These(table.elements.clone()))
+            .with_variables(variables)
     }
     fn cadence(&self) -> Cadence {
         self.cadence

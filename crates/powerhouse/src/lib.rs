@@ -119,6 +119,7 @@ pub use powerhouse_contact as contact;
 pub use powerhouse_io as io;
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
+pub use powerhouse_mpi as mpi;
 pub use powerhouse_wavefield as wavefield;
 
 /// The crate of linear algebra whose types stand in public signatures, in the version in use.

@@ -103,7 +103,7 @@ impl Group {
         );
     }
 
-    /// Corrects the motion of the nodes of the group; returns the effort.
+    /// Corrects the motion of the nodes of the group, and sets the work of its pairs; returns the effort.
     ///
     /// # Errors
     /// Sweeps and residual if the solution has not converged.
@@ -113,7 +113,7 @@ impl Group {
         (pairs, sides): (&[JointPair], &[Side]),
         (records, history): (&mut [JointRecord], &mut [f64]),
         motion: &mut PredictedMotion,
-        work: &mut ConstraintWork,
+        works: &mut [ConstraintWork],
     ) -> Result<Effort, Effort> {
         let count = self.pairs.len();
         let (rate, step) = (1.0 / motion.step, motion.step);
@@ -176,7 +176,8 @@ impl Group {
             let (pair, contact) = (&pairs[index], &contacts[a]);
             let traction = contact.traction(&impulses.fixed_rows::<3>(3 * a).into_owned());
             let after = pair.to_local(&relative(motion.velocity, nodes));
-            let record = &mut records[index];
+            let (record, work) = (&mut records[index], &mut works[index]);
+            *work = ConstraintWork::default();
             let mut step = PairStep {
                 time: motion.time,
                 length: step,

@@ -399,7 +399,7 @@ impl Tile {
         }
     }
 
-    /// Updates the records by the step and sums up its work.
+    /// Updates the records by the step and sets its work.
     #[inline(always)]
     pub(super) fn update<L: ContactLaw, const HISTORY: bool>(
         &self,
@@ -407,9 +407,10 @@ impl Tile {
         records: &mut Window<JointRecord>,
         motion: &Step,
         (variables, [old, new]): (usize, &[Vec<f64>; 2]),
-        work: &mut ConstraintWork,
+        works: &mut Window<ConstraintWork>,
     ) {
         for k in 0..self.count {
+            let mut work = ConstraintWork::default();
             let bond = if HISTORY {
                 let own = k * variables..(k + 1) * variables;
                 bond_energy(law, &old[own.clone()], &new[own], self.area[k])
@@ -427,8 +428,10 @@ impl Tile {
                 along: step.along[k],
                 path: step.path[k],
             };
-            update::<HISTORY>(records.at(self.index[k] as usize), &outcome, work);
+            let index = self.index[k] as usize;
+            update::<HISTORY>(records.at(index), &outcome, &mut work);
             work.external -= step.external[k];
+            *works.at(index) = work;
         }
     }
 }

@@ -13,9 +13,9 @@ use core::ops::Range;
 use std::collections::{HashMap, HashSet, VecDeque};
 
 use powerhouse_model::{
-    Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, JointHistory,
-    JointInput, JointPair, JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion,
-    Renewal, RunError, StateError, Vec3,
+    Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, DividedWork,
+    JointHistory, JointInput, JointPair, JointRecord, JointState, JointView, Mat3, ModelError,
+    PredictedMotion, Renewal, RunError, StateError, Vec3,
 };
 
 use crate::ContactError;
@@ -132,6 +132,10 @@ pub struct Joint<L> {
     history: Vec<f64>,
     /// Indices in `nodes` of the nodes of each pair.
     pair_nodes: Vec<[u32; 2]>,
+    /// The first of them.
+    first_nodes: Vec<u32>,
+    /// Work of each pair in the last step.
+    work: Vec<ConstraintWork>,
     /// Sets of pairs that nodes connect.
     connected: Vec<Vec<u32>>,
     isolated_count: usize,
@@ -210,8 +214,11 @@ impl<L: ContactLaw> Joint<L> {
                 nodes.len() as u32 - 1
             })
         };
+        let pair_nodes: Vec<[u32; 2]> = of_pairs.iter().map(|pair| pair.map(&mut index)).collect();
         Self {
-            pair_nodes: of_pairs.iter().map(|pair| pair.map(&mut index)).collect(),
+            first_nodes: pair_nodes.iter().map(|&[first, _]| first).collect(),
+            work: vec![ConstraintWork::default(); pairs.len()],
+            pair_nodes,
             connected: connected_pairs(&of_pairs),
             name,
             members,
@@ -491,22 +498,21 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 ),
             });
         }
-        let mut work = ConstraintWork::default();
         for member in &mut self.members {
-            let records = &mut self.records;
+            let state = (&mut self.records[..], &mut self.work[..]);
             let history = PairHistories {
                 variables: member.variables,
                 first: member.start,
                 values: &mut self.history[member.history()],
             };
             let (law, strips) = (&member.law, &mut member.strips);
-            work += strips::correct(law, strips, records, history, &mut motion);
+            strips::correct(law, strips, state, history, &mut motion);
         }
         let members = Members(&self.members);
         for group in &mut self.groups {
             let geometry = (&self.pairs[..], &self.sides[..]);
             let state = (&mut self.records[..], &mut self.history[..]);
-            let effort = group.correct(&members, geometry, state, &mut motion, &mut work);
+            let effort = group.correct(&members, geometry, state, &mut motion, &mut self.work);
             let effort = effort.map_err(|left| RunError::Constraint {
                 name: self.name.clone(),
                 step: motion.number,
@@ -521,7 +527,16 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             self.effort.sweeps = self.effort.sweeps.max(effort.sweeps);
             self.effort.residual = self.effort.residual.max(effort.residual);
         }
+        let mut work = ConstraintWork::default();
+        self.work.iter().for_each(|of_pair| work += *of_pair);
         Ok(work)
+    }
+
+    fn divided_work(&self) -> Option<DividedWork<'_>> {
+        Some(DividedWork {
+            nodes: &self.first_nodes,
+            work: &self.work,
+        })
     }
 
     fn joints(&self) -> Vec<JointView<'_>> {
@@ -561,6 +576,10 @@ impl<L: ContactLaw> Constraint for Joint<L> {
 
     fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
         self.saved().map(Some)
+    }
+
+    fn restore_parts(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.put_parts(saved)
     }
 
     fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {

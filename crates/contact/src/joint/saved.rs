@@ -1,10 +1,12 @@
 //! State of the joints of a constraint between two steps.
 
+use std::collections::{HashMap, VecDeque};
+
 use powerhouse_model::{JointRecord, StateError, decode, encode};
 use serde::{Deserialize, Serialize};
 
-use super::Joint;
 use super::solve::Effort;
+use super::{Joint, Members};
 
 /// Saved state of the joints of a constraint.
 #[derive(Debug, Serialize, Deserialize)]
@@ -12,6 +14,8 @@ struct SavedJoint {
     /// Names of the joints, and the nodes of all their pairs.
     names: Vec<String>,
     nodes: Vec<[u32; 2]>,
+    /// Number of pairs of each joint, and of history variables of its law.
+    members: Vec<(usize, usize)>,
     records: Vec<JointRecord>,
     history: Vec<f64>,
     effort: Effort,
@@ -30,10 +34,45 @@ impl<L> Joint<L> {
         encode(&SavedJoint {
             names: self.names(),
             nodes: self.pairs.iter().map(|pair| pair.nodes).collect(),
+            members: (self.members.iter())
+                .map(|member| (member.pairs().len(), member.variables))
+                .collect(),
             records: self.records.clone(),
             history: self.history.clone(),
             effort: self.effort,
         })
+    }
+
+    /// Restores the state of those pairs that the saved joints have too, which are equal to these but for their pairs.
+    pub(super) fn put_parts(&mut self, bytes: &[u8]) -> Result<(), StateError> {
+        let saved: SavedJoint = decode(bytes)?;
+        StateError::expect_same("the list of joints", &saved.names, &self.names())?;
+        let found: Vec<usize> = saved.members.iter().map(|&(_, count)| count).collect();
+        let here: Vec<usize> = self.members.iter().map(|own| own.variables).collect();
+        StateError::expect_same("the numbers of history variables", found, here)?;
+        // Pairs of the same nodes, of the patches at an edge, are in the order of the joint on both sides.
+        let mut own: HashMap<[u32; 2], VecDeque<usize>> = HashMap::new();
+        for (pair, geometry) in self.pairs.iter().enumerate() {
+            own.entry(geometry.nodes).or_default().push_back(pair);
+        }
+        let of_pairs = (saved.members.iter()).flat_map(|&(pairs, count)| vec![count; pairs]);
+        let mut history = saved.history.as_slice();
+        for ((nodes, record), count) in saved.nodes.iter().zip(&saved.records).zip(of_pairs) {
+            let values = history.split_off(..count).ok_or(StateError::Unexpected)?;
+            let Some(pair) = own.get_mut(nodes).and_then(VecDeque::pop_front) else {
+                continue;
+            };
+            let member = Members(&self.members).of(pair);
+            self.sides[pair].origin = member.origin(record);
+            self.records[pair] = *record;
+            let at = member.history_of(pair);
+            self.history[at].copy_from_slice(values);
+        }
+        self.effort.sweeps = self.effort.sweeps.max(saved.effort.sweeps);
+        self.effort.residual = self.effort.residual.max(saved.effort.residual);
+        // What is prepared holds the origins of pairs.
+        self.prepared = None;
+        Ok(())
     }
 
     /// Restores the state of equal joints.

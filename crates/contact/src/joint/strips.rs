@@ -1,7 +1,7 @@
 //! Strips of tiles of isolated pairs, which threads share. This is hot code.
 //!
-//! Strips are independent of each other and cut by the number of pairs alone; the work of a pass is summed strip by strip,
-//! so that it has the same bits for any number of threads.
+//! Strips are independent of each other and cut by the number of pairs alone, so that a pass has the same bits for any
+//! number of threads.
 
 use core::ops::Range;
 
@@ -28,8 +28,6 @@ pub(super) struct Strip {
     nodes: Range<usize>,
     /// Committed and new history variables of a tile.
     rows: [Vec<f64>; 2],
-    /// Work of the last step.
-    work: ConstraintWork,
 }
 
 impl Strip {
@@ -47,7 +45,6 @@ impl Strip {
                 pairs: bounds[0]..bounds[1] + 1,
                 nodes: first as usize..last as usize + 1,
                 rows: [0, 1].map(|_| vec![0.0; TILE * variables]),
-                work: ConstraintWork::default(),
             }
         });
         strips.collect()
@@ -63,7 +60,7 @@ impl Strip {
     ) {
         // Wider instructions where the processor has them; they change no bit. Laws without history have
         // a pass of their own, which is spared that of the others.
-        self.work = if variables == 0 {
+        if variables == 0 {
             pulp::Arch::new().dispatch(Pass::<L, false> {
                 law,
                 tiles: &self.tiles,
@@ -79,7 +76,7 @@ impl Strip {
                 windows,
                 motion,
             })
-        };
+        }
     }
 }
 
@@ -114,6 +111,7 @@ impl<'a, T> Window<'a, T> {
 /// Parts of the lists of a joint that a strip changes.
 pub(super) struct Windows<'a> {
     pub(super) records: Window<'a, JointRecord>,
+    pub(super) work: Window<'a, ConstraintWork>,
     pub(super) velocity: Window<'a, Vec3>,
     pub(super) history: PairHistories<'a>,
 }
@@ -126,7 +124,7 @@ pub(super) struct Step<'a> {
     pub(super) previous: &'a [Vec3],
 }
 
-/// Corrects the motion of isolated pairs; returns the work of their forces.
+/// Corrects the motion of isolated pairs, and sets the work of their forces.
 ///
 /// The stick trial is the traction that ends a step without overlap and without slip,
 /// `T = T0 + (w + g / dt) / (dt W A)` with `W = 1/a_i + 1/a_j` (Wang, Chen & Xiao 2019, Eq. 20, for
@@ -134,15 +132,19 @@ pub(super) struct Step<'a> {
 pub(super) fn correct<L: ContactLaw>(
     law: &L,
     strips: &mut [Strip],
-    records: &mut [JointRecord],
+    (records, work): (&mut [JointRecord], &mut [ConstraintWork]),
     history: PairHistories,
     motion: &mut PredictedMotion,
-) -> ConstraintWork {
+) {
     let variables = history.variables;
     let mut rest = Windows {
         records: Window {
             first: 0,
             values: records,
+        },
+        work: Window {
+            first: 0,
+            values: work,
         },
         velocity: Window {
             first: 0,
@@ -159,6 +161,7 @@ pub(super) fn correct<L: ContactLaw>(
     let in_windows = strips.iter_mut().map(|strip| {
         let windows = Windows {
             records: rest.records.take(&strip.pairs),
+            work: rest.work.take(&strip.pairs),
             velocity: rest.velocity.take(&strip.nodes),
             history: rest.history.take(&strip.pairs),
         };
@@ -172,11 +175,6 @@ pub(super) fn correct<L: ContactLaw>(
     } else {
         in_windows.for_each(compute);
     }
-    let mut work = ConstraintWork::default();
-    for strip in strips {
-        work += strip.work;
-    }
-    work
 }
 
 /// Pass over the tiles of a law with or without history. A type of its own, since a closure passed to
@@ -190,9 +188,9 @@ struct Pass<'a, L, const HISTORY: bool> {
 }
 
 impl<L: ContactLaw, const HISTORY: bool> pulp::NullaryFnOnce for Pass<'_, L, HISTORY> {
-    type Output = ConstraintWork;
+    type Output = ();
     #[inline(always)]
-    fn call(self) -> ConstraintWork {
+    fn call(self) {
         let Self {
             law,
             tiles,
@@ -200,7 +198,6 @@ impl<L: ContactLaw, const HISTORY: bool> pulp::NullaryFnOnce for Pass<'_, L, HIS
             mut windows,
             motion,
         } = self;
-        let mut work = ConstraintWork::default();
         let mut step = TileStep::default();
         for tile in tiles {
             tile.predict::<HISTORY>(&mut step, &windows, motion);
@@ -217,9 +214,8 @@ impl<L: ContactLaw, const HISTORY: bool> pulp::NullaryFnOnce for Pass<'_, L, HIS
                 windows.history.scatter(tile.pairs(), &rows[1]);
             }
             tile.correct(&mut step, motion, &mut windows.velocity);
-            let records = &mut windows.records;
-            tile.update::<L, HISTORY>((law, &step), records, motion, (variables, rows), &mut work);
+            let Windows { records, work, .. } = &mut windows;
+            tile.update::<L, HISTORY>((law, &step), records, motion, (variables, rows), work);
         }
-        work
     }
 }

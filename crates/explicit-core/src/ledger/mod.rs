@@ -9,8 +9,8 @@ use core::ops::Range;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, ConstraintWork, HourglassShare, MassDampingRule, NodalView,
-    Precision, Quad, StepTime, Vec3,
+    BlockContext, BlockEnergy, DividedWork, HourglassShare, MassDampingRule, NodalView, Precision,
+    Quad, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -26,22 +26,6 @@ pub(crate) use sum::total_energy;
 
 /// Factor between the reference energy of the residual and the energy lost to underflow in single precision.
 const FAR_ABOVE: f64 = 1.0e8;
-
-/// Energies that the constraints reported.
-#[derive(Clone, Debug, Default)]
-struct ConstraintEnergy {
-    friction: Sum,
-    bond: Sum,
-    stored: Sum,
-    impact: Sum,
-    external: Sum,
-    /// Of all energies, those of constraints that have nodes with prescribed motion.
-    prescribed: Sum,
-    /// Energies reported for the present step.
-    reported: ConstraintWork,
-    /// Of these, the ones of constraints that have nodes with prescribed motion (J).
-    reported_prescribed: f64,
-}
 
 /// Energy balance of one element set.
 #[derive(Clone, Debug, Default)]
@@ -75,7 +59,8 @@ pub(crate) struct Ledger {
     ranges: Vec<RangeWork>,
     /// Index of the range of each group.
     range_of_group: Vec<u32>,
-    constraints: ConstraintEnergy,
+    /// Whether each constraint has nodes with prescribed motion, those of other ranks included.
+    prescribed: Vec<bool>,
     /// Kinetic and internal energy when the ledger was opened (J).
     origin: Option<f64>,
     /// Product of the constant loads with the displacement when the ledger was opened (J).
@@ -107,11 +92,13 @@ impl Model {
             _ => self.least_single_energy(),
         };
         let (ranges, range_of_group) = self.range_work();
+        let prescribed = self.prescribed_constraints();
         let mut ledger = Ledger {
             by_set,
             scale,
             ranges,
             range_of_group,
+            prescribed,
             work_of_block: vec![Sum::default(); self.blocks.len()],
             ..Ledger::default()
         };
@@ -132,6 +119,18 @@ impl Model {
             });
         }
         self.ledger = Some(Box::new(ledger));
+    }
+
+    /// Whether each constraint has nodes with prescribed motion on any rank.
+    fn prescribed_constraints(&self) -> Vec<bool> {
+        let prescribed = &self.groups.prescribed;
+        let own = self.constraints.iter().map(|bound| {
+            let own = bound.groups();
+            prescribed
+                .iter()
+                .any(|&group| own.contains(&(group as usize)))
+        });
+        self.ranks.of_constraints(&own.collect::<Vec<bool>>())
     }
 
     /// Lower bound of the reference energy (J) in single precision, far above the energy that elements lose by
@@ -191,14 +190,6 @@ impl Model {
         };
         let present = self.present(step);
         (ledger.ranges.par_iter_mut()).for_each(|range| range.complete(present.load_work(range)));
-        let energy = &mut ledger.constraints;
-        energy.friction.add(energy.reported.friction);
-        energy.bond.add(energy.reported.bond);
-        energy.stored.add(energy.reported.stored);
-        energy.impact.add(energy.reported.impact);
-        energy.external.add(energy.reported.external);
-        energy.prescribed.add(energy.reported_prescribed);
-        (energy.reported, energy.reported_prescribed) = Default::default();
         self.record_sets(&mut ledger, step);
         ledger.first_half_recorded = false;
         self.ledger = Some(ledger);
@@ -260,17 +251,27 @@ impl Model {
 
 impl Ledger {
     /// Records the work of a constraint on its groups, from the predicted velocities (m/s) before the correction, and
-    /// the energies that it reports.
+    /// the energies that it reports, in the ranges of its nodes.
     pub(crate) fn record_constraint(
         &mut self,
         groups: &Groups,
         (rule, step): (MassDampingRule, f64),
-        own: Range<usize>,
+        (index, own): (usize, Range<usize>),
         predicted: &[Vec3],
-        report: ConstraintWork,
+        report: DividedWork,
     ) {
-        let mut prescribed = groups.prescribed.iter().map(|&g| g as usize);
-        let is_prescribed = prescribed.any(|g| own.contains(&g));
+        let is_prescribed = self.prescribed.get(index) == Some(&true);
+        for (&node, work) in report.nodes.iter().zip(report.work) {
+            let range = self.range_of_group[own.start + node as usize];
+            let Some(range) = self.ranges.get_mut(range as usize) else {
+                continue;
+            };
+            range.reported += *work;
+            if is_prescribed {
+                range.prescribed +=
+                    work.friction + work.bond + work.stored + work.impact + work.external;
+            }
+        }
         for (g, before) in own.zip(predicted) {
             let after = groups.motion.next[g];
             let impulse = match groups.scalar_mass(g) {
@@ -286,16 +287,6 @@ impl Ledger {
             if is_prescribed {
                 range.prescribed += halves[0] + halves[1];
             }
-        }
-        let energy = &mut self.constraints;
-        energy.reported.friction += report.friction;
-        energy.reported.bond += report.bond;
-        energy.reported.stored += report.stored;
-        energy.reported.impact += report.impact;
-        energy.reported.external += report.external;
-        if is_prescribed {
-            energy.reported_prescribed +=
-                report.friction + report.bond + report.stored + report.impact + report.external;
         }
     }
 
@@ -319,13 +310,12 @@ impl Ledger {
         let sums = |column: fn(&NodalWork<Sum>) -> Sum| {
             self.ranges.iter().map(move |range| column(&range.all))
         };
-        let of_constraints = core::iter::once(self.constraints.prescribed);
         let [mass_damping, dashpots, springs, loads, prescribed] = team.totals([
             Sum::exact(sums(|work| work.mass_damping)),
             Sum::exact(sums(|work| work.dashpots)),
             Sum::exact(sums(|work| work.springs)),
             Sum::exact(sums(|work| work.loads)),
-            Sum::exact(sums(|work| work.prescribed).chain(of_constraints)),
+            Sum::exact(sums(|work| work.prescribed)),
         ]);
         NodalWork {
             mass_damping,
@@ -336,22 +326,28 @@ impl Ledger {
         }
     }
 
+    /// Energies that the constraints reported in all steps (J): friction, bond, stored by bonds, impact, external work.
+    fn reported_energies(&self, team: &Communicator) -> [f64; 5] {
+        let sum = |i: usize| Sum::exact(self.ranges.iter().map(|range| range.dissipated[i]));
+        team.totals([sum(0), sum(1), sum(2), sum(3), sum(4)])
+    }
+
     fn read(&mut self, present: &MidStep, energies: &[BlockEnergy]) -> Reading {
         let team = present.team;
         let sum = total_energy(energies.iter(), team);
         let energies = &self.set_energies(energies, team)[..];
         let [kinetic, difference] = present.kinetic(&self.ranges);
-        let (nodal, constraints) = (self.nodal_work(team), &self.constraints);
+        let nodal = self.nodal_work(team);
+        let [friction, bond, stored, impact, external] = self.reported_energies(team);
         let loads = nodal.loads + present.load_potential(&self.ranges) - self.potential;
         let initial = self.origin.unwrap_or(0.0);
-        let of_ranges = self.ranges.iter().map(|range| range.prescribed);
-        let of_step = team.total(of_ranges.chain([constraints.reported_prescribed]));
+        let of_step = team.total(self.ranges.iter().map(|range| range.prescribed));
         let pending = 0.5 * of_step - self.constraint_work(0, team);
         let prescribed = nodal.prescribed + 0.5 * of_step;
         let spent = [
             ("kinetic", kinetic + difference),
             ("time step", -difference),
-            ("elastic", sum.elastic + constraints.stored.total()),
+            ("elastic", sum.elastic + stored),
             ("bending", sum.bending),
             ("hourglass", sum.hourglass),
             ("plastic", sum.plastic),
@@ -363,10 +359,10 @@ impl Ledger {
             ("mass damping", nodal.mass_damping),
             ("dashpots", nodal.dashpots),
             ("springs", nodal.springs),
-            ("friction", constraints.friction.total()),
-            ("bond", constraints.bond.total()),
-            ("impact", constraints.impact.total()),
-            ("constraints", constraints.external.total() + pending),
+            ("friction", friction),
+            ("bond", bond),
+            ("impact", impact),
+            ("constraints", external + pending),
         ];
         let input = loads + prescribed;
         // The first two columns add up to the kinetic energy of the scheme.

@@ -23,9 +23,6 @@ impl Sum {
         };
         self.value = sum;
     }
-    pub(super) fn total(self) -> f64 {
-        self.value + self.lost
-    }
 
     /// The exact sum of several sums.
     pub(super) fn exact(sums: impl Iterator<Item = Self>) -> ExactSum {

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use powerhouse_model::{MassDampingRule, Vec3};
+use powerhouse_model::{ConstraintWork, MassDampingRule, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -52,14 +52,35 @@ pub(super) struct RangeWork {
     pub(super) constraints: [f64; 2],
     /// Work (J) in the present step of those constraints that have nodes with prescribed motion.
     pub(super) prescribed: f64,
+    /// Energies that the constraints reported for the present step.
+    pub(super) reported: ConstraintWork,
+    /// The same in all steps before (J): friction, bond, energy stored by bonds, impact, external
+    /// work.
+    pub(super) dissipated: [Sum; 5],
 }
 
 impl RangeWork {
+    /// The nodes.
+    pub(super) fn nodes(&self) -> Range<usize> {
+        self.nodes.clone()
+    }
     /// Completes a step with the second half of the work of the loads (J).
     pub(super) fn complete(&mut self, loads: f64) {
         self.second.loads = loads;
         self.second.prescribed += self.prescribed;
         self.all.add(&self.second);
+        let ConstraintWork {
+            friction,
+            bond,
+            stored,
+            impact,
+            external,
+            ..
+        } = core::mem::take(&mut self.reported);
+        let reported = [friction, bond, stored, impact, external];
+        for (sum, work) in self.dissipated.iter_mut().zip(reported) {
+            sum.add(work);
+        }
         (self.constraints, self.prescribed) = Default::default();
     }
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    BlockFactory, Checksum, Constraint, ElementBlock, ElementChoice, EmbeddedElements, EngineError,
-    Mat3, Mesh, ModelError, ModelSpec, NodalLoad, Precision,
+    BlockFactory, Constraint, ElementBlock, ElementChoice, EmbeddedElements, EngineError, Mat3,
+    Mesh, ModelError, ModelSpec, NodalLoad, Precision,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
@@ -16,7 +16,7 @@ use crate::applied::AppliedLoads;
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::partition::Partition;
-use crate::ranks::{ABSENT, BlockAssembly, BuiltSolids, Communicator, rank_failure};
+use crate::ranks::{ABSENT, BlockAssembly, BuiltSolids, Communicator, fingerprint};
 use crate::subdomain::{Numbering, Subdomain};
 use crate::weight::Weight;
 
@@ -47,7 +47,9 @@ impl BuildModel for ModelSpec<'_> {
 
 /// Builds the part of a model that one rank computes.
 pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, ModelError> {
-    check_same_model(&spec, &team)?;
+    if !team.is_single() {
+        team.check_same("the specification of the model", fingerprint(&spec))?;
+    }
     let pool = match spec.threads {
         Some(threads) => Some(start_threads(threads)?),
         None => None,
@@ -215,56 +217,15 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         ranks: ranked,
     };
     if let Some(state) = start.state {
-        if !(model.ranks.is_single() || state.joints.is_empty()) {
-            return Err(model
-                .ranks
-                .one_rank_only("an initial state with joints")
-                .into());
-        }
         model.absent.clone_from(&state.absent);
         model.casts.clone_from(&state.casts);
-        model.set_state(&state)?;
+        let set = model.set_state(&state);
+        model.ranks.team.agree(set)?;
     }
     Ok(model)
 }
 
 pub(super) type ElementSet = (ElementChoice, Box<dyn BlockFactory>);
-
-/// Refuses ranks whose specifications differ in the mesh, in the blocks of its elements or in the number of their parts.
-fn check_same_model(spec: &ModelSpec, team: &Communicator) -> Result<(), ModelError> {
-    if team.is_single() {
-        return Ok(());
-    }
-    let mut sum = Checksum::default();
-    sum.add_mesh(spec.mesh);
-    sum.add_whole(format!("{:?}", spec.block_size).as_bytes());
-    for (choice, factory) in &spec.sets {
-        let set = format!("{choice:?} {} {:?}", factory.label(), factory.options());
-        sum.add_whole(set.as_bytes());
-    }
-    for count in [
-        spec.supports.len(),
-        spec.periodic.len(),
-        spec.prescribed.len(),
-        spec.loads.len(),
-        spec.weights.len(),
-        spec.boundaries.len(),
-        spec.constraints.len(),
-        spec.embedded.len(),
-        usize::from(spec.start.is_some()),
-    ] {
-        sum.add_number(count as u64);
-    }
-    let (least, most) = (team.least(sum.value()), !team.least(!sum.value()));
-    team.check().map_err(|failure| rank_failure(&failure))?;
-    match least == most {
-        true => Ok(()),
-        false => Err(EngineError::RanksDiffer {
-            what: "the specification of the model",
-        }
-        .into()),
-    }
-}
 
 /// Lowest precision of any element set; sets with nodes in single precision cannot be combined with others.
 fn coarsest(sets: &[ElementSet]) -> Result<Precision, EngineError> {

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use powerhouse_model::{
-    BlockContext, Dynamics, ElementBlock, ElementFault, ForceTerms, HistoryUpdate, MassDampingRule,
-    Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
+    BlockContext, DividedWork, Dynamics, ElementBlock, ElementFault, ForceTerms, HistoryUpdate,
+    MassDampingRule, Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -389,8 +389,13 @@ impl Model {
                 &bound.inverse_mass,
             ))?;
             if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
-                let own = bound.groups.clone();
-                ledger.record_constraint(groups, prepared, own, &bound.predicted, work);
+                let own = (index, bound.groups.clone());
+                // The work of a constraint that is not divided is accounted at its first node.
+                let divided = bound.constraint.divided_work().unwrap_or(DividedWork {
+                    nodes: &[0],
+                    work: core::slice::from_ref(&work),
+                });
+                ledger.record_constraint(groups, prepared, own, &bound.predicted, divided);
             }
             if let (Some(profiler), Some(start)) = (profiler.as_mut(), start) {
                 profiler.constraints[index] += start.elapsed();

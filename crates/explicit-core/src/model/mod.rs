@@ -30,7 +30,7 @@ use crate::subdomain::Subdomain;
 pub use builder::BuildModel;
 pub(crate) use builder::{block_nodes, build_on};
 pub(crate) use dynamics::{BlockTerms, block_forces, least_mass};
-pub(crate) use motion::ElementAt;
+pub(crate) use motion::{ElementAt, by_element};
 
 /// A constraint with the node groups on which it acts.
 pub(crate) struct BoundConstraint {
@@ -48,6 +48,10 @@ impl BoundConstraint {
     /// Engine nodes, in the constraint's order.
     pub(crate) fn nodes(&self) -> &[u32] {
         &self.nodes
+    }
+    /// Range of the groups of its nodes, in its order.
+    pub(crate) fn groups(&self) -> Range<usize> {
+        self.groups.clone()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Motion and state of a model, in the mesh's numbering.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
@@ -9,6 +10,7 @@ use powerhouse_model::{
 
 use super::Model;
 use crate::nodes::with_nodes;
+use crate::ranks::{read, vector, write};
 
 /// An element at a node.
 #[derive(Clone, Debug, Default)]
@@ -187,11 +189,12 @@ impl Model {
     /// strained relative to it, and observers receive displacements relative to it.
     pub fn begin_stage(&mut self) {
         self.complete_kick();
-        let engines = self.subdomain.numbering.local_of.iter();
-        let start = engines
-            .map(|&engine| self.displacement_of(engine as usize))
-            .collect();
-        self.put_stage_start(start);
+        let numbering = &self.subdomain.numbering;
+        let nodes = 0..numbering.local_of.len();
+        // A rank reads those of its own nodes alone.
+        let of = |local: Option<usize>| local.map(|local| self.displacement_of(local));
+        let start = nodes.map(|node| of(numbering.local(node)).unwrap_or_default());
+        self.put_stage_start(start.collect());
     }
 
     /// Sets the reference displacement (m) of the stage, of mesh nodes and additional ones.
@@ -221,12 +224,25 @@ impl Model {
     /// variables; zero in absent elements.
     pub fn stress_changes(&self) -> Vec<Stress> {
         let mut all = vec![Stress::default(); self.mesh.element_count()];
+        let mut own = Vec::new();
         for (index, block) in self.blocks.iter().enumerate() {
-            let own = self.stresses_of(index, &self.displacement_of_block(index));
-            for (&element, stress) in block.elements().iter().zip(own) {
-                if let Some(entry) = all.get_mut(element as usize) {
-                    *entry = stress;
+            let stresses = self.stresses_of(index, &self.displacement_of_block(index));
+            for (&element, stress) in block.elements().iter().zip(stresses) {
+                if self.ranks.is_single() {
+                    if let Some(entry) = all.get_mut(element as usize) {
+                        *entry = stress;
+                    }
+                } else {
+                    write(element, &stress.0, &mut own);
                 }
+            }
+        }
+        if self.ranks.is_single() {
+            return all;
+        }
+        for (element, stress) in (self.ranks.team.of_all(&own).iter()).flat_map(|b| read(b)) {
+            if let Some(entry) = all.get_mut(element) {
+                *entry = Stress(stress);
             }
         }
         all
@@ -241,10 +257,20 @@ impl Model {
     /// additional nodes of boundaries follow those of the mesh.
     pub fn state(&mut self) -> State {
         let mut state = self.body_state();
+        if !self.ranks.is_single() {
+            // A failure of the communication is reported by the next operation that can.
+            let blocks = self.all_histories(|_| true).unwrap_or_default();
+            state.history = merged(blocks.into_iter());
+            let joints = self.all_joints().unwrap_or_default();
+            let views = self.ranks.joints.iter().zip(&joints);
+            let views = views.map(|(joint, values)| joint.view(values));
+            state.joints = views.map(|view| JointHistory::from(&view)).collect();
+            return state;
+        }
         let blocks = self.blocks.iter().enumerate();
         state.history = merged(blocks.map(|(index, block)| {
             let embedded = self.embedded.contains(&index);
-            (block.label(), embedded, block.history())
+            (block.label().to_string(), embedded, block.history())
         }));
         state.joints = self
             .joints()
@@ -257,25 +283,55 @@ impl Model {
     pub(crate) fn body_state(&mut self) -> State {
         self.complete_kick();
         self.commit();
-        let local_of = &self.subdomain.numbering.local_of;
-        let engines = || local_of.iter().map(|&engine| engine as usize);
-        let carried = self.loads.carried();
-        let mut forces = Vec::new();
-        if carried.iter().any(|force| *force != Vec3::zeros()) {
-            forces = engines().map(|engine| carried[engine]).collect();
-        }
         let mut state = State::default();
         (state.time, state.step) = (self.time, self.number);
-        state.displacement = engines()
-            .map(|engine| self.displacement_of(engine))
-            .collect();
-        state.velocity = engines().map(|engine| self.velocity_of(engine)).collect();
-        state.stage_start.clone_from(&self.stage_start);
+        self.put_nodes(&mut state);
         state.initial_stress.clone_from(&self.initial_stress);
         state.absent.clone_from(&self.absent);
         state.casts.clone_from(&self.casts);
-        state.carried_forces = forces;
         state
+    }
+
+    /// Writes motion, stage start and carried forces of all nodes of the body into a state.
+    fn put_nodes(&self, state: &mut State) {
+        let carried = self.loads.carried();
+        let is_carried = carried.iter().any(|force| *force != Vec3::zeros());
+        if self.ranks.is_single() {
+            let local_of = &self.subdomain.numbering.local_of;
+            let engines = || local_of.iter().map(|&engine| engine as usize);
+            let displacement = engines().map(|engine| self.displacement_of(engine));
+            state.displacement = displacement.collect();
+            state.velocity = engines().map(|engine| self.velocity_of(engine)).collect();
+            state.stage_start.clone_from(&self.stage_start);
+            if is_carried {
+                state.carried_forces = engines().map(|engine| carried[engine]).collect();
+            }
+            return;
+        }
+        let none = [
+            u64::from(!is_carried),
+            u64::from(self.stage_start.is_empty()),
+        ];
+        let [no_carried, no_start] = none.map(|none| self.ranks.team.least(none) == 1);
+        let mesh_of = &self.subdomain.numbering.mesh_of;
+        let all: Vec<[f64; 12]> = self.of_all_nodes(|node| {
+            let start = self.stage_start.get(mesh_of[node] as usize).copied();
+            let vectors = [
+                self.displacement_of(node),
+                self.velocity_of(node),
+                start.unwrap_or_default(),
+                carried.get(node).copied().unwrap_or_default(),
+            ];
+            core::array::from_fn(|i| vectors[i / 3][i % 3])
+        });
+        let column = |first: usize| all.iter().map(|node| vector(node, first)).collect();
+        (state.displacement, state.velocity) = (column(0), column(3));
+        if !no_start {
+            state.stage_start = column(6);
+        }
+        if !no_carried {
+            state.carried_forces = column(9);
+        }
     }
 
     /// Sets the state of the body. A run continued from the state of another one is bitwise equal to one that was
@@ -322,9 +378,7 @@ impl Model {
             }
         }
         for joint in &state.joints {
-            let mut constraints = self.constraints.iter_mut();
-            let found = constraints.any(|bound| bound.constraint.restore(joint));
-            if !found {
+            if !self.restore_joint(joint)? {
                 return Err(EngineError::UnknownJoint {
                     name: joint.name.clone(),
                     pairs: joint.records.len(),
@@ -342,6 +396,22 @@ impl Model {
             block.set_history(&fields);
         }
         Ok(())
+    }
+
+    /// Restores the state of a joint of the body; returns whether there is a joint of that name with these pairs.
+    ///
+    /// # Errors
+    /// [`EngineError::UnknownJoint`] if no rank has one.
+    pub(crate) fn restore_joint(&mut self, joint: &JointHistory) -> Result<bool, EngineError> {
+        let here = match self.ranks.is_single() {
+            true => Cow::Borrowed(joint),
+            false => match self.here(joint)? {
+                Some(here) => Cow::Owned(here),
+                None => return Ok(true),
+            },
+        };
+        let mut constraints = self.constraints.iter_mut();
+        Ok(constraints.any(|bound| bound.constraint.restore(&here)))
     }
 
     /// Resets a joint, by name, at the present displacement, from which its opening and slip are measured from then
@@ -364,14 +434,29 @@ impl Model {
         let name = format!("{label}/{variable}");
         let blocks = self.blocks[self.embedded.clone()].iter();
         let own = blocks.filter(|block| block.label() == label);
-        let mut fields = own.filter_map(|block| {
+        let fields = own.filter_map(|block| {
             let mut fields = block.history().into_iter();
             fields.find(|field| field.name == name)
         });
-        let mut whole = fields.next()?;
-        fields.for_each(|part| append(&mut whole, part));
-        Some(by_element(whole).values)
+        Some(by_element(fields.reduce(HistoryField::with)?).values)
     }
+
+    /// Whether a block is one of embedded elements.
+    pub(crate) fn is_embedded(&self, block: usize) -> bool {
+        self.embedded.contains(&block)
+    }
+
+    /// Global numbers, labels and history variables of the embedded blocks of this rank.
+    pub(crate) fn own_embedded(&self) -> Vec<(u32, String, Vec<HistoryField>)> {
+        let blocks = self.embedded.clone();
+        let of_block = |block: usize| {
+            let number = self.ranks.block_numbers[block];
+            let block = &self.blocks[block];
+            (number, block.label().into(), block.history())
+        };
+        blocks.map(of_block).collect()
+    }
+
     /// Sets the reference configuration of embedded blocks to the present displacement.
     pub(super) fn install(&mut self) {
         for index in self.embedded.clone() {
@@ -416,16 +501,17 @@ fn check_single(what: &'static str, values: &[Vec3], least: f64) -> Result<(), E
 
 /// Concatenates the history fields of all blocks of a set, given by the label of each block, whether it is
 /// embedded, and its fields; those of embedded blocks are brought into the order of their elements.
-fn merged<'a>(
-    blocks: impl Iterator<Item = (&'a str, bool, Vec<HistoryField>)>,
-) -> Vec<HistoryField> {
+fn merged(blocks: impl Iterator<Item = (String, bool, Vec<HistoryField>)>) -> Vec<HistoryField> {
     let mut index_of: BTreeMap<(String, String, usize), usize> = BTreeMap::new();
     let mut all: Vec<(bool, HistoryField)> = Vec::new();
     for (label, embedded, fields) in blocks {
         for field in fields {
-            let key = (label.to_string(), field.name.clone(), field.points);
+            let key = (label.clone(), field.name.clone(), field.points);
             match index_of.get(&key) {
-                Some(&at) => append(&mut all[at].1, field),
+                Some(&at) => {
+                    let whole = core::mem::take(&mut all[at].1);
+                    all[at].1 = whole.with(field);
+                }
                 None => {
                     index_of.insert(key, all.len());
                     all.push((embedded, field));
@@ -440,14 +526,8 @@ fn merged<'a>(
     all.into_iter().map(in_order).collect()
 }
 
-/// Appends the elements and values of a field of history variables to those of another one.
-fn append(field: &mut HistoryField, part: HistoryField) {
-    field.elements.extend(part.elements);
-    field.values.extend(part.values);
-}
-
 /// A field of history variables with its elements in rising order.
-fn by_element(field: HistoryField) -> HistoryField {
+pub(crate) fn by_element(field: HistoryField) -> HistoryField {
     if field.elements.is_sorted() {
         return field;
     }

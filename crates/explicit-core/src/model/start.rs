@@ -112,24 +112,20 @@ fn beyond(name: &str, element: u32) -> EngineError {
 impl Model {
     /// Internal nodal forces (N, by local node) of the initial stress: the integral of
     /// `B^T sigma_0` over the active elements.
-    pub(crate) fn forces_of_initial_stress(&self) -> Vec<Vec3> {
-        let mut forces = vec![Vec3::zeros(); self.mass.len()];
+    pub(crate) fn forces_of_initial_stress(&mut self) -> Vec<Vec3> {
         if self.initial_stress.is_empty() {
-            return forces;
+            return vec![Vec3::zeros(); self.mass.len()];
         }
-        for (index, block) in self.blocks.iter().enumerate() {
+        self.assembled(|model, index| {
+            let block = &model.blocks[index];
             let of_block = block.elements().iter();
             let stresses: Vec<_> = of_block
-                .map(|&e| self.initial_stress.get(e as usize).copied())
+                .map(|&e| model.initial_stress.get(e as usize).copied())
                 .map(Option::unwrap_or_default)
                 .collect();
-            let nodes = self.subdomain.nodes_of(index);
-            let mut own = vec![Vec3::zeros(); nodes.len()];
+            let mut own = vec![Vec3::zeros(); model.subdomain.nodes_of(index).len()];
             block.add_forces_of(&stresses, &mut own);
-            for (&node, force) in nodes.iter().zip(own) {
-                forces[node as usize] += force;
-            }
-        }
-        forces
+            own
+        })
     }
 }

@@ -64,6 +64,12 @@ impl NodeRanges {
         }))
     }
 
+    /// Whether a node is in one of them, which are in rising order.
+    pub(crate) fn has(&self, node: usize) -> bool {
+        let after = self.0.partition_point(|range| range.start <= node);
+        after > 0 && node < self.0[after - 1].end
+    }
+
     /// The ranges.
     pub(crate) fn ranges(&self) -> &[Range<usize>] {
         &self.0

@@ -1,13 +1,17 @@
 //! Assembly of the part of a model that one rank computes.
 
+use std::collections::HashSet;
+
 use powerhouse_model::{
     Constraint, ConstraintParts, ElementBlock, EngineError, ModelError, PeriodicPairs, Quad,
+    SavedSection,
 };
 
 use super::communicator::Communicator;
 use super::exchange::Exchange;
 use super::fault::Outcome;
 use super::layout::{ABSENT, AllBlocks, Layout};
+use super::whole::WholeJoint;
 use crate::gather::SlotTable;
 use crate::model::block_nodes;
 use crate::node_ranges::NodeRanges;
@@ -179,9 +183,13 @@ pub(crate) struct Ranked {
     pub(crate) block_numbers: Vec<u32>,
     /// Names of the element sets of all ranks, in the order of their first blocks.
     pub(crate) sets: Vec<String>,
-    /// Global numbers of its constraints, and whether any rank has constraints.
+    /// Global numbers of its constraints, and the number of constraints of all ranks.
     pub(crate) constraint_numbers: Vec<u32>,
-    pub(crate) has_constraints: bool,
+    constraint_count: usize,
+    /// Names of the constraints with parts whose work is not divided among them.
+    pub(crate) undivided: Vec<String>,
+    /// The joints of the whole body; empty on one rank, which has all.
+    pub(crate) joints: Vec<WholeJoint>,
     /// Engine numbers of its nodes; empty on one rank, which has all.
     present: Vec<u32>,
     /// Its number of each engine node; empty on one rank.
@@ -208,7 +216,9 @@ impl Ranked {
             block_numbers,
             sets,
             constraint_numbers: Vec::new(),
-            has_constraints: false,
+            constraint_count: 0,
+            undivided: Vec::new(),
+            joints: Vec::new(),
             present: Vec::new(),
             local_of: Vec::new(),
             tables: None,
@@ -293,15 +303,20 @@ impl Ranked {
         numbers: &[u32],
     ) -> Result<Restricted, ModelError> {
         self.constraint_numbers = (0..constraints.len() as u32).collect();
-        self.has_constraints = !constraints.is_empty();
+        self.constraint_count = constraints.len();
         if self.is_single() {
             return Ok((constraints, nodes));
         }
         let engine = |node: u32| numbers.get(node as usize).copied().unwrap_or(ABSENT);
         let is_here = |nodes: &[u32]| nodes.iter().all(|&n| self.local(engine(n)) != ABSENT);
         let (mut kept, mut nodes, mut kept_numbers) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut joints, mut undivided) = (Vec::new(), Vec::new());
         for (number, mut constraint) in (0..).zip(constraints) {
+            joints.extend(constraint.joints().iter().map(WholeJoint::of));
             let parts: Vec<bool> = constraint.parts().iter().map(is_here).collect();
+            if parts.len() > 1 && constraint.divided_work().is_none() {
+                undivided.push(constraint.name().into());
+            }
             if !parts.contains(&true) {
                 continue;
             }
@@ -323,8 +338,31 @@ impl Ranked {
             );
             kept.push(constraint);
         }
+        (self.joints, self.undivided) = (joints, undivided);
         self.constraint_numbers = kept_numbers;
         Ok((kept, nodes))
+    }
+
+    /// The sections of a saved run of all ranks on rank 0, each name once.
+    pub(crate) fn sections_of_all(&self, own: Vec<SavedSection>) -> Vec<SavedSection> {
+        if self.is_single() {
+            return own;
+        }
+        let mut all: Vec<SavedSection> = self.team.all_at_first(&own).concat();
+        let mut names = HashSet::new();
+        all.retain(|section| names.insert(section.name.clone()));
+        all
+    }
+
+    /// For each constraint of this rank, whether it is true of it on any rank.
+    pub(crate) fn of_constraints(&self, own: &[bool]) -> Vec<bool> {
+        let mut all = vec![1; self.constraint_count];
+        for (&number, own) in self.constraint_numbers.iter().zip(own) {
+            all[number as usize] = u64::from(!own);
+        }
+        self.team.least_of_each(&mut all);
+        let numbers = self.constraint_numbers.iter();
+        numbers.map(|&number| all[number as usize] == 0).collect()
     }
 
     /// The error of a part that one rank alone can compute.

@@ -1,19 +1,23 @@
 //! The ranks of a model, with the sums and decisions that they take together.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use powerhouse_model::{ModelError, RankError, Ranks, SingleRank};
+use powerhouse_model::{
+    EngineError, ModelError, RankError, Ranks, SingleRank, StateError, decode, encode,
+};
+use serde::{Serialize, de::DeserializeOwned};
 
 use crate::exact::ExactSum;
 
-/// Communication of a model with those of the other ranks.
+/// Communication of a model with those of the other ranks; clones share it, one model after the other.
 ///
 /// The first failure is kept: from then on operations return their input at once, so that a computation that cannot
 /// return an error ends, and [`check`](Self::check) reports it.
+#[derive(Clone)]
 pub(crate) struct Communicator {
     rank: usize,
     count: usize,
-    state: Mutex<State>,
+    state: Arc<Mutex<State>>,
 }
 
 struct State {
@@ -32,10 +36,10 @@ impl Communicator {
         Self {
             rank: ranks.rank(),
             count: ranks.count(),
-            state: Mutex::new(State {
+            state: Arc::new(Mutex::new(State {
                 ranks,
                 failure: None,
-            }),
+            })),
         }
     }
     /// Number of this rank.
@@ -108,6 +112,13 @@ impl Communicator {
         least[0]
     }
 
+    /// Replaces each number by the least one of any rank.
+    pub(crate) fn least_of_each(&self, numbers: &mut [u64]) {
+        if !self.is_single() {
+            self.attempt(|ranks| ranks.least(numbers));
+        }
+    }
+
     /// The least positive or zero number of any rank, infinity included.
     pub(crate) fn least_of(&self, number: f64) -> f64 {
         // The bits of such numbers have their order.
@@ -148,6 +159,38 @@ impl Communicator {
         let mut rest = &all[..];
         let part = |&length: &i64| rest.split_off(..length as usize).map(<[u8]>::to_vec);
         lengths.iter().filter_map(part).collect()
+    }
+
+    /// Checks that a value, such as a checksum, is the same on all ranks.
+    pub(crate) fn check_same(&self, what: &'static str, value: u64) -> Result<(), ModelError> {
+        let (least, most) = (self.least(value), !self.least(!value));
+        self.check().map_err(|failure| rank_failure(&failure))?;
+        match least == most {
+            true => Ok(()),
+            false => Err(EngineError::RanksDiffer { what }.into()),
+        }
+    }
+
+    /// A value of each rank in their order, on all ranks.
+    ///
+    /// # Errors
+    /// A failure of the communication, or a value that cannot be encoded.
+    pub(crate) fn all<T: Serialize + DeserializeOwned>(
+        &self,
+        own: &T,
+    ) -> Result<Vec<T>, ModelError> {
+        let unsent = |error: StateError| ModelError::refused("ranks", error);
+        let sent = self.of_all(&encode(own).map_err(unsent)?);
+        self.check().map_err(|failure| rank_failure(&failure))?;
+        let values = sent.iter().map(|bytes| decode(bytes).map_err(unsent));
+        values.collect()
+    }
+
+    /// A value of each rank in their order on rank 0; none on others and after a failure.
+    pub(crate) fn all_at_first<T: Serialize + DeserializeOwned>(&self, own: &T) -> Vec<T> {
+        let sent = self.at_first(&encode(own).unwrap_or_default());
+        let values = sent.iter().filter_map(|bytes| decode(bytes).ok());
+        values.collect()
     }
 
     /// The result of work on every rank: an error of one of them is an error on all.

@@ -71,6 +71,24 @@ impl Exchange {
         }
     }
 
+    /// Number of shared nodes, of messages in an exchange, and of the slots that they have together.
+    pub(crate) fn planned(&self) -> (usize, usize, usize) {
+        let slots = self.neighbours.iter().map(|n| n.outgoing.len());
+        let Traffic {
+            shared_nodes,
+            neighbours,
+            ..
+        } = self.traffic;
+        (shared_nodes, neighbours, slots.sum())
+    }
+
+    /// Own slots that some other rank receives.
+    pub(crate) fn sent_slots(&self) -> impl Iterator<Item = u32> + '_ {
+        self.neighbours
+            .iter()
+            .flat_map(|n| n.outgoing.iter().copied())
+    }
+
     /// Sends the own slots of shared nodes. The buffers of the messages received last are used again.
     pub(crate) fn send<S: Storage>(&mut self, team: &Communicator, forces: &[Quad<S>]) {
         self.traffic.exchanges += 1;

@@ -14,12 +14,23 @@ use crate::model::ElementAt;
 
 /// Key of a rank that has not failed, in place of that of a failure.
 const NONE: u64 = u64::MAX;
-/// Key of a rank that is to stop after the next step.
-const STOP: u64 = u64::MAX - 1;
+/// Keys of rank 0 if the state of the run is to be saved, and of a rank that is to stop after the next step.
+const SAVE: u64 = u64::MAX - 1;
+const STOP: u64 = u64::MAX - 2;
 /// Kind of a divergence in the key of a failure, the last in a step.
 const DIVERGED: u64 = 3;
-/// Number of steps between two agreements on stopping.
-const STOP_INTERVAL: u64 = 16;
+/// Number of steps between two agreements on saving and stopping.
+const INTERVAL: u64 = 16;
+
+/// What the ranks do before the next step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Decision {
+    GoOn,
+    /// Save the state of the run.
+    Save,
+    /// Save the state of the run, and stop after the next step.
+    Stop,
+}
 
 /// What a rank knows of the end of a run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,16 +192,61 @@ impl Ranked {
         }
     }
 
-    /// Whether the run stops after the next step: all ranks agree on it every few steps.
-    pub(crate) fn agree_to_stop(&mut self, raised: bool, done: u64) -> Result<bool, RunError> {
+    /// Whether the run is saved, or stops after the next step: all ranks agree on it every few steps.
+    pub(crate) fn agree_to_stop(
+        &mut self,
+        raised: bool,
+        is_due: impl FnOnce() -> bool,
+        done: u64,
+    ) -> Result<Decision, RunError> {
         if self.is_single() {
-            return Ok(raised);
+            return Ok(if raised {
+                Decision::Stop
+            } else {
+                Decision::GoOn
+            });
         }
-        if !done.is_multiple_of(STOP_INTERVAL) {
-            return Ok(false);
+        if !done.is_multiple_of(INTERVAL) {
+            return Ok(Decision::GoOn);
         }
-        let least = self.decide(if raised { STOP } else { NONE })?;
-        Ok(least == STOP)
+        let own = match raised {
+            true => STOP,
+            false if self.team.rank() == 0 && is_due() => SAVE,
+            false => NONE,
+        };
+        Ok(match self.decide(own)? {
+            STOP => Decision::Stop,
+            SAVE => Decision::Save,
+            _ => Decision::GoOn,
+        })
+    }
+
+    /// The result of work on every rank before the first step: a failure of one of them is one on all.
+    pub(crate) fn agree<T>(&self, result: Result<T, RunError>) -> Result<T, RunError> {
+        if self.is_single() {
+            return result;
+        }
+        let team = &self.team;
+        let rank = if result.is_err() {
+            team.rank()
+        } else {
+            team.count()
+        };
+        let first = team.least(rank as u64) as usize;
+        team.check()?;
+        if first >= team.count() {
+            return result;
+        }
+        let message = result.as_ref().err().map(RunError::to_string);
+        let message = team.of_rank(first, message.unwrap_or_default().into_bytes());
+        team.check()?;
+        match result {
+            Err(error) if first == team.rank() => Err(error),
+            _ => Err(RunError::OnRank {
+                rank: first,
+                message: String::from_utf8_lossy(&message).into_owned(),
+            }),
+        }
     }
 
     /// The error of what one rank alone supports in a run.
@@ -231,7 +287,8 @@ impl Ranked {
         }
         let mut of_observers = Checksum::default();
         for observer in observers {
-            let kind = format!("{:?} {:?}", observer.cadence(), observer.fields());
+            let (cadence, fields) = (observer.cadence(), observer.fields());
+            let kind = format!("{cadence:?} {fields:?} {:?}", observer.reach());
             of_observers.add_whole(kind.as_bytes());
         }
         for (what, number) in [
@@ -318,9 +375,12 @@ impl Model {
     }
 
     /// Of the elements of all ranks at an engine node, the one with the highest frequency bound, on all ranks.
-    fn element_of_all(&self, node: u64) -> ElementAt {
+    pub(crate) fn element_of_all(&self, node: u64) -> ElementAt {
         let team = &self.ranks.team;
         let local = self.ranks.local(node as u32);
+        if team.is_single() {
+            return self.element_at(node as usize);
+        }
         let own = match local {
             ABSENT => ElementAt::default(),
             _ => self.element_at(local as usize),

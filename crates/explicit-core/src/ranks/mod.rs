@@ -15,16 +15,24 @@
 mod assembly;
 mod communicator;
 mod distribution;
+mod engine;
 mod exchange;
 mod fault;
+mod fingerprint;
+mod forecast;
 mod gathered;
 mod layout;
 mod model;
+mod whole;
 
 pub(crate) use assembly::{BlockAssembly, BuiltSolids, Ranked};
 pub(crate) use communicator::{Communicator, rank_failure};
 pub use distribution::Distribution;
+pub use engine::ExplicitOnRanks;
 pub use exchange::Traffic;
-pub(crate) use gathered::Gathered;
+pub(crate) use fault::Decision;
+pub(crate) use fingerprint::fingerprint;
+pub(crate) use gathered::{Gathered, Wanted};
 pub(crate) use layout::ABSENT;
 pub use model::RankModel;
+pub(crate) use whole::{read, vector, write};

@@ -18,10 +18,10 @@ use crate::{Model, run_reporting};
 /// the same to the bit on every rank that has it, and as in a [`Model`] on one rank, with any number of ranks and threads.
 /// The specification should name the block size: there must be a block for each rank, and results depend on it by rounding.
 ///
-/// What can be computed on several ranks at present: all elements, laws, boundary conditions, loads, absorbing
-/// boundaries, embedded elements and constraints, from rest or from a state without joints; dynamic runs with the stable
-/// step, and the energy balance in models without constraints; observers of nodal motion, declared stresses and energies.
-/// Not so other observers, checkpoints, profiles and static solutions.
+/// What can be computed on several ranks: all elements, laws, boundary conditions, loads, absorbing boundaries, embedded
+/// elements and constraints; dynamic runs with the stable step and the energy balance, as far as constraints [divide their
+/// work](powerhouse_model::Constraint::divided_work); all observers that declare [what they
+/// read](powerhouse_model::Observer::reach); checkpoints, which rank 0 receives every sixteenth step at most. Not so profiles.
 ///
 /// ```
 /// use powerhouse_elements::{Hex8OnePoint, solid};
@@ -78,16 +78,29 @@ impl RankModel {
     /// [`EngineError::MoreRanksThanElements`](powerhouse_model::EngineError::MoreRanksThanElements),
     /// [`EngineError::RanksDiffer`](powerhouse_model::EngineError::RanksDiffer) for ranks with other elements,
     /// [`EngineError::OneRankOnly`](powerhouse_model::EngineError::OneRankOnly), and a failure of the communication.
-    pub fn build(mut spec: ModelSpec, ranks: Box<dyn Ranks>) -> Result<Self, ModelError> {
-        if ranks.count() > 1 {
+    pub fn build(spec: ModelSpec, ranks: Box<dyn Ranks>) -> Result<Self, ModelError> {
+        Self::build_on(spec, Communicator::new(ranks))
+    }
+
+    /// The same with ranks that further models use.
+    pub(super) fn build_on(mut spec: ModelSpec, team: Communicator) -> Result<Self, ModelError> {
+        if !team.is_single() {
             spec.threads = spec.threads.or(Some(1));
         }
-        let model = build_on(spec, Communicator::new(ranks))?;
+        let model = build_on(spec, team)?;
         let team = &model.ranks.team;
         team.check().map_err(|failure| rank_failure(&failure))?;
         Ok(Self { model })
     }
 
+    /// The part of the model.
+    pub(super) fn local(&self) -> &Model {
+        &self.model
+    }
+    /// The part of the model, to be changed on all ranks alike.
+    pub(super) fn local_mut(&mut self) -> &mut Model {
+        &mut self.model
+    }
     /// Number of this rank.
     pub fn rank(&self) -> usize {
         self.model.ranks.team.rank()
@@ -123,22 +136,22 @@ impl RankModel {
 
     /// Whether this rank has a mesh node.
     pub fn has(&self, node: u32) -> bool {
-        self.local(node).is_some()
+        self.node(node).is_some()
     }
     /// Lumped mass (kg) of a mesh node; none if this rank does not have it.
     pub fn mass(&self, node: u32) -> Option<f64> {
-        self.local(node).map(|local| self.model.mass[local])
+        self.node(node).map(|local| self.model.mass[local])
     }
     /// Displacement (m) of a mesh node at [`time`](Self::time); none if this rank does not have it.
     pub fn displacement(&self, node: u32) -> Option<Vec3> {
-        self.local(node)
+        self.node(node)
             .map(|local| self.model.displacement_of(local))
     }
     /// Velocity (m/s) of a mesh node, half a step before [`time`](Self::time); none if this rank does not have it.
     pub fn velocity(&self, node: u32) -> Option<Vec3> {
-        self.local(node).map(|local| self.model.velocity_of(local))
+        self.node(node).map(|local| self.model.velocity_of(local))
     }
-    fn local(&self, node: u32) -> Option<usize> {
+    fn node(&self, node: u32) -> Option<usize> {
         self.model.subdomain.numbering.local(node as usize)
     }
 
@@ -202,12 +215,13 @@ impl RankModel {
     ) -> Result<(), RunError> {
         let ranks = self.rank_count();
         let balanced = options.energy.is_some() || observers.iter().any(|o| o.fields().energy);
-        let constrained = balanced && self.model.ranks.has_constraints;
+        let undivided = balanced && !self.model.ranks.undivided.is_empty();
         let refused = [
-            ("a checkpoint", options.checkpoints.is_some()),
-            ("a saved state", options.resume.is_some()),
             ("a profile", options.profile),
-            ("an energy balance with constraints", constrained),
+            (
+                "an energy balance with a constraint that does not divide its work",
+                undivided,
+            ),
         ];
         match refused.into_iter().find(|(_, used)| *used) {
             Some((what, _)) if ranks > 1 => Err(RunError::OneRankOnly { what, ranks }),

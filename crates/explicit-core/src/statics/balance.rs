@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::Model;
 use crate::model::{BlockTerms, block_forces};
 use crate::nodes::with_nodes;
+use crate::ranks::Ranked;
 use crate::subdomain::NodalMotion;
 
 /// Length of step (s) at which the stress of a viscoelastic law differs from its static stress.
@@ -34,7 +35,8 @@ impl Model {
             model.groups.motion.invalidate();
             with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
             model.begin_stage();
-            model.refuse_viscoelastic()?;
+            let refused = model.refuse_viscoelastic()?;
+            model.agreed(refused)?;
             let mut before = model.loads.carried().to_vec();
             before.resize(model.mass.len(), Vec3::zeros());
             let (carried, scale) = model.balancing_forces(Loads::Own)?;
@@ -51,12 +53,11 @@ impl Model {
             };
             // NaN counts as a difference too.
             if !report.difference.is_finite() || report.difference > tolerance {
-                let sizes = change.iter().map(|force| force.norm());
-                let worst = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+                let (node, _) = model.largest_at(&change);
                 return Err(StaticError::CarriedForcesChanged {
                     difference: report.difference,
                     tolerance,
-                    node: model.node_tag(worst.map_or(0, |(node, _)| node)),
+                    node,
                 });
             }
             model.set_carried_forces(carried);
@@ -116,8 +117,9 @@ impl Model {
         Ok((forces, size))
     }
 
-    /// Refuses viscoelastic laws, whose stress depends on the length of the step at zero velocity.
-    fn refuse_viscoelastic(&mut self) -> Result<(), StaticError> {
+    /// Refuses, as the inner result of this rank, viscoelastic laws, whose stress depends on the length of the step at zero
+    /// velocity.
+    fn refuse_viscoelastic(&mut self) -> Result<Result<(), StaticError>, StaticError> {
         let size = |forces: &[Vec3]| forces.iter().map(Vec3::norm_squared).sum::<f64>().sqrt();
         self.compute_static_forces(SOME_STEP)?;
         let moving = self.force_buffers();
@@ -125,12 +127,12 @@ impl Model {
         for ((block, moving), still) in self.blocks.iter().zip(moving).zip(self.force_buffers()) {
             let change: Vec<Vec3> = moving.iter().zip(&still).map(|(a, b)| a - b).collect();
             if size(&change) > SAME * size(&still) {
-                return Err(StaticError::Viscoelastic {
+                return Ok(Err(StaticError::Viscoelastic {
                     set: block.label().into(),
-                });
+                }));
             }
         }
-        Ok(())
+        Ok(Ok(()))
     }
 
     /// The last forces (N) of each block.
@@ -161,14 +163,27 @@ impl Model {
             let evaluation = BlockTerms::of_statics(when);
             block_forces(subdomain, blocks, motion, &mut arrays.forces, evaluation, None)
         });
-        match fault {
+        let mut order = 0;
+        let computed = match fault {
             None => Ok(()),
-            Some((set, fault)) => Err(StaticError::Element {
-                element: self.element_tag(fault.element),
-                set,
-                reason: fault.reason,
-            }),
-        }
+            Some((set, fault)) => {
+                let block = self.subdomain.block_of_element.get(fault.element as usize);
+                let block = block.map(|(block, _)| *block as usize);
+                let number = block.and_then(|block| self.ranks.block_numbers.get(block));
+                order = number.map_or(u64::MAX - 1, |&number| number.into());
+                Err(StaticError::Element {
+                    element: self.element_tag(fault.element),
+                    set,
+                    reason: fault.reason,
+                })
+            }
+        };
+        self.agreed_by(computed, order)?;
+        let Ranked { exchange, team, .. } = &mut self.ranks;
+        with_nodes!(&mut self.nodes, arrays => {
+            exchange.swap(team, &mut arrays.forces);
+        });
+        Ok(self.ranks.team.check()?)
     }
 
     /// The last internal forces (N) by engine node.

@@ -23,7 +23,8 @@ pub(super) fn solve(
     let mut preconditioned = system.precondition(&residual);
     let mut direction = preconditioned.clone();
     let mut weight = system.dot(&residual, &preconditioned);
-    let most = (MOST_PRODUCTS * (3.0 * b.len() as f64).cbrt()).max(200.0) as u64;
+    let unknowns = 3.0 * system.node_count_of_all() as f64;
+    let most = (MOST_PRODUCTS * unknowns.cbrt()).max(200.0) as u64;
     let mut size = system.norm(&residual);
     for products in 0..most {
         if size <= goal {

@@ -6,7 +6,6 @@ use powerhouse_model::{
 
 use crate::Model;
 use crate::groups::NodeGroup;
-use crate::model::least_mass;
 
 /// Length of step (s) in which joint laws are evaluated for tractions in static equilibrium; forces do not
 /// depend on it.
@@ -171,7 +170,7 @@ impl Model {
             Ok(())
         });
         self.constraints = constraints;
-        corrected
+        self.agreed(corrected)
     }
 
     /// Contact states and history variables of the joints.
@@ -214,7 +213,7 @@ impl Model {
 
     /// Computes the tractions of joints in static equilibrium, and refuses joints whose law does not admit them.
     pub(super) fn load_joints(&mut self) -> Result<(), StaticError> {
-        if self.constraints.is_empty() {
+        if self.on_all_ranks(self.constraints.is_empty()) {
             return Ok(());
         }
         self.compute_static_forces(0.0)?;
@@ -230,7 +229,7 @@ impl Model {
             forces[lead] -= group.spring * (self.displacement_of(lead) - origin);
         }
         self.gather_members(&mut forces);
-        let (groups, least) = (&self.groups.groups, least_mass(&self.mass));
+        let (groups, least) = (&self.groups.groups, self.ranks.least_mass);
         let free = |mass: f64| Mat3::identity() / mass;
         let inverse = |node: usize| match self.group_of[node].map(|g| &groups[g as usize]) {
             Some(group) => (group.orphan_inverse(least))
@@ -247,10 +246,14 @@ impl Model {
         let connected = self.connected_pairs(ConnectedPairs::Sticking).len();
         self.prepare_joints(SOME_STEP, &inverse);
         self.correct_joints(SOME_STEP, (&displacement, &still), &mut velocity, &inverse)?;
-        if self.connected_pairs(ConnectedPairs::Sticking).len() == connected {
+        let holds = self.connected_pairs(ConnectedPairs::Sticking).len() == connected;
+        if self.on_all_ranks(holds) {
             return Ok(());
         }
-        self.check_joints(ConnectedPairs::Sticking)?;
+        self.agreed(self.check_joints(ConnectedPairs::Sticking))?;
+        if holds {
+            return self.agreed(Ok(()));
+        }
         let mut moved = (String::new(), 0, 0);
         for joint in self.joints() {
             let states = joint.records.iter().map(|record| record.state.contact);
@@ -260,6 +263,6 @@ impl Model {
             }
         }
         let (joint, pairs, of) = moved;
-        Err(StaticError::JointMoves { joint, pairs, of })
+        self.agreed(Err(StaticError::JointMoves { joint, pairs, of }))
     }
 }

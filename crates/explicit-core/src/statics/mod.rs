@@ -1,6 +1,7 @@
 //! Static equilibrium of a model: increments of load, a preconditioned conjugate gradient on the
 //! element blocks, and accelerated iteration for laws that are not linear.
 
+mod agreement;
 mod balance;
 mod corrector;
 #[cfg(feature = "direct")]
@@ -72,12 +73,31 @@ impl Model {
         self.in_pool(|model| model.equilibrate_here(options, progress))
     }
 
+    /// Refuses what one rank alone supports.
+    fn check_options(&self, options: &StaticOptions) -> Result<(), StaticError> {
+        let ranks = self.ranks.team.count();
+        let is_direct = matches!(options.method, StaticMethod::Cholesky(_));
+        let refused = [
+            ("the static method `direct`", is_direct),
+            (
+                "a checkpoint within a stage",
+                self.static_checkpoints.is_some(),
+            ),
+            ("a saved state of a stage", self.static_resume.is_some()),
+        ];
+        match refused.into_iter().find(|(_, used)| *used) {
+            Some((what, _)) if ranks > 1 => Err(StaticError::OneRankOnly { what, ranks }),
+            _ => Ok(()),
+        }
+    }
+
     fn equilibrate_here(
         &mut self,
         options: &StaticOptions,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<StaticReport, StaticError> {
         let relaxes = options.method == StaticMethod::DynamicRelaxation;
+        self.check_options(options)?;
         self.check_static(if relaxes {
             ConnectedPairs::Closed
         } else {
@@ -91,7 +111,7 @@ impl Model {
         let mut solver = match options.method {
             StaticMethod::DynamicRelaxation => {
                 system.separate_joints()?;
-                Solver::Relaxation(Relaxation::new(&system, options.steps))
+                Solver::Relaxation(Relaxation::new(&system, options.steps)?)
             }
             _ => Solver::Corrector(Corrector::new(options.method, &system, &mut report)?),
         };

@@ -36,7 +36,10 @@ pub(super) struct Relaxation {
 impl Relaxation {
     /// Masses from row sums of the elastic operator: no eigenvalue of `M^-1 K` exceeds the largest
     /// `sum_j |K_ij| / m_i` (Gershgorin 1931).
-    pub(super) fn new(system: &System, most_steps: u32) -> Self {
+    ///
+    /// # Errors
+    /// A failure of the communication between ranks.
+    pub(super) fn new(system: &System, most_steps: u32) -> Result<Self, StaticError> {
         let blocks = system.blocks();
         let of_block = |index: usize| {
             let mut rows: Vec<(u32, Vec3)> = Vec::new();
@@ -51,6 +54,7 @@ impl Relaxation {
             rows
         };
         let rows: Vec<_> = (0..blocks.count()).into_par_iter().map(of_block).collect();
+        let rows = system.rows_of_all(rows)?;
         let mut stiffness = vec![Vec3::zeros(); system.node_count()];
         for (node, row) in rows.into_iter().flatten() {
             stiffness[node as usize] += row;
@@ -58,7 +62,7 @@ impl Relaxation {
         let masses: Vec<f64> = (stiffness.iter())
             .map(|rows| MASS_FACTOR * 0.25 * STEP * STEP * rows.max())
             .collect();
-        let least = least_mass(&masses);
+        let least = system.least_of_all(least_mass(&masses));
         let mut effective: Vec<Mat3> = (masses.iter())
             .map(|mass| Mat3::identity() * *mass)
             .collect();
@@ -84,11 +88,11 @@ impl Relaxation {
             effective[lead] = whole;
             inverse[lead] = group.condition.project(&free).0;
         }
-        Self {
+        Ok(Self {
             effective,
             inverse,
             most_steps,
-        }
+        })
     }
 
     /// Unbalanced forces (N) without the part that joints balance at a displacement; the state of the joints is left

@@ -11,6 +11,7 @@ use crate::groups::NodeGroup;
 use crate::model::ElementAt;
 use crate::node_ranges::NodeSums;
 use crate::nodes::{Storage, with_nodes};
+use crate::ranks::ABSENT;
 use crate::subdomain::Subdomain;
 
 /// The static equilibrium equations of a model, with the inverse nodal diagonals of its elastic operator.
@@ -33,20 +34,17 @@ impl<'a> System<'a> {
     pub(super) fn new(model: &'a mut Model) -> Result<Self, StaticError> {
         model.groups.motion.invalidate();
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
-        let mut diagonal = vec![Mat3::zeros(); model.mass.len()];
         let of_blocks = model.blocks.par_iter().enumerate().map(|(index, block)| {
             let mut own = vec![Mat3::zeros(); model.subdomain.nodes_of(index).len()];
             block.diagonal(Operator::Elastic, &mut own);
             own
         });
         let of_blocks: Vec<Vec<Mat3>> = of_blocks.collect();
-        refuse_without_stiffness(model, &of_blocks)?;
-        for (index, own) in of_blocks.into_iter().enumerate() {
-            for (&node, own) in model.subdomain.nodes_of(index).iter().zip(own) {
-                diagonal[node as usize] += own;
-            }
-        }
+        let checked = refuse_without_stiffness(model, &of_blocks);
+        model.agreed(checked)?;
+        let diagonal = model.assembled_matrices(&of_blocks);
         let linear = model.blocks.iter().all(|block| block.history().is_empty());
+        let linear = model.on_all_ranks(linear);
         let mut system = Self {
             model,
             groups: Vec::new(),
@@ -60,13 +58,15 @@ impl<'a> System<'a> {
 
     /// Treats sticking pairs of joints and ties as one node each.
     pub(super) fn merge_joints(&mut self) -> Result<(), StaticError> {
-        let groups = self.model.merged_groups()?;
-        self.regroup(groups)
+        let groups = self.model.agreed(self.model.merged_groups())?;
+        let regrouped = self.regroup(groups);
+        self.model.agreed(regrouped)
     }
 
     /// Treats the nodes of all pairs of constraints as separate.
     pub(super) fn separate_joints(&mut self) -> Result<(), StaticError> {
-        self.regroup(self.model.groups.groups.clone())
+        let regrouped = self.regroup(self.model.groups.groups.clone());
+        self.model.agreed(regrouped)
     }
 
     fn regroup(&mut self, groups: Vec<NodeGroup>) -> Result<(), StaticError> {
@@ -155,11 +155,13 @@ impl<'a> System<'a> {
         groups.flat_map(change).collect()
     }
 
-    /// Fails if the cancellation flag is set.
+    /// Fails if the cancellation flag of any rank is set.
     pub(super) fn check_stop(&self) -> Result<(), StaticError> {
-        match self.model.is_stopped() {
-            true => Err(StaticError::Interrupted),
-            false => Ok(()),
+        let goes_on = self.model.on_all_ranks(!self.model.is_stopped());
+        self.model.ranks.team.check()?;
+        match goes_on {
+            true => Ok(()),
+            false => Err(StaticError::Interrupted),
         }
     }
 
@@ -243,9 +245,63 @@ impl<'a> System<'a> {
         self.sums().norm(a)
     }
 
+    /// Number of nodes of all ranks.
+    pub(super) fn node_count_of_all(&self) -> usize {
+        self.model.subdomain.numbering.local_of.len()
+    }
+
     /// Number of nodes.
     pub(super) fn node_count(&self) -> usize {
         self.inverse.len()
+    }
+
+    /// Rows of matrices at the nodes of this rank (local numbers), block by block in the global order of the blocks, from
+    /// those of its own blocks: those of other ranks are at nodes that it shares with them.
+    pub(super) fn rows_of_all(
+        &self,
+        own: Vec<Vec<(u32, Vec3)>>,
+    ) -> Result<Vec<Vec<(u32, Vec3)>>, StaticError> {
+        let ranks = &self.model.ranks;
+        if ranks.is_single() {
+            return Ok(own);
+        }
+        let mut shared = vec![false; self.model.mass.len()];
+        for slot in ranks.exchange.sent_slots() {
+            shared[self.model.subdomain.node_of_slot(slot) as usize] = true;
+        }
+        type Rows = Vec<(u32, Vec3)>;
+        let numbered = ranks.block_numbers.iter().copied().zip(own);
+        let mut all: Vec<(u32, Rows)> = numbered.collect();
+        let at_border = all.iter().map(|(number, rows)| {
+            let rows = rows.iter().filter(|(node, _)| shared[*node as usize]);
+            let engine = |&(node, row): &(u32, Vec3)| (ranks.engine(node as usize) as u32, row);
+            (*number, rows.map(engine).collect())
+        });
+        let sent: Vec<(u32, Rows)> = at_border.collect();
+        let received = ranks.team.all(&sent).map_err(|error| StaticError::OnRank {
+            rank: ranks.team.rank(),
+            message: error.to_string(),
+        })?;
+        for (rank, received) in received.into_iter().enumerate() {
+            if rank == ranks.team.rank() {
+                continue;
+            }
+            all.extend(received.into_iter().map(|(number, rows)| {
+                let local = |(node, row): (u32, Vec3)| (ranks.local(node), row);
+                let here = rows
+                    .into_iter()
+                    .map(local)
+                    .filter(|(node, _)| *node != ABSENT);
+                (number, here.collect())
+            }));
+        }
+        all.sort_by_key(|(number, _)| *number);
+        Ok(all.into_iter().map(|(_, rows)| rows).collect())
+    }
+
+    /// The least positive number of any rank.
+    pub(super) fn least_of_all(&self, number: f64) -> f64 {
+        self.model.ranks.team.least_of(number)
     }
 
     /// The model.
@@ -317,19 +373,11 @@ impl<'a> System<'a> {
         relative: f64,
         increment: &Increment,
     ) -> StaticError {
-        let mut worst = (0, -1.0);
-        for (node, rest) in residual.iter().enumerate() {
-            let size = rest.norm();
-            // The first node whose force is not finite counts as the largest.
-            if size > worst.1 || (!size.is_finite() && worst.1.is_finite()) {
-                worst = (node, size);
-            }
-        }
-        let ElementAt { element, set, .. } = self.model.element_at(worst.0);
+        let (node, ElementAt { element, set, .. }) = self.model.largest_at(residual);
         StaticError::NotConverged {
             residual: relative,
             share: increment.share,
-            node: self.model.node_tag(worst.0),
+            node,
             element,
             set,
             advice: match increment.options.method {
@@ -376,7 +424,7 @@ impl Blocks<'_> {
 /// Refuses sets whose elements give a node less stiffness than the rounding of the stiffest.
 fn refuse_without_stiffness(model: &Model, of_blocks: &[Vec<Mat3>]) -> Result<(), StaticError> {
     let all = of_blocks.iter().flatten().map(Mat3::trace);
-    let most = all.fold(0.0, f64::max);
+    let most = model.ranks.team.most_of(all.fold(0.0, f64::max));
     for (index, (block, own)) in model.blocks.iter().zip(of_blocks).enumerate() {
         if block.elements().is_empty() {
             continue;

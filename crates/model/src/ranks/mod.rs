@@ -1,10 +1,12 @@
 //! Ranks: parts of one computation with memory of their own, which exchange messages.
 
+mod forecast;
 mod single;
 mod threads;
 
 use thiserror::Error;
 
+pub use forecast::RankForecast;
 pub use single::SingleRank;
 pub use threads::ThreadRanks;
 

@@ -171,6 +171,25 @@ pub enum StaticError {
     /// Cancellation by the flag of [`ModelSpec::stop_on`](crate::ModelSpec::stop_on).
     #[error("interrupted")]
     Interrupted,
+    /// A failure of the communication between ranks.
+    #[error(transparent)]
+    Ranks(#[from] crate::RankError),
+    /// An option that one rank alone supports, before the solution.
+    #[error("{what} cannot be used on {ranks} ranks, only on one")]
+    OneRankOnly {
+        /// The option.
+        what: &'static str,
+        /// Number of ranks.
+        ranks: usize,
+    },
+    /// An error on another rank, which ends the solution on all of them.
+    #[error("rank {rank}: {message}")]
+    OnRank {
+        /// Number of the rank.
+        rank: usize,
+        /// Message of its error.
+        message: String,
+    },
     /// Conjugate gradients that do not converge.
     #[error(
         "the linear solver leaves a relative residual of {residual:.3e} after {products} products"

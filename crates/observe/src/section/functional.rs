@@ -33,6 +33,11 @@ impl Functional {
         }
     }
 
+    /// Mesh indices of the elements.
+    pub(super) fn elements(&self) -> impl Iterator<Item = u32> + '_ {
+        self.elements.iter().map(|&(element, _)| element)
+    }
+
     /// The virtual works at a step; none if the engine does not provide element forces.
     pub(super) fn works(&self, view: &dyn StepView) -> Option<[f64; RESULTANTS]> {
         let mut works = [0.0; RESULTANTS];

@@ -5,7 +5,7 @@ mod pieces;
 mod plane;
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, Mesh, ModelError, Observer, StateError, StepView, Vec3,
+    Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView, Vec3,
 };
 
 use super::{HistoryTable, ObserveError, Recording, check_cadence};
@@ -271,6 +271,13 @@ impl Observer for SectionForces {
     }
     fn fields(&self) -> Fields {
         Fields::default()
+    }
+    fn reach(&self) -> Reach {
+        let sections = self.sections.iter();
+        let elements = sections.flat_map(|section| section.functional.elements());
+        Reach::NONE
+            .with_elements(Selection::These(elements.collect()))
+            .with_element_forces()
     }
     fn cadence(&self) -> Cadence {
         self.cadence

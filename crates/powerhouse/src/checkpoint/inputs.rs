@@ -55,6 +55,14 @@ impl RunInputs {
         }
     }
 
+    /// A checksum of all inputs, by which processes that run one scene together find that theirs differ; where the scene
+    /// is has no influence.
+    pub fn checksum(&self) -> u64 {
+        let mut sum = Checksum::default();
+        sum.add_whole(format!("{:?} {:?}", self.case, self.items).as_bytes());
+        sum.value()
+    }
+
     /// Names of the inputs that differ from those of another run, those that exist in one of the two included.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut names = Vec::new();

@@ -1,0 +1,73 @@
+//! Printed forecast of a run on several ranks.
+
+use std::time::Duration;
+
+use powerhouse::model::RankForecast;
+use powerhouse_study::CheckReport;
+
+use crate::report::{bytes, duration};
+use crate::terminal::say;
+
+/// Assumed time of a message (s) and rates (bytes/s) of the network, and of the processor in packing and unpacking.
+const LATENCY: f64 = 2e-6;
+const NETWORK: f64 = 10e9;
+const PACKING: f64 = 4e9;
+/// Memory of the mesh (bytes): position and number of a node; nodes, number and place in the blocks of an element. Every
+/// rank has the whole of it.
+const OF_NODE: u64 = 64;
+const OF_ELEMENT: u64 = 80;
+
+/// Prints elements, shared nodes and messages of the ranks, and what a step costs by the timed steps of a check.
+pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport) {
+    let count = ranks.len();
+    say!("\non {count} ranks");
+    let range = |of: fn(&RankForecast) -> usize| {
+        let (least, most) = ranks
+            .iter()
+            .map(of)
+            .fold((usize::MAX, 0), |(low, high), n| (low.min(n), high.max(n)));
+        (least, most)
+    };
+    let elements = range(|rank| rank.elements);
+    let shared = range(|rank| rank.shared_nodes);
+    let messages = range(|rank| rank.messages);
+    let sent = range(|rank| rank.bytes);
+    say!("  {} to {} elements", elements.0, elements.1);
+    say!(
+        "  {} to {} nodes shared with other ranks",
+        shared.0,
+        shared.1
+    );
+    say!(
+        "  {} to {} messages a step with {} to {} bytes together",
+        messages.0,
+        messages.1,
+        sent.0,
+        sent.1
+    );
+    let all: usize = ranks.iter().map(|rank| rank.elements).sum();
+    let share = elements.1 as f64 / all.max(1) as f64;
+    // As if a rank had the threads of the timed steps.
+    let whole = check.cost.wall_time.as_secs_f64() / check.cost.steps.max(1) as f64;
+    let computed = whole * share;
+    let (messages, sent) = (messages.1 as f64, sent.1 as f64);
+    let exchanged = LATENCY * messages + sent / NETWORK + 2.0 * sent / PACKING;
+    let step = computed + exchanged;
+    say!(
+        "  about {:.3} ms a step, {:.3} ms of them exchange, {} for the run: efficiency {:.0} %, if every rank has as many threads \
+         as this check and a message takes {:.0} us and {:.0} GB/s",
+        1e3 * step,
+        1e3 * exchanged,
+        duration(Duration::from_secs_f64(step * check.cost.steps as f64)),
+        100.0 * whole / (step * count as f64),
+        1e6 * LATENCY,
+        NETWORK / 1e9
+    );
+    let mesh = OF_NODE * check.nodes as u64 + OF_ELEMENT * check.elements as u64;
+    let own = check.cost.memory.saturating_sub(mesh) as f64 * share;
+    say!(
+        "  about {} memory a rank, {} of it for the mesh, which every rank has",
+        bytes(mesh + own as u64),
+        bytes(mesh)
+    );
+}

@@ -1,0 +1,173 @@
+//! Runs on several ranks: the processes of `mpirun -n 4 powerhouse run scene.toml`.
+//!
+//! Every process reads the scene and takes the same steps. Rank 0 writes the results and what is to be read; the others
+//! follow in silence.
+
+use std::fmt;
+use std::sync::Arc;
+
+use powerhouse::engine::ExplicitOnRanks;
+use powerhouse::engine::observe::{Snapshot, SnapshotSink};
+use powerhouse::model::Checksum;
+use powerhouse::{RunInputs, Scene};
+
+use crate::Outcome;
+
+/// Place of this process among those of a run.
+#[derive(Clone, Default)]
+pub(crate) struct Place {
+    /// The engine of its rank; none for the only process.
+    engine: Option<Arc<ExplicitOnRanks>>,
+}
+
+impl Place {
+    /// Whether this process writes the results.
+    pub(crate) fn leads(&self) -> bool {
+        self.engine.as_ref().is_none_or(|engine| engine.rank() == 0)
+    }
+
+    /// Number of processes.
+    pub(crate) fn count(&self) -> usize {
+        self.engine.as_ref().map_or(1, |engine| engine.rank_count())
+    }
+
+    /// Refuses what one process alone supports.
+    pub(crate) fn refuse(&self, used: &[(&str, bool)]) -> Result<(), Box<dyn std::error::Error>> {
+        match used.iter().find(|(_, used)| *used) {
+            Some((what, _)) if self.count() > 1 => {
+                let count = self.count();
+                Err(format!("{what} cannot be used on {count} ranks, only on one").into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The result of this process if all have succeeded; a failure of one is one of all.
+    pub(crate) fn agree<T>(
+        &self,
+        result: Result<T, Box<dyn std::error::Error>>,
+    ) -> Result<T, Box<dyn std::error::Error>> {
+        let Some(engine) = &self.engine else {
+            return result;
+        };
+        let failure = result
+            .as_ref()
+            .err()
+            .map(|error| crate::explain(error.as_ref()));
+        let agreed = engine.agree(failure.as_deref());
+        let value = result?;
+        agreed?;
+        Ok(value)
+    }
+
+    /// Whether something is true of all processes.
+    pub(crate) fn all(&self, own: bool) -> Result<bool, Box<dyn std::error::Error>> {
+        match &self.engine {
+            None => Ok(own),
+            Some(engine) => Ok(engine.all(own)?),
+        }
+    }
+
+    /// The scene on the engine of this rank, after a check that all have the same one.
+    ///
+    /// # Errors
+    /// Scenes, files that they name, or programs that differ between the ranks.
+    pub(crate) fn take(
+        &self,
+        scene: Scene,
+        inputs: &RunInputs,
+    ) -> Result<Scene, Box<dyn std::error::Error>> {
+        let Some(engine) = &self.engine else {
+            return Ok(scene);
+        };
+        engine.check_same("the scene, or a file that it names,", inputs.checksum())?;
+        let program = std::env::current_exe().and_then(std::fs::read);
+        let sum = program.map(|bytes| Checksum::of(&bytes).value());
+        engine.check_same("the program", sum.unwrap_or_default())?;
+        Ok(scene.with_engine(engine.clone()))
+    }
+}
+
+/// Text of an error that is printed as it is.
+#[derive(Debug)]
+pub(crate) struct Explained(String);
+
+impl fmt::Display for Explained {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Explained {}
+
+/// Receiver of the snapshots of a rank that writes none, and sees none.
+pub(crate) struct NoSnapshots;
+
+impl SnapshotSink for NoSnapshots {
+    fn take(
+        &mut self,
+        _snapshot: &Snapshot,
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(())
+    }
+}
+
+/// Refuses to run a command other than `run` on several processes, of which each would do the same.
+pub(crate) fn refuse_processes() -> Result<(), Box<dyn std::error::Error>> {
+    match powerhouse::mpi::processes() {
+        Some(count) if count > 1 => Err(format!(
+            "{count} processes were started: of all commands `run` alone is computed by several"
+        )
+        .into()),
+        _ => Ok(()),
+    }
+}
+
+/// Calls a function on every process of a run; an error of one ends all.
+pub(crate) fn on_all(work: impl FnOnce(&Place) -> Outcome + Send) -> Outcome {
+    match powerhouse::mpi::processes() {
+        Some(count) if count > 1 => on_processes(count, work),
+        _ => work(&Place::default()),
+    }
+}
+
+/// Refuses processes that know nothing of each other: each would write the same files.
+#[cfg(not(feature = "mpi"))]
+fn on_processes(count: usize, _work: impl FnOnce(&Place) -> Outcome + Send) -> Outcome {
+    Err(format!(
+        "{count} processes were started, but this powerhouse was built without MPI: build it with \
+         `cargo build --release --features mpi`, or start it as one process"
+    )
+    .into())
+}
+
+#[cfg(feature = "mpi")]
+fn on_processes(_count: usize, work: impl FnOnce(&Place) -> Outcome + Send) -> Outcome {
+    use std::process::ExitCode;
+
+    use powerhouse::mpi::with_ranks;
+
+    use crate::{FAILED, terminal};
+
+    let on_rank = |ranks: powerhouse::mpi::MpiRanks| {
+        let engine = Arc::new(ExplicitOnRanks::new(Box::new(ranks)));
+        let rank = engine.rank();
+        if rank > 0 {
+            terminal::mute();
+        }
+        let place = Place {
+            engine: Some(engine),
+        };
+        let outcome = work(&place);
+        outcome.map_err(|error| (rank, crate::explain(error.as_ref())))
+    };
+    let report = |(rank, text): &(usize, String)| {
+        terminal::aside(format_args!("rank {rank}: {text}"));
+    };
+    match with_ranks(on_rank, report)? {
+        Ok(status) => Ok(status),
+        // Printed by rank 0.
+        Err((rank, _)) if rank > 0 => Ok(ExitCode::from(FAILED)),
+        Err((_, text)) => Err(Box::new(Explained(text))),
+    }
+}
