@@ -320,7 +320,9 @@ impl Observer for History {
         });
         Reach::NONE
             .with_nodes(Selection::These(nodes.collect()))
-            .with_elements(Selection::These(self.elements.clone()))
+            .with_elements(Selection::These(
+                self.elements.iter().map(|(e, _)| *e).collect(),
+            ))
             .with_variables(variables.map(|variable| variable.name))
     }
     fn cadence(&self) -> Cadence {
