@@ -5,6 +5,7 @@ mod bars;
 mod block;
 mod bonded;
 mod crack;
+mod delamination;
 mod dilatant;
 mod friction;
 mod rate_and_state;
