@@ -49,7 +49,7 @@ impl Observer for Shear {
         if view.time() > 0.9 * DURATION {
             let elements = self.elements.iter();
             let force: f64 = elements
-                .map(|&element| view.stress(element).0[4] * self.size)
+                .map(|&element| view.stress(element).0[5] * self.size)
                 .sum();
             let stiffness = YOUNG * HEIGHT.powi(3) / 12.0;
             let crack = (3.0 * (self.pulled)(view.time()) * (stiffness / ENERGY).sqrt()).sqrt();
