@@ -1,7 +1,9 @@
 //! Kernels and laws, one by one.
 
 use powerhouse::engine::Explicit;
-use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, SolidKernel, Tet4, Wedge6};
+use powerhouse_elements::{
+    Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, SolidKernel, Tet4, Wedge6,
+};
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, HoekBrownParameters,
     LeeFenves, LinearElastic, Mazars, MohrCoulomb, MohrCoulombParameters, SofteningPlasticity,
@@ -70,6 +72,8 @@ where
 fn kernels_move_alike() {
     let one_point = Hex8OnePoint::default();
     kernel(SolidKernel::Hex8OnePoint(one_point), one_point);
+    kernel(SolidKernel::Hex8Natural, Hex8Natural);
+    kernel(SolidKernel::Hex8Eas, Hex8Eas::new(&media::ROCK));
     kernel(SolidKernel::Hex8Full, Hex8Full);
     kernel(SolidKernel::Hex8BBar, Hex8BBar);
     kernel(SolidKernel::Tet4, Tet4);

@@ -93,6 +93,10 @@ pub struct OwnStep<'a, L, const N: usize, const P: usize> {
     /// Increment of the deviatoric elastic strain over that of the whole deviatoric strain, mean of the points, 0 to 1;
     /// one without plastic flow.
     pub elastic_share: L,
+    /// Share of differences of stress within an element that plastic flow at its points leaves: as it holds the stress on the
+    /// yield surface, `ds = 2 G (de - dp)` with `dp` along `s`, it relaxes all that differs from it by
+    /// `|s| / (|s| + 2 G |dp|)`; one without plastic flow.
+    pub kept: L,
 }
 
 impl<'a, L: Lane, const N: usize, const P: usize> OwnStep<'a, L, N, P> {
@@ -107,14 +111,21 @@ impl<'a, L: Lane, const N: usize, const P: usize> OwnStep<'a, L, N, P> {
             stresses,
             moduli: [one.constant(0.0); 3],
             elastic_share: one,
+            kept: one,
         }
     }
-    /// The same with increments of the modal displacements, hourglass moduli (Pa) and the elastic share of the strain
-    /// increment.
+    /// The same with increments of the modal displacements, hourglass moduli (Pa), the elastic share of the strain
+    /// increment and the share of differences of stress that are kept.
     #[inline(always)]
     #[must_use]
-    pub fn with_flow(mut self, moved: &'a [[L; 3]; N], moduli: [L; 3], elastic_share: L) -> Self {
-        (self.moved, self.moduli, self.elastic_share) = (moved, moduli, elastic_share);
+    pub fn with_flow(
+        mut self,
+        moved: &'a [[L; 3]; N],
+        moduli: [L; 3],
+        [elastic_share, kept]: [L; 2],
+    ) -> Self {
+        (self.moved, self.moduli) = (moved, moduli);
+        (self.elastic_share, self.kept) = (elastic_share, kept);
         self
     }
 }

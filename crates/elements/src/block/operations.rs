@@ -320,6 +320,24 @@ where
         (modes, strains, own)
     }
 
+    /// Initial stress of a batch.
+    #[inline(always)]
+    pub(super) fn initial_stress<L: BatchLane<Scalar = S>>(
+        &self,
+        zero: L,
+        batch: usize,
+    ) -> Stress<L> {
+        let mut initially = Stress([zero; 6]);
+        if let Some(initial) = self.state.initial.get(6 * batch * L::WIDTH..)
+            && !initial.is_empty()
+        {
+            for i in 0..6 {
+                initially.0[i] = L::load(zero.token(), &initial[i * L::WIDTH..]);
+            }
+        }
+        initially
+    }
+
     /// Changes of stress of a virgin batch inside the elastic domain, for which the law need not be evaluated.
     #[inline(always)]
     fn elastic_response<L: BatchLane<Scalar = S>>(
@@ -339,14 +357,7 @@ where
             zero.constant(self.moduli.lambda),
             zero.constant(self.moduli.shear),
         );
-        let mut initially = Stress([zero; 6]);
-        if let Some(initial) = self.state.initial.get(6 * batch * L::WIDTH..)
-            && !initial.is_empty()
-        {
-            for i in 0..6 {
-                initially.0[i] = L::load(zero.token(), &initial[i * L::WIDTH..]);
-            }
-        }
+        let initially = self.initial_stress(zero, batch);
         let mut changes = [initially; P];
         for p in 0..P {
             changes[p] = Stress::elastic(lambda, shear, &strains[p]);

@@ -133,6 +133,30 @@ fn elastic_share<L: BatchLane, const P: usize>(
     sum * sum.constant(1.0 / P as f64)
 }
 
+/// Share of differences of stress that plastic flow at the points leaves, mean over the points.
+#[inline(always)]
+fn kept<L: BatchLane, const P: usize>(
+    remaining: &[RemainingStiffness<L>; P],
+    changes: &[Stress<L>; P],
+    initial: &Stress<L>,
+    shear: L,
+) -> L {
+    let (zero, one) = (shear.constant(0.0), shear.constant(1.0));
+    let mut sum = zero;
+    for p in 0..P {
+        let mut stress = *initial + changes[p];
+        for shear in &mut stress.0[3..] {
+            *shear = *shear + *shear;
+        }
+        let size = deviator(&Strain(stress.0)).sqrt();
+        let flow = deviator(&Strain(remaining[p].plastic_strain_increment)).sqrt();
+        let whole = (shear + shear).mul_add(flow, size);
+        let some = zero.less(flow);
+        sum = sum + (size / whole.select(some, one)).select(some, one);
+    }
+    sum * sum.constant(1.0 / P as f64)
+}
+
 /// Square of the deviator of a strain with engineering shears.
 #[inline(always)]
 fn deviator<L: BatchLane>(strain: &Strain<L>) -> L {
@@ -225,8 +249,11 @@ where
                 if let Some(increments) = increments {
                     moved = increments;
                     let share = elastic_share(remaining, &self.kernel.strains(geometry, &moved));
+                    let initial = self.initial_stress(zero, index);
+                    let shear = zero.constant(self.moduli.shear);
+                    let kept = kept(remaining, stresses, &initial, shear);
                     let moduli = self.moduli.hourglass::<L>(zero.token());
-                    step = step.with_flow(&moved, moduli, share);
+                    step = step.with_flow(&moved, moduli, [share, kept]);
                     self.kernel
                         .own_history_after(geometry, &step, &mut own.after[..count]);
                 }

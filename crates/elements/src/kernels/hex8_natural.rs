@@ -33,7 +33,8 @@ use super::vectors::strain_of;
 /// The forces fall with the share that remains by the law
 /// ([`RemainingStiffness::hourglass`](powerhouse_model::RemainingStiffness)), to a fiftieth at least, and what they lose is
 /// energy of damage. Under plastic flow a plastic part of the hourglass strains grows, the element's own history, by as
-/// much of their increment as is plastic at the point; what it takes is plastic energy. A hinge needs more: one point
+/// much of their increment as is plastic at the point, and by what flow there relaxes of all differences of stress; what
+/// it takes is plastic energy. A hinge needs more: one point
 /// flows as a whole or not at all.
 ///
 /// In the manner of T. Belytschko and L. P. Bindeman, Assumed strain stabilization of the eight node hexahedral element,

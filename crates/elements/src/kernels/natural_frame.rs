@@ -176,8 +176,9 @@ impl<L: Lane> NaturalFrame<L> {
     /// Writes the plastic parts of hourglass strains after a step, from the strains and their increments.
     ///
     /// The hourglass forces `Q` of an elastic step become `(1 - b) Q`, with `b` such that forces which have grown in
-    /// proportion keep the elastic share of their increment, and `b = 0` where they fell: `b = (1 - r) (Q . dq) / (Q . q)`.
-    /// They fall towards zero along themselves, so that plastic energy never falls.
+    /// proportion keep the elastic share of their increment, and `b = 0` where they fell: `b = (1 - r) (Q . dq) / (Q . q)`;
+    /// then they relax as all differences of stress within a body that flows. Both bring them towards zero along
+    /// themselves, so that plastic energy never falls.
     #[inline(always)]
     pub(super) fn flow<const N: usize, const P: usize>(
         &self,
@@ -193,7 +194,8 @@ impl<L: Lane> NaturalFrame<L> {
         let share = step.elastic_share.max(one.constant(LEAST_ELASTIC_SHARE));
         let some = zero.less(whole);
         let ratio = growth.max(zero) / whole.select(some, one);
-        let flowed = ((one - share) * ratio.min(one)).select(some, zero);
+        let left = (one - (one - share) * ratio.min(one)) * step.kept;
+        let flowed = (one - left).select(some, zero);
         for a in 0..4 {
             for i in 0..3 {
                 let before = match step.history.get(3 * a + i) {
