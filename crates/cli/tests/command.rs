@@ -578,3 +578,48 @@ fn stages_are_listed_and_run() {
         );
     }
 }
+
+/// A check forecasts elements and messages of ranks, and refuses more of them than there are blocks of elements.
+#[test]
+fn a_check_forecasts_ranks() {
+    let scene = data("scenes/cavern_small.toml").display().to_string();
+    let check = |ranks: &str| powerhouse(&["check", &scene, "--ranks", ranks]);
+    let said = text(&check("2").stdout);
+    for wanted in [
+        "on 2 ranks",
+        "nodes shared",
+        "1 to 1 messages a step",
+        "memory a rank",
+    ] {
+        assert!(said.contains(wanted), "{wanted}: {said}");
+    }
+    let refused = check("1000");
+    assert_eq!(refused.status.code(), Some(2));
+    let said = text(&refused.stderr);
+    assert!(said.contains("1000 ranks"), "{said}");
+}
+
+/// Several processes that know nothing of each other, as under `mpirun` without the feature `mpi`, are refused: each would
+/// write the same files. Commands other than `run` are refused in any case.
+#[test]
+fn processes_without_communication_are_refused() {
+    let folder = TestFolder::new("processes");
+    let scene = data("scenes/cavern_small.toml").display().to_string();
+    let out = folder.join("results");
+    let launched = |arguments: &[&str]| {
+        let refused = Command::new(env!("CARGO_BIN_EXE_powerhouse"))
+            .args(arguments)
+            .env("OMPI_COMM_WORLD_SIZE", "3")
+            .output()
+            .unwrap();
+        assert_eq!(refused.status.code(), Some(2));
+        text(&refused.stderr)
+    };
+    let said = launched(&["check", &scene]);
+    assert!(said.contains("3 processes were started"), "{said}");
+    if cfg!(not(feature = "mpi")) {
+        let said = launched(&["run", &scene, "--out", &out.display().to_string()]);
+        assert!(said.contains("built without MPI"), "{said}");
+        assert!(!out.exists());
+    }
+}

@@ -447,6 +447,8 @@ impl<L: ContactLaw> Constraint for Joint<L> {
 
     fn prepare(&mut self, step: f64, inverse_mass: &[Mat3]) {
         self.prepared = Some(step);
+        // Pairs that are not corrected from now on do no work.
+        self.work.fill(ConstraintWork::default());
         let mut isolated = Vec::new();
         self.groups.clear();
         for connected in &self.connected {
