@@ -369,7 +369,7 @@ fn a_bond_with_fracture_energies_fails_gradually() {
         panic!("{:?}", brittle("").remarks());
     };
     assert!(
-        (0.01..0.9).contains(&factor) && (area - of).abs() < 1e-6 * of,
+        (0.001..0.1).contains(&factor) && (area - of).abs() < 1e-6 * of,
         "{factor} {area} {of}"
     );
     assert_eq!(reduced(&brittle("reduce = false\n")), []);
