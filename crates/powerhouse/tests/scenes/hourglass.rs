@@ -302,6 +302,5 @@ duration = 1e-3
     let is_warned = hourglass
         .iter()
         .any(|set| set.share() > HourglassShare::LIMIT);
-    eprintln!("HOLE {kernel} {error} {is_warned}");
     (error, is_warned)
 }
