@@ -8,7 +8,7 @@ use powerhouse_fuzz::limited;
 
 fuzz_target!(|bytes: &[u8]| {
     let file = limited(bytes.len(), || {
-        parse_sections(bytes, ("checkpoint of a run", 1))
+        parse_sections(bytes, ("checkpoint of a run", 3))
     });
     if let Err(fault) = file {
         assert!(!fault.to_string().is_empty());

@@ -250,7 +250,7 @@ fn shear_under_pressure_takes_its_energy_beside_friction() {
     let mut nodes = Nodes::new(joint(CONCRETE, pair), inverse, 2e-5);
     let along = Vec3::new(0.6, 0.8, 0.0);
     let press = Vec3::z() * -1e6;
-    // A slider that is pulled by a spring whose end moves steadily.
+    // A block that is pulled by a spring whose end moves steadily.
     let mut peak = 0.0_f64;
     for number in 0..40_000 {
         let end = 2e-3 * f64::from(number) / 40_000.0;

@@ -234,7 +234,7 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
     ) -> Option<L> {
         None
     }
-    /// Whether hourglass forces are those of the material in bending: their energy is then booked as
+    /// Whether hourglass forces are those of the material in bending: their energy then counts as
     /// [`bending`](crate::BlockEnergy::bending), of which no share is too large. False by default: they are a resistance that
     /// should store little.
     fn hourglass_is_bending(&self) -> bool {
