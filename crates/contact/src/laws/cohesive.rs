@@ -370,7 +370,12 @@ impl Cohesive {
         let rubbed = [0, 1].map(|c| 0.5 * friction[c] * (end[c] - before.tangential[c]));
         new[FRICTION] += (rubbed[0] + rubbed[1]).max(0.0);
         let total = Vec3::new(
-            if closed { trial.x } else { traction.normal },
+            // No more than closes the pair.
+            if closed {
+                trial.x
+            } else {
+                traction.normal.min(trial.x)
+            },
             traction.tangential[0] + friction[0],
             traction.tangential[1] + friction[1],
         );
