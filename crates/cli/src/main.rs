@@ -8,6 +8,7 @@
 mod advise;
 mod check;
 mod checkpoint;
+mod converge;
 mod drive;
 mod forecast;
 mod mesh;
@@ -138,6 +139,9 @@ enum Command {
     /// Measure cost and error of a scene's numerical options: run a window of it with different kernels, number formats,
     /// steps, boundaries and other options, and write the scene of the combination that meets a goal.
     Trade(trade::TradeArguments),
+    /// Run a scene on finer meshes, too, and extrapolate its peaks, spectra, means and shares to vanishing element size, with error
+    /// bands.
+    Converge(converge::ConvergeArguments),
     /// Write an HTML report of a sweep or a run; for a sweep, also print the test of the conclusions of Wang, Chen & Xiao
     /// (2019) and the sensitivity to single parameters.
     Report {
@@ -178,8 +182,8 @@ enum Choice {
 const EXIT_STATUS: &str = "\
 Exit status:
   0    success; also if the standard output was closed, as in `powerhouse run ... | head -1`
-  1    a check has warnings, no boundary or box meets the permitted error, no run of a trade study meets the goal, or a
-       report has missing results
+  1    a check has warnings, no boundary or box meets the permitted error, no run of a trade study meets the goal, a
+       result of a convergence study does not converge or not within the permitted error, or a report has missing results
   2    invalid input or failed run; `check`, `advise` and `schema` also if their output cannot be written (full disk)
   130  interrupted by Ctrl-C, SIGTERM or SIGHUP: output is complete up to then; a second signal ends at once";
 
@@ -280,6 +284,7 @@ fn main() -> ExitCode {
             sweep::sweep(&scene, out, &cases, duration, schedule)
         }
         Command::Trade(arguments) => trade::trade(arguments),
+        Command::Converge(arguments) => converge::converge(arguments),
         Command::Report { folder } => page::page(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Schema => {

@@ -19,7 +19,7 @@ use crate::{INTERRUPTED, Outcome, stop};
 
 /// Progress output of a sweep on the terminal.
 #[derive(Default)]
-struct SweepOutput {
+pub(crate) struct SweepOutput {
     bars: MultiProgress,
     /// Progress displays by case.
     displays: BTreeMap<String, Display>,
@@ -33,6 +33,10 @@ impl SweepOutput {
     /// Prints around the bars.
     fn say(&self, text: &str) {
         self.bars.suspend(|| say!("{text}"));
+    }
+    /// Removes all progress bars.
+    pub(crate) fn clear_all(&self) {
+        self.displays.values().for_each(Display::clear);
     }
     /// Removes the progress bar of a case.
     fn clear(&mut self, case: &str) {
@@ -202,7 +206,7 @@ pub(crate) fn sweep(
         ..SweepOutput::default()
     };
     let done = sweep.run(Some(&stop::flag()?), &mut output);
-    output.displays.values().for_each(Display::clear);
+    output.clear_all();
     match done {
         Ok(outcomes) => {
             say!(

@@ -96,6 +96,19 @@ pub enum StudyError {
         /// Number of its nodes in the refined mesh.
         more: usize,
     },
+    /// A mesh of a convergence study whose elements are not smaller than those of the mesh before.
+    #[error(
+        "the elements of '{mesh}' have a mean size of {size:.3} m, not below the {coarser:.3} m of the mesh before: finer meshes \
+         are given from the coarsest to the finest"
+    )]
+    NotFiner {
+        /// Name of its run.
+        mesh: String,
+        /// Edge of a cube with the mean volume of its elements (m).
+        size: f64,
+        /// The same of the mesh before (m).
+        coarser: f64,
+    },
     /// A factor requested of a trade study ([`Trade::only`](crate::trade::Trade::only)) that the scene does not have.
     #[error("the scene has no factor '{name}'; available: {}", available.join(", "))]
     NoSuchFactor {

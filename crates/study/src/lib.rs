@@ -7,6 +7,7 @@
 //!   difference is the error of mesh, time step and boundary, a lower bound of the errors of the scene.
 //! - [`mod@sweep`] runs the cases of a scene, and [`write_report`] writes their results to one HTML page.
 //! - [`trade`] measures cost and error of a scene's numerical options and finds the Pareto front.
+//! - [`convergence`] runs a scene on several meshes and extrapolates its results to vanishing element size.
 //! - [`advise_boundary`] recommends an absorbing boundary for a permitted error, [`advise_box`] the extent of the
 //!   mesh; [`probe_errors`] and [`grown`](fn@grown) measure the error of a given boundary.
 //! - [`bay`] generates the mesh of a machine bay, which scenes name through [`registry`]; [`OpeningSlice`] and
@@ -27,9 +28,11 @@ pub mod bay;
 mod check;
 mod checkpoints;
 mod conclusions;
+pub mod convergence;
 mod cost;
 mod difference;
 mod error;
+mod even_samples;
 mod excerpt;
 mod extent;
 mod free_field;
@@ -38,6 +41,7 @@ mod joints;
 mod mark;
 mod names;
 mod opening_slice;
+mod perturbation;
 mod price;
 mod recorded;
 mod report;

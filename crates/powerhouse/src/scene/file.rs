@@ -39,6 +39,18 @@ impl Scene {
         let path = path.as_ref();
         Self::compose(read_text(path)?, path.into(), Some(case), registry)
     }
+    /// Scene of a case of a text in TOML. `path` is used in messages; paths in the scene are relative to its folder.
+    ///
+    /// # Errors
+    /// [`Error::Scene`], as [`from_file`](Self::from_file), and [`Error::NoSuchCase`].
+    pub fn case_from_toml(
+        text: impl Into<String>,
+        path: impl Into<PathBuf>,
+        case: &str,
+        registry: &Registry,
+    ) -> Result<Self, Error> {
+        Self::compose(text.into(), path.into(), Some(case), registry)
+    }
     /// Scene of a text in TOML. `path` is used in messages; paths in the scene are relative to its folder.
     ///
     /// # Errors

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot};
 use powerhouse::wavefield::{SpectralLine, TimeHistory};
 
-use super::history_of;
 use crate::StudyError;
+use crate::even_samples::even_samples;
 
 /// Highest drawn frequency (Hz).
 const HIGHEST: f64 = 15.0;
@@ -19,7 +19,7 @@ pub(super) fn plots(
     folder: &Path,
 ) -> Result<Option<[PathBuf; 2]>, StudyError> {
     let (time, acceleration) = (&record[0].values, &record[1].values);
-    let Some(lines) = history_of(time, acceleration) else {
+    let Some(lines) = even_samples(time, acceleration) else {
         return Ok(None);
     };
     let lines = TimeHistory::fourier_spectrum(&lines).into_iter();

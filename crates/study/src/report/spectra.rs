@@ -6,8 +6,9 @@ use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_noted_table,
 use powerhouse::wavefield::TimeHistory;
 
 use super::page::Table;
-use super::{CaseFiles, column, history_of, kinds};
+use super::{CaseFiles, column, kinds};
 use crate::StudyError;
+use crate::even_samples::even_samples;
 use crate::rounded::rounded;
 
 /// Damping ratios of the oscillators.
@@ -87,7 +88,7 @@ fn motions(case: &CaseFiles) -> Vec<FloorMotion<'_>> {
                 case: &case.outcome.name,
                 floor,
                 axis,
-                history: history_of(&time.values, &motion.values)?,
+                history: even_samples(&time.values, &motion.values)?,
                 peak: motion.values.iter().fold(0.0, |most, a| most.max(a.abs())),
             })
         });

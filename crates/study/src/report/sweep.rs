@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use powerhouse::file_name;
 use powerhouse::io::{TableColumn, read_table};
 
-use super::page::Page;
+use super::page::{Page, Table};
 use super::run_warnings::RunWarnings;
 use super::spectra::FloorSpectra;
 use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables};
 use crate::StudyError;
+use crate::convergence::{ConvergenceReport, read_report};
 use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, Peak, RECORD};
 use crate::{conclusions, sensitivity};
@@ -37,6 +38,7 @@ pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyErro
     sweep.runs(&mut page)?;
     sweep.input(&mut page)?;
     sweep.findings(&mut page);
+    sweep.convergence(&mut page)?;
     if !sweep.is_of_paper() {
         sweep.results(&mut page)?;
     }
@@ -155,6 +157,38 @@ impl Sweep<'_> {
             );
             page.table(&table);
         }
+    }
+
+    /// Adds the results of a convergence study, if the sweep is of one.
+    fn convergence(&self, page: &mut Page) -> Result<(), StudyError> {
+        let Some(found) = read_report(self.folder)? else {
+            return Ok(());
+        };
+        page.section("Convergence");
+        page.paragraph(
+            "Results on several meshes, the coarsest first, extrapolated to vanishing element size. The error band is half its width \
+             around the value of the finest mesh, over that value; the scatter is the largest change of a value under \
+             waves larger by 1e-6.",
+        );
+        page.warnings(&found.limits());
+        let of = |negligible: bool| {
+            let figures = found.figures.iter();
+            let figures = figures.filter(move |figure| figure.negligible == negligible);
+            let rows: Vec<_> = figures.map(ConvergenceReport::cells).collect();
+            Table {
+                header: found.header(),
+                rows,
+            }
+        };
+        page.table(&of(false));
+        let others = of(true);
+        if !others.rows.is_empty() {
+            page.folded(
+                "Results below a thousandth of the largest of their kind",
+                &others,
+            );
+        }
+        Ok(())
     }
 
     fn stress(&self, page: &mut Page) -> Result<(), StudyError> {

@@ -154,7 +154,10 @@ impl Sweep {
 
     /// The scene of a case with the settings of this sweep.
     fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
-        let mut scene = Scene::case_from_file_with(&self.scene, case, &self.registry)?;
+        let mut scene = match self.in_file {
+            true => Scene::case_from_file_with(&self.scene, case, &self.registry)?,
+            false => Scene::case_from_toml(self.text.as_str(), &self.scene, case, &self.registry)?,
+        };
         let at_once = self.at_once.get().min(self.cases.len());
         if at_once > 1 && scene.threads().is_none() {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);

@@ -111,8 +111,10 @@ impl SweepWatch for NoProgress {}
 /// Parameter sweep over the cases of a scene file.
 pub struct Sweep {
     scene: PathBuf,
-    /// Text of the file at the beginning of the sweep.
+    /// Text of the scene: that of the file at the beginning of the sweep, or a text in its place.
     text: String,
+    /// Whether the text is that of the file.
+    in_file: bool,
     registry: Registry,
     /// Cases to run.
     cases: Vec<String>,
@@ -149,8 +151,26 @@ impl Sweep {
         folder: Option<PathBuf>,
         registry: &Registry,
     ) -> Result<Self, StudyError> {
-        let path = path.as_ref();
-        let scene = Scene::from_file_with(path, registry)?;
+        let scene = Scene::from_file_with(path.as_ref(), registry)?;
+        Self::of_scene(path.as_ref(), scene, folder, registry)
+    }
+    /// The same for a text in place of the contents of the scene file.
+    pub(crate) fn of_text(
+        (path, text): (&Path, String),
+        folder: PathBuf,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
+        let scene = Scene::from_toml(text, path, registry)?;
+        let mut sweep = Self::of_scene(path, scene, Some(folder), registry)?;
+        sweep.in_file = false;
+        Ok(sweep)
+    }
+    fn of_scene(
+        path: &Path,
+        scene: Scene,
+        folder: Option<PathBuf>,
+        registry: &Registry,
+    ) -> Result<Self, StudyError> {
         if scene.case_names().is_empty() {
             let file = path.into();
             return Err(StudyError::NoCases { file });
@@ -165,6 +185,7 @@ impl Sweep {
             records: records.collect(),
             fingerprints,
             text: text.to_owned(),
+            in_file: true,
             scene: path.into(),
             cases: (scene.case_names().iter())
                 .filter(|case| !scene.cases_on_request().contains(case))

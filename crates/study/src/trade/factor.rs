@@ -409,7 +409,7 @@ fn output(scene: &Scene, file: &Table) -> Option<Factor> {
 }
 
 /// The tables of an array of tables.
-pub(super) fn tables<'a>(file: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
+pub(crate) fn tables<'a>(file: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
     let array = file.get_mut(key).and_then(Value::as_array_mut);
     array.into_iter().flatten().filter_map(Value::as_table_mut)
 }
@@ -458,7 +458,7 @@ fn rayleigh(part: &Table) -> Option<(f64, [f64; 2])> {
 }
 
 /// The value of an integer or a float.
-pub(super) fn number(value: &Value) -> Option<f64> {
+pub(crate) fn number(value: &Value) -> Option<f64> {
     value
         .as_float()
         .or_else(|| value.as_integer().map(|x| x as f64))

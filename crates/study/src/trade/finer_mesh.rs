@@ -1,7 +1,7 @@
 //! Discretisation error of a scene's mesh, from a run on a refined mesh.
 
 use powerhouse::Scene;
-use toml::Value;
+use toml::{Table, Value};
 
 use super::case::TradeRunner;
 use super::misfit::misfit;
@@ -16,6 +16,29 @@ const SECOND_ORDER: f64 = 4.0 / 3.0;
 const FIRST_ORDER: f64 = 2.0;
 /// Name of the run on the refined mesh, and of its folder.
 pub(super) const REFINED: (&str, &str) = ("reference on elements half the size", "refined");
+
+/// Checks that the nodal loads of a scene's file act on as many nodes of a finer mesh.
+///
+/// # Errors
+/// [`StudyError::MoreLoad`].
+pub(crate) fn check_same_loads(
+    file: &Table,
+    coarse: &Scene,
+    fine: &Scene,
+) -> Result<(), StudyError> {
+    for set in factor::nodal_loads(file) {
+        let count = |scene: &Scene| {
+            let nodes = scene.mesh().nodes_of_set(set);
+            nodes.map_or(0, |nodes| nodes.len())
+        };
+        let (nodes, more) = (count(coarse), count(fine));
+        if nodes != more {
+            let set = set.to_owned();
+            return Err(StudyError::MoreLoad { set, nodes, more });
+        }
+    }
+    Ok(())
+}
 
 impl Trade {
     /// The scene of the reference with elements of half the size, as text.
@@ -32,20 +55,7 @@ impl Trade {
         }
         let text = self.written(&file)?;
         let fine = Scene::from_toml(text.as_str(), &self.path, &self.registry)?;
-        let coarse = self.scene(&design)?;
-        for set in factor::nodal_loads(&file) {
-            let count = |scene: &Scene| {
-                scene
-                    .mesh()
-                    .nodes_of_set(set)
-                    .map_or(0, |nodes| nodes.len())
-            };
-            let (nodes, more) = (count(&coarse), count(&fine));
-            if nodes != more {
-                let set = set.to_owned();
-                return Err(StudyError::MoreLoad { set, nodes, more });
-            }
-        }
+        check_same_loads(&file, &self.scene(&design)?, &fine)?;
         Ok(text)
     }
 

@@ -61,6 +61,7 @@ use powerhouse::{CheckpointInterval, Registry, Scene};
 use toml::Table;
 
 use crate::mark::inputs;
+use crate::perturbation::{PERTURBATION, is_path_dependent};
 use crate::price::pareto_front;
 use crate::{StudyError, cost, registry};
 pub use case::CaseCost;
@@ -68,6 +69,7 @@ pub(crate) use case::columns;
 use case::{BodyCache, TradeRun, TradeRunner};
 pub(crate) use factor::factors;
 pub use factor::{Factor, Level};
+pub(crate) use finer_mesh::check_same_loads;
 use finer_mesh::{OF_HALF_THE_SIZE, REFINED};
 pub(crate) use misfit::{Misfit, misfits};
 use plan::{Design, ErrorAndCost};
@@ -150,13 +152,12 @@ impl Trade {
             folder: folder.unwrap_or(own),
             duration: scene.duration(),
             window: window(&scene),
-            path_dependent: scene.joints().next().is_some()
-                || scene.parts().iter().any(|part| !part.material.is_linear()),
+            path_dependent: is_path_dependent(&scene),
             reference: Reference::Finest,
             compared,
             mesh_error: false,
             exhaustive: false,
-            perturbation: Some(repeat::PERTURBATION),
+            perturbation: Some(PERTURBATION),
             checkpoint_interval: None,
             path: path.into(),
             file,

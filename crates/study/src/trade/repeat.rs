@@ -1,16 +1,13 @@
 //! Perturbation test: histories with sensitive dependence on the input, found by a run under slightly larger waves.
 
 use powerhouse::io::TableColumn;
-use toml::Value;
 
 use super::case::TradeRunner;
-use super::factor::{number, tables};
 use super::misfit::{history_of, misfits};
 use super::{Goal, Reference, SensitiveHistory, Trade, TradeWatch};
 use crate::StudyError;
+use crate::perturbation::{PERTURBATION, enlarge_waves};
 
-/// Relative increase of the waves; records are accurate to a thousandth at best.
-pub(super) const PERTURBATION: f64 = 1e-6;
 /// Name of the run of the perturbation test.
 pub(super) const PERTURBED: &str = "reference under waves of 1 + 1e-6 times the amplitude";
 /// Suffix of its folder, after the name of that of the reference.
@@ -53,13 +50,7 @@ impl Trade {
             return Ok(None);
         }
         let mut file = self.file_of(&vec![0; self.factors.len()]);
-        let mut waves = 0;
-        for wave in tables(&mut file, "wave") {
-            let own = wave.get("factor").and_then(number).unwrap_or(1.0);
-            wave.insert("factor".into(), Value::Float(own * (1.0 + perturbation)));
-            waves += 1;
-        }
-        match waves {
+        match enlarge_waves(&mut file, perturbation) {
             0 => Ok(None),
             _ => self.written(&file).map(Some),
         }

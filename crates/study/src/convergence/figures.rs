@@ -1,0 +1,267 @@
+//! Results of a run that are compared between meshes.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use powerhouse::Scene;
+use powerhouse::io::{TableColumn, read_table};
+use powerhouse::model::HistoryKind;
+use serde_json::Value;
+
+use crate::StudyError;
+use crate::even_samples::even_samples;
+use crate::sweep::{CaseOutcome, JointCase, OUTCOME};
+
+/// Frequencies (Hz) at which response spectra are compared, and their damping ratio.
+const FREQUENCIES: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
+const DAMPING: f64 = 0.05;
+/// Least number of samples within a period of a response spectrum.
+const SAMPLES_PER_PERIOD: f64 = 5.0;
+/// Directions with a peak acceleration below this share of the greatest have no spectrum.
+const STILL: f64 = 1e-2;
+/// History variables that describe the mesh.
+const OF_MESH: [&str; 2] = ["crack_band_width", "crushing_band_width"];
+
+/// Result of a run: a peak, a spectral value, a mean or a share.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Figure {
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) value: f64,
+    /// Whether it is of the motion of points, which converges faster than stresses.
+    pub(super) of_motion: bool,
+}
+
+impl Figure {
+    fn new(name: impl Into<String>, unit: &str, value: f64) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            value,
+            of_motion: false,
+        }
+    }
+    fn of_motion(name: impl Into<String>, unit: &str, value: f64) -> Self {
+        Self {
+            of_motion: true,
+            ..Self::new(name, unit, value)
+        }
+    }
+}
+
+/// Names of the history variables of a scene's laws that are no amounts: flags and components of tensors.
+pub(super) fn not_compared(scene: &Scene) -> BTreeSet<&'static str> {
+    let variables = scene
+        .parts()
+        .iter()
+        .flat_map(|part| part.material.history());
+    let excluded = variables.filter(|variable| variable.kind != HistoryKind::Amount);
+    excluded
+        .map(|variable| variable.name)
+        .chain(OF_MESH)
+        .collect()
+}
+
+/// The results of the folder of a finished run without the history variables that are not compared.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(super) fn figures(
+    folder: &Path,
+    not_compared: &BTreeSet<&'static str>,
+) -> Result<Vec<Figure>, StudyError> {
+    let outcome = CaseOutcome::read(&folder.join(OUTCOME))?;
+    let file = folder.join("summary.json");
+    let text = std::fs::read(&file).map_err(|source| StudyError::Read {
+        file: file.clone(),
+        source,
+    })?;
+    let summary = serde_json::from_slice(&text);
+    let summary: Value = summary.map_err(|source| StudyError::Outcome { file, source })?;
+    let file = folder.join("histories.csv");
+    let histories = match file.exists() {
+        true => read_table(&file).map_err(powerhouse::Error::from)?,
+        false => Vec::new(),
+    };
+    let mut found = peaks(&summary, not_compared);
+    found.extend(spectra(&histories));
+    found.extend(outcomes(&outcome));
+    Ok(found)
+}
+
+/// The absolute peaks of a run: motions, principal stresses, amounts of laws, section forces, bolts, joints, envelopes.
+fn peaks(summary: &Value, not_compared: &BTreeSet<&'static str>) -> Vec<Figure> {
+    let rows = summary["peaks"].as_array().into_iter().flatten();
+    let kept = rows.filter_map(|row| {
+        let [name, unit] = ["name", "unit"].map(|key| row[key].as_str());
+        let (name, unit) = (name?, unit?);
+        let variable = name.rsplit('.').next().unwrap_or(name);
+        let is_component = ["xx", "yy", "zz", "xy", "yz", "zx", "s2"].contains(&variable);
+        if is_component || not_compared.contains(stem(variable)) {
+            return None;
+        }
+        let value = match row["below_rounding"] == true {
+            true => 0.0,
+            false => row["value"].as_f64()?.abs(),
+        };
+        Some(Figure {
+            name: format!("peak of {name}"),
+            unit: unit.into(),
+            value,
+            of_motion: ["m", "m/s", "m/s2"].contains(&unit)
+                && variable.len() == 2
+                && "uva".contains(&variable[..1]),
+        })
+    });
+    kept.collect()
+}
+
+/// The name of a history variable without the suffix of a tensor component.
+fn stem(variable: &str) -> &str {
+    match variable.rsplit_once('_') {
+        Some((stem, "xx" | "yy" | "zz" | "xy" | "yz" | "zx")) => stem,
+        _ => variable,
+    }
+}
+
+/// Values of the response spectra of all acceleration histories, in the directions in which they move.
+fn spectra(histories: &[TableColumn]) -> Vec<Figure> {
+    let Some((time, columns)) = histories.split_first() else {
+        return Vec::new();
+    };
+    let peak = |column: &TableColumn| {
+        let values = column.values.iter();
+        values.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let is_acceleration = |column: &&TableColumn| {
+        let axis = column
+            .name
+            .rsplit_once('.')
+            .map_or("", |(_, variable)| variable);
+        column.unit == "m/s2" && ["ax", "ay", "az"].contains(&axis)
+    };
+    let accelerations: Vec<&TableColumn> = columns.iter().filter(is_acceleration).collect();
+    let most = accelerations
+        .iter()
+        .map(|column| peak(column))
+        .fold(0.0, f64::max);
+    let moving = accelerations
+        .into_iter()
+        .filter(|column| peak(column) > STILL * most);
+    let spectra = moving.flat_map(|column| {
+        let history = even_samples(&time.values, &column.values);
+        let of = |frequency: f64| {
+            let history = history.as_ref()?;
+            let resolved = frequency * SAMPLES_PER_PERIOD * history.step() <= 1.0;
+            let response = history.response_spectrum(DAMPING, &[1.0 / frequency]);
+            let value = response.ok()?.first()?.acceleration;
+            let name = format!("spectrum of {} at {frequency} Hz, 5 %", column.name);
+            resolved.then(|| Figure::of_motion(name, "m/s2", value))
+        };
+        FREQUENCIES.map(of).into_iter().flatten()
+    });
+    spectra.collect()
+}
+
+/// Results of parts, joints and relative displacements as a whole.
+fn outcomes(outcome: &CaseOutcome) -> Vec<Figure> {
+    let relative = outcome.relative.iter().map(|peak| {
+        let name = format!("peak of {}, relative displacement", peak.name);
+        Figure::of_motion(name, "m", peak.value)
+    });
+    let stresses = outcome.stresses.iter().map(|peak| {
+        let name = format!("peak of {}, greatest principal stress", peak.name);
+        Figure::new(name, "Pa", peak.value)
+    });
+    let parts = outcome.parts.iter().flat_map(|part| {
+        [
+            Figure::new(format!("mean damage of {}", part.name), "1", part.mean),
+            Figure::new(format!("damaged share of {}", part.name), "1", part.damaged),
+        ]
+    });
+    let joints = outcome.joints.iter().chain(&outcome.joint_parts);
+    let joints = joints.flat_map(|joint: &JointCase| {
+        let shares = [
+            ("slipped", joint.slipped),
+            ("open", joint.opened),
+            ("unbonded", joint.broken),
+        ];
+        shares.map(|(share, value)| {
+            Figure::new(format!("{share} share of {}", joint.name), "1", value)
+        })
+    });
+    let failed = outcome.joint_and_lining.iter();
+    let failed = failed.map(|found| Figure::new("failed share of all joints", "1", found.failed));
+    let all = relative.chain(stresses).chain(parts);
+    all.chain(joints).chain(failed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// Components of tensors, flags and widths of crack bands are not compared; peaks below rounding count as zero.
+    #[test]
+    fn peaks_are_those_of_amounts() {
+        let peak = |name: &str, unit: &str, value: f64| json!({"name": name, "unit": unit, "value": value});
+        let mut still = peak("crown.ux", "m", 1e-21);
+        still["below_rounding"] = true.into();
+        let summary = json!({"peaks": [
+            still,
+            peak("crown.vz", "m/s", -0.3),
+            peak("wall.xx", "Pa", 4.0),
+            peak("wall.s1", "Pa", 5.0),
+            peak("wall.plastic_strain_xx", "1", 6.0),
+            peak("wall.yield_state", "1", 7.0),
+            peak("crack_band_width", "m", 8.0),
+            peak("wall.damage", "1", 0.9),
+            peak("lining.axial", "N", -10.0),
+        ]});
+        let excluded = BTreeSet::from(["plastic_strain", "yield_state", "crack_band_width"]);
+        let found = peaks(&summary, &excluded);
+        let found: Vec<(&str, f64, bool)> = found
+            .iter()
+            .map(|figure| (figure.name.as_str(), figure.value, figure.of_motion))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("peak of crown.ux", 0.0, true),
+                ("peak of crown.vz", 0.3, true),
+                ("peak of wall.s1", 5.0, false),
+                ("peak of wall.damage", 0.9, false),
+                ("peak of lining.axial", 10.0, false),
+            ]
+        );
+    }
+
+    /// A harmonic motion at the frequency of an oscillator at rest is amplified nearly tenfold at 5 % damping; a direction
+    /// that hardly moves and a frequency with too few samples have no value.
+    #[test]
+    fn spectra_are_those_of_directions_that_move() {
+        let times: Vec<f64> = (0..2001).map(|sample| 0.02 * f64::from(sample)).collect();
+        let wave = |size: f64| {
+            let values = times
+                .iter()
+                .map(|time| size * (4.0 * core::f64::consts::PI * time).sin());
+            values.collect::<Vec<f64>>()
+        };
+        let table = [
+            TableColumn::new("time", "s", times.clone()),
+            TableColumn::new("crown.ax", "m/s2", wave(2.0)),
+            TableColumn::new("crown.az", "m/s2", wave(1e-3)),
+            TableColumn::new("crown.vx", "m/s", wave(2.0)),
+        ];
+        let found = spectra(&table);
+        let names: Vec<&str> = found.iter().map(|figure| figure.name.as_str()).collect();
+        let of = |frequency: &str| format!("spectrum of crown.ax at {frequency} Hz, 5 %");
+        assert_eq!(names, ["1", "2", "5", "10"].map(of));
+        assert!(
+            (found[1].value / 20.0 - 1.0).abs() < 0.01,
+            "{}",
+            found[1].value
+        );
+    }
+}
