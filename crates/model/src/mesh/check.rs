@@ -6,9 +6,6 @@ use std::collections::HashMap;
 use super::{ElementKind, Mesh, MeshError};
 use crate::Vec3;
 
-/// Distance of a node from the midpoint of its edge, over the length of the edge, up to which the edge counts as straight.
-pub(super) const STRAIGHT: f64 = 1e-6;
-
 /// Quality measures of the elements of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityReport {
@@ -28,6 +25,9 @@ pub struct QualityReport {
 }
 
 impl Mesh {
+    /// Distance of a node from the midpoint of its edge, over the length of the edge, up to which the edge counts as straight.
+    pub const STRAIGHT: f64 = 1e-6;
+
     /// Checks the mesh for positive Jacobians at all corners and for nodes without elements.
     ///
     /// # Errors
@@ -138,7 +138,7 @@ impl Mesh {
         for (i, ends) in kind.edges_with_midpoint().iter().enumerate() {
             let [a, b] = ends.map(|end| at(end.into()));
             let offset = (at(first + i) - (a + b) * 0.5).norm();
-            if offset > STRAIGHT * (b - a).norm() {
+            if offset > Self::STRAIGHT * (b - a).norm() {
                 return Err(MeshError::CurvedEdge {
                     element: self.element_tags[element as usize],
                     kind: kind.name(),

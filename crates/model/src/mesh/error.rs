@@ -99,7 +99,7 @@ pub enum MeshError {
     },
     /// A node that an element with nodes on its edges shares with one of a kind that does not fit its sides.
     #[error(
-        "element {element} of kind {kind} and element {other} of kind {other_kind} share node {node}: their sides do not fit, so that a joint must separate them"
+        "element {element} of kind {kind} and element {other} of kind {other_kind} share node {node}, but their sides do not fit: tetrahedra with midpoints join their like alone"
     )]
     SidesDoNotFit {
         /// Number of the element with nodes on its edges.
@@ -113,6 +113,9 @@ pub enum MeshError {
         /// Number of the node.
         node: u64,
     },
+    /// A mesh without tetrahedra, which were to get midpoints.
+    #[error("the mesh has no tetrahedra, which alone can be of second order")]
+    NoTetrahedra,
     /// An element of a kind that uniform refinement does not divide.
     #[error("element {element} is a {kind}, which refinement does not divide")]
     NotDivided {

@@ -12,8 +12,8 @@ impl Mesh {
     /// sets are the same; new nodes belong to the node sets that contain both ends of their edge.
     ///
     /// # Errors
-    /// [`MeshError::SidesDoNotFit`] if tetrahedra share nodes with solids of another kind; [`MeshError::Numbers`],
-    /// [`MeshError::TooLarge`].
+    /// [`MeshError::NoTetrahedra`]; [`MeshError::SidesDoNotFit`] if they share nodes with solids of another kind;
+    /// [`MeshError::Numbers`], [`MeshError::TooLarge`].
     ///
     /// ```
     /// use powerhouse_model::{ElementKind, Mesh, Vec3};
@@ -23,6 +23,10 @@ impl Mesh {
     /// # Ok::<(), powerhouse_model::MeshError>(())
     /// ```
     pub fn with_midpoints(&self) -> Result<Self, MeshError> {
+        let is_tetrahedron = |kind: &ElementKind| kind.first_order() == ElementKind::Tet4;
+        if !self.kinds.iter().any(is_tetrahedron) {
+            return Err(MeshError::NoTetrahedra);
+        }
         let mut mesh = Self {
             positions: self.positions.clone(),
             node_tags: self.node_tags.clone(),
@@ -79,10 +83,11 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// The mesh with every node between two corners of an element moved to the midpoint of its edge, and the number of
-    /// nodes that were farther from it than a millionth of the length of the edge.
-    pub fn with_straight_edges(mut self) -> (Self, usize) {
-        let mut target: HashMap<u32, (Vec3, f64)> = HashMap::new();
+    /// The mesh with every node between two corners of an element that is farther from the midpoint of its edge than
+    /// [`STRAIGHT`](Self::STRAIGHT) permits moved there.
+    #[must_use]
+    pub fn with_straight_edges(mut self) -> Self {
+        let mut moved: Vec<(u32, Vec3)> = Vec::new();
         for element in 0..self.element_count() as u32 {
             let (kind, nodes) = (self.kind(element), self.nodes_of(element));
             let first = kind.first_order().node_count();
@@ -90,19 +95,16 @@ impl Mesh {
                 let mut ends = ends.map(|end| nodes[usize::from(end)]);
                 ends.sort_unstable();
                 let [a, b] = ends.map(|end| self.positions[end as usize]);
-                let near = super::check::STRAIGHT * (b - a).norm();
-                target.insert(nodes[first + i], ((a + b) * 0.5, near));
+                let (node, middle) = (nodes[first + i], (a + b) * 0.5);
+                let offset = (middle - self.positions[node as usize]).norm();
+                if offset > Self::STRAIGHT * (b - a).norm() {
+                    moved.push((node, middle));
+                }
             }
         }
-        let mut moved = 0;
-        for (node, position) in (0..).zip(self.positions.iter_mut()) {
-            if let Some((middle, near)) = target.get(&node)
-                && (*middle - *position).norm() > *near
-            {
-                *position = *middle;
-                moved += 1;
-            }
+        for (node, middle) in moved {
+            self.positions[node as usize] = middle;
         }
-        (self, moved)
+        self
     }
 }
