@@ -207,7 +207,7 @@ fn elements_of_second_order_are_named() {
         let wanted = GmshFault::SecondOrder { name, element: 25 };
         always(wanted, "$Elements", "", |s| {
             s.elements[4].type_number = number;
-            let more = 100..100 + nodes as u64;
+            let more = 5000..5000 + nodes as u64;
             s.nodes
                 .extend(more.clone().map(|tag| (tag, [tag as f64, 0.0, 0.0])));
             s.elements[4].nodes = more.collect();
