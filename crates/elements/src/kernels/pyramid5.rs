@@ -93,6 +93,14 @@ impl ElementKernel<5, 1> for Pyramid5 {
     fn least_hourglass_share(&self) -> f64 {
         BRICK.least_hourglass_share()
     }
+    fn surface_stresses(
+        &self,
+        geometry: Geometry<f64>,
+        hourglass: &Hourglass<f64>,
+        modes: &[[f64; 3]; 5],
+    ) -> Option<[Stress; 3]> {
+        BRICK.surface_stresses(geometry, hourglass, &modes_of_brick(modes))
+    }
     #[inline(always)]
     fn own_history(&self) -> usize {
         BRICK.own_history()
