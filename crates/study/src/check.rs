@@ -71,7 +71,7 @@ pub enum Warning {
         /// Element set of the part.
         set: String,
     },
-    /// A part of tetrahedra between the absorbing faces and the structure: it carries the waves, and its lumped masses ring.
+    /// A part of tetrahedra with midpoints along the absorbing faces: it carries the waves, and its lumped masses ring.
     Ringing {
         /// Element set of the part.
         set: String,
@@ -191,7 +191,7 @@ impl fmt::Display for Warning {
                 elements,
             } => write!(
                 f,
-                "{tetrahedra} of the {elements} elements of '{set}', which carries the waves from the absorbing faces, are tetrahedra, whose masses ring: behind a P pulse of 28 nodes RINGS of its amplitude stay in the ground, BRICKS in bricks. Mesh the ground with bricks, and only what surrounds the structure with tetrahedra"
+                "{tetrahedra} of the {elements} elements of '{set}', which carries the waves from the absorbing faces, are tetrahedra with nodes on their edges, whose uneven masses ring: a P pulse as long as 28 nodes leaves 8 % of its amplitude in the ground, in bricks 1.4 %; one of 14 nodes 23 % and 4 %. Mesh with bricks or wedges, or halve the size of the tetrahedra"
             ),
             Self::Mismatch {
                 joint,
@@ -431,8 +431,8 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
     for index in scene.parts_behind_boundary()? {
         let set = &scene.parts()[index].set;
         let elements = scene.mesh().element_set(set).map_err(Error::from)?;
-        let kinds = elements.iter().map(|&e| scene.mesh().kind(e).first_order());
-        let tetrahedra = kinds.filter(|kind| *kind == ElementKind::Tet4).count();
+        let kinds = elements.iter().map(|&e| scene.mesh().kind(e));
+        let tetrahedra = kinds.filter(|kind| *kind == ElementKind::Tet10).count();
         if tetrahedra > 0 {
             warnings.push(Warning::Ringing {
                 set: set.clone(),
