@@ -191,7 +191,7 @@ impl fmt::Display for Warning {
                 elements,
             } => write!(
                 f,
-                "{tetrahedra} of the {elements} elements of '{set}', which carries the waves from the absorbing faces, are tetrahedra with nodes on their edges, whose uneven masses ring: a P pulse as long as 28 nodes leaves 8 % of its amplitude in the ground, in bricks 1.4 %; one of 14 nodes 23 % and 4 %. Mesh with bricks or wedges, or halve the size of the tetrahedra"
+                "{tetrahedra} of the {elements} elements of '{set}', which carries the waves from the absorbing faces, are tetrahedra with nodes on their edges, whose uneven masses ring: a P pulse as long as 28 nodes leaves 8 % of its amplitude in the ground, in equal bricks 1.4 % and in irregular ones 4 %. Mesh with bricks or wedges, or halve the size of the tetrahedra"
             ),
             Self::Mismatch {
                 joint,
