@@ -44,7 +44,7 @@ fn deflection(mesh: &Mesh, kernel: SolidKernel, poisson: f64) -> [f64; 2] {
 
 /// One cell of six tetrahedra, which has three nodes across, bends as the beam within 5 %, two cells within 2 %, nearly
 /// incompressible ones within 7 and 3 %, alike in both directions; skewed sections and cells twice as long cost little. With
-/// four nodes two cells have two thirds of the deflection, and in nearly incompressible material a hundredth.
+/// four nodes two cells have half of the deflection, and in nearly incompressible material a hundredth.
 #[test]
 fn one_cell_bends_as_a_beam() {
     for (poisson, cells, skew, expected, bound) in [
@@ -65,7 +65,7 @@ fn one_cell_bends_as_a_beam() {
             );
         }
     }
-    for (poisson, most) in [(0.3, 0.75), (0.4999, 0.05)] {
+    for (poisson, most) in [(0.3, 0.6), (0.4999, 0.05)] {
         let mesh = beam(ElementKind::Tet4, 10.0, [20, 2], 0.0);
         let found = deflection(&mesh, SolidKernel::Tet4, poisson);
         assert!(found.iter().all(|found| *found < most), "{found:?}");
