@@ -127,7 +127,7 @@ fn what_is_not_computed_is_refused() {
             &["`straighten` is about a mesh file"],
         ),
     ] {
-        let error = files.scene(file, keys).unwrap_err().to_string();
+        let error = files.scene(file, keys).err().unwrap().to_string();
         for passage in passages {
             assert!(error.contains(passage), "{file} {keys}: {error}");
         }
