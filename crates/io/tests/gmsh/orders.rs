@@ -69,6 +69,9 @@ fn one_solid(number: i32, corners: &[[f64; 3]], others: &[[f64; 3]]) -> String {
     )
 }
 
+/// Number and name of a type, its kind of first order, its edges, and the number of nodes that follow their midpoints.
+type Case<'a> = (i32, &'a str, ElementKind, &'a [[usize; 2]], usize);
+
 /// Elements of second order are refused with their number and line, and read by their corners on request; nodes on their
 /// edges that are not midpoints are counted.
 #[test]
@@ -114,7 +117,7 @@ fn corners_of_second_order_are_read_on_request() {
         [2, 4],
         [3, 4],
     ];
-    let cases: [(i32, &str, ElementKind, &[[usize; 2]], usize); 6] = [
+    let cases: [Case; 6] = [
         (17, "a hex20", ElementKind::Hex8, &hex, 0),
         (12, "a hex27", ElementKind::Hex8, &hex, 7),
         (18, "a wedge15", ElementKind::Wedge6, &wedge, 0),
