@@ -254,9 +254,7 @@ impl ElementKernel<10, 4> for Tet10 {
             at_corners[b] = force;
         }
         let mut forces = [zero; 10];
-        for k in 1..4 {
-            forces[k] = linear[k];
-        }
+        [forces[1], forces[2], forces[3]] = [linear[1], linear[2], linear[3]];
         for a in 0..4 {
             for b in a + 1..4 {
                 let edge = EDGES[a][b];
