@@ -70,7 +70,7 @@ fn one_solid(number: i32, corners: &[[f64; 3]], others: &[[f64; 3]]) -> String {
 }
 
 /// Number and name of a type, its kind of first order, its edges, and the number of nodes that follow their midpoints.
-type Case<'a> = (i32, &'a str, ElementKind, &'a [[usize; 2]], usize);
+type Case<'a> = (i32, &'static str, ElementKind, &'a [[usize; 2]], usize);
 
 /// Elements of second order are refused with their number and line, and read by their corners on request; nodes on their
 /// edges that are not midpoints are counted.
