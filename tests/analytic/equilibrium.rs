@@ -6,8 +6,8 @@ use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_elements::{FacePressure, Hex8OnePoint, Profile, SolidKernel, solid};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, MohrCoulombParameters, media};
 use powerhouse_model::{
-    BlockOptions, ElasticMedium, Mesh, ModelSpec, PeriodicPairs, Precision, RunOptions,
-    StaticError, StaticOptions, StaticReport, Stress, Support, Vec3,
+    BlockOptions, ElasticMedium, ElementKind, Mesh, ModelSpec, PeriodicPairs, Precision,
+    RunOptions, StaticError, StaticOptions, StaticReport, Stress, Support, Vec3,
 };
 use powerhouse_tests::{Ground, elastic};
 
@@ -34,13 +34,13 @@ fn on_rollers<'a>(ground: &'a Ground, faces: &[(&str, Vec3)]) -> ModelSpec<'a> {
 
 /// A block on rollers under its weight settles by `rho g (H z - z^2 / 2) / M` with `nu / (1 - nu)` of the
 /// vertical stress laterally, to 1e-8, for every kernel of hexahedra and wedges on a mesh graded in depth;
-/// tetrahedra are not periodic from column to column and are left out.
+/// tetrahedra are not periodic from column to column, pyramids not along one, and both are left out.
 #[test]
 fn a_block_settles_under_its_weight() {
     let size = Vec3::new(30.0, 20.0, 80.0);
     let medium = media::ROCK;
     for kernel in SolidKernel::ALL {
-        if kernel.name() == "tet4" {
+        if !matches!(kernel.kind(), ElementKind::Hex8 | ElementKind::Wedge6) {
             continue;
         }
         let ground = Ground::boxed(size, [3, 2, 10], medium, kernel)

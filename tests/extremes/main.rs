@@ -5,5 +5,6 @@ mod atlas;
 mod energy;
 mod joints;
 mod mutations;
+mod ringing;
 mod stable_step;
 mod true_step;

@@ -194,7 +194,7 @@ fn halves(ground: &Ground, (second, damping): (ElasticMedium, f64), jointed: boo
     .unwrap()
 }
 
-/// A brick, two wedges and two of six tetrahedra in a row.
+/// A pyramid, a brick, two wedges and six tetrahedra in a row.
 fn of_all_kinds() -> Model {
     let mut mesh = Mesh::builder();
     let tag = |x: u64, y: u64, z: u64| 1 + x + 4 * y + 8 * z;
@@ -215,6 +215,9 @@ fn of_all_kinds() -> Model {
         b(0, 1, 1),
     ];
     mesh.element(1, ElementKind::Hex8, &brick, &["bricks"]);
+    mesh.node(17, Vec3::new(-1.2, 0.4, 0.3));
+    let pyramid = [b(0, 1, 0), b(0, 0, 0), b(0, 0, 1), b(0, 1, 1), 17];
+    mesh.element(10, ElementKind::Pyramid5, &pyramid, &["pyramids"]);
     let wedges = [
         [
             w(0, 0, 0),
@@ -253,6 +256,7 @@ fn of_all_kinds() -> Model {
     let make = |set, kernel| elastic(set, kernel, media::ROCK, BlockOptions::default());
     Model::builder(&mesh)
         .elements("bricks", make("bricks", SolidKernel::Hex8BBar))
+        .elements("pyramids", make("pyramids", SolidKernel::Pyramid5))
         .elements("wedges", make("wedges", SolidKernel::Wedge6))
         .elements("tetrahedra", make("tetrahedra", SolidKernel::Tet4))
         .threads(1)

@@ -2,7 +2,8 @@
 
 use powerhouse::engine::Explicit;
 use powerhouse_elements::{
-    Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, SolidKernel, Tet4, Wedge6,
+    Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, Pyramid5, SolidKernel, Tet4, Tet10,
+    Wedge6,
 };
 use powerhouse_material_damage::{
     ConeFit, DruckerPrager, DruckerPragerParameters, ElastoPlastic, HoekBrown, HoekBrownParameters,
@@ -35,7 +36,12 @@ where
     let make = match N {
         8 => Mesh::box_of_hexes,
         6 => Mesh::box_of_wedges,
+        5 => Mesh::box_of_pyramids,
         _ => Mesh::box_of_tets,
+    };
+    let boxed = |bend: f64| match N {
+        10 => boxed(make, bend).with_midpoints().unwrap(),
+        _ => boxed(make, bend),
     };
     let damping = Rayleigh {
         mass: 3.0,
@@ -46,7 +52,7 @@ where
         (0.05, LaneWidth::Native),
         (0.05, LaneWidth::One),
     ] {
-        let mesh = boxed(make, bend);
+        let mesh = boxed(bend);
         let law = LinearElastic::new(media::ROCK);
         let mut options = BlockOptions::default();
         (options.damping, options.lanes) = (damping, lanes);
@@ -78,6 +84,8 @@ fn kernels_move_alike() {
     kernel(SolidKernel::Hex8BBar, Hex8BBar);
     kernel(SolidKernel::Tet4, Tet4);
     kernel(SolidKernel::Wedge6, Wedge6);
+    kernel(SolidKernel::Pyramid5, Pyramid5);
+    kernel(SolidKernel::Tet10, Tet10::new(&media::ROCK));
 }
 
 /// Fails if a body of a law moves differently, or as if it were elastic.

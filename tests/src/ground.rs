@@ -5,7 +5,7 @@ use powerhouse_elements::SolidKernel;
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
     AbsorbingBoundary, BlockFactory, BlockOptions, BoundarySite, ElasticMedium, ElementKind,
-    IncidentField, Mesh, ModelSpec, Vec3,
+    IncidentField, Mesh, MeshError, ModelSpec, Vec3,
 };
 
 /// The element set of every body.
@@ -27,9 +27,19 @@ pub struct Ground {
     pub threads: Option<usize>,
 }
 
+/// A box of tetrahedra with midpoints.
+fn box_of_tets_with_midpoints(
+    low: Vec3,
+    high: Vec3,
+    cells: [usize; 3],
+    elements: &str,
+) -> Result<Mesh, MeshError> {
+    Mesh::box_of_tets(low, high, cells, elements)?.with_midpoints()
+}
+
 impl Ground {
-    /// Creates a box with one corner at the origin, of `size` (m), with cells of one hexahedron, two wedges or
-    /// six tetrahedra, depending on the kernel.
+    /// Creates a box with one corner at the origin, of `size` (m), with cells of one hexahedron, two wedges, or
+    /// six tetrahedra or pyramids, depending on the kernel.
     ///
     /// # Panics
     /// For an invalid box.
@@ -41,7 +51,9 @@ impl Ground {
     ) -> Self {
         let make = match kernel.kind() {
             ElementKind::Tet4 => Mesh::box_of_tets,
+            ElementKind::Tet10 => box_of_tets_with_midpoints,
             ElementKind::Wedge6 => Mesh::box_of_wedges,
+            ElementKind::Pyramid5 => Mesh::box_of_pyramids,
             _ => Mesh::box_of_hexes,
         };
         let mesh = make(Vec3::zeros(), size, cells, SET).expect("a box of cells");
@@ -54,13 +66,14 @@ impl Ground {
         }
     }
 
-    /// Moves every node.
+    /// Moves every node; edges stay straight.
     ///
     /// # Panics
     /// If an element is inverted or flat afterwards.
     #[must_use]
     pub fn mapped(mut self, map: impl Fn(Vec3) -> Vec3) -> Self {
-        self.mesh = self.mesh.map_positions(map).expect("finite positions");
+        let mapped = self.mesh.map_positions(map).expect("finite positions");
+        self.mesh = mapped.with_straight_edges();
         self.mesh.check().expect("sound elements");
         self
     }

@@ -45,6 +45,30 @@ fn a_plane_joint_has_one_pair_per_node() {
     }
 }
 
+/// A plane cut through tetrahedra with midpoints gives each node one pair, whose area is a twelfth of that of its facets at
+/// corners and a quarter at midpoints, and whose neighbours are half an edge away.
+#[test]
+fn midpoints_have_their_pairs() {
+    let mesh = Mesh::box_of_tets(Vec3::zeros(), Vec3::new(2.0, 2.0, 3.0), [2, 2, 3], "rock");
+    let (mesh, surface) = cut(&mesh.unwrap().with_midpoints().unwrap(), |c| c.z < 1.0);
+    assert_eq!((surface.pairs.len(), surface.facets.len()), (25, 8));
+    assert!((surface.area() - 4.0).abs() < 1e-14);
+    assert!((surface.shortest_edge(&mesh) - 0.5).abs() < 1e-15);
+    for pair in &surface.pairs {
+        assert!((pair.normal - Vec3::z()).norm() < 1e-15);
+        let [a, b] = pair.nodes.map(|node| mesh.positions()[node as usize]);
+        assert_eq!(a, b);
+        let is_corner = [a.x, a.y].iter().all(|x| x.fract() == 0.0);
+        let facets = surface
+            .facets
+            .iter()
+            .filter(|facet| facet.nodes.contains(&pair.nodes[0]));
+        let share = if is_corner { 12.0 } else { 4.0 };
+        assert!((pair.area - 0.5 * facets.count() as f64 / share).abs() < 1e-15);
+        assert!((0.5..0.75).contains(&pair.spacing), "{}", pair.spacing);
+    }
+}
+
 /// A cube inside another has, on its edges and corners, one pair for each of its faces that meet
 /// there: 6 faces of 9 nodes. With an angle of 90 degrees it has one for each node.
 #[test]

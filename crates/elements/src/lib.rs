@@ -17,6 +17,7 @@ mod loads;
 pub use block::{AnyLaw, solid};
 pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
 pub use kernels::{
-    Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, SolidKernel, Tet4, Wedge6,
+    Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, Pyramid5, SolidKernel, Tet4, Tet10,
+    Wedge6,
 };
 pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};

@@ -26,13 +26,16 @@ fn resultant(mesh: &Mesh, load: &mut dyn NodalLoad, time: f64) -> (Vec3, Vec3) {
 }
 
 /// A box whose `right` wall (x = 4) is bent inside its plane, of each kind.
-fn walls() -> [Mesh; 3] {
+fn walls() -> [Mesh; 5] {
     let high = Vec3::new(4.0, 3.0, 6.0);
     let shear = |p: Vec3| Vec3::new(p.x, p.y + 0.1 * p.z, p.z);
+    let tets = Mesh::box_of_tets(Vec3::zeros(), high, [2, 3, 6], "rock").unwrap();
     [
         Mesh::box_of_hexes(Vec3::zeros(), high, [2, 3, 6], "rock").unwrap(),
         Mesh::box_of_wedges(Vec3::zeros(), high, [2, 3, 6], "rock").unwrap(),
-        Mesh::box_of_tets(Vec3::zeros(), high, [2, 3, 6], "rock").unwrap(),
+        Mesh::box_of_pyramids(Vec3::zeros(), high, [2, 3, 6], "rock").unwrap(),
+        tets.with_midpoints().unwrap(),
+        tets,
     ]
     .map(|mesh| mesh.map_positions(shear).unwrap())
 }
@@ -49,6 +52,22 @@ fn a_uniform_pressure_has_its_resultant() {
         let centre = Vec3::new(4.0, 1.5 + 0.1 * 3.0, 3.0);
         assert!((force - exact).norm() < 1e-11);
         assert!((moment - centre.cross(&exact)).norm() < 1e-11);
+    }
+}
+
+/// On triangles with midpoints a uniform pressure has a twelfth of its force at corners and a quarter at midpoints.
+#[test]
+fn a_uniform_pressure_is_that_of_the_facets() {
+    let mesh = &walls()[3];
+    let facets = mesh.facet_set("right").unwrap();
+    let load = FacePressure::new(mesh, facets, Profile::Uniform, Box::new(|_: f64| 1.0));
+    let mut load = load.unwrap();
+    let mut forces = vec![Vec3::zeros(); load.nodes().len()];
+    load.add_forces(0.0, &mut forces);
+    let areas = mesh.tributary_areas(facets);
+    assert_eq!(areas.len(), forces.len());
+    for (area, force) in areas.iter().zip(forces) {
+        assert!((force + area.normal * area.area).norm() < 1e-14);
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod support;
 
-use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Tet4, Wedge6, solid};
+use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Pyramid5, Tet4, Tet10, Wedge6, solid};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     BlockFactory, BlockOptions, BoundaryParts, ConstitutiveLaw, ElasticMedium, EnergyCheck,
@@ -67,7 +67,11 @@ fn the_reported_step_is_just_below_the_true_limit_for_every_kernel() {
     let hexes = jittered(Mesh::box_of_hexes, [4, 4, 3], 0.3);
     let wedges = jittered(Mesh::box_of_wedges, [3, 3, 3], 0.2);
     let tets = jittered(Mesh::box_of_tets, [3, 3, 3], 0.15);
-    let cases: [(&Mesh, Box<dyn BlockFactory>); 5] = [
+    let pyramids = jittered(Mesh::box_of_pyramids, [3, 3, 2], 0.15);
+    let tens = jittered(Mesh::box_of_tets, [3, 2, 2], 0.15)
+        .with_midpoints()
+        .unwrap();
+    let cases: [(&Mesh, Box<dyn BlockFactory>); 7] = [
         (
             &hexes,
             solid("rock", Hex8OnePoint::default(), rock(), options),
@@ -76,6 +80,8 @@ fn the_reported_step_is_just_below_the_true_limit_for_every_kernel() {
         (&hexes, solid("rock", Hex8BBar, rock(), options)),
         (&wedges, solid("rock", Wedge6, rock(), options)),
         (&tets, solid("rock", Tet4, rock(), options)),
+        (&pyramids, solid("rock", Pyramid5, rock(), options)),
+        (&tens, solid("rock", Tet10::new(&rock().0), rock(), options)),
     ];
     for (i, (mesh, factory)) in cases.into_iter().enumerate() {
         mesh.check().unwrap();

@@ -84,7 +84,10 @@ pub use atomic::write_whole;
 pub use date::utc_date;
 pub use error::IoError;
 #[cfg(feature = "gmsh")]
-pub use gmsh::{GmshError, GmshMesh, parse_gmsh, read_gmsh, write_gmsh};
+pub use gmsh::{
+    GmshError, GmshMesh, GmshOptions, parse_gmsh, parse_gmsh_with, read_gmsh, read_gmsh_with,
+    write_gmsh,
+};
 pub use memory::available_memory;
 #[cfg(feature = "pictures")]
 pub use picture::{

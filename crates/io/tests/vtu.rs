@@ -317,3 +317,47 @@ fn inactive_elements_have_no_values() {
     );
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+/// Pyramids are VTK's pyramids; tetrahedra with midpoints are its quadratic tetrahedra, whose midpoints are those of the
+/// edges 01, 12, 20, 03, 13, 23 in turn; facets of six nodes are polygons.
+#[test]
+fn pyramids_and_midpoints_have_their_cells() {
+    let path = folder("orders").with_extension("vtu");
+    let tets = Mesh::box_of_tets(Vec3::zeros(), Vec3::repeat(1.0), [1; 3], "rock").unwrap();
+    let tens = tets.with_midpoints().unwrap();
+    let pyramids = Mesh::box_of_pyramids(Vec3::zeros(), Vec3::repeat(1.0), [1; 3], "rock").unwrap();
+    for (mesh, kind) in [(&tens, 24_u8), (&pyramids, 14)] {
+        let writer = VtuWriter::new(mesh, FieldPrecision::Single).unwrap();
+        writer.write(&path, 0.0, &[], &[]).unwrap();
+        let file = std::fs::read(&path).unwrap();
+        assert!(array(&file, "types").iter().all(|&cell| cell == kind));
+        let bytes = array(&file, "connectivity");
+        let nodes: Vec<usize> = bytes
+            .chunks(8)
+            .map(|bytes| u64::from_le_bytes(bytes.try_into().unwrap()) as usize)
+            .collect();
+        for cell in nodes.chunks(if kind == 24 { 10 } else { 5 }) {
+            let at = |i: usize| mesh.positions()[cell[i]];
+            if kind == 24 {
+                let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+                for (i, [a, b]) in edges.into_iter().enumerate() {
+                    assert_eq!(at(4 + i), (at(a) + at(b)) * 0.5);
+                }
+            } else {
+                // The base is seen counter-clockwise from the apex.
+                let normal = (at(1) - at(0)).cross(&(at(3) - at(0)));
+                assert!(normal.dot(&(at(4) - at(0))) > 0.0);
+            }
+        }
+    }
+    let facets: Vec<Vec<u32>> = tens
+        .boundary_facets()
+        .iter()
+        .map(|&f| tens.facet_nodes(f))
+        .collect();
+    let writer = VtuWriter::of_facets(tens.positions(), &facets, FieldPrecision::Single).unwrap();
+    writer.write(&path, 0.0, &[], &[]).unwrap();
+    let file = std::fs::read(&path).unwrap();
+    assert!(array(&file, "types").iter().all(|&cell| cell == 7));
+    std::fs::remove_file(path).unwrap();
+}

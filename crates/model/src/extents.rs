@@ -64,7 +64,7 @@ fn rule(kind: ElementKind) -> Vec<(Vec3, f64)> {
             .flat_map(move |&(y, b)| LINE.map(|(z, c)| (Vec3::new(x, y, z), a * b * c)))
     });
     match kind {
-        ElementKind::Hex8 => cube.collect(),
+        ElementKind::Hex8 | ElementKind::Pyramid5 => cube.collect(),
         // A square or cube of which a side or face is collapsed: the map of Duffy (1982).
         ElementKind::Wedge6 => cube
             .map(|(p, weight)| {
@@ -72,7 +72,7 @@ fn rule(kind: ElementKind) -> Vec<(Vec3, f64)> {
                 (Vec3::new(r, s * (1.0 - r), p.z), 0.25 * weight * (1.0 - r))
             })
             .collect(),
-        ElementKind::Tet4 => cube
+        ElementKind::Tet4 | ElementKind::Tet10 => cube
             .map(|(p, weight)| {
                 let [r, s, t] = [p.x, p.y, p.z].map(|x| 0.5 * (1.0 + x));
                 let (across, deep) = (1.0 - r, (1.0 - r) * (1.0 - s));
@@ -95,6 +95,7 @@ impl Extents<f64> {
     /// # Panics
     /// If there are fewer corners than the kind has.
     pub fn of_element(kind: ElementKind, corners: &[Vec3]) -> Self {
+        let kind = kind.first_order();
         let count = kind.node_count();
         let mut values = vec![0.0; count];
         let mut gradients = vec![Vec3::zeros(); count];

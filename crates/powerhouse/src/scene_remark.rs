@@ -123,12 +123,24 @@ pub enum SceneRemark {
         /// Number of solids and bars without physical group, which are in the set `all` or `ungrouped`.
         ungrouped: usize,
     },
+    /// Fact: elements of second order that are computed by their corners alone, or whose curved edges are computed as straight.
+    MeshOrder {
+        /// Number of elements of the file of which the corners alone are computed.
+        lowered: usize,
+        /// Number of nodes on curved edges, which were left out or moved to the midpoints.
+        curved: usize,
+        /// Largest distance of such a node from the midpoint (m), in the coordinates of the file.
+        largest: f64,
+    },
 }
 
 impl SceneRemark {
     /// Returns whether this is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
-        !matches!(self, Self::MeshFile { .. } | Self::FormerKey { .. })
+        !matches!(
+            self,
+            Self::MeshFile { .. } | Self::MeshOrder { .. } | Self::FormerKey { .. }
+        )
     }
 }
 
@@ -242,6 +254,29 @@ impl fmt::Display for SceneRemark {
                 if *ungrouped > 0 {
                     found.push(format!(
                         "{ungrouped} elements without physical group are in the set 'all' or 'ungrouped'"
+                    ));
+                }
+                write!(f, "mesh: {}", found.join("; "))
+            }
+            Self::MeshOrder {
+                lowered,
+                curved,
+                largest,
+            } => {
+                let mut found = Vec::new();
+                if *lowered > 0 {
+                    found.push(format!(
+                        "{lowered} elements of second order are computed by their corners alone"
+                    ));
+                }
+                if *curved > 0 {
+                    let way = if *lowered > 0 {
+                        "left out"
+                    } else {
+                        "moved to the midpoints"
+                    };
+                    found.push(format!(
+                        "{curved} nodes on curved edges, up to {largest:.3e} off the midpoints, were {way}"
                     ));
                 }
                 write!(f, "mesh: {}", found.join("; "))

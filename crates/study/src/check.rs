@@ -71,6 +71,15 @@ pub enum Warning {
         /// Element set of the part.
         set: String,
     },
+    /// A part of tetrahedra with midpoints along the absorbing faces: it carries the waves, and its lumped masses ring.
+    Ringing {
+        /// Element set of the part.
+        set: String,
+        /// Number of its tetrahedra.
+        tetrahedra: usize,
+        /// Number of its elements.
+        elements: usize,
+    },
     /// A motion with more than 1 % of the energy of its acceleration at frequencies that a part does not resolve.
     Unresolved {
         /// Description of the motion: the incident motion at the surface, or, without a field, each record.
@@ -174,7 +183,15 @@ impl fmt::Display for Warning {
             ),
             Self::Tetrahedra { set } => write!(
                 f,
-                "'{set}' has four-node tetrahedra: too stiff in bending, and they lock in plastic flow"
+                "'{set}' has four-node tetrahedra: too stiff in bending, and they lock in plastic flow; `order = 2` of [mesh] gives them nodes on their edges, with which they do neither"
+            ),
+            Self::Ringing {
+                set,
+                tetrahedra,
+                elements,
+            } => write!(
+                f,
+                "{tetrahedra} of the {elements} elements of '{set}', which carries the waves from the absorbing faces, are tetrahedra with nodes on their edges, whose uneven masses ring: a P pulse as long as 28 nodes leaves 8 % of its amplitude in the ground, in equal bricks 1.4 % and in irregular ones 4 %. Mesh with bricks or wedges, or halve the size of the tetrahedra"
             ),
             Self::Mismatch {
                 joint,
@@ -408,6 +425,19 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
         {
             warnings.push(Warning::Tetrahedra {
                 set: part.set.clone(),
+            });
+        }
+    }
+    for index in scene.parts_behind_boundary()? {
+        let set = &scene.parts()[index].set;
+        let elements = scene.mesh().element_set(set).map_err(Error::from)?;
+        let kinds = elements.iter().map(|&e| scene.mesh().kind(e));
+        let tetrahedra = kinds.filter(|kind| *kind == ElementKind::Tet10).count();
+        if tetrahedra > 0 {
+            warnings.push(Warning::Ringing {
+                set: set.clone(),
+                tetrahedra,
+                elements: elements.len(),
             });
         }
     }

@@ -189,6 +189,16 @@ pub enum StudyError {
         /// Least distance (m) for the substitute model.
         least: f64,
     },
+    /// A face of elements with nodes on their edges, beyond which a mesh cannot be extended ([`grown`](fn@crate::grown)).
+    #[error(
+        "face '{face}' has elements with nodes on their edges, such as {element}, beyond which a mesh is not extended: use a mesh of first order (`order = 1`)"
+    )]
+    Midpoints {
+        /// Name of the facet set.
+        face: String,
+        /// Number of an element.
+        element: u64,
+    },
     /// A facet set that is not plane or is empty, beyond which a mesh should be extended ([`grown`](fn@crate::grown)).
     #[error(
         "the face '{face}' is empty or not plane, so that the mesh cannot be extended beyond it"

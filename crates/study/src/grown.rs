@@ -17,7 +17,8 @@ const PLANE: f64 = 1.0 - 1e-9;
 /// sets that meet the face at an edge are continued along the new elements, and node sets are unchanged.
 ///
 /// # Errors
-/// A set that does not exist, is empty or not plane; a thickness that is not positive.
+/// A set that does not exist, is empty or not plane, or has elements with nodes on their edges; a thickness that is not
+/// positive.
 ///
 /// ```
 /// use powerhouse::model::{Mesh, Vec3};
@@ -40,6 +41,11 @@ pub fn grown(mesh: &Mesh, face: &str, thicknesses: &[f64]) -> Result<Mesh, Study
     let sum: f64 = areas.iter().map(Vec3::norm).sum();
     if mean.norm() < PLANE * sum || sum <= 0.0 {
         return Err(StudyError::NotPlane { face: face.into() });
+    }
+    let has_midpoints = |facet: &&Facet| !mesh.kind(facet.element).edges_with_midpoint().is_empty();
+    if let Some(facet) = facets.iter().find(has_midpoints) {
+        let (face, element) = (face.into(), mesh.element_tags()[facet.element as usize]);
+        return Err(StudyError::Midpoints { face, element });
     }
     let extrusion = Extrusion {
         mesh,

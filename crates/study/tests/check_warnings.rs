@@ -3,9 +3,10 @@
 mod block;
 
 use block::Folder;
+use powerhouse::boundary::Viscous;
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Material, Part, Scene};
+use powerhouse::{Boundary, Material, Part, Scene};
 use powerhouse_study::{Warning, check, warnings};
 
 const GROUND: &str = r#"
@@ -127,4 +128,40 @@ fn a_check_lists_sets_and_tries_the_folder() {
             |warning| matches!(warning, Warning::Folder { reason } if reason.contains(&named))
         )
     );
+}
+
+/// Tetrahedra with midpoints along the absorbing faces are warned of, with their number and the way out; those of four nodes
+/// are warned of as too stiff, with the way out; bricks, and tetrahedra away from the faces, are not.
+#[test]
+fn tetrahedra_that_carry_the_waves_are_warned_of() {
+    let size = Vec3::new(30.0, 20.0, 20.0);
+    let tets = Mesh::box_of_tets(Vec3::zeros(), size, [3, 2, 2], "rock").unwrap();
+    let bricks = Mesh::box_of_hexes(Vec3::zeros(), size, [3, 2, 2], "rock").unwrap();
+    let found = |mesh: Mesh, faces: &[&str]| -> Vec<Warning> {
+        let rock = Material::from(LinearElastic::new(media::ROCK));
+        let mut scene = Scene::new("ringing", mesh).part(Part::new("rock", rock));
+        if !faces.is_empty() {
+            let boundary = Boundary::new(Viscous::default(), faces.iter().copied());
+            scene = scene.with_boundary(boundary);
+        }
+        warnings(&scene).unwrap()
+    };
+    let rings = |warning: &Warning| matches!(warning, Warning::Ringing { .. });
+    let ten = tets.with_midpoints().unwrap();
+    let expected = Warning::Ringing {
+        set: "rock".into(),
+        tetrahedra: 72,
+        elements: 72,
+    };
+    let warned = found(ten.clone(), &["bottom"]);
+    assert!(warned.contains(&expected));
+    assert!(expected.to_string().contains("Mesh with bricks or wedges"));
+    assert!(!found(ten, &[]).iter().any(rings));
+    assert!(!found(bricks, &["bottom"]).iter().any(rings));
+    let four = found(tets, &["bottom"]);
+    assert!(!four.iter().any(rings));
+    let stiff = four
+        .iter()
+        .find(|warning| matches!(warning, Warning::Tetrahedra { .. }));
+    assert!(stiff.unwrap().to_string().contains("`order = 2`"));
 }

@@ -85,3 +85,15 @@ fn invalid_extensions_are_errors() {
         assert!(grown(&mesh, "top", &[thickness]).is_err());
     }
 }
+
+/// A mesh with nodes on the edges of its elements is not extended, and the error names an element.
+#[test]
+fn midpoints_are_not_extended() {
+    let mesh = Mesh::box_of_tets(Vec3::zeros(), Vec3::repeat(2.0), [2; 3], "rock").unwrap();
+    assert!(grown(&mesh, "right", &[1.0]).is_ok());
+    let error = grown(&mesh.with_midpoints().unwrap(), "right", &[1.0]).unwrap_err();
+    assert!(
+        matches!(&error, StudyError::Midpoints { element, .. } if *element > 0),
+        "{error}"
+    );
+}

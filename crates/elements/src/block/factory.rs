@@ -253,6 +253,7 @@ where
                     expected: self.kernel.kind().name(),
                 });
             }
+            part.mesh.check_edges(element)?;
             let nodes = part.mesh.nodes_of(element);
             let mut local = [0; N];
             for a in 0..N {

@@ -1,4 +1,4 @@
-//! Element kernels: bricks, wedge and tetrahedron.
+//! Element kernels: bricks, wedge, tetrahedra and pyramid.
 
 mod by_shape;
 mod hex8_eas;
@@ -9,10 +9,12 @@ mod hexahedron;
 mod mean_gradient;
 mod natural_frame;
 mod parallelepiped;
+mod pyramid5;
 mod straight_brick;
 mod straight_natural;
 #[cfg(test)]
 mod tests;
+mod tet10;
 mod tet4;
 mod vectors;
 mod wedge6;
@@ -21,7 +23,9 @@ pub use hex8_eas::Hex8Eas;
 pub use hex8_integrated::{Hex8BBar, Hex8Full};
 pub use hex8_natural::Hex8Natural;
 pub use hex8_one_point::Hex8OnePoint;
+pub use pyramid5::Pyramid5;
 pub use tet4::Tet4;
+pub use tet10::Tet10;
 pub use wedge6::Wedge6;
 
 use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind, PointLaw, Vec3};
@@ -47,11 +51,15 @@ pub enum SolidKernel {
     Tet4,
     /// Six-node wedge, [`Wedge6`].
     Wedge6,
+    /// Five-node pyramid, [`Pyramid5`].
+    Pyramid5,
+    /// Ten-node composite tetrahedron, [`Tet10`].
+    Tet10,
 }
 
 impl SolidKernel {
     /// All kernels, with their default parameters.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Hex8OnePoint(Hex8OnePoint::DEFAULT),
         Self::Hex8Natural,
         Self::Hex8Eas,
@@ -59,6 +67,8 @@ impl SolidKernel {
         Self::Hex8BBar,
         Self::Tet4,
         Self::Wedge6,
+        Self::Pyramid5,
+        Self::Tet10,
     ];
 
     /// Name of the kernel in scenes and reports.
@@ -71,6 +81,8 @@ impl SolidKernel {
             Self::Hex8BBar => Hex8BBar.name(),
             Self::Tet4 => Tet4.name(),
             Self::Wedge6 => Wedge6.name(),
+            Self::Pyramid5 => Pyramid5.name(),
+            Self::Tet10 => Tet10::NAME,
         }
     }
     /// The kernel with a name, with its default parameters.
@@ -87,6 +99,8 @@ impl SolidKernel {
             | Self::Hex8BBar => ElementKind::Hex8,
             Self::Tet4 => ElementKind::Tet4,
             Self::Wedge6 => ElementKind::Wedge6,
+            Self::Pyramid5 => ElementKind::Pyramid5,
+            Self::Tet10 => ElementKind::Tet10,
         }
     }
     /// Number of integration points of an element.
@@ -101,6 +115,8 @@ impl SolidKernel {
             Self::Hex8BBar => points(&Hex8BBar),
             Self::Tet4 => points(&Tet4),
             Self::Wedge6 => points(&Wedge6),
+            Self::Pyramid5 => points(&Pyramid5),
+            Self::Tet10 => Tet10::POINTS,
         }
     }
     /// Number of history variables of an element as a whole, with laws that have a history.
@@ -108,6 +124,7 @@ impl SolidKernel {
         match self {
             Self::Hex8Natural => Hex8Natural.own_history(),
             Self::Hex8Eas => Hex8Eas::HISTORY,
+            Self::Pyramid5 => Pyramid5.own_history(),
             _ => 0,
         }
     }
@@ -148,6 +165,11 @@ impl SolidKernel {
             }
             Self::Tet4 => of_any_law(label, Tet4, law, options),
             Self::Wedge6 => of_any_law(label, Wedge6, law, options),
+            Self::Pyramid5 => of_any_law(label, Pyramid5, law, options),
+            Self::Tet10 => {
+                let kernel = Tet10::new(&law.medium());
+                of_any_law(label, kernel, law, options)
+            }
         }
     }
 }

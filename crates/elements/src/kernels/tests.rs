@@ -1,6 +1,7 @@
 //! Properties of every kernel, on distorted elements.
 
 mod natural;
+mod tet10;
 
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 use powerhouse_model::{
@@ -149,6 +150,15 @@ fn wedge() -> [Vec3; 6] {
         [0.0, 2.0, 2.0],
     ])
 }
+fn pyramid() -> [Vec3; 5] {
+    distorted([
+        [-1.0, -1.0, -1.0],
+        [1.0, -1.0, -1.0],
+        [1.0, 1.0, -1.0],
+        [-1.0, 1.0, -1.0],
+        [0.0, 0.0, 1.0],
+    ])
+}
 fn tetrahedron() -> [Vec3; 4] {
     distorted([
         [0.0, 0.0, 0.0],
@@ -204,6 +214,7 @@ fn affine<const N: usize>() -> [Vec3; N] {
     let kind = match N {
         8 => ElementKind::Hex8,
         6 => ElementKind::Wedge6,
+        5 => ElementKind::Pyramid5,
         _ => ElementKind::Tet4,
     };
     let corners = kind.natural_corners();
@@ -263,7 +274,7 @@ macro_rules! kernel_tests {
             }
 
             /// The positions of the integration points, weighted by their volumes, have the mean of the corners
-            /// of a parallelepiped or tetrahedron, its centroid; and where an element has several points, a
+            /// of a parallelepiped or tetrahedron, its centroid, or that of a pyramid; and where an element has several points, a
             /// shear strain that grows linearly has at each point the value of its position.
             #[test]
             fn points_are_where_strains_are_taken() {
@@ -275,7 +286,12 @@ macro_rules! kernel_tests {
                 for (position, share) in positions.iter().zip(volumes) {
                     centroid += position * (share / volume);
                 }
-                let mean = regular.corners.iter().sum::<Vec3>() / $nodes as f64;
+                let natural = regular.kernel.kind().natural_centre();
+                let [mean] = super::super::positions(
+                    regular.kernel.kind(),
+                    &regular.corners,
+                    [natural.into()],
+                );
                 assert!((centroid - mean).norm() < 1e-13, "{centroid} {mean}");
                 if $points > 1 {
                     let nodal = regular.nodal(|x| Vec3::new(0.0, x.x * x.z, 0.0));
@@ -382,6 +398,7 @@ kernel_tests!(straight_full, skewed(false), parallelepiped(), 8, 8);
 kernel_tests!(straight_b_bar, skewed(true), parallelepiped(), 8, 8);
 kernel_tests!(tet4, Tet4, tetrahedron(), 4, 1);
 kernel_tests!(wedge6, Wedge6, wedge(), 6, 6);
+kernel_tests!(pyramid5, Pyramid5, pyramid(), 5, 1);
 
 /// The one-point brick's gradient is the mean of the trilinear one over the volume, and its masses
 /// are the row sums of the consistent mass matrix.

@@ -100,8 +100,11 @@ fn check_sides(mesh: &Mesh, facets: &[Facet]) -> Result<(), EngineError> {
     Ok(())
 }
 
+/// The triangles of which a triangle with midpoints consists, whose corners and midpoints are in turn.
+const PARTS: [[usize; 3]; 4] = [[0, 1, 5], [1, 2, 3], [5, 3, 4], [1, 3, 5]];
+
 /// Shape functions and outward vector area of the Gauss points of a triangle (three, exact to the
-/// second degree) or a quadrilateral (2 x 2, exact to the third in each direction).
+/// second degree; in each of its four parts if it has midpoints) or a quadrilateral (2 x 2, exact to the third in each direction).
 fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
     if corners.len() == 3 {
         let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])) * 0.5;
@@ -111,6 +114,20 @@ fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
             (shape, area / 3.0)
         };
         return (0..3).map(point).collect();
+    }
+    if let [a, _, b, _, c, _] = *corners {
+        // Four triangles on which the shape functions are linear.
+        let area = (b - a).cross(&(c - a)) * 0.125;
+        let points = PARTS.iter().flat_map(|part| {
+            (0..3).map(move |near| {
+                let mut shape = vec![0.0; 6];
+                for (i, &node) in part.iter().enumerate() {
+                    shape[node] = if i == near { 2.0 / 3.0 } else { 1.0 / 6.0 };
+                }
+                (shape, area / 3.0)
+            })
+        });
+        return points.collect();
     }
     const SIGNS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let g = 1.0 / 3.0_f64.sqrt();

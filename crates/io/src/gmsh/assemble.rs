@@ -1,13 +1,13 @@
 //! Conversion of the content of a file into a mesh with its sets.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
-use powerhouse_model::{Mesh, MeshBuilder, MeshError};
+use powerhouse_model::{Mesh, MeshBuilder, MeshError, Vec3};
 
 use super::error::{GmshFault, Located};
 use super::raw::{RawElement, RawMesh};
 use super::report::{GmshGroup, GmshReport};
-use super::{Encoding, GmshVersion};
+use super::{Encoding, GmshOptions, GmshVersion};
 
 /// Name of the set of all solids, if no solid of the file belongs to a physical group.
 pub(super) const ALL: &str = "all";
@@ -72,6 +72,23 @@ impl<'a> Assembly<'a> {
             uses,
             used,
         }
+    }
+
+    /// Refuses elements of second order that are neither finite elements nor sides of one, unless they are dropped.
+    fn check_order(&self) -> Result<(), Located> {
+        let elements = self.raw.elements.elements.iter();
+        let top = elements.clone().map(|e| e.shape.dimension()).max();
+        for element in elements.filter(|element| element.shape.is_only_lowered()) {
+            let is_top = Some(element.shape.dimension()) == top;
+            if is_top || !element.groups.is_none() {
+                let fault = GmshFault::SecondOrder {
+                    name: element.shape.name(),
+                    element: element.tag,
+                };
+                return Err(Located::new("$Elements", element.offset, fault));
+            }
+        }
+        Ok(())
     }
 
     fn group_name(&self, dimension: usize, group: i32) -> String {
@@ -167,6 +184,8 @@ impl<'a> Assembly<'a> {
         let element = match &error {
             MeshError::CoincidentElements { second: tag, .. }
             | MeshError::Inverted { element: tag, .. }
+            | MeshError::CurvedEdge { element: tag, .. }
+            | MeshError::SidesDoNotFit { element: tag, .. }
             | MeshError::NoLength { element: tag } => {
                 elements.elements.iter().find(|e| e.tag == *tag)
             }
@@ -180,14 +199,63 @@ impl<'a> Assembly<'a> {
     }
 }
 
+/// Nodes at the middle of an edge that are not at its midpoint.
+#[derive(Default)]
+struct Curved {
+    nodes: HashSet<u64>,
+    /// Largest distance from the midpoint (m).
+    largest: f64,
+}
+
+/// Takes the corners alone of all elements of second order, if `first_order` is true, of their number; finds curved edges.
+fn lower(raw: &mut RawMesh, first_order: bool) -> (usize, Curved) {
+    let mut curved = Curved::default();
+    let mut lowered = 0;
+    let has_edges = |element: &RawElement| !element.shape.edges().is_empty();
+    if !raw.elements.elements.iter().any(has_edges) {
+        return (lowered, curved);
+    }
+    let tags = raw.nodes.tags.iter().copied();
+    let positions: HashMap<u64, Vec3> = tags.zip(raw.nodes.positions.iter().copied()).collect();
+    for element in &mut raw.elements.elements {
+        let Some(first) = element.shape.first_order() else {
+            continue;
+        };
+        let nodes = &raw.elements.nodes[element.first..][..element.shape.node_count()];
+        let at = |local: usize| positions.get(&nodes[local]).copied().unwrap_or_default();
+        for (i, ends) in element.shape.edges().iter().enumerate() {
+            let [a, b] = ends.map(|end| at(end.into()));
+            let middle = first.node_count() + i;
+            let offset = (at(middle) - (a + b) * 0.5).norm();
+            if offset > Mesh::STRAIGHT * (b - a).norm() {
+                curved.nodes.insert(nodes[middle]);
+                curved.largest = curved.largest.max(offset);
+            }
+        }
+        if first_order {
+            element.shape = first;
+            lowered += 1;
+        }
+    }
+    (lowered, curved)
+}
+
 /// Builds the mesh and checks the shapes of its elements.
 pub(super) fn assemble(
-    raw: &RawMesh,
+    mut raw: RawMesh,
     version: GmshVersion,
     encoding: Encoding,
+    options: GmshOptions,
 ) -> Result<(Mesh, GmshReport), Located> {
+    let (lowered_elements, curved) = lower(&mut raw, options.first_order);
+    let raw = &raw;
     let assembly = Assembly::new(raw);
+    assembly.check_order()?;
     let mesh = assembly.build()?;
+    let mesh = match options.straighten {
+        true => mesh.with_straight_edges(),
+        false => mesh,
+    };
     let quality = mesh.check().map_err(|error| assembly.locate(error))?;
     let uses = |wanted: fn(&ElementUse) -> bool| assembly.uses.iter().filter(|f| wanted(f)).count();
     let report = GmshReport {
@@ -199,6 +267,9 @@ pub(super) fn assemble(
         dropped_elements: uses(|element_use| *element_use == ElementUse::Dropped),
         ungrouped_elements: uses(|element_use| matches!(element_use, ElementUse::Element(Some(_)))),
         dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
+        lowered_elements,
+        curved_nodes: curved.nodes.len(),
+        largest_curve: curved.largest,
         groups: (assembly.groups.iter())
             .map(|(&(dimension, number), &elements)| GmshGroup {
                 name: assembly.group_name(dimension, number),

@@ -237,14 +237,24 @@ pub enum GmshFault {
         /// Number of the group.
         group: i32,
     },
-    /// An element has a type of the format that is not supported, such as one of second order.
+    /// An element has a type of the format that is not supported, such as one of third order.
     #[error(
-        "element {element} is a {name}, which is not supported; hex8, tet4, wedge6, bar2 and their facets are"
+        "element {element} is a {name}, which is not supported; hex8, tet4, tet10, wedge6, pyramid5, bar2 and their facets are"
     )]
     UnsupportedElement {
         /// Name of the type.
         name: &'static str,
         /// Number of the first such element.
+        element: u64,
+    },
+    /// An element is of second order and is computed as its corners alone, which was not requested.
+    #[error(
+        "element {element} is {name}, of second order, which is computed only by its corners: `order = 1` reads them alone"
+    )]
+    SecondOrder {
+        /// Name of the type with its article.
+        name: &'static str,
+        /// Number of the element.
         element: u64,
     },
     /// An element type does not exist in the format.

@@ -38,6 +38,12 @@ pub struct GmshReport {
     pub ungrouped_elements: usize,
     /// Number of nodes that no element of the mesh uses, which are dropped.
     pub dropped_nodes: usize,
+    /// Number of elements of second order of which only the corners were read.
+    pub lowered_elements: usize,
+    /// Number of nodes at the middle of an edge that were not at its midpoint, and that were left out or moved there.
+    pub curved_nodes: usize,
+    /// Largest distance of such a node from the midpoint (m).
+    pub largest_curve: f64,
     /// Physical groups by dimension and number.
     pub groups: Vec<GmshGroup>,
     /// Names of the skipped sections.

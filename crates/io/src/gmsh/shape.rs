@@ -2,7 +2,7 @@
 
 use powerhouse_model::ElementKind;
 
-/// Supported element types.
+/// Supported element types, in the order of [`FACTS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shape {
     Point,
@@ -12,22 +12,175 @@ pub(super) enum Shape {
     Tet4,
     Hex8,
     Wedge6,
+    Pyramid5,
+    Line3,
+    Triangle6,
+    Quadrilateral9,
+    Quadrilateral8,
+    Tet10,
+    Hex27,
+    Hex20,
+    Wedge18,
+    Wedge15,
+    Pyramid14,
+    Pyramid13,
 }
 
+/// Facts about an element type.
+struct Facts {
+    /// Number of the type in the format.
+    number: i32,
+    /// Name with its article.
+    name: &'static str,
+    dimension: usize,
+    nodes: usize,
+    /// Kind of finite element, if it is one.
+    element: Option<ElementKind>,
+    /// The type with the same corners, which are its first nodes, and the ends of the edges whose midpoints follow them; for
+    /// types of second order.
+    first: Option<(Shape, &'static [[u8; 2]])>,
+}
+
+const TRIANGLE: &[[u8; 2]] = &[[0, 1], [1, 2], [2, 0]];
+const QUADRILATERAL: &[[u8; 2]] = &[[0, 1], [1, 2], [2, 3], [3, 0]];
+const TETRAHEDRON: &[[u8; 2]] = &[[0, 1], [1, 2], [2, 0], [3, 0], [2, 3], [1, 3]];
+const HEXAHEDRON: &[[u8; 2]] = &[
+    [0, 1],
+    [0, 3],
+    [0, 4],
+    [1, 2],
+    [1, 5],
+    [2, 3],
+    [2, 6],
+    [3, 7],
+    [4, 5],
+    [4, 7],
+    [5, 6],
+    [6, 7],
+];
+const WEDGE: &[[u8; 2]] = &[
+    [0, 1],
+    [0, 2],
+    [0, 3],
+    [1, 2],
+    [1, 4],
+    [2, 5],
+    [3, 4],
+    [3, 5],
+    [4, 5],
+];
+const PYRAMID: &[[u8; 2]] = &[
+    [0, 1],
+    [0, 3],
+    [0, 4],
+    [1, 2],
+    [1, 4],
+    [2, 3],
+    [2, 4],
+    [3, 4],
+];
+
+/// An element type of first order.
+const fn first(
+    number: i32,
+    name: &'static str,
+    dimension: usize,
+    nodes: usize,
+    element: Option<ElementKind>,
+) -> Facts {
+    Facts {
+        number,
+        name,
+        dimension,
+        nodes,
+        element,
+        first: None,
+    }
+}
+
+/// An element type of second order that is read.
+const fn second(
+    number: i32,
+    name: &'static str,
+    (dimension, nodes): (usize, usize),
+    element: Option<ElementKind>,
+    first: (Shape, &'static [[u8; 2]]),
+) -> Facts {
+    Facts {
+        number,
+        name,
+        dimension,
+        nodes,
+        element,
+        first: Some(first),
+    }
+}
+
+const FACTS: [Facts; 19] = [
+    first(15, "a point", 0, 1, None),
+    first(1, "a line", 1, 2, Some(ElementKind::Bar2)),
+    first(2, "a triangle", 2, 3, None),
+    first(3, "a quadrilateral", 2, 4, None),
+    first(4, "a tet4", 3, 4, Some(ElementKind::Tet4)),
+    first(5, "a hex8", 3, 8, Some(ElementKind::Hex8)),
+    first(6, "a wedge6", 3, 6, Some(ElementKind::Wedge6)),
+    first(7, "a pyramid5", 3, 5, Some(ElementKind::Pyramid5)),
+    second(8, "a line3", (1, 3), None, (Shape::Line2, &[[0, 1]])),
+    second(9, "a triangle6", (2, 6), None, (Shape::Triangle3, TRIANGLE)),
+    second(
+        10,
+        "a quadrilateral9",
+        (2, 9),
+        None,
+        (Shape::Quadrilateral4, QUADRILATERAL),
+    ),
+    second(
+        16,
+        "a quadrilateral8",
+        (2, 8),
+        None,
+        (Shape::Quadrilateral4, QUADRILATERAL),
+    ),
+    second(
+        11,
+        "a tet10",
+        (3, 10),
+        Some(ElementKind::Tet10),
+        (Shape::Tet4, TETRAHEDRON),
+    ),
+    second(12, "a hex27", (3, 27), None, (Shape::Hex8, HEXAHEDRON)),
+    second(17, "a hex20", (3, 20), None, (Shape::Hex8, HEXAHEDRON)),
+    second(13, "a wedge18", (3, 18), None, (Shape::Wedge6, WEDGE)),
+    second(18, "a wedge15", (3, 15), None, (Shape::Wedge6, WEDGE)),
+    second(14, "a pyramid14", (3, 14), None, (Shape::Pyramid5, PYRAMID)),
+    second(19, "a pyramid13", (3, 13), None, (Shape::Pyramid5, PYRAMID)),
+];
+
+/// The supported types, in the order of [`FACTS`].
+const SHAPES: [Shape; 19] = [
+    Shape::Point,
+    Shape::Line2,
+    Shape::Triangle3,
+    Shape::Quadrilateral4,
+    Shape::Tet4,
+    Shape::Hex8,
+    Shape::Wedge6,
+    Shape::Pyramid5,
+    Shape::Line3,
+    Shape::Triangle6,
+    Shape::Quadrilateral9,
+    Shape::Quadrilateral8,
+    Shape::Tet10,
+    Shape::Hex27,
+    Shape::Hex20,
+    Shape::Wedge18,
+    Shape::Wedge15,
+    Shape::Pyramid14,
+    Shape::Pyramid13,
+];
+
 /// Names of known unsupported types, by number.
-const UNSUPPORTED: [(i64, &str); 26] = [
-    (7, "pyramid5"),
-    (8, "line3"),
-    (9, "triangle6"),
-    (10, "quadrilateral9"),
-    (11, "tet10"),
-    (12, "hex27"),
-    (13, "wedge18"),
-    (14, "pyramid14"),
-    (16, "quadrilateral8"),
-    (17, "hex20"),
-    (18, "wedge15"),
-    (19, "pyramid13"),
+const UNSUPPORTED: [(i64, &str); 14] = [
     (20, "triangle9"),
     (21, "triangle10"),
     (22, "triangle12"),
@@ -55,80 +208,111 @@ pub(super) enum TypeOfNumber {
 
 impl Shape {
     pub(super) fn of_number(number: i64) -> TypeOfNumber {
-        match number {
-            1 => TypeOfNumber::Read(Self::Line2),
-            2 => TypeOfNumber::Read(Self::Triangle3),
-            3 => TypeOfNumber::Read(Self::Quadrilateral4),
-            4 => TypeOfNumber::Read(Self::Tet4),
-            5 => TypeOfNumber::Read(Self::Hex8),
-            6 => TypeOfNumber::Read(Self::Wedge6),
-            15 => TypeOfNumber::Read(Self::Point),
-            _ if (1..=LAST_NUMBER).contains(&number) => TypeOfNumber::Unsupported(
+        let known = SHAPES
+            .into_iter()
+            .find(|shape| i64::from(shape.number()) == number);
+        match known {
+            Some(shape) => TypeOfNumber::Read(shape),
+            None if (1..=LAST_NUMBER).contains(&number) => TypeOfNumber::Unsupported(
                 UNSUPPORTED
                     .iter()
                     .find(|known| known.0 == number)
                     .map_or("rare high-order type", |known| known.1),
             ),
-            _ => TypeOfNumber::Unknown,
+            None => TypeOfNumber::Unknown,
         }
+    }
+    fn facts(self) -> &'static Facts {
+        &FACTS[self as usize]
     }
     pub(super) fn number(self) -> i32 {
-        match self {
-            Self::Line2 => 1,
-            Self::Triangle3 => 2,
-            Self::Quadrilateral4 => 3,
-            Self::Tet4 => 4,
-            Self::Hex8 => 5,
-            Self::Wedge6 => 6,
-            Self::Point => 15,
-        }
+        self.facts().number
     }
     pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Point => "a point",
-            Self::Line2 => "a line",
-            Self::Triangle3 => "a triangle",
-            Self::Quadrilateral4 => "a quadrilateral",
-            Self::Tet4 => "a tet4",
-            Self::Hex8 => "a hex8",
-            Self::Wedge6 => "a wedge6",
-        }
+        self.facts().name
     }
     pub(super) fn dimension(self) -> usize {
-        match self {
-            Self::Point => 0,
-            Self::Line2 => 1,
-            Self::Triangle3 | Self::Quadrilateral4 => 2,
-            Self::Tet4 | Self::Hex8 | Self::Wedge6 => 3,
-        }
+        self.facts().dimension
     }
     pub(super) fn node_count(self) -> usize {
-        match self {
-            Self::Point => 1,
-            Self::Line2 => 2,
-            Self::Triangle3 => 3,
-            Self::Quadrilateral4 | Self::Tet4 => 4,
-            Self::Wedge6 => 6,
-            Self::Hex8 => 8,
-        }
+        self.facts().nodes
     }
     /// Kind of finite element, if it is one.
     pub(super) fn element(self) -> Option<ElementKind> {
-        match self {
-            Self::Line2 => Some(ElementKind::Bar2),
-            Self::Tet4 => Some(ElementKind::Tet4),
-            Self::Hex8 => Some(ElementKind::Hex8),
-            Self::Wedge6 => Some(ElementKind::Wedge6),
-            Self::Point | Self::Triangle3 | Self::Quadrilateral4 => None,
-        }
+        self.facts().element
+    }
+    /// Whether it is of second order and neither a finite element nor a side of one.
+    pub(super) fn is_only_lowered(self) -> bool {
+        let facts = self.facts();
+        facts.first.is_some() && facts.element.is_none() && self != Self::Triangle6
+    }
+    /// The type with the same corners, which are its first nodes, for types of second order.
+    pub(super) fn first_order(self) -> Option<Self> {
+        self.facts().first.map(|(first, _)| first)
+    }
+    /// Local nodes at the ends of the edges, whose midpoints follow the corners; none for types of first order.
+    pub(super) fn edges(self) -> &'static [[u8; 2]] {
+        self.facts().first.map_or(&[], |(_, edges)| edges)
     }
     pub(super) fn of_element(kind: ElementKind) -> Option<Self> {
-        match kind {
-            ElementKind::Hex8 => Some(Self::Hex8),
-            ElementKind::Tet4 => Some(Self::Tet4),
-            ElementKind::Wedge6 => Some(Self::Wedge6),
-            ElementKind::Bar2 => Some(Self::Line2),
-            _ => None,
+        SHAPES
+            .into_iter()
+            .find(|shape| shape.element() == Some(kind))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table is in the order of the types, numbers are those of no other type, and corners, midpoints of edges and
+    /// those of sides and volumes make the nodes of a type of second order.
+    #[test]
+    fn the_table_is_consistent() {
+        for (index, shape) in SHAPES.into_iter().enumerate() {
+            assert_eq!(shape as usize, index);
+            let number = i64::from(shape.number());
+            assert!(matches!(Shape::of_number(number), TypeOfNumber::Read(same) if same == shape));
+            if let Some(kind) = shape.element() {
+                assert_eq!(kind.node_count(), shape.node_count());
+                assert_eq!(Shape::of_element(kind), Some(shape));
+            }
+            if let Some(first) = shape.first_order() {
+                assert_eq!(first.dimension(), shape.dimension());
+                let more = shape.node_count() - first.node_count() - shape.edges().len();
+                assert!([0, 1, 3, 7].contains(&more), "{}", shape.name());
+                let corners = shape.edges().as_flattened().iter();
+                assert!(
+                    corners
+                        .clone()
+                        .all(|&corner| usize::from(corner) < first.node_count())
+                );
+                assert_eq!(
+                    corners.max().map(|&c| usize::from(c) + 1),
+                    Some(first.node_count())
+                );
+            }
+        }
+    }
+
+    /// Edges of types of second order are those between adjacent corners of the sides of the kind.
+    #[test]
+    fn edges_are_those_of_the_sides() {
+        for shape in [Shape::Tet10, Shape::Hex20, Shape::Wedge15, Shape::Pyramid13] {
+            let sorted = |mut edge: [u8; 2]| {
+                edge.sort_unstable();
+                edge
+            };
+            let first = shape.first_order().and_then(Shape::element).unwrap();
+            let mut of_sides: Vec<[u8; 2]> = (first.sides().iter())
+                .flat_map(|side| (0..side.len()).map(|i| [side[i], side[(i + 1) % side.len()]]))
+                .map(sorted)
+                .collect();
+            of_sides.sort_unstable();
+            of_sides.dedup();
+            let mut own: Vec<[u8; 2]> = shape.edges().iter().copied().map(sorted).collect();
+            own.sort_unstable();
+            assert_eq!(own, of_sides, "{}", shape.name());
         }
     }
 }

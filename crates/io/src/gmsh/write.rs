@@ -125,10 +125,11 @@ impl FileContent {
             }
         }
         for (nodes, groups) in sides.into_values() {
-            let shape = if nodes.len() == 3 {
-                Shape::Triangle3
-            } else {
-                Shape::Quadrilateral4
+            let (shape, nodes) = match nodes[..] {
+                // Midpoints follow the corners.
+                [a, ab, b, bc, c, ca] => (Shape::Triangle6, vec![a, b, c, ab, bc, ca]),
+                [_, _, _] => (Shape::Triangle3, nodes),
+                _ => (Shape::Quadrilateral4, nodes),
             };
             self.push(shape, groups, FileElement { number: 0, nodes });
         }

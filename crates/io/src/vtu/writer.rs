@@ -74,6 +74,9 @@ fn cell(kind: ElementKind) -> Option<(u8, &'static [usize])> {
         // In VTK the first triangle faces away from the second.
         ElementKind::Wedge6 => (13, &[0, 2, 1, 3, 5, 4]),
         ElementKind::Bar2 => (3, &[0, 1]),
+        ElementKind::Pyramid5 => (14, &[0, 1, 2, 3, 4]),
+        // Of the midpoints at the fourth corner VTK has that of edge 13 before that of edge 23.
+        ElementKind::Tet10 => (24, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
         _ => return None,
     })
 }
@@ -140,8 +143,8 @@ impl VtuWriter {
         })
     }
 
-    /// Writer of the files of a surface: positions (m), and for each facet its three or four corners as
-    /// indices among them.
+    /// Writer of the files of a surface: positions (m), and for each facet its three or four corners, or corners
+    /// and midpoints in turn, as indices among them.
     ///
     /// # Errors
     /// If the compressor fails, or a facet has another number of corners.
@@ -156,6 +159,8 @@ impl VtuWriter {
             types.push(match facet.len() {
                 3 => 5,
                 4 => 9,
+                // A triangle with midpoints, as the polygon around which its nodes are.
+                6 => 7,
                 other => {
                     let text = format!("no VTK cell for facets of {other} corners");
                     return Err(std::io::Error::other(text));

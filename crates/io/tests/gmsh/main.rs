@@ -4,6 +4,7 @@ mod files;
 mod malformed;
 mod meaning;
 mod mutated;
+mod orders;
 mod round_trip;
 mod sample;
 mod structure;

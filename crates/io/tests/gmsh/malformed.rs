@@ -174,10 +174,9 @@ fn a_word_that_one_reading_refuses() {
 #[test]
 fn other_element_types_are_named() {
     for (number, name, nodes) in [
-        (17, "hex20", 20),
-        (11, "tet10", 10),
-        (7, "pyramid5", 5),
-        (18, "wedge15", 15),
+        (21, "triangle10", 10),
+        (29, "tet20", 20),
+        (92, "hex64", 64),
         (140, "rare high-order type", 9),
     ] {
         let wanted = GmshFault::UnsupportedElement { name, element: 25 };
@@ -192,6 +191,26 @@ fn other_element_types_are_named() {
         };
         always(wanted, "$Elements", "", |s| {
             s.elements[4].type_number = number
+        });
+    }
+}
+
+/// Elements of second order that are computed by their corners alone are named, each with its own line.
+#[test]
+fn elements_of_second_order_are_named() {
+    for (number, name, nodes) in [
+        (17, "a hex20", 20),
+        (18, "a wedge15", 15),
+        (19, "a pyramid13", 13),
+        (12, "a hex27", 27),
+    ] {
+        let wanted = GmshFault::SecondOrder { name, element: 25 };
+        always(wanted, "$Elements", "", |s| {
+            s.elements[4].type_number = number;
+            let more = 5000..5000 + nodes as u64;
+            s.nodes
+                .extend(more.clone().map(|tag| (tag, [tag as f64, 0.0, 0.0])));
+            s.elements[4].nodes = more.collect();
         });
     }
 }

@@ -10,7 +10,7 @@ use crate::Vec3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityReport {
     /// Least scaled Jacobian (determinant over the product of edge lengths) at any corner: 1 for a box, at most 0.87 in a
-    /// wedge and 0.71 in a tetrahedron of equal edges; infinite if there are only bars.
+    /// wedge and 0.71 in a tetrahedron or pyramid of equal edges; infinite if there are only bars.
     pub least_scaled_jacobian: f64,
     /// The user's number of the element with the least scaled Jacobian; zero if there are only bars.
     pub worst_element: u64,
@@ -25,6 +25,9 @@ pub struct QualityReport {
 }
 
 impl Mesh {
+    /// Distance of a node from the midpoint of its edge, over the length of the edge, up to which the edge counts as straight.
+    pub const STRAIGHT: f64 = 1e-6;
+
     /// Checks the mesh for positive Jacobians at all corners and for nodes without elements.
     ///
     /// # Errors
@@ -65,6 +68,7 @@ impl Mesh {
             }
             self.check_shape(element, &mut report)?;
         }
+        self.check_shared_nodes()?;
         let orphans = used.iter().filter(|used| !**used).count();
         if let Some(node) = used.iter().position(|used| !used) {
             return Err(MeshError::OrphanNode {
@@ -89,6 +93,7 @@ impl Mesh {
                 return Err(MeshError::NoLength { element: tag });
             }
         }
+        self.check_edges(element)?;
         for corner in self.kind(element).corners() {
             let edges: [Vec3; 3] = core::array::from_fn(|i| at(corner[i + 1]) - at(corner[0]));
             let lengths = edges.map(|edge| edge.norm());
@@ -114,6 +119,67 @@ impl Mesh {
         report.shortest_edge = report.shortest_edge.min(shortest);
         report.longest_edge = report.longest_edge.max(longest);
         report.largest_aspect = report.largest_aspect.max(longest / shortest);
+        Ok(())
+    }
+
+    /// Checks that nodes between the corners of an element are at the midpoints of its edges, within a millionth of the
+    /// length of the edge.
+    ///
+    /// # Errors
+    /// [`MeshError::CurvedEdge`].
+    ///
+    /// # Panics
+    /// If the element does not belong to this mesh.
+    pub fn check_edges(&self, element: u32) -> Result<(), MeshError> {
+        let kind = self.kind(element);
+        let nodes = self.nodes_of(element);
+        let at = |i: usize| self.positions[nodes[i] as usize];
+        let first = kind.first_order().node_count();
+        for (i, ends) in kind.edges_with_midpoint().iter().enumerate() {
+            let [a, b] = ends.map(|end| at(end.into()));
+            let offset = (at(first + i) - (a + b) * 0.5).norm();
+            if offset > Self::STRAIGHT * (b - a).norm() {
+                return Err(MeshError::CurvedEdge {
+                    element: self.element_tags[element as usize],
+                    kind: kind.name(),
+                    node: self.node_tags[nodes[first + i] as usize],
+                    offset,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that elements with nodes on their edges share nodes with solids of their kind alone.
+    pub(super) fn check_shared_nodes(&self) -> Result<(), MeshError> {
+        let has_midpoints = |element: &u32| !self.kind(*element).edges_with_midpoint().is_empty();
+        let all = 0..self.element_count() as u32;
+        let mut owner = vec![u32::MAX; self.node_count()];
+        let mut found = false;
+        for element in all.clone().filter(has_midpoints) {
+            found = true;
+            for &node in self.nodes_of(element) {
+                owner[node as usize] = element;
+            }
+        }
+        if !found {
+            return Ok(());
+        }
+        for other in all.filter(|element| self.kind(*element).is_solid()) {
+            for &node in self.nodes_of(other) {
+                let element = owner[node as usize];
+                if element != u32::MAX && self.kind(element) != self.kind(other) {
+                    let tag = |element: u32| self.element_tags[element as usize];
+                    return Err(MeshError::SidesDoNotFit {
+                        element: tag(element),
+                        kind: self.kind(element).name(),
+                        other: tag(other),
+                        other_kind: self.kind(other).name(),
+                        node: self.node_tags[node as usize],
+                    });
+                }
+            }
+        }
         Ok(())
     }
 

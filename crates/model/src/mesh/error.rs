@@ -83,6 +83,47 @@ pub enum MeshError {
         /// Scaled Jacobian at the corner: determinant over the product of the edge lengths.
         scaled_jacobian: f64,
     },
+    /// A node at the middle of an edge that is not at its midpoint: elements with such nodes have straight edges.
+    #[error(
+        "element {element} of kind {kind} has a curved edge: node {node} is {offset:.3e} m off the midpoint of the edge"
+    )]
+    CurvedEdge {
+        /// Number of the element.
+        element: u64,
+        /// Kind of the element.
+        kind: &'static str,
+        /// Number of the node.
+        node: u64,
+        /// Distance of the node from the midpoint (m).
+        offset: f64,
+    },
+    /// A node that an element with nodes on its edges shares with one of a kind that does not fit its sides.
+    #[error(
+        "element {element} of kind {kind} and element {other} of kind {other_kind} share node {node}, but their sides do not fit: tetrahedra with midpoints join their like alone"
+    )]
+    SidesDoNotFit {
+        /// Number of the element with nodes on its edges.
+        element: u64,
+        /// Its kind.
+        kind: &'static str,
+        /// Number of the other element.
+        other: u64,
+        /// Its kind.
+        other_kind: &'static str,
+        /// Number of the node.
+        node: u64,
+    },
+    /// A mesh without tetrahedra, which were to get midpoints.
+    #[error("the mesh has no tetrahedra, which alone can be of second order")]
+    NoTetrahedra,
+    /// An element of a kind that uniform refinement does not divide.
+    #[error("element {element} is a {kind}, which refinement does not divide")]
+    NotDivided {
+        /// Number of the element.
+        element: u64,
+        /// Kind of the element.
+        kind: &'static str,
+    },
     /// A bar of length zero.
     #[error("bar {element} has zero length")]
     NoLength {

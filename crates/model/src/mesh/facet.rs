@@ -15,7 +15,8 @@ pub struct FacetGeometry {
     /// Vector area tributary to each node, `integral of N_a n dA` (m2), exact.
     pub shares: Vec<Vec3>,
     /// Area tributary to each node, `integral of N_a dA` (m2), exact for plane
-    /// parallelograms and triangles, by 2 x 2 Gauss points for others.
+    /// parallelograms and triangles, by 2 x 2 Gauss points for others. On a triangle with midpoints, where `N_a` is linear in
+    /// each of its four parts, a twelfth of the area at a corner and a quarter at a midpoint.
     pub areas: Vec<f64>,
     /// Mean position of the nodes of the facet (m).
     pub centroid: Vec3,
@@ -83,6 +84,15 @@ impl Mesh {
                 let vector = 0.5 * (b - a).cross(&(c - a));
                 (vec![vector / 3.0; 3], vec![vector.norm() / 3.0; 3])
             }
+            [a, _, b, _, c, _] => {
+                let vector = 0.5 * (b - a).cross(&(c - a));
+                let parts = [12.0, 4.0, 12.0, 4.0, 12.0, 4.0];
+                let area = vector.norm();
+                (
+                    parts.map(|part| vector / part).to_vec(),
+                    parts.map(|part| area / part).to_vec(),
+                )
+            }
             _ => quadrilateral_shares(&corners),
         };
         FacetGeometry {
@@ -94,7 +104,8 @@ impl Mesh {
         }
     }
 
-    /// Mesh indices of the nodes of a facet, counter-clockwise seen from outside.
+    /// Mesh indices of the nodes of a facet, counter-clockwise seen from outside; corners and midpoints in turn, if it has
+    /// midpoints.
     ///
     /// # Panics
     /// If the facet does not belong to this mesh.
@@ -102,6 +113,18 @@ impl Mesh {
         let of_element = self.nodes_of(facet.element);
         let side = self.kind(facet.element).sides()[facet.side as usize];
         side.iter().map(|&i| of_element[i as usize]).collect()
+    }
+
+    /// Mesh indices of the corners of a facet, counter-clockwise seen from outside.
+    ///
+    /// # Panics
+    /// If the facet does not belong to this mesh.
+    pub fn facet_corners(&self, facet: Facet) -> Vec<u32> {
+        let nodes = self.facet_nodes(facet);
+        match nodes.len() {
+            6 => nodes.into_iter().step_by(2).collect(),
+            _ => nodes,
+        }
     }
 
     /// Tributary areas of the nodes of a face made of facets, in rising order of nodes.

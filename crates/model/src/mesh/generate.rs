@@ -85,6 +85,53 @@ impl Mesh {
         box_of(ElementKind::Tet4, &SIX_TETS, low, high, cells, elements)
     }
 
+    /// A structured mesh of a box as [`box_of_hexes`](Self::box_of_hexes), with every cell divided into six pyramids with
+    /// their apex at its centre; nodes at the centres follow all others.
+    ///
+    /// # Errors
+    /// As [`box_of_hexes`](Self::box_of_hexes).
+    pub fn box_of_pyramids(
+        low: Vec3,
+        high: Vec3,
+        cells: [usize; 3],
+        elements: &str,
+    ) -> Result<Self, MeshError> {
+        let bricks = Self::box_of_hexes(low, high, cells, elements)?;
+        let apexes = bricks.node_count() + bricks.element_count();
+        if 5 * 6 * bricks.element_count() >= u32::MAX as usize {
+            let (what, count) = ("element corners", 5 * 6 * bricks.element_count());
+            return Err(MeshError::TooLarge { what, count });
+        }
+        let mut mesh = Self {
+            positions: bricks.positions.clone(),
+            node_tags: (1..=apexes as u64).collect(),
+            offsets: vec![0].into(),
+            ..Self::default()
+        };
+        for element in 0..bricks.element_count() as u32 {
+            let apex = mesh.positions.len() as u32;
+            mesh.positions.push(bricks.centroid(element));
+            for side in 0..6 {
+                let base = bricks.facet_nodes(Facet { element, side });
+                // Counter-clockwise seen from the apex, which is inside.
+                mesh.connectivity.extend(base.into_iter().rev());
+                mesh.connectivity.push(apex);
+                mesh.kinds.push(ElementKind::Pyramid5);
+                mesh.offsets.push(mesh.connectivity.len() as u32);
+            }
+        }
+        mesh.element_tags = (1..=mesh.kinds.len() as u64).collect();
+        mesh.set_element_set(elements, (0..mesh.kinds.len() as u32).collect())?;
+        for (name, facets) in &bricks.facet_sets {
+            let base = |facet: &Facet| Facet {
+                element: 6 * facet.element + u32::from(facet.side),
+                side: 0,
+            };
+            mesh.set_facet_set(name, facets.iter().map(base).collect())?;
+        }
+        Ok(mesh)
+    }
+
     /// The same mesh with node positions mapped by `map` (m to m); sets are kept.
     ///
     /// The shapes of the mapped elements are checked by [`check`](Self::check).

@@ -175,7 +175,8 @@ impl Candidate {
 /// The position of a point in an element; for a point outside, the position with the natural
 /// coordinates clamped to their range.
 fn closest(mesh: &Mesh, element: u32, point: &Vec3) -> Candidate {
-    let kind = mesh.kind(element);
+    // Edges are straight: midpoints do not change the map.
+    let kind = mesh.kind(element).first_order();
     let map = InverseMap::new(mesh, element, point);
     let centre = kind.natural_centre();
     let mut nearest = Candidate {
@@ -220,7 +221,7 @@ struct InverseMap {
     size: f64,
 }
 
-/// Largest number of nodes of any kind of element.
+/// Largest number of corners of any kind of element.
 const MOST_NODES: usize = 8;
 
 impl InverseMap {
@@ -229,7 +230,7 @@ impl InverseMap {
         for (offset, &node) in offsets.iter_mut().zip(mesh.nodes_of(element)) {
             *offset = mesh.positions[node as usize] - point;
         }
-        let kind = mesh.kind(element);
+        let kind = mesh.kind(element).first_order();
         let others = &offsets[1..kind.node_count()];
         Self {
             kind,

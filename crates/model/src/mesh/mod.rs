@@ -9,6 +9,7 @@ mod generate;
 mod kind;
 mod locate;
 mod near;
+mod order;
 mod part;
 mod refine;
 mod select;

@@ -22,6 +22,7 @@ impl Mesh {
             for &node in &nodes {
                 near[node as usize] = true;
             }
+            let nodes = self.facet_corners(facet);
             let corner = |i: usize| self.positions()[nodes[i] as usize];
             for i in 2..nodes.len() {
                 let triangle = [corner(0), corner(i - 1), corner(i)];

@@ -29,6 +29,16 @@ impl Mesh {
     /// # Ok::<(), powerhouse_model::MeshError>(())
     /// ```
     pub fn refined(&self) -> Result<Self, MeshError> {
+        let divided = |element: &u32| {
+            let kind = self.kind(*element);
+            !matches!(kind, ElementKind::Pyramid5 | ElementKind::Tet10)
+        };
+        if let Some(element) = (0..self.element_count() as u32).find(|e| !divided(e)) {
+            return Err(MeshError::NotDivided {
+                element: self.element_tags[element as usize],
+                kind: self.kind(element).name(),
+            });
+        }
         let subdivisions = Subdivisions::new();
         self.check_refined_size(&subdivisions)?;
         let stride = self.number_stride()?;
@@ -339,7 +349,8 @@ impl Subdivisions {
         match mesh.kind(element) {
             ElementKind::Hex8 => &self.hexahedron,
             ElementKind::Wedge6 => &self.wedge,
-            ElementKind::Bar2 => &self.bar,
+            // Kinds without a subdivision are refused before.
+            ElementKind::Bar2 | ElementKind::Pyramid5 | ElementKind::Tet10 => &self.bar,
             ElementKind::Tet4 => {
                 let nodes = mesh.nodes_of(element);
                 let at = |corner: u8| mesh.positions[nodes[corner as usize] as usize];
@@ -361,7 +372,7 @@ fn corner_parts(kind: ElementKind) -> Vec<Vec<Parents>> {
     let point = |node: u8| match kind {
         ElementKind::Hex8 => kind.natural_corners()[node as usize].map(|x| u8::from(x > 0.0)),
         ElementKind::Wedge6 => [node % 3, node / 3, 0],
-        ElementKind::Tet4 | ElementKind::Bar2 => [node, 0, 0],
+        _ => [node, 0, 0],
     };
     // The nodes of the smallest edge, side or element that contains both.
     let span = |a: u8, b: u8| -> Parents {

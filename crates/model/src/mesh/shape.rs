@@ -1,6 +1,7 @@
 //! Isoparametric shape functions.
 
 use super::ElementKind;
+use super::kind::TET_EDGES;
 use crate::Vec3;
 
 /// Natural coordinates of the corners of the hexahedron.
@@ -28,6 +29,32 @@ const WEDGE_CORNERS: [[f64; 3]; 6] = [
     [1.0, 0.0, 1.0],
     [0.0, 1.0, 1.0],
 ];
+const PYRAMID_CORNERS: [[f64; 3]; 5] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [0.0, 0.0, 1.0],
+];
+const TET10_NODES: [[f64; 3]; 10] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.0, 0.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.0],
+    [0.0, 0.0, 0.5],
+    [0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
+];
+/// Signs of the corner coordinates in the coordinates along the diagonals of the octahedron between the midpoints of a
+/// tetrahedron, and the local nodes at their positive and negative ends.
+const DIAGONALS: [([f64; 4], [usize; 2]); 3] = [
+    ([1.0, 1.0, -1.0, -1.0], [4, 8]),
+    ([1.0, -1.0, 1.0, -1.0], [6, 9]),
+    ([1.0, -1.0, -1.0, 1.0], [7, 5]),
+];
 const BAR_ENDS: [[f64; 3]; 2] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
 
 impl ElementKind {
@@ -38,6 +65,8 @@ impl ElementKind {
             Self::Tet4 => &TET_CORNERS,
             Self::Wedge6 => &WEDGE_CORNERS,
             Self::Bar2 => &BAR_ENDS,
+            Self::Pyramid5 => &PYRAMID_CORNERS,
+            Self::Tet10 => &TET10_NODES,
         }
     }
 
@@ -45,7 +74,9 @@ impl ElementKind {
     ///
     /// Hexahedra: `N_a = (1 + r_a r)(1 + s_a s)(1 + t_a t) / 8` on `[-1, 1]^3`. Tetrahedra:
     /// `1 - r - s - t, r, s, t`. Wedges: `(1 - r - s, r, s)` times `(1 -+ t) / 2`, triangle
-    /// coordinates `r, s` and `t` in `[-1, 1]`. Bars: `(1 -+ r) / 2`, `r` in `[-1, 1]`.
+    /// coordinates `r, s` and `t` in `[-1, 1]`. Bars: `(1 -+ r) / 2`, `r` in `[-1, 1]`. Pyramids: hexahedra whose top is one
+    /// node. Tetrahedra with midpoints: linear in each of twelve tetrahedra, four at the corners and eight around the
+    /// centroid, whose value is the mean of those at the midpoints.
     ///
     /// # Panics
     /// If `values` is shorter than [`node_count`](Self::node_count).
@@ -65,6 +96,36 @@ impl ElementKind {
                 }
             }
             Self::Bar2 => values[..2].copy_from_slice(&[0.5 * (1.0 - r), 0.5 * (1.0 + r)]),
+            Self::Pyramid5 => {
+                for (value, [ra, sa, _]) in values[..4].iter_mut().zip(PYRAMID_CORNERS) {
+                    *value = 0.125 * (1.0 + ra * r) * (1.0 + sa * s) * (1.0 - t);
+                }
+                values[4] = 0.5 * (1.0 + t);
+            }
+            Self::Tet10 => {
+                let corners = [1.0 - r - s - t, r, s, t];
+                let values = &mut values[..10];
+                values.fill(0.0);
+                if let Some(a) = corners.iter().position(|&corner| corner > 0.5) {
+                    values[a] = 2.0 * corners[a] - 1.0;
+                    for (i, ends) in TET_EDGES.iter().enumerate() {
+                        if let Some(b) = other_end(ends, a) {
+                            values[4 + i] = 2.0 * corners[b];
+                        }
+                    }
+                    return;
+                }
+                // On each diagonal the nearer end has the coordinate; what is left, the centroid, the mean of all.
+                let mut left = 1.0;
+                for (signs, ends) in DIAGONALS {
+                    let along: f64 = signs.iter().zip(corners).map(|(sign, c)| sign * c).sum();
+                    values[ends[usize::from(along < 0.0)]] = along.abs();
+                    left -= along.abs();
+                }
+                for value in &mut values[4..] {
+                    *value += left / 6.0;
+                }
+            }
         }
     }
 
@@ -100,6 +161,41 @@ impl ElementKind {
             Self::Bar2 => {
                 gradients[..2].copy_from_slice(&[-0.5 * Vec3::x(), 0.5 * Vec3::x()]);
             }
+            Self::Pyramid5 => {
+                for (gradient, [ra, sa, _]) in gradients[..4].iter_mut().zip(PYRAMID_CORNERS) {
+                    let (fr, fs, ft) = (1.0 + ra * r, 1.0 + sa * s, 1.0 - t);
+                    *gradient = Vec3::new(ra * fs * ft, fr * sa * ft, -fr * fs) * 0.125;
+                }
+                gradients[4] = 0.5 * Vec3::z();
+            }
+            Self::Tet10 => {
+                let corners = [1.0 - r - s - t, r, s, t];
+                let of_corner = [Vec3::repeat(-1.0), Vec3::x(), Vec3::y(), Vec3::z()];
+                let gradients = &mut gradients[..10];
+                gradients.fill(Vec3::zeros());
+                if let Some(a) = corners.iter().position(|&corner| corner > 0.5) {
+                    gradients[a] = 2.0 * of_corner[a];
+                    for (i, ends) in TET_EDGES.iter().enumerate() {
+                        if let Some(b) = other_end(ends, a) {
+                            gradients[4 + i] = 2.0 * of_corner[b];
+                        }
+                    }
+                    return;
+                }
+                let mut left = Vec3::zeros();
+                for (signs, ends) in DIAGONALS {
+                    let terms = signs.iter().zip(corners);
+                    let along: f64 = terms.map(|(sign, corner)| sign * corner).sum();
+                    let terms = signs.iter().zip(of_corner);
+                    let slope: Vec3 = terms.map(|(sign, slope)| slope * *sign).sum();
+                    let slope = if along < 0.0 { -slope } else { slope };
+                    gradients[ends[usize::from(along < 0.0)]] = slope;
+                    left -= slope;
+                }
+                for gradient in &mut gradients[4..] {
+                    *gradient += left / 6.0;
+                }
+            }
         }
     }
 
@@ -107,7 +203,8 @@ impl ElementKind {
     pub fn natural_centre(self) -> Vec3 {
         match self {
             Self::Hex8 | Self::Bar2 => Vec3::zeros(),
-            Self::Tet4 => Vec3::repeat(0.25),
+            Self::Tet4 | Self::Tet10 => Vec3::repeat(0.25),
+            Self::Pyramid5 => Vec3::new(0.0, 0.0, -0.5),
             Self::Wedge6 => Vec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0),
         }
     }
@@ -116,9 +213,9 @@ impl ElementKind {
     pub(super) fn into_range(self, natural: Vec3) -> Vec3 {
         let clamp = |value: f64| value.clamp(-1.0, 1.0);
         match self {
-            Self::Hex8 => natural.map(clamp),
+            Self::Hex8 | Self::Pyramid5 => natural.map(clamp),
             Self::Bar2 => Vec3::new(clamp(natural.x), 0.0, 0.0),
-            Self::Tet4 => {
+            Self::Tet4 | Self::Tet10 => {
                 let positive = natural.map(|value| value.max(0.0));
                 positive / positive.sum().max(1.0)
             }
@@ -128,5 +225,15 @@ impl ElementKind {
                 Vec3::new(r / sum, s / sum, clamp(natural.z))
             }
         }
+    }
+}
+
+/// The other end of an edge of a tetrahedron that has a corner as one end.
+fn other_end(ends: &[u8; 2], corner: usize) -> Option<usize> {
+    let ends = ends.map(usize::from);
+    match ends {
+        [a, b] if a == corner => Some(b),
+        [a, b] if b == corner => Some(a),
+        _ => None,
     }
 }

@@ -10,11 +10,11 @@ pub(super) struct SideTable {
     facets: Vec<Facet>,
 }
 
-/// Sorted nodes of a side; a missing fourth is `u32::MAX`.
-type Key = [u32; 4];
+/// Sorted nodes of a side; missing ones are `u32::MAX`.
+type Key = [u32; 6];
 
 fn key_of(nodes: impl Iterator<Item = u32>) -> Option<Key> {
-    let mut key = [u32::MAX; 4];
+    let mut key = [u32::MAX; 6];
     for (i, node) in nodes.enumerate() {
         *key.get_mut(i)? = node;
     }
@@ -26,7 +26,7 @@ impl Mesh {
     fn side_key(&self, facet: Facet) -> Key {
         let nodes = self.nodes_of(facet.element);
         let side = self.kind(facet.element).sides()[facet.side as usize];
-        let mut key = [u32::MAX; 4];
+        let mut key = [u32::MAX; 6];
         for (entry, &corner) in key.iter_mut().zip(side) {
             *entry = nodes[corner as usize];
         }
@@ -66,7 +66,7 @@ impl Mesh {
     pub(super) fn alone_among(&self, chosen: impl Fn(&[u32]) -> bool) -> Vec<Facet> {
         SideTable::of(self, |facet| {
             let key = self.side_key(facet);
-            chosen(&key[..3 + usize::from(key[3] != u32::MAX)])
+            chosen(&key[..key.partition_point(|&node| node != u32::MAX)])
         })
         .alone(self)
     }

@@ -4,6 +4,7 @@ mod facets;
 mod faults;
 mod generate;
 mod locate;
+mod orders;
 mod part;
 mod refine;
 mod shapes;

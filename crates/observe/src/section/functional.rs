@@ -5,8 +5,8 @@ use powerhouse_model::{Mesh, StepView, Vec3};
 /// Number of stress resultants of a section.
 pub(super) const RESULTANTS: usize = 6;
 
-/// Largest number of nodes of a solid element (hexahedron).
-const MOST_NODES: usize = 8;
+/// Largest number of nodes of a solid element (tetrahedron with midpoints).
+const MOST_NODES: usize = 10;
 
 /// Six linear functionals of the internal forces `f` of some elements: virtual works `sum_e sum_a w_a . f_ea`.
 #[derive(Clone, Debug)]

@@ -51,6 +51,7 @@ const HEX_TETS: [[usize; 4]; 6] = [
 ];
 const WEDGE_TETS: [[usize; 4]; 3] = [[0, 1, 2, 5], [0, 1, 5, 4], [0, 4, 5, 3]];
 const TET: [[usize; 4]; 1] = [[0, 1, 2, 3]];
+const PYRAMID_TETS: [[usize; 4]; 2] = [[0, 1, 2, 4], [0, 2, 3, 4]];
 
 impl PlaneArea {
     /// Adds the intersection polygon of the plane with an element; warped sides are divided into triangles.
@@ -58,7 +59,8 @@ impl PlaneArea {
         let tets: &[[usize; 4]] = match kind {
             ElementKind::Hex8 => &HEX_TETS,
             ElementKind::Wedge6 => &WEDGE_TETS,
-            ElementKind::Tet4 => &TET,
+            ElementKind::Tet4 | ElementKind::Tet10 => &TET,
+            ElementKind::Pyramid5 => &PYRAMID_TETS,
             _ => &[],
         };
         for tet in tets {

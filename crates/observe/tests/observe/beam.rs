@@ -1,6 +1,6 @@
 //! Beams of solids along x, with any kernel, and their static deflection.
 
-use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Tet4, Wedge6, solid};
+use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Pyramid5, Tet4, Tet10, Wedge6, solid};
 use powerhouse_model::{
     BlockFactory, BlockOptions, BlockPart, Cadence, ConstitutiveLaw, ElasticMedium, ElementBlock,
     ElementKernel, HistoryVariable, Lane, LawInput, Mesh, NodalView, NodalViewMut, Operator,
@@ -40,14 +40,18 @@ pub(crate) enum Kernel {
     BBar,
     Wedge,
     Tet,
+    Pyramid,
+    Ten,
 }
 
-pub(crate) const KERNELS: [Kernel; 5] = [
+pub(crate) const KERNELS: [Kernel; 7] = [
     Kernel::OnePoint,
     Kernel::Full,
     Kernel::BBar,
     Kernel::Wedge,
     Kernel::Tet,
+    Kernel::Pyramid,
+    Kernel::Ten,
 ];
 
 impl Kernel {
@@ -58,16 +62,23 @@ impl Kernel {
             Self::BBar => plain(Hex8BBar, medium),
             Self::Wedge => plain(Wedge6, medium),
             Self::Tet => plain(Tet4, medium),
+            Self::Pyramid => plain(Pyramid5, medium),
+            Self::Ten => plain(Tet10::new(&medium), medium),
         }
     }
     /// A box of the kernel's elements.
     pub(crate) fn mesh(self, low: Vec3, high: Vec3, cells: [usize; 3]) -> Mesh {
         let generator = match self {
             Self::Wedge => Mesh::box_of_wedges,
-            Self::Tet => Mesh::box_of_tets,
+            Self::Tet | Self::Ten => Mesh::box_of_tets,
+            Self::Pyramid => Mesh::box_of_pyramids,
             _ => Mesh::box_of_hexes,
         };
-        generator(low, high, cells, "beam").unwrap()
+        let mesh = generator(low, high, cells, "beam").unwrap();
+        match self {
+            Self::Ten => mesh.with_midpoints().unwrap(),
+            _ => mesh,
+        }
     }
 }
 

@@ -17,7 +17,8 @@ fn jitter(mesh: Mesh, amount: f64) -> Mesh {
         let seed = (100.0 * p.x + 1000.0 * p.y + 10_000.0 * p.z + 50_000.0).round() as u64;
         amount * Vec3::new(noise(3 * seed), noise(3 * seed + 1), noise(3 * seed + 2))
     };
-    mesh.map_positions(|p| p + shift(&p)).unwrap()
+    let moved = mesh.map_positions(|p| p + shift(&p)).unwrap();
+    moved.with_straight_edges()
 }
 
 /// The first six columns for a force and a moment about the centroid.
@@ -468,7 +469,7 @@ fn ring(kernel: Kernel, n: usize, turn: impl Fn(&Vec3) -> Vec3) -> Mesh {
         let (sin, cos) = (PI * p.x).sin_cos();
         turn(&Vec3::new(-p.z * cos, p.y, p.z * sin))
     };
-    mesh.map_positions(around).unwrap()
+    mesh.map_positions(around).unwrap().with_straight_edges()
 }
 
 /// Rotation about a unit vector (formula of Rodrigues).

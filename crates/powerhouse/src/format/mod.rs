@@ -164,6 +164,14 @@ pub struct MeshFile {
     /// Factor on the coordinates, above 0, 1 by default; 0.001 for a mesh in millimetres.
     #[serde(default = "one")]
     pub scale: Positive,
+    /// Order of the elements: 1 takes the corners alone of all elements of second order in the file, such as `hex20` and
+    /// `wedge15`, or `tet10`; 2 gives tetrahedra of four nodes a node at the midpoint of every edge, after all other
+    /// operations. By default the file decides: tetrahedra of ten nodes are computed as they are, and other elements of second
+    /// order are refused.
+    pub order: Option<At<u32>>,
+    /// Whether nodes on curved edges of tetrahedra of ten nodes are moved to the midpoints; false by default: a curved edge
+    /// is an error.
+    pub straighten: Option<At<bool>>,
     /// Number of uniform refinements, 0 to 3, 0 by default. Each halves all edges: a solid becomes eight of its
     /// kind. Applied after `within` and `slice`; the layer of a slice doubles its number of elements across
     /// the thickness each time. The geometry stays that of the mesh: curved walls keep their chords. A child

@@ -226,7 +226,7 @@ impl fmt::Display for Remark {
                 of,
             } => write!(
                 f,
-                "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; mesh '{set}' with hexahedra or wedges, several across its thickness (finer tetrahedra come nearer slowly)"
+                "section '{section}' cuts {elements} linear tetrahedra of '{set}' ({of} elements in all): its forces are wrong, bending moments by a factor of several, since such elements are too stiff in bending; give them nodes on their edges (`order = 2` of [mesh]), or mesh '{set}' with hexahedra or wedges (finer linear tetrahedra come nearer slowly)"
             ),
             Self::HollowSection {
                 section,

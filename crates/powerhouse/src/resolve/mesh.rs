@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use powerhouse_io::gmsh::{GmshGroup, GmshReport};
+use powerhouse_io::gmsh::{GmshGroup, GmshOptions, GmshReport};
 use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use super::ordered;
@@ -14,21 +14,25 @@ type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Largest number of refinements: three make 512 elements of each.
 const MOST_REFINEMENTS: u32 = 3;
+/// Highest order of elements.
+const HIGHEST_ORDER: u32 = 2;
 
 pub(super) fn mesh(
     text: &SceneText,
     table: &format::MeshFile,
     registry: &Registry,
-) -> Result<(Mesh, Option<Remark>), Fault> {
-    let mut left_out = None;
+) -> Result<(Mesh, Vec<Remark>), Fault> {
+    let mut remarks = Vec::new();
+    let options = order_options(table)?;
     let refused = |error: AnyError| Fault::refused(table.file.span(), error);
     let path: PathBuf = text.folder().join(&*table.file);
     let mesh = match &table.generator {
         Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
         None => {
-            let read = powerhouse_io::read_gmsh(path);
+            let read = powerhouse_io::read_gmsh_with(path, options);
             let read = read.map_err(|error| refused(error.into()))?;
-            left_out = unused(&read.report);
+            remarks.extend(unused(&read.report));
+            remarks.extend(changed(&read.report));
             read.mesh
         }
     };
@@ -64,7 +68,51 @@ pub(super) fn mesh(
             refined(mesh, **times).map_err(|error| Fault::refused(times.span(), error))?
         }
     };
-    Ok((mesh, left_out))
+    let mesh = match &table.order {
+        Some(order) if **order == HIGHEST_ORDER => {
+            let found = mesh.with_midpoints();
+            found.map_err(|error| Fault::refused(order.span(), error))?
+        }
+        _ => mesh,
+    };
+    Ok((mesh, remarks))
+}
+
+/// Options of reading elements of second order; keys for a mesh file are refused with a generator, and straight edges
+/// without midpoints.
+fn order_options(table: &format::MeshFile) -> Result<GmshOptions, Fault> {
+    let mut options = GmshOptions::default();
+    let of_file = |span: core::ops::Range<usize>, key: &str| match table.generator {
+        None => Ok(()),
+        Some(_) => {
+            let text = format!("`{key}` is about a mesh file; the mesh has a generator");
+            Err(Fault::refused(span, text))
+        }
+    };
+    if let Some(order) = &table.order {
+        let (value, highest) = (f64::from(**order), f64::from(HIGHEST_ORDER));
+        ParameterError::check("order", value, 1.0, highest)
+            .map_err(|error| Fault::refused(order.span(), error))?;
+        if **order == 1 {
+            of_file(order.span(), "order = 1")?;
+            options = options.with_first_order();
+        }
+    }
+    if let Some(straighten) = table.straighten.as_ref().filter(|straighten| ***straighten) {
+        of_file(straighten.span(), "straighten")?;
+        options = options.with_straight_edges();
+    }
+    Ok(options)
+}
+
+/// Remark about elements of second order that are computed otherwise than the file has them.
+fn changed(report: &GmshReport) -> Option<Remark> {
+    let found = SceneRemark::MeshOrder {
+        lowered: report.lowered_elements,
+        curved: report.curved_nodes,
+        largest: report.largest_curve,
+    };
+    (report.lowered_elements + report.curved_nodes > 0).then_some(Remark::Scene(found))
 }
 
 /// Remark about nodes and elements of the mesh file that are left out or belong to no physical group.

@@ -37,7 +37,7 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file)?;
-    let (mesh, left_out) = mesh::mesh(text, &file.mesh, registry)?;
+    let (mesh, of_mesh) = mesh::mesh(text, &file.mesh, registry)?;
     check_rims(&mesh, file)?;
     let (mesh, joints) = joints::joints(mesh, &file.joints, registry)?;
     let names = Names { mesh: &mesh };
@@ -48,7 +48,7 @@ pub(crate) fn compose(
     scene.parts = parts;
     scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
     scene.places.mesh = file.mesh.file.span();
-    scene.remarks.extend(left_out);
+    scene.remarks.extend(of_mesh);
     // Checked before points are located in a mesh of a wrong size.
     let of_mesh = |(_, of): &(Magnitude, MagnitudeOf)| *of == MagnitudeOf::Mesh;
     let unusual = scene.unusual_magnitudes().into_iter().find(of_mesh);

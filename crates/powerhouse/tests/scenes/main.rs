@@ -22,6 +22,7 @@ mod law_results;
 mod laws;
 mod lost_sides;
 mod magnitudes;
+mod mesh_orders;
 mod names;
 mod nonsense;
 mod region;

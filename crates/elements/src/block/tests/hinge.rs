@@ -9,12 +9,14 @@ const LIMIT: f64 = 1e-3;
 /// Steps to the largest deflection.
 const STEPS: usize = 40;
 
-/// Load of a cantilever of ten cubes in plane strain over that of its hinge, at four times the deflection at which a beam
+/// Load of a cantilever of ten cubes, or of elements of which cubes are made, in plane strain over that of its hinge, at four times the deflection at which a beam
 /// would begin to yield; law of von Mises without hardening.
-fn load(kernel: SolidKernel) -> f64 {
+pub(super) fn load(kernel: SolidKernel) -> f64 {
     let medium = ElasticMedium::new(30.0e9, 0.3, 2500.0).unwrap();
     let size = Vec3::new(10.0, 1.0, 1.0);
-    let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [10, 1, 1], "beam").unwrap();
+    let kind = kernel.kind();
+    let mesh = generator(kind)(Vec3::zeros(), size, [10, 1, 1], "beam").unwrap();
+    let mesh = of_kind(kind, mesh);
     let options = BlockOptions::default();
     let mut fixture = Fixture::of(mesh, kernel, Yielding(medium, LIMIT), options);
     let nodes = fixture.block.nodes().to_vec();

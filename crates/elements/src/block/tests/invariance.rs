@@ -73,18 +73,14 @@ fn lane_width_leaves_no_trace() {
 fn equal_shapes_leave_no_trace() {
     for kernel in SolidKernel::ALL {
         let (low, high) = (Vec3::new(20.0, -3.0, 7.0), Vec3::new(20.3, -2.6, 7.9));
-        let generator = match kernel.kind() {
-            ElementKind::Hex8 => Mesh::box_of_hexes,
-            ElementKind::Wedge6 => Mesh::box_of_wedges,
-            _ => Mesh::box_of_tets,
-        };
-        let regular = generator(low, high, [3, 3, 3], "rock").unwrap();
-        let count = regular.node_count();
+        let kind = kernel.kind();
+        let regular = generator(kind)(low, high, [3, 3, 3], "rock").unwrap();
         let moved = regular.clone().map_positions(|x| {
             let corner = (x - high).norm() < 1e-9;
             if corner { x + Vec3::repeat(0.05) } else { x }
         });
-        let moved = moved.unwrap();
+        let (regular, moved) = (of_kind(kind, regular), of_kind(kind, moved.unwrap()));
+        let count = regular.node_count();
         let of = |mesh: Mesh| {
             let mut fixture = Fixture::of(mesh, kernel, Linear(rock()), BlockOptions::default());
             let u = fixture.noise(6, 1e-3);

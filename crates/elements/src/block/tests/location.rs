@@ -3,7 +3,7 @@
 use powerhouse_model::{ElementKernel, PointAdapter};
 
 use super::*;
-use crate::{AnyLaw, Hex8Full, Tet4, Wedge6};
+use crate::{AnyLaw, Hex8Full, Pyramid5, Tet4, Tet10, Wedge6};
 
 /// Isotropic damage with a stiffness and a threshold that vary in space: `d = k / (k + threshold)` by the
 /// largest norm `k` of the strain so far, with a modulus of 100 times the threshold times that of the medium.
@@ -89,12 +89,8 @@ fn law(threshold: Threshold) -> Graded {
 /// A column of 11 cells of 2 m with element numbers that are not their indices.
 fn column(kind: ElementKind) -> Mesh {
     let (low, high) = (Vec3::zeros(), Vec3::new(2.0, 2.0, 22.0));
-    let generator = match kind {
-        ElementKind::Hex8 => Mesh::box_of_hexes,
-        ElementKind::Wedge6 => Mesh::box_of_wedges,
-        _ => Mesh::box_of_tets,
-    };
-    generator(low, high, [1, 1, 11], "rock").unwrap()
+    let mesh = generator(kind)(low, high, [1, 1, 11], "rock").unwrap();
+    of_kind(kind, mesh)
 }
 
 /// Forces, tangent products, element forces and histories of a block over some steps.
@@ -296,4 +292,6 @@ fn every_point_has_its_own_position() {
     check(Hex8Full);
     check(Wedge6);
     check(Tet4);
+    check(Pyramid5);
+    check(Tet10::new(&rock()));
 }

@@ -6,17 +6,19 @@ mod hinge;
 mod invariance;
 mod location;
 mod memory;
+mod mixed;
 mod natural;
 mod remaining;
 mod saved;
 mod state;
+mod tet10;
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
     BlockContext, BlockOptions, BlockPart, ConstitutiveLaw, ElasticMedium, ElementBlock,
     ElementFault, ElementKind, HistoryUpdate, HistoryVariable, Lane, LaneWidth, LawEnergy,
-    LawInput, Mat3, Mesh, NodalScalar, NodalView, NodalViewMut, Operator, Precision, Quad,
-    RemainingStiffness, StepTime, Strain, Stress, Vec3,
+    LawInput, Mat3, Mesh, MeshError, NodalScalar, NodalView, NodalViewMut, Operator, Precision,
+    Quad, RemainingStiffness, StepTime, Strain, Stress, Vec3,
 };
 
 use crate::{Hex8OnePoint, SolidKernel, solid};
@@ -232,18 +234,34 @@ fn distorted(kind: ElementKind, cells: [usize; 3]) -> Mesh {
         Vec3::zeros(),
         Vec3::from(cells.map(|count| 2.0 * count as f64)),
     );
-    let mesh = match kind {
-        ElementKind::Hex8 => Mesh::box_of_hexes(low, high, cells, "rock"),
-        ElementKind::Wedge6 => Mesh::box_of_wedges(low, high, cells, "rock"),
-        _ => Mesh::box_of_tets(low, high, cells, "rock"),
-    };
+    let mesh = generator(kind)(low, high, cells, "rock");
     let noise = std::cell::RefCell::new(Noise(7));
     let moved = mesh.unwrap().map_positions(|x| {
         let shift = noise.borrow_mut().vector() * 0.3;
         let inside = |i: usize| x[i] > 0.1 && x[i] < high[i] - 0.1;
         Vec3::from_fn(|i, _| x[i] + if inside(i) { shift[i] } else { 0.0 })
     });
-    moved.unwrap()
+    of_kind(kind, moved.unwrap())
+}
+
+type Generator = fn(Vec3, Vec3, [usize; 3], &str) -> Result<Mesh, MeshError>;
+
+/// The generator of a mesh of elements of a kind, of which [`of_kind`] makes those with midpoints.
+fn generator(kind: ElementKind) -> Generator {
+    match kind {
+        ElementKind::Hex8 => Mesh::box_of_hexes,
+        ElementKind::Wedge6 => Mesh::box_of_wedges,
+        ElementKind::Pyramid5 => Mesh::box_of_pyramids,
+        _ => Mesh::box_of_tets,
+    }
+}
+
+/// The mesh, with midpoints if the kind has them.
+fn of_kind(kind: ElementKind, mesh: Mesh) -> Mesh {
+    match kind {
+        ElementKind::Tet10 => mesh.with_midpoints().unwrap(),
+        _ => mesh,
+    }
 }
 
 /// A block of a whole mesh, whose nodes are in the reverse order of the mesh.
