@@ -75,6 +75,7 @@ mod evanescent;
 mod fourier;
 mod hermite;
 mod history;
+mod layered;
 mod partial;
 mod pulse;
 mod quiet;
@@ -87,9 +88,13 @@ mod within;
 
 pub use angle::Angle;
 pub use convention::{InputConvention, InputConversion, SurfaceComponent};
-pub use error::WaveError;
+pub use error::{LayerDefect, WaveError};
 pub use history::{
     BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
+};
+pub use layered::{
+    Ground, GroundLayer, LayerDamping, LayerMechanism, LayeredReport, LayeredTablesReport,
+    LayeredWave, LayeredWaveParameters,
 };
 pub use pulse::{
     HarmonicBurst, RaisedCosinePulse, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse,
