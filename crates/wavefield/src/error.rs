@@ -160,7 +160,9 @@ pub enum WaveError {
         convention: &'static str,
     },
     /// A point lies below the lowest height of a layered field.
-    #[error("point {index} at z = {height} m is below the lowest height of the field, z = {lowest} m")]
+    #[error(
+        "point {index} at z = {height} m is below the lowest height of the field, z = {lowest} m"
+    )]
     BelowLowest {
         /// Index of the point in the list that was given.
         index: usize,
@@ -170,7 +172,9 @@ pub enum WaveError {
         lowest: f64,
     },
     /// The stress at a point is wanted in a medium that is not that of its layer.
-    #[error("point {index}, {depth} m deep, is in another medium than the layer of the field there")]
+    #[error(
+        "point {index}, {depth} m deep, is in another medium than the layer of the field there"
+    )]
     OtherMedium {
         /// Index of the point in the list that was given.
         index: usize,
@@ -205,7 +209,9 @@ pub enum WaveError {
 #[non_exhaustive]
 pub enum LayerDefect {
     /// It does not lie below the layer before it, or below the surface.
-    #[error("ends at z = {bottom} m, which is not below its top at z = {top} m: layers are given from the uppermost down")]
+    #[error(
+        "ends at z = {bottom} m, which is not below its top at z = {top} m: layers are given from the uppermost down"
+    )]
     NotBelow {
         /// Height z of its top (m).
         top: f64,

@@ -64,7 +64,9 @@ fn compare(table: &str, kind: WaveKind, degrees: f64, ground: Ground, x: f64) ->
     parameters.incidence = Angle::from_degrees(degrees);
     let ricker = Ricker::new(RickerQuantity::Displacement, 1.0, 3.0, 1.0).unwrap();
     let wave = LayeredWave::new(parameters, Arc::new(ricker)).unwrap();
-    let mut rows = table.lines().filter(|line| !line.starts_with("# ") || line.starts_with("# t,"));
+    let mut rows = table
+        .lines()
+        .filter(|line| !line.starts_with("# ") || line.starts_with("# t,"));
     let names = rows.next().unwrap().trim_start_matches("# ").split(',');
     let columns: Vec<_> = names.skip(1).map(column).collect();
     let points: Vec<Vec3> = columns.iter().map(|c| Vec3::new(x, 0.0, c.1)).collect();
@@ -72,7 +74,9 @@ fn compare(table: &str, kind: WaveKind, degrees: f64, ground: Ground, x: f64) ->
         .map(|&(_, height, layer)| {
             let layers = ground.layers();
             match layer {
-                Some(number) => layers.get(number - 1).map_or(ground.half_space(), |l| l.medium),
+                Some(number) => layers
+                    .get(number - 1)
+                    .map_or(ground.half_space(), |l| l.medium),
                 None => ground.medium_at(height),
             }
         })
@@ -103,7 +107,13 @@ fn compare(table: &str, kind: WaveKind, degrees: f64, ground: Ground, x: f64) ->
 
 fn check(shares: [f64; 3], of_displacement: f64) {
     let limits = [of_displacement, 1e-3, 1e-3];
-    assert!(shares.iter().zip(limits).all(|(share, limit)| *share <= limit), "{shares:?}");
+    assert!(
+        shares
+            .iter()
+            .zip(limits)
+            .all(|(share, limit)| *share <= limit),
+        "{shares:?}"
+    );
 }
 
 /// Displacement agrees with the independent solution to 1e-4 of its peak, velocity and stress to 1e-3, at

@@ -4,6 +4,8 @@ mod ground;
 mod sampler;
 mod stack;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod window;
 
 use powerhouse_model::{
@@ -14,8 +16,8 @@ use std::sync::Arc;
 
 pub use ground::{Ground, GroundLayer, LayerDamping, LayerMechanism};
 use sampler::{LayeredPoint, LayeredSampler};
-pub use tables::LayeredTablesReport;
 use tables::LayeredTables;
+pub use tables::LayeredTablesReport;
 use window::Arriving;
 
 use crate::{
@@ -47,6 +49,9 @@ pub struct LayeredWaveParameters {
     pub convention: InputConvention,
     /// Lowest height z at which the field is sampled (m), such as the bottom of the mesh.
     pub lowest: f64,
+    /// Time (s) from the arrival of the incident wave at a point up to which its motion is needed: what
+    /// reverberates after it is left out, and saves memory. `None` for all of it.
+    pub until: Option<f64>,
 }
 
 impl LayeredWaveParameters {
@@ -62,6 +67,7 @@ impl LayeredWaveParameters {
             arrival: 0.0,
             convention: InputConvention::Incident,
             lowest,
+            until: None,
         }
     }
 }
@@ -189,6 +195,9 @@ impl LayeredWave {
         ParameterError::check("azimuth", parameters.azimuth.degrees(), -1e6, 1e6)?;
         ParameterError::check("arrival", parameters.arrival, -FARTHEST, FARTHEST)?;
         ParameterError::check("lowest", parameters.lowest, -FARTHEST, ground.surface())?;
+        if let Some(until) = parameters.until {
+            ParameterError::check("until", until, 0.0, FARTHEST)?;
+        }
         for (name, value) in ["reference.x", "reference.y", "reference.z"]
             .into_iter()
             .zip(parameters.reference.iter())
@@ -219,6 +228,7 @@ impl LayeredWave {
             reflection: &reflection,
             signal: &scaled,
             lowest: parameters.lowest,
+            until: parameters.until,
         };
         let causal = arriving.is_causal();
         if !causal {
@@ -227,7 +237,10 @@ impl LayeredWave {
         let (tables, residue) = arriving.tables()?;
         let below = (ground.base() - parameters.reference.z).max(0.0);
         Ok(Self {
-            name: format!("{kind} wave at {:.4} degrees in layers", incidence.degrees()),
+            name: format!(
+                "{kind} wave at {:.4} degrees in layers",
+                incidence.degrees()
+            ),
             base_time: parameters.arrival + reflection.vertical_slowness * below,
             support: scaled.support(),
             parameters,
@@ -291,7 +304,7 @@ impl LayeredWave {
     pub fn transfer(&self, height: f64, frequency: f64) -> Result<[Complex; 3], WaveError> {
         ParameterError::check("frequency", frequency, f64::MIN_POSITIVE, 1e9)?;
         self.check_heights([height].into_iter())?;
-        let state = self.tables.transfer(self.tables.key(height), frequency);
+        let state = self.tables.transfer(height, frequency);
         let zero = Complex::new(0.0, 0.0);
         Ok(match self.tables.stack.order {
             1 => [zero, state[0], zero],
@@ -357,12 +370,19 @@ impl LayeredWave {
 
     /// Layer of a point whose medium is the given one: that at its height or, on an interface, one of
     /// both.
-    fn layer_of(&self, index: usize, point: &Vec3, medium: &ElasticMedium) -> Result<usize, WaveError> {
+    fn layer_of(
+        &self,
+        index: usize,
+        point: &Vec3,
+        medium: &ElasticMedium,
+    ) -> Result<usize, WaveError> {
         let ground = &self.parameters.ground;
         let key = self.tables.key(point.z);
         let below = self.tables.layer_of(key);
         let is_interface = below > 0 && self.tables.key(ground.extent(below)[0]) == key;
-        let mut layers = [Some(below), is_interface.then(|| below - 1)].into_iter().flatten();
+        let mut layers = [Some(below), is_interface.then(|| below - 1)]
+            .into_iter()
+            .flatten();
         let found = layers.find(|layer| ground.medium(*layer) == *medium);
         found.ok_or(WaveError::OtherMedium {
             index,
@@ -393,7 +413,10 @@ impl LayeredWave {
                     table
                 }
             };
-            let is_damped = ground.layers().get(layer).is_some_and(|l| !l.damping.is_none());
+            let is_damped = ground
+                .layers()
+                .get(layer)
+                .is_some_and(|l| !l.damping.is_none());
             let product = match (is_damped, known_products.get(&(key, layer))) {
                 (false, _) => None,
                 (true, Some(product)) => Some(*product),

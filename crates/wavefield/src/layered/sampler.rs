@@ -79,9 +79,8 @@ impl Table {
         time: f64,
     ) -> Option<([f64; Q], [f64; R])> {
         let (a, b, cubic) = self.around::<W>(time)?;
-        let mixed = |k: usize, w: &[f64; 4]| {
-            w[0] * a[k] + w[1] * b[k] + w[2] * a[Q + k] + w[3] * b[Q + k]
-        };
+        let mixed =
+            |k: usize, w: &[f64; 4]| w[0] * a[k] + w[1] * b[k] + w[2] * a[Q + k] + w[3] * b[Q + k];
         let values = core::array::from_fn(|k| mixed(k, &cubic.value));
         let rates = core::array::from_fn(|k| mixed(k, &cubic.rate) * self.per_step);
         Some((values, rates))
@@ -94,7 +93,11 @@ impl LayeredSampler {
     #[cold]
     fn outside(&self, table: &Table, time: f64) -> ([f64; 2], [f64; 2]) {
         if let Some(statics) = &self.of.statics {
-            let components = if self.of.stack.order == 1 { [1, 1] } else { [0, 2] };
+            let components = if self.of.stack.order == 1 {
+                [1, 1]
+            } else {
+                [0, 2]
+            };
             let [a, b] = components.map(|component| statics.value(component, time));
             return ([a.0, b.0], [a.1, b.1]);
         }
@@ -120,9 +123,8 @@ impl LayeredSampler {
         for point in &self.points {
             let table = &self.tables[point.table as usize];
             let local = time - point.delay;
-            let ([ux, uz, szz, sxz], [vx, vz]) = table
-                .values::<4, 8, 2>(local)
-                .unwrap_or_else(|| {
+            let ([ux, uz, szz, sxz], [vx, vz]) =
+                table.values::<4, 8, 2>(local).unwrap_or_else(|| {
                     let ([ux, uz], velocity) = self.outside(table, local);
                     ([ux, uz, 0.0, 0.0], velocity)
                 });

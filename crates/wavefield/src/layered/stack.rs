@@ -14,8 +14,9 @@ use crate::{Complex, WaveKind};
 const ZERO: Complex = Complex { re: 0.0, im: 0.0 };
 const ONE: Complex = Complex { re: 1.0, im: 0.0 };
 
-/// Relative distance of a slowness from that of a wave along the layers, below which it is moved
-/// there: upgoing and downgoing waves would be the same.
+/// Relative distance of a slowness from that of a wave along a layer, below which it is moved
+/// there: upgoing and downgoing waves would be the same. In the half-space waves of one direction
+/// suffice.
 const NEAREST: f64 = 1e-12;
 
 /// Amplitudes of the waves of one layer: upgoing ones at its bottom (of the half-space: at its top),
@@ -64,7 +65,7 @@ impl Stack {
     pub(crate) fn new(ground: &Ground, kind: WaveKind, slowness: f64) -> Self {
         let order = if kind == WaveKind::SH { 1 } else { 2 };
         let count = ground.layers().len();
-        let media = (0..=count).map(|index| ground.medium(index));
+        let media = (0..count).map(|index| ground.medium(index));
         let speeds = media.flat_map(|medium| match order {
             1 => vec![medium.s_speed()],
             _ => vec![medium.p_speed(), medium.s_speed()],
@@ -165,10 +166,7 @@ impl Stack {
         };
         let waves = [
             (state(cp * p, cp * xi, xi), state(cp * p, -cp * xi, -xi)),
-            (
-                state(cs * eta, -cs * p, eta),
-                state(cs * eta, cs * p, -eta),
-            ),
+            (state(cs * eta, -cs * p, eta), state(cs * eta, cs * p, -eta)),
         ];
         for (column, (up, down)) in waves.into_iter().enumerate() {
             for row in 0..4 {
@@ -249,7 +247,9 @@ impl Stack {
     }
 
     fn phases(&self, columns: &Columns, frequency: Complex, distance: f64) -> [Complex; 2] {
-        columns.slowness.map(|s| propagated(frequency, s * distance))
+        columns
+            .slowness
+            .map(|s| propagated(frequency, s * distance))
     }
 
     /// State in a layer at a distance (m) below its top: displacement, and traction over `i w`
@@ -300,7 +300,12 @@ fn product(matrix: &[[Complex; 2]; 2], vector: &[Complex; 2]) -> [Complex; 2] {
 
 /// Solves a system of `rows` equations for `columns` right sides in place, by elimination with
 /// partial pivoting.
-fn solve(matrix: &mut [[Complex; 4]; 4], right: &mut [[Complex; 2]; 4], rows: usize, columns: usize) {
+fn solve(
+    matrix: &mut [[Complex; 4]; 4],
+    right: &mut [[Complex; 2]; 4],
+    rows: usize,
+    columns: usize,
+) {
     for k in 0..rows {
         let mut pivot = k;
         for row in k + 1..rows {

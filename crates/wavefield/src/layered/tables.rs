@@ -16,6 +16,8 @@ pub(crate) const MOST_SAMPLES: usize = 1 << 20;
 pub(crate) const MOST_BYTES: usize = 2 << 30;
 /// Share of a peak below which a table begins and ends.
 const NEGLIGIBLE: f64 = 3e-7;
+/// The same where the motion falls as a power of time.
+const NEGLIGIBLE_POWER: f64 = 1e-5;
 
 /// Values and derivatives of some quantities at uniform times, joined by cubics.
 ///
@@ -192,7 +194,7 @@ impl LayeredTables {
         let n = self.stack.order;
         let (valid, edge) = (self.window.valid(), self.window.length / 64);
         for key in keys {
-            let histories = self.without_statics(self.place(*key));
+            let histories = self.histories(self.place(*key));
             let kinds = [
                 (&histories.values[..n], &self.remaining[..n]),
                 (&histories.rates[..n], &[0.0; 2][..n]),
@@ -201,7 +203,7 @@ impl LayeredTables {
             for (kind, (histories, rest)) in kinds.into_iter().enumerate() {
                 for (values, rest) in histories.iter().zip(rest) {
                     probe.peaks[kind] = probe.peaks[kind].max(peak(values, valid));
-                    let first = match self.window.growth > 0.0 {
+                    let first = match self.window.causal {
                         true => &[][..],
                         false => &values[..edge],
                     };
@@ -240,7 +242,9 @@ impl LayeredTables {
 
     /// Height to which a height is rounded, as a multiple of the unit below the surface.
     pub(crate) fn key(&self, height: f64) -> i64 {
-        ((self.ground.surface() - height) / self.unit).round().max(0.0) as i64
+        ((self.ground.surface() - height) / self.unit)
+            .round()
+            .max(0.0) as i64
     }
 
     /// Layer and depth in it of a key; on an interface those of the layer below.
@@ -257,9 +261,11 @@ impl LayeredTables {
         self.place(key).0
     }
 
-    /// State at a key and frequency (Hz) for a unit incident displacement at the top of the half-space.
-    pub(crate) fn transfer(&self, key: i64, frequency: f64) -> [Complex; 4] {
-        let place = self.place(key);
+    /// State at a height z (m) and frequency (Hz) for a unit incident displacement at the top of the
+    /// half-space.
+    pub(crate) fn transfer(&self, height: f64, frequency: f64) -> [Complex; 4] {
+        let index = self.ground.layer_at(height);
+        let depth = (self.ground.extent(index)[0] - height).max(0.0);
         let frequency = Complex::new(2.0 * PI * frequency, 0.0);
         let zero = [Complex::new(0.0, 0.0); 2];
         let none = Amplitudes {
@@ -268,11 +274,18 @@ impl LayeredTables {
         };
         let mut amplitudes = vec![none; self.stack.count() + 1];
         self.stack.amplitudes(frequency, &mut amplitudes);
-        let columns = self.stack.columns(place.0, frequency);
-        let state = self.stack.state(place, &columns, &amplitudes[place.0], frequency);
+        let columns = self.stack.columns(index, frequency);
+        let of_layer = &amplitudes[index];
+        let state = self
+            .stack
+            .state((index, depth), &columns, of_layer, frequency);
         // A state in the half-space is that after the arrival of the incident wave there.
-        let advance = Complex::new(0.0, frequency.re * self.advance(key)).exp();
-        state.map(|value| value * advance)
+        let advance = match index == self.stack.count() {
+            true => columns.slowness[self.stack.incident].re * depth,
+            false => 0.0,
+        };
+        let earlier = Complex::new(0.0, frequency.re * advance).exp();
+        state.map(|value| value * earlier)
     }
 
     /// Time (s) by which the incident wave passes a key before it passes the top of the half-space.
@@ -350,24 +363,27 @@ impl LayeredTables {
         self.stack.state(place, &columns, amplitudes, frequency)
     }
 
-    /// Histories of displacement and traction at a layer and depth in it.
-    fn histories(&self, place: (usize, f64)) -> Histories {
-        let mut histories = self.without_statics(place);
-        if let Some(statics) = &self.statics {
-            for k in 0..self.stack.order {
-                let component = self.component(k);
-                for i in 0..self.window.length {
-                    let (value, rate) = statics.value(component, self.window.time(i));
-                    histories.values[k][i] += value;
-                    histories.rates[k][i] += rate;
-                }
+    /// Value and rate of a quantity of a table from the constant part of the spectrum.
+    fn constant(&self, quantity: usize, quantities: usize, time: f64) -> (f64, f64) {
+        let is_state = quantities == 2 * self.stack.order;
+        match &self.statics {
+            Some(statics) if is_state && quantity < self.stack.order => {
+                statics.value(self.component(quantity), time)
             }
+            _ => (0.0, 0.0),
         }
-        histories
+    }
+
+    /// Share of a peak below which a table begins and ends.
+    fn negligible(&self) -> f64 {
+        match self.statics {
+            Some(_) => NEGLIGIBLE_POWER,
+            None => NEGLIGIBLE,
+        }
     }
 
     /// Histories at a layer and depth in it, less those of the constant part of the spectrum.
-    fn without_statics(&self, place: (usize, f64)) -> Histories {
+    fn histories(&self, place: (usize, f64)) -> Histories {
         let n = self.stack.order;
         let bins = self.frequencies.len();
         let [displacement, velocity, acceleration] = &self.spectra;
@@ -433,27 +449,32 @@ impl LayeredTables {
         let valid = self.window.valid();
         let stride = self.stride;
         let count = valid / stride;
-        let mut range = (count, 0);
-        if self.statics.is_some() {
-            range = (0, count - 1);
-        } else {
-            for (values, (peak, rest)) in histories.values.iter().zip(of) {
-                let limit = NEGLIGIBLE * peak;
-                let before = |i: &usize| values[i * stride].abs() > limit;
-                range.0 = range.0.min((0..count).find(before).unwrap_or(count));
-                let after = |i: &usize| (values[i * stride] - rest).abs() > limit;
-                range.1 = range.1.max((0..count).rev().find(after).unwrap_or(0));
-            }
-            range = (range.0.saturating_sub(2), (range.1 + 2).min(count - 1));
+        let last = match self.window.until {
+            Some(until) => (self.window.after(until) / stride + 2).min(count - 1),
+            None => count - 1,
+        };
+        let (mut first, mut end) = (count, 0);
+        for (values, (peak, rest)) in histories.values.iter().zip(of) {
+            let limit = self.negligible() * peak;
+            let before = |i: &usize| values[i * stride].abs() > limit;
+            first = first.min((0..count).find(before).unwrap_or(count));
+            let after = |i: &usize| (values[i * stride] - rest).abs() > limit;
+            end = end.max((0..count).rev().find(after).unwrap_or(0));
         }
+        let range = (first.saturating_sub(2), (end + 2).min(last));
         let quantities = histories.values.len();
         let mut values = Vec::new();
         if range.0 <= range.1 {
             values.reserve_exact((range.1 - range.0 + 1) * 2 * quantities);
             for i in range.0..=range.1 {
-                values.extend(histories.values.iter().map(|values| values[i * stride]));
-                let rates = histories.rates.iter();
-                values.extend(rates.map(|rates| rates[i * stride] * self.step()));
+                let time = self.window.time(i * stride);
+                let constant = |k: usize| self.constant(k, quantities, time);
+                let of_values = histories.values.iter().enumerate();
+                values.extend(of_values.map(|(k, values)| values[i * stride] + constant(k).0));
+                let rates = histories.rates.iter().enumerate();
+                values.extend(
+                    rates.map(|(k, rates)| (rates[i * stride] + constant(k).1) * self.step()),
+                );
             }
         }
         Table {
@@ -484,7 +505,8 @@ impl Histories {
                 errors[value_of] = errors[value_of].max(missed / 64.0);
                 if !of_stress {
                     // At a quarter of the interval, where the derivative errs most.
-                    let slope = 1.125 * (b - a) / (wide as f64 * self.step) + 0.1875 * va - 0.3125 * vb;
+                    let slope =
+                        1.125 * (b - a) / (wide as f64 * self.step) + 0.1875 * va - 0.3125 * vb;
                     let missed = (slope - rates[i + wide / 4]).abs();
                     errors[1] = errors[1].max(missed / 16.0);
                 }
