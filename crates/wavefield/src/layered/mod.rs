@@ -72,6 +72,21 @@ impl LayeredWaveParameters {
     }
 }
 
+impl LayeredWaveParameters {
+    /// Time (s) at which the incident wave, or the first wave that it lets into the layers, has the signal's
+    /// time zero at a point; in layers that of the top of the half-space below the point.
+    pub fn arrival_at(&self, point: &Vec3) -> f64 {
+        let speed = self.kind.speed(&self.ground.half_space());
+        let (rise, lift) = self.incidence.radians().sin_cos();
+        let (across, along) = self.azimuth.radians().sin_cos();
+        let offset = point - self.reference;
+        let base = self.ground.base();
+        let height = point.z.min(base) - self.reference.z.min(base);
+        let travelled = rise * (along * offset.x + across * offset.y) + lift * height;
+        self.arrival + travelled / speed
+    }
+}
+
 /// Form, memory and accuracy of a layered field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayeredReport {
@@ -383,7 +398,7 @@ impl LayeredWave {
         let mut layers = [Some(below), is_interface.then(|| below - 1)]
             .into_iter()
             .flatten();
-        let found = layers.find(|layer| ground.medium(*layer) == *medium);
+        let found = layers.find(|layer| are_alike(&ground.medium(*layer), medium));
         found.ok_or(WaveError::OtherMedium {
             index,
             depth: ground.surface() - point.z,
@@ -453,6 +468,13 @@ impl LayeredWave {
             turn: [cosine, sine],
         }))
     }
+}
+
+/// Whether density and wave speeds of two media agree to 1e-6.
+fn are_alike(a: &ElasticMedium, b: &ElasticMedium) -> bool {
+    let of = |m: &ElasticMedium| [m.density, m.p_speed(), m.s_speed()];
+    let pairs = of(a).into_iter().zip(of(b));
+    pairs.fold(true, |alike, (a, b)| alike && (a - b).abs() <= 1e-6 * b)
 }
 
 impl IncidentField for LayeredWave {
