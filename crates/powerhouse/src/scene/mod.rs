@@ -39,8 +39,8 @@ use std::sync::Arc;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
-    Constraint, ContactLaw, Engine, IncidentField, Mesh, ModelError, NodalLoad, PeriodicPairs,
-    Precision, Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
+    Constraint, ContactLaw, Engine, IncidentField, Mesh, NodalLoad, PeriodicPairs, Precision,
+    Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 
 use powerhouse_wavefield::{LayeredWave, PlaneWave, TimeHistory};
@@ -51,8 +51,7 @@ use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{
-    CheckpointPlan, Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage,
-    SceneText,
+    CheckpointPlan, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
