@@ -151,14 +151,6 @@ pub enum WaveError {
         /// What is wrong with it.
         defect: LayerDefect,
     },
-    /// The signal represents a motion of the layered surface or at a depth in layers.
-    #[error(
-        "a record of convention '{convention}' cannot be converted into the incident wave of layered ground; give the incident wave, or the outcrop of the half-space"
-    )]
-    LayeredConvention {
-        /// Name of the convention.
-        convention: &'static str,
-    },
     /// A point lies below the lowest height of a layered field.
     #[error(
         "point {index} at z = {height} m is below the lowest height of the field, z = {lowest} m"

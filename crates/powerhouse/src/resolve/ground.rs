@@ -178,9 +178,9 @@ fn plane_wave(
 /// Fault of a wave that was refused; `span` is that of its convention.
 pub(super) fn refused_wave(table: &Wave, span: core::ops::Range<usize>, error: WaveError) -> Fault {
     match error {
-        WaveError::WeakComponent { .. }
-        | WaveError::NoSurface { .. }
-        | WaveError::LayeredConvention { .. } => Fault::refused(span, error),
+        WaveError::WeakComponent { .. } | WaveError::NoSurface { .. } => {
+            Fault::refused(span, error)
+        }
         WaveError::GrazingIncidence { .. } => Fault::refused(table.incidence.span(), error)
             .with_help("a smaller angle, or `space = \"full-space\"` under [ground]"),
         _ => Fault::refused(table.incidence.span(), error),

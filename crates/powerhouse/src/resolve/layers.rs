@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
-    Angle, Complex, Ground, GroundLayer, InputConvention, InputConversion, LayerDamping,
-    LayeredWave, LayeredWaveParameters, PlaneWaveParameters, QuietStart, QuietStartLimits,
-    WaveError, first_hit_corner,
+    Angle, Ground, GroundLayer, InputConvention, LayerDamping, LayeredWave, LayeredWaveParameters,
+    PlaneWaveParameters, QuietStart, QuietStartLimits, WaveError, first_hit_corner,
 };
 
 use super::damping::damping;
@@ -61,14 +60,12 @@ pub(super) fn field(
         parameters.until = Some((end - earliest).max(0.0));
         let wave = LayeredWave::new(parameters, motion.signal)
             .map_err(|error| refused_wave(table, motion.span, error))?;
-        if wave.parameters().convention == InputConvention::Outcrop {
+        let convention = wave.parameters().convention;
+        if convention != InputConvention::Incident {
             scene.remarks.push(Remark::Conversion {
                 wave: wave.name().into(),
-                convention: InputConvention::Outcrop.name(),
-                conversion: InputConversion {
-                    amplitude: Complex::new(0.5, 0.0),
-                    within: None,
-                },
+                convention: convention.name(),
+                conversion: *wave.conversion(),
             });
         }
         scene.remarks.push(Remark::Layered {

@@ -1,6 +1,7 @@
 //! Plane waves in horizontal layers over a half-space.
 
 mod ground;
+mod record;
 mod sampler;
 mod stack;
 mod tables;
@@ -21,7 +22,7 @@ pub use tables::LayeredTablesReport;
 use window::Arriving;
 
 use crate::{
-    Angle, Complex, InputConvention, Signal, SignalMotion, SignalSupport, SurfaceReflection,
+    Angle, Complex, InputConvention, InputConversion, Signal, SignalSupport, SurfaceReflection,
     WaveError, WaveKind,
 };
 
@@ -45,7 +46,9 @@ pub struct LayeredWaveParameters {
     pub reference: Vec3,
     /// Time at which the signal's time zero passes the reference point (s).
     pub arrival: f64,
-    /// Motion that the signal represents: the incident wave, or the outcrop of the half-space.
+    /// Motion that the signal represents. An outcrop is that of the half-space. A record of the layered
+    /// surface, or at a depth, is divided by its transfer function: its time zero becomes that of the
+    /// incident wave at the top of the half-space below the record.
     pub convention: InputConvention,
     /// Lowest height z at which the field is sampled (m), such as the bottom of the mesh.
     pub lowest: f64,
@@ -160,6 +163,7 @@ pub struct LayeredWave {
     causal: bool,
     residue: f64,
     support: SignalSupport,
+    conversion: InputConversion,
     name: String,
 }
 
@@ -172,32 +176,13 @@ impl core::fmt::Debug for LayeredWave {
     }
 }
 
-/// A signal times a factor.
-struct Scaled {
-    signal: Arc<dyn Signal>,
-    factor: f64,
-}
-
-impl Signal for Scaled {
-    fn motion(&self, time: f64) -> SignalMotion {
-        let motion = self.signal.motion(time);
-        SignalMotion {
-            displacement: self.factor * motion.displacement,
-            velocity: self.factor * motion.velocity,
-            acceleration: self.factor * motion.acceleration,
-        }
-    }
-    fn support(&self) -> SignalSupport {
-        self.signal.support()
-    }
-}
-
 impl LayeredWave {
     /// Wave of the given parameters and signal.
     ///
     /// # Errors
-    /// Grazing incidence; a convention that refers to the layered surface or to a depth; a signal with a
-    /// permanent displacement where the field is not causal; layers in which the motion does not die
+    /// Grazing incidence; a surface record of a component that the wave hardly moves at some frequency of it;
+    /// a signal with a permanent displacement where the field is not causal or the record is not of the incident
+    /// wave or an outcrop; layers in which the motion does not die
     /// out within a million samples; a number outside its range.
     pub fn new(
         parameters: LayeredWaveParameters,
@@ -227,27 +212,23 @@ impl LayeredWave {
                 limit: LARGEST_ANGLE,
             });
         }
-        let factor = match parameters.convention {
-            InputConvention::Incident => 1.0,
-            InputConvention::Outcrop => 0.5,
-            other => {
-                return Err(WaveError::LayeredConvention {
-                    convention: other.name(),
-                });
-            }
-        };
-        let scaled = Scaled { signal, factor };
         let arriving = Arriving {
             ground,
             kind,
             reflection: &reflection,
-            signal: &scaled,
+            signal: &*signal,
             lowest: parameters.lowest,
             until: parameters.until,
         };
+        let (incident, conversion) =
+            record::incident(&arriving, signal.clone(), parameters.convention)?;
+        let arriving = Arriving {
+            signal: &*incident,
+            ..arriving
+        };
         let causal = arriving.is_causal();
         if !causal {
-            crate::signal::check_return(&scaled, "a wave that is not causal in its layers")?;
+            crate::signal::check_return(&*incident, "a wave that is not causal in its layers")?;
         }
         let (tables, residue) = arriving.tables()?;
         let below = (ground.base() - parameters.reference.z).max(0.0);
@@ -257,7 +238,8 @@ impl LayeredWave {
                 incidence.degrees()
             ),
             base_time: parameters.arrival + reflection.vertical_slowness * below,
-            support: scaled.support(),
+            support: incident.support(),
+            conversion,
             parameters,
             tables: Arc::new(tables),
             causal,
@@ -268,6 +250,11 @@ impl LayeredWave {
     /// Parameters of the wave.
     pub fn parameters(&self) -> &LayeredWaveParameters {
         &self.parameters
+    }
+
+    /// Conversion of the record into the incident wave.
+    pub fn conversion(&self) -> &InputConversion {
+        &self.conversion
     }
 
     /// Whether the field is at rest before the incident wave arrives.
@@ -319,7 +306,8 @@ impl LayeredWave {
     pub fn transfer(&self, height: f64, frequency: f64) -> Result<[Complex; 3], WaveError> {
         ParameterError::check("frequency", frequency, f64::MIN_POSITIVE, 1e9)?;
         self.check_heights([height].into_iter())?;
-        let state = self.tables.transfer(height, frequency);
+        let ground = &self.parameters.ground;
+        let state = stack::transfer(ground, &self.tables.stack, height, frequency);
         let zero = Complex::new(0.0, 0.0);
         Ok(match self.tables.stack.order {
             1 => [zero, state[0], zero],

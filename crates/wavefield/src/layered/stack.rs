@@ -7,6 +7,7 @@
 //! Stratified Media, ch. 6).
 
 use powerhouse_model::ElasticMedium;
+use std::f64::consts::PI;
 
 use super::ground::{Ground, LayerDamping};
 use crate::{Complex, WaveKind};
@@ -286,6 +287,34 @@ impl Stack {
         }
         state
     }
+}
+
+/// State at a height z (m) and frequency (Hz, above zero) for a unit incident displacement at the top of
+/// the half-space.
+pub(crate) fn transfer(
+    ground: &Ground,
+    stack: &Stack,
+    height: f64,
+    frequency: f64,
+) -> [Complex; 4] {
+    let index = ground.layer_at(height);
+    let depth = (ground.extent(index)[0] - height).max(0.0);
+    let frequency = Complex::new(2.0 * PI * frequency, 0.0);
+    let none = Amplitudes {
+        up: [ZERO; 2],
+        down: [ZERO; 2],
+    };
+    let mut amplitudes = vec![none; stack.count() + 1];
+    stack.amplitudes(frequency, &mut amplitudes);
+    let columns = stack.columns(index, frequency);
+    let state = stack.state((index, depth), &columns, &amplitudes[index], frequency);
+    // A state in the half-space is that after the arrival of the incident wave there.
+    let advance = match index == stack.count() {
+        true => columns.slowness[stack.incident].re * depth,
+        false => 0.0,
+    };
+    let earlier = Complex::new(0.0, frequency.re * advance).exp();
+    state.map(|value| value * earlier)
 }
 
 /// Factor of a wave after a delay, `exp(-i w delay)`.

@@ -261,33 +261,6 @@ impl LayeredTables {
         self.place(key).0
     }
 
-    /// State at a height z (m) and frequency (Hz) for a unit incident displacement at the top of the
-    /// half-space.
-    pub(crate) fn transfer(&self, height: f64, frequency: f64) -> [Complex; 4] {
-        let index = self.ground.layer_at(height);
-        let depth = (self.ground.extent(index)[0] - height).max(0.0);
-        let frequency = Complex::new(2.0 * PI * frequency, 0.0);
-        let zero = [Complex::new(0.0, 0.0); 2];
-        let none = Amplitudes {
-            up: zero,
-            down: zero,
-        };
-        let mut amplitudes = vec![none; self.stack.count() + 1];
-        self.stack.amplitudes(frequency, &mut amplitudes);
-        let columns = self.stack.columns(index, frequency);
-        let of_layer = &amplitudes[index];
-        let state = self
-            .stack
-            .state((index, depth), &columns, of_layer, frequency);
-        // A state in the half-space is that after the arrival of the incident wave there.
-        let advance = match index == self.stack.count() {
-            true => columns.slowness[self.stack.incident].re * depth,
-            false => 0.0,
-        };
-        let earlier = Complex::new(0.0, frequency.re * advance).exp();
-        state.map(|value| value * earlier)
-    }
-
     /// Time (s) by which the incident wave passes a key before it passes the top of the half-space.
     pub(crate) fn advance(&self, key: i64) -> f64 {
         let (index, depth) = self.place(key);

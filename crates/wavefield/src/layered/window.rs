@@ -237,7 +237,7 @@ impl Arriving<'_> {
 
     /// Delay (s) after the incident wave of the slowest wave that passes every layer twice, up and down, and goes on to the
     /// lowest height.
-    fn longest_delay(&self) -> f64 {
+    pub(crate) fn longest_delay(&self) -> f64 {
         let slow = |index: usize| 1.0 / self.ground.medium(index).s_speed();
         let layers = (0..self.ground.layers().len()).map(|index| {
             let [top, bottom] = self.ground.extent(index);
