@@ -102,8 +102,10 @@ fn error(size: f64, kind: WaveKind, degrees: f64, delay: f64, damped: bool) -> f
         false => (Damping::None, LayerDamping::None),
     };
     let wave = wave(kind, degrees, delay, &of_layer);
-    let mut boundary = ViscousSpring::default();
-    boundary.spreading = Spreading::Cylindrical;
+    let boundary = ViscousSpring {
+        spreading: Spreading::Cylindrical,
+        ..ViscousSpring::default()
+    };
     let mut points = Vec::new();
     for x in [-36.0, -12.0, 12.0, 36.0] {
         for z in [0.0, -8.0, -20.0, -32.0, -52.0] {

@@ -230,9 +230,12 @@ impl LayeredTables {
         self.window.step * self.stride as f64
     }
 
-    /// Number of records that a table has at most, and their bytes.
+    /// Memory of a table of displacement and traction at most (bytes).
     pub(crate) fn most_bytes(&self) -> usize {
-        self.window.valid() / self.stride * 4 * self.stack.order * size_of::<f64>()
+        let valid = self.window.valid();
+        let needed = self.window.until.map(|until| self.window.after(until));
+        let samples = needed.map_or(valid, |needed| needed.min(valid));
+        (samples / self.stride + 3) * 4 * self.stack.order * size_of::<f64>()
     }
 
     pub(crate) fn report(&self) -> LayeredTablesReport {
