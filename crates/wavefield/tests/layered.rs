@@ -494,10 +494,10 @@ fn critical_and_grazing_slownesses_are_like_their_neighbours() {
     assert!(worst < 1e-6, "{worst:e}");
 }
 
-/// A causal field is at rest until the wave arrives, and a lasting displacement stays, enlarged by the
+/// A causal field is at rest until the wave arrives, and a permanent displacement stays, enlarged by the
 /// surface of the half-space alone.
 #[test]
-fn a_lasting_displacement_stays() {
+fn a_permanent_displacement_stays() {
     struct Ramp;
     impl Signal for Ramp {
         fn motion(&self, time: f64) -> powerhouse_wavefield::SignalMotion {
