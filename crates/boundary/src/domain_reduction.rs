@@ -142,7 +142,8 @@ impl ReductionLayer {
                     stiffness: coupling.stiffness.clone(),
                 })
                 .collect();
-            loads.push(field_load(field, nodes, &points, couplings)?);
+            let sampler = field.prepare(&points)?;
+            loads.push(field_load(field.name(), nodes, sampler, couplings));
         }
         Ok(loads)
     }

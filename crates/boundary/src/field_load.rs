@@ -1,6 +1,6 @@
 //! Nodal forces that are computed from the motion of a free field.
 
-use powerhouse_model::{FieldMotion, FieldSampler, IncidentField, ModelError, NodalLoad, Vec3};
+use powerhouse_model::{FieldMotion, FieldSampler, NodalLoad, Vec3};
 
 /// Nodal forces as a function of the field's motion at the same nodes, in the same order.
 pub(crate) trait FieldForces: Send + 'static {
@@ -18,20 +18,20 @@ struct FieldLoad<F> {
     forces: F,
 }
 
-/// Load of a field on nodes at their positions (m).
+/// Load on nodes of a field with a name, from its sampler at their positions.
 pub(crate) fn field_load(
-    field: &dyn IncidentField,
+    name: &str,
     nodes: Vec<u32>,
-    positions: &[Vec3],
+    sampler: Box<dyn FieldSampler>,
     forces: impl FieldForces,
-) -> Result<Box<dyn NodalLoad>, ModelError> {
-    Ok(Box::new(FieldLoad {
-        name: field.name().into(),
+) -> Box<dyn NodalLoad> {
+    Box::new(FieldLoad {
+        name: name.into(),
+        motion: vec![FieldMotion::default(); nodes.len()],
         nodes,
-        sampler: field.prepare(positions)?,
-        motion: vec![FieldMotion::default(); positions.len()],
+        sampler,
         forces,
-    }))
+    })
 }
 
 impl<F: FieldForces> NodalLoad for FieldLoad<F> {

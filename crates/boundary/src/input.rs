@@ -1,7 +1,10 @@
 //! Equivalent nodal forces: the free field enters through an absorbing boundary.
 
+use std::collections::BTreeSet;
+
 use powerhouse_model::{
-    BoundarySite, FieldMotion, IncidentField, Mat3, ModelError, NodalLoad, SiteFace, Vec3,
+    BoundarySite, ElasticMedium, FieldMotion, IncidentField, Mat3, ModelError, NodalLoad, SiteFace,
+    SiteNode, Vec3,
 };
 
 use crate::BoundaryError;
@@ -73,35 +76,91 @@ fn field_loads(
     field: &dyn IncidentField,
     includes: impl Fn(&SiteFace) -> bool,
 ) -> Result<Vec<Box<dyn NodalLoad>>, ModelError> {
-    let (mut diagonal, mut full) = (Vec::new(), Vec::new());
+    let (mut diagonal, mut full) = (Inputs::default(), Inputs::default());
     for (node, coefficients) in site.nodes.iter().zip(coefficients) {
         let shares = node.faces.iter().zip(coefficients);
-        let shares: Vec<_> = shares.filter(|(share, _)| includes(share)).collect();
-        if shares.is_empty() {
-            continue;
-        }
-        let matrices = MatrixForce::of_shares(&shares);
-        match matrices.diagonal() {
-            Some(force) => diagonal.push((node.node, node.position, force)),
-            None => full.push((node.node, node.position, matrices)),
+        let mut left: Vec<_> = shares.filter(|(share, _)| includes(share)).collect();
+        let mut is_first = true;
+        while let Some((share, _)) = left.first() {
+            // The stress of the field is that in the medium of the share.
+            let medium = share.medium;
+            let (of_medium, others): (Vec<_>, Vec<_>) = left
+                .into_iter()
+                .partition(|(share, _)| share.medium == medium);
+            left = others;
+            let matrices = MatrixForce::of_shares(&of_medium);
+            let place = (node.node, node.position, medium);
+            match matrices.diagonal() {
+                Some(force) => diagonal.of(is_first).push((place, force)),
+                None => full.of(is_first).push((place, matrices)),
+            }
+            is_first = false;
         }
     }
     let mut loads = Vec::new();
-    push_loads(&diagonal, field, &mut loads)?;
-    push_loads(&full, field, &mut loads)?;
+    diagonal.push_loads(field, &mut loads)?;
+    full.push_loads(field, &mut loads)?;
     Ok(loads)
 }
 
+/// Mesh index and position of a node, with the medium of some of its shares.
+type Place = (u32, Vec3, ElasticMedium);
+
+/// Forces of nodes: those of the first medium of each node, and those of others.
+struct Inputs<F> {
+    first: Vec<(Place, F)>,
+    others: Vec<(Place, F)>,
+}
+
+impl<F> Default for Inputs<F> {
+    fn default() -> Self {
+        Self {
+            first: Vec::new(),
+            others: Vec::new(),
+        }
+    }
+}
+
+impl<F: NodeForce> Inputs<F> {
+    fn of(&mut self, is_first: bool) -> &mut Vec<(Place, F)> {
+        match is_first {
+            true => &mut self.first,
+            false => &mut self.others,
+        }
+    }
+
+    /// Adds loads, in each of which a node is at most once.
+    fn push_loads(
+        self,
+        field: &dyn IncidentField,
+        loads: &mut Vec<Box<dyn NodalLoad>>,
+    ) -> Result<(), ModelError> {
+        push_loads(&self.first, field, loads)?;
+        let mut others = self.others;
+        while !others.is_empty() {
+            let mut known = BTreeSet::new();
+            let (now, later): (Vec<_>, Vec<_>) = others
+                .into_iter()
+                .partition(|((node, ..), _)| known.insert(*node));
+            push_loads(&now, field, loads)?;
+            others = later;
+        }
+        Ok(())
+    }
+}
+
 fn push_loads<F: NodeForce>(
-    nodes: &[(u32, Vec3, F)],
+    nodes: &[(Place, F)],
     field: &dyn IncidentField,
     loads: &mut Vec<Box<dyn NodalLoad>>,
 ) -> Result<(), ModelError> {
     for chunk in nodes.chunks(NODES_PER_LOAD) {
-        let points: Vec<Vec3> = chunk.iter().map(|(_, position, _)| *position).collect();
-        let nodes = chunk.iter().map(|(node, ..)| *node).collect();
-        let forces: Vec<F> = chunk.iter().map(|(.., force)| *force).collect();
-        loads.push(field_load(field, nodes, &points, forces)?);
+        let points: Vec<Vec3> = chunk.iter().map(|((_, x, _), _)| *x).collect();
+        let media: Vec<ElasticMedium> = chunk.iter().map(|((.., m), _)| *m).collect();
+        let nodes = chunk.iter().map(|((node, ..), _)| *node).collect();
+        let forces: Vec<F> = chunk.iter().map(|(_, force)| *force).collect();
+        let sampler = field.prepare_in(&points, &media)?;
+        loads.push(field_load(field.name(), nodes, sampler, forces));
     }
     Ok(())
 }
@@ -182,21 +241,32 @@ impl<F: NodeForce> FieldForces for Vec<F> {
 /// Boundary nodes (mesh indices) in a medium other than the field's, where the free field is not the
 /// motion of the site and a check of the model should warn of it; none if the site has no field.
 ///
-/// Media count as equal if both wave impedances agree to 1e-6.
+/// Media count as equal if both wave impedances agree to 1e-6. Of a field in layers the medium counts that is
+/// at the node, on an interface that on either side.
 pub fn nodes_in_other_media(site: &BoundarySite) -> Vec<u32> {
     let Some(field) = site.field else {
         return Vec::new();
     };
-    let of_field = FaceCoefficients::viscous(&field.medium());
-    let differs = |share: &SiteFace| {
+    let differs = |share: &SiteFace, of_field: &ElasticMedium| {
         let here = FaceCoefficients::viscous(&share.medium);
+        let of_field = FaceCoefficients::viscous(of_field);
         let apart = |a: f64, b: f64| (a - b).abs() > 1.0e-6 * b;
         apart(here.normal_dashpot, of_field.normal_dashpot)
             || apart(here.tangential_dashpot, of_field.tangential_dashpot)
     };
-    let nodes = site.nodes.iter();
-    nodes
-        .filter(|node| node.faces.iter().any(differs))
-        .map(|node| node.node)
-        .collect()
+    let is_foreign = |node: &&SiteNode| {
+        let position = node.position;
+        let near = Vec3::z() * (NEAR_INTERFACE * position.z.abs().max(1.0));
+        let media = match field.interfaces() {
+            [] => [field.medium(); 2],
+            _ => [position + near, position - near].map(|point| field.medium_at(&point)),
+        };
+        let mut shares = node.faces.iter();
+        shares.any(|share| media.iter().all(|medium| differs(share, medium)))
+    };
+    let nodes = site.nodes.iter().filter(is_foreign);
+    nodes.map(|node| node.node).collect()
 }
+
+/// Distance from an interface, over the height, within which a node lies on it: rounding of mesh files.
+const NEAR_INTERFACE: f64 = 1e-6;

@@ -233,3 +233,100 @@ fn nodes_in_a_foreign_medium_are_found() {
     site.nodes[5].faces[1].medium.young *= 1.01;
     assert_eq!(nodes_in_other_media(&site), [15]);
 }
+
+/// A field whose horizontal normal stress is the stiffness of the medium of a point.
+struct Jumping {
+    soft: ElasticMedium,
+}
+
+struct JumpingPoints(Vec<ElasticMedium>);
+
+impl FieldSampler for JumpingPoints {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn add_motion(&self, _: f64, motion: &mut [FieldMotion]) {
+        for (medium, motion) in self.0.iter().zip(motion) {
+            motion.stress.0[0] += medium.young;
+        }
+    }
+}
+
+impl IncidentField for Jumping {
+    fn name(&self) -> &str {
+        "jumping"
+    }
+    fn medium(&self) -> ElasticMedium {
+        rock()
+    }
+    fn interfaces(&self) -> &[f64] {
+        &[-1.0]
+    }
+    fn medium_at(&self, point: &Vec3) -> ElasticMedium {
+        if point.z > -1.0 { self.soft } else { rock() }
+    }
+    fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
+        None
+    }
+    fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError> {
+        let media = points.iter().map(|point| self.medium_at(point)).collect();
+        Ok(Box::new(JumpingPoints(media)))
+    }
+    fn prepare_in(
+        &self,
+        _: &[Vec3],
+        media: &[ElasticMedium],
+    ) -> Result<Box<dyn FieldSampler>, ModelError> {
+        Ok(Box::new(JumpingPoints(media.to_vec())))
+    }
+}
+
+/// A node on an interface of layers has the stress of each layer on the share of its area in that layer, and
+/// the impedance of each; its medium is foreign if it is neither.
+#[test]
+fn a_node_on_an_interface_has_the_stress_of_both_layers() {
+    let soft = ElasticMedium::new(0.2e9, 0.4, 1800.0).unwrap();
+    let field = Jumping { soft };
+    let share = |medium, area| SiteFace {
+        face: 0,
+        medium,
+        normal: Vec3::x(),
+        area,
+    };
+    let nodes = vec![
+        SiteNode {
+            node: 3,
+            position: Vec3::new(0.0, 0.0, -1.0),
+            faces: vec![share(rock(), 0.5), share(soft, 0.25)],
+        },
+        SiteNode {
+            node: 4,
+            position: Vec3::zeros(),
+            faces: vec![share(soft, 0.25)],
+        },
+    ];
+    let site = BoundarySite::new(vec!["side".into()], nodes, Vec3::zeros(), Some(&field));
+    assert!(nodes_in_other_media(&site).is_empty());
+    let mut parts = Viscous::default().build(&site).unwrap();
+    let mut sums = [0.0; 5];
+    for load in &mut parts.loads {
+        let mut forces = vec![Vec3::zeros(); load.nodes().len()];
+        load.add_forces(0.0, &mut forces);
+        for (node, force) in load.nodes().iter().zip(forces) {
+            sums[*node as usize] += force.x;
+        }
+    }
+    let expected = 0.5 * rock().young + 0.25 * soft.young;
+    assert!((sums[3] - expected).abs() < 1e-9 * expected, "{sums:?}");
+    assert!(
+        (sums[4] - 0.25 * soft.young).abs() < 1e-9 * expected,
+        "{sums:?}"
+    );
+    let dashpot = parts.impedance[0].dashpot[(0, 0)];
+    let of = |medium: ElasticMedium| medium.density * medium.p_speed();
+    let expected = 0.5 * of(rock()) + 0.25 * of(soft);
+    assert!((dashpot - expected).abs() < 1e-9 * expected);
+    let mut foreign = site;
+    foreign.nodes[1].faces[0].medium = rock();
+    assert_eq!(nodes_in_other_media(&foreign), [4]);
+}

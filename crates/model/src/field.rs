@@ -49,8 +49,16 @@ impl core::ops::AddAssign for FieldMotion {
 pub trait IncidentField: Send + Sync {
     /// Name of the field in reports.
     fn name(&self) -> &str;
-    /// Elastic medium of the site.
+    /// Elastic medium of the site; of layered ground, that of the half-space below its layers.
     fn medium(&self) -> ElasticMedium;
+    /// Heights z (m) of the interfaces between layers of the site, from the uppermost down; none by default.
+    fn interfaces(&self) -> &[f64] {
+        &[]
+    }
+    /// Elastic medium of the site at a point, on an interface that below; [`medium`](Self::medium) by default.
+    fn medium_at(&self, _point: &Vec3) -> ElasticMedium {
+        self.medium()
+    }
     /// The incident waves alone, without reflections of the free surface; none if the field has no such decomposition.
     fn incident_part(&self) -> Option<Box<dyn IncidentField>>;
     /// A sampler of the field at fixed points (m), with all constants precomputed.
@@ -58,6 +66,20 @@ pub trait IncidentField: Send + Sync {
     /// # Errors
     /// If the field is not defined at a point, such as above its free surface.
     fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError>;
+    /// A sampler as that of [`prepare`](Self::prepare) whose stress at each point is that in a given medium of the site.
+    ///
+    /// On an interface of layers the stress along the interface jumps: a node there has shares of both layers. By default
+    /// the sampler of [`prepare`](Self::prepare), for sites of one medium.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare); if a medium is none of those at its point.
+    fn prepare_in(
+        &self,
+        points: &[Vec3],
+        _media: &[ElasticMedium],
+    ) -> Result<Box<dyn FieldSampler>, ModelError> {
+        self.prepare(points)
+    }
 }
 
 /// Sampler of an incident field at fixed points, returned by [`IncidentField::prepare`]; see [`IncidentField`] for

@@ -9,8 +9,8 @@ use powerhouse_model::{
 use thiserror::Error;
 
 use crate::{
-    CheckpointError, FolderError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem,
-    RegionError, Results, SceneFault, StagingError,
+    CheckpointError, FolderError, LayerError, Magnitude, MagnitudeOf, MirrorError, NameError,
+    Problem, RegionError, Results, SceneFault, StagingError,
 };
 
 /// Error in reading, composing, running or writing a scene.
@@ -92,6 +92,9 @@ pub enum Error {
         /// Number of such nodes.
         count: usize,
     },
+    /// Body that does not fit the layers of its free field.
+    #[error(transparent)]
+    Layers(#[from] LayerError),
     /// Free field without effect on the model: a scene that starts at rest has no absorbing boundary, or its boundary has
     /// no input.
     #[error("the field '{field}' has no effect: {reason}")]

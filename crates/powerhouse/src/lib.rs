@@ -153,8 +153,8 @@ pub use reduction::reduction_layer;
 pub use registry::Registry;
 pub use remark::Remark;
 pub use scene::{
-    Boundary, InitialMotion, InputOverview, LawMemory, Mirror, MirrorError, Parity, RegionError,
-    ResidualLimit, Scene, TimeStep, WaveOverview,
+    Boundary, InitialMotion, InputOverview, LawMemory, LayerError, Mirror, MirrorError, Parity,
+    RegionError, ResidualLimit, Scene, TimeStep, WaveOverview,
 };
 pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};

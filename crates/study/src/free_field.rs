@@ -6,8 +6,9 @@ use powerhouse::engine::observe::{HistoryTable, Motion};
 use powerhouse::engine::{Ended, Progress};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{
-    ElasticMedium, ElementKind, FieldMotion, FieldSampler, Mesh, ModelError, Vec3,
+    ElasticMedium, ElementKind, FieldMotion, FieldSampler, IncidentField, Mesh, ModelError, Vec3,
 };
+use powerhouse::wavefield::LayerDamping;
 use powerhouse::{
     Damping, Error, Kernel, Material, OutputPlan, Part, ProgressHook, RunHooks, Scene, Simulation,
     TimeStep,
@@ -72,7 +73,7 @@ pub struct PointError {
 /// Free-field check of a scene: a run of its box without the structure, compared with the incident field.
 ///
 /// The box has the extent of the scene's mesh and the medium behind its absorbing faces, with equal hexahedra as long
-/// as the longest edge of the parts there. It has the scene's boundary, field and kernel, the region around which the
+/// as the longest edge of the parts there; of layered ground every layer has its medium and its own rows of elements. It has the scene's boundary, field and kernel, the region around which the
 /// field enters, and neither damping nor structure. Supports and periodic pairs of whole sides are applied to it, too.
 /// The motion is compared at the middle of the top and at the scatterer.
 pub struct FreeFieldCheck {
@@ -104,8 +105,8 @@ impl FreeFieldCheck {
             return Err(StudyError::NoField);
         };
         let (low, high) = scene.mesh().bounding_box();
-        let cells = cells(scene)?;
-        let mut mesh = Mesh::box_of_hexes(low, high, cells, "ground").map_err(Error::from)?;
+        let strata = strata(scene, &**field)?;
+        let (cells, mut mesh) = ground_box(scene, &strata)?;
         let held = transfer_supports(scene, &mut mesh)?;
         let centre = scene.scatterer()?;
         let middle = (low + high) / 2.0;
@@ -132,12 +133,11 @@ impl FreeFieldCheck {
         boundary.scatterer = Some(centre);
         let region = boundary.region.take();
         let region = region.and_then(|region| region_in(scene.mesh(), &region, &mesh));
-        let compose = |part: Part, region: Option<Vec<u32>>| {
+        let compose = |parts: Vec<Part>, region: Option<Vec<u32>>| {
             let mut boundary = boundary.clone();
             boundary.region = region;
             let mut composed = Scene::new(format!("{}: free field", scene.title()), mesh.clone())
                 .with_engine(scene.engine().clone())
-                .part(part)
                 .with_shared_field(field.clone())
                 .with_boundary(boundary)
                 .with_start_time(start)
@@ -145,6 +145,9 @@ impl FreeFieldCheck {
                 .with_duration(window)
                 .with_output(output.clone())
                 .allow_magnitudes();
+            for part in parts {
+                composed = composed.part(part);
+            }
             for support in &held.supports {
                 composed = composed.support(support.clone());
             }
@@ -156,11 +159,11 @@ impl FreeFieldCheck {
             }
             composed
         };
-        let (part, damped) = ground(scene, field.medium())?;
+        let (parts, damped) = ground(scene, &strata)?;
         Ok(Self {
             // An elastic field cannot enter through a layer of damped ground.
-            damped: damped.map(|part| compose(part, None)),
-            elastic: compose(part, region),
+            damped: damped.map(|parts| compose(parts, None)),
+            elastic: compose(parts, region),
             cells,
             sampler,
             points,
@@ -291,18 +294,110 @@ fn vector(table: &HistoryTable, name: &str, letter: char, row: usize) -> Vec3 {
     Vec3::new(component('x'), component('y'), component('z'))
 }
 
-/// Numbers of nearly cubic elements as long as the longest edge of the parts behind the absorbing faces.
-fn cells(scene: &Scene) -> Result<[usize; 3], StudyError> {
-    let mut longest = 0.0_f64;
-    for part in scene.parts_behind_boundary()? {
-        longest = longest.max(longest_edge_of(scene.mesh(), &scene.parts()[part].set)?);
+/// Layer of the ground within the box of a scene, with the parts behind the absorbing faces in its medium.
+struct Stratum {
+    /// Element set of the box.
+    set: String,
+    medium: ElasticMedium,
+    /// Lowest and highest z (m).
+    heights: [f64; 2],
+    /// Indices of the parts; of ground of one medium all parts behind the absorbing faces.
+    parts: Vec<usize>,
+}
+
+/// Layers of the field from the bottom of the scene's mesh up to its top.
+fn strata(scene: &Scene, field: &dyn IncidentField) -> Result<Vec<Stratum>, StudyError> {
+    let (low, high) = scene.mesh().bounding_box();
+    let behind = scene.parts_behind_boundary()?;
+    let mut ends = vec![low.z];
+    let within = |z: &&f64| **z > low.z && **z < high.z;
+    ends.extend(field.interfaces().iter().rev().filter(within));
+    ends.push(high.z);
+    if ends.len() == 2 && field.interfaces().is_empty() {
+        return Ok(vec![Stratum {
+            set: GROUND.into(),
+            medium: field.medium(),
+            heights: [low.z, high.z],
+            parts: behind,
+        }]);
     }
+    let layers = ends.windows(2).enumerate().map(|(index, ends)| {
+        let middle = Vec3::new(low.x, low.y, (ends[0] + ends[1]) / 2.0);
+        let medium = field.medium_at(&middle);
+        let is_of = |part: &&usize| scene.parts()[**part].material.medium() == medium;
+        Stratum {
+            set: format!("{GROUND} {}", index + 1),
+            medium,
+            heights: [ends[0], ends[1]],
+            parts: behind.iter().filter(is_of).copied().collect(),
+        }
+    });
+    Ok(layers.collect())
+}
+
+/// Element set of the box, and beginning of those of its layers.
+const GROUND: &str = "ground";
+
+/// Box of hexahedra of a scene's extent, and its numbers of elements: in every layer nearly as long as the longest edge
+/// of the parts there, across the layers as long as the shortest of these.
+fn ground_box(scene: &Scene, strata: &[Stratum]) -> Result<([usize; 3], Mesh), StudyError> {
+    let longest = strata.iter().map(|stratum| {
+        let edges = stratum.parts.iter();
+        let edges = edges.map(|&part| longest_edge_of(scene.mesh(), &scene.parts()[part].set));
+        edges.reduce(|a, b| Ok(a?.max(b?))).unwrap_or(Ok(0.0))
+    });
+    let longest = longest.collect::<Result<Vec<f64>, StudyError>>()?;
+    // A layer of which no part is behind the faces lies between two planes of the mesh.
+    let known = longest.iter().copied().filter(|edge| *edge > 0.0);
+    let shortest = known.fold(f64::INFINITY, f64::min);
     let (low, high) = scene.mesh().bounding_box();
     let extent = high - low;
     // Never shorter than that edge, except for rounding and boxes thinner than one element.
-    Ok(core::array::from_fn(|axis| {
-        ((extent[axis] / longest + 1e-6).floor() as usize).max(1)
-    }))
+    let count = |length: f64, edge: f64| ((length / edge + 1e-6).floor() as usize).max(1);
+    let heights = strata
+        .iter()
+        .map(|stratum| stratum.heights[1] - stratum.heights[0]);
+    let of_layers = heights
+        .zip(&longest)
+        .map(|(height, edge)| match *edge > 0.0 {
+            true => count(height, *edge),
+            false => count(height, shortest),
+        });
+    let of_layers: Vec<usize> = of_layers.collect();
+    let cells = [
+        count(extent.x, shortest),
+        count(extent.y, shortest),
+        of_layers.iter().sum(),
+    ];
+    let mut mesh = Mesh::box_of_hexes(low, high, cells, GROUND).map_err(Error::from)?;
+    if strata.len() > 1 {
+        let row = extent.z / cells[2] as f64;
+        let height = |z: f64| {
+            let mut from = (z - low.z) / row;
+            for (stratum, rows) in strata.iter().zip(&of_layers) {
+                let rows = *rows as f64;
+                let [bottom, top] = stratum.heights;
+                if from <= rows + 0.5 {
+                    // Planes of rows have whole numbers, and interfaces keep their heights.
+                    let share = (from.round() / rows).min(1.0);
+                    return bottom + share * (top - bottom);
+                }
+                from -= rows;
+            }
+            high.z
+        };
+        mesh = mesh
+            .map_positions(|point| Vec3::new(point.x, point.y, height(point.z)))
+            .map_err(Error::from)?;
+        for stratum in strata {
+            let [bottom, top] = stratum.heights;
+            let lies_in = |element: &u32| (bottom..top).contains(&mesh.centroid(*element).z);
+            let elements = (0..mesh.element_count() as u32).filter(lies_in).collect();
+            mesh.set_element_set(&stratum.set, elements)
+                .map_err(Error::from)?;
+        }
+    }
+    Ok((cells, mesh))
 }
 
 /// The elements of a box within the bounding box of a region of another mesh, except those at its sides and bottom;
@@ -327,29 +422,45 @@ fn region_in(mesh: &Mesh, region: &[u32], ground: &Mesh) -> Option<Vec<u32>> {
     (!within.is_empty()).then_some(within)
 }
 
-/// The part behind the absorbing faces, elastic and undamped, with its kernel if that is one of hexahedra; and the
-/// same with its damping and rim, if it is damped.
-fn ground(scene: &Scene, medium: ElasticMedium) -> Result<(Part, Option<Part>), StudyError> {
-    let part = Part::new("ground", Material::from(LinearElastic::new(medium)));
-    let behind: Vec<&Part> = scene
-        .parts_behind_boundary()?
-        .iter()
-        .map(|&index| &scene.parts()[index])
-        .collect();
-    let kernel = behind.first().and_then(|part| part.kernel.clone());
-    let part = match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
-        Some(kernel) => part.with_kernel(kernel),
-        None => part,
-    };
-    let damped = behind.iter().find(|part| part.damping != Damping::None);
-    let damped = damped.map(|of| {
-        let damped = part.clone().with_damping(of.damping.clone());
-        match of.rim {
-            Some(width) => damped.with_rim(width),
-            None => damped,
-        }
-    });
-    Ok((part, damped))
+/// Parts of the box, elastic and undamped, with the kernels of the parts behind the absorbing faces if these are of
+/// hexahedra; and the same with damping and rims, if any of these is damped. Where the field is damped like its layers
+/// the first are damped, too.
+fn ground(scene: &Scene, strata: &[Stratum]) -> Result<(Vec<Part>, Option<Vec<Part>>), StudyError> {
+    let waves = scene.layered_waves().iter();
+    let mut layers = waves.flat_map(|wave| wave.parameters().ground.layers());
+    let is_field_damped = layers.any(|layer| layer.damping != LayerDamping::None);
+    let (mut parts, mut damped) = (Vec::new(), Vec::new());
+    let mut is_any_damped = false;
+    for stratum in strata {
+        let part = Part::new(
+            stratum.set.clone(),
+            Material::from(LinearElastic::new(stratum.medium)),
+        );
+        let behind = stratum.parts.iter().map(|&index| &scene.parts()[index]);
+        let kernel = behind.clone().next().and_then(|part| part.kernel.clone());
+        let part = match kernel.filter(|kernel: &Kernel| kernel.kind() == ElementKind::Hex8) {
+            Some(kernel) => part.with_kernel(kernel),
+            None => part,
+        };
+        let of = behind.clone().find(|part| part.damping != Damping::None);
+        let Some(of) = of else {
+            parts.push(part.clone());
+            damped.push(part);
+            continue;
+        };
+        is_any_damped = true;
+        let with_damping = part.clone().with_damping(of.damping.clone());
+        parts.push(match is_field_damped {
+            true => with_damping.clone(),
+            false => part,
+        });
+        damped.push(match of.rim {
+            Some(width) => with_damping.with_rim(width),
+            None => with_damping,
+        });
+    }
+    let damped = (is_any_damped && !is_field_damped).then_some(damped);
+    Ok((parts, damped))
 }
 
 /// Duration (s) that contains most of the motion at the first point; `None` if a point does not move in it.

@@ -141,6 +141,50 @@ pub enum WaveError {
         /// Requested threshold (1).
         threshold: f64,
     },
+    /// A layer of the ground cannot be one.
+    #[error("layer {} of the ground, whose top is {depth} m deep, {defect}", index + 1)]
+    Layer {
+        /// Index of the layer from the uppermost, from 0; the number of layers for the half-space.
+        index: usize,
+        /// Depth of its top below the surface (m).
+        depth: f64,
+        /// What is wrong with it.
+        defect: LayerDefect,
+    },
+    /// A point lies below the lowest height of a layered field.
+    #[error(
+        "point {index} at z = {height} m is below the lowest height of the field, z = {lowest} m"
+    )]
+    BelowLowest {
+        /// Index of the point in the list that was given.
+        index: usize,
+        /// Height z of the point (m).
+        height: f64,
+        /// Lowest height z (m).
+        lowest: f64,
+    },
+    /// The stress at a point is wanted in a medium that is not that of its layer.
+    #[error(
+        "point {index}, {depth} m deep, is in another medium than the layer of the field there"
+    )]
+    OtherMedium {
+        /// Index of the point in the list that was given.
+        index: usize,
+        /// Depth of the point below the surface (m).
+        depth: f64,
+    },
+    /// The tables of a layered field take more memory than permitted.
+    #[error(
+        "the tables of the layered field at {heights} heights take {bytes} bytes, more than the permitted {most}: fewer heights among the nodes of the absorbing faces (layers of bricks), a shorter record or damped layers take less"
+    )]
+    TableMemory {
+        /// Number of heights so far.
+        heights: usize,
+        /// Memory of their tables (bytes).
+        bytes: usize,
+        /// Permitted memory (bytes).
+        most: usize,
+    },
     /// A superposition was given no fields.
     #[error("a superposition needs at least one field")]
     NoFields,
@@ -150,6 +194,43 @@ pub enum WaveError {
         /// Index of the field whose medium differs from that of field 0.
         index: usize,
     },
+}
+
+/// What is wrong with a layer of the ground.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LayerDefect {
+    /// It does not lie below the layer before it, or below the surface.
+    #[error(
+        "ends at z = {bottom} m, which is not below its top at z = {top} m: layers are given from the uppermost down"
+    )]
+    NotBelow {
+        /// Height z of its top (m).
+        top: f64,
+        /// Height z of its bottom (m).
+        bottom: f64,
+    },
+    /// It is too thin.
+    #[error("is {thickness:.3e} m thick, less than the permitted {least} m")]
+    Thin {
+        /// Thickness (m).
+        thickness: f64,
+        /// Least permitted thickness (m).
+        least: f64,
+    },
+    /// Its medium is softer or lighter than any ground.
+    #[error("has a {quantity} of {value:.4e}, less than the {least} of any ground (SI units)")]
+    Soft {
+        /// Quantity.
+        quantity: &'static str,
+        /// Its value (kg/m3 or m/s).
+        value: f64,
+        /// Least permitted value.
+        least: f64,
+    },
+    /// A number of its medium or damping is outside its range.
+    #[error("has a number outside its range: {0}")]
+    Parameter(ParameterError),
 }
 
 /// Degrees without the rounding of their conversion.

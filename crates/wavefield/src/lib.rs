@@ -1,11 +1,12 @@
-//! Free-field ground motion: time histories and plane waves in a half-space or full space.
+//! Free-field ground motion: time histories and plane waves in a half-space, layers or a full space.
 //!
 //! A [`Signal`] is the displacement of a wave as a function of time: a test pulse ([`SmoothPulse`],
 //! [`RaisedCosinePulse`], [`ZeroMeanPulse`], [`Ricker`], [`HarmonicBurst`]) or a record
 //! ([`TimeHistory`], made into a [`RecordSignal`]). A [`PlaneWave`] propagates it through a medium,
 //! with the reflections of a free surface, and is the
 //! [`IncidentField`](powerhouse_model::IncidentField) of a boundary; several add up in a
-//! [`Superposition`]. The motion that a record represents (the incident wave, an outcrop, the
+//! [`Superposition`]. A [`LayeredWave`] is its form in horizontal layers over a half-space
+//! ([`Ground`]). The motion that a record represents (the incident wave, an outcrop, the
 //! surface, the motion at a depth) is its [`InputConvention`].
 //!
 //! ```
@@ -60,6 +61,12 @@
 //! waves, the incident one too, use the same tables, so that the traction at the surface vanishes to
 //! rounding there as well.
 //!
+//! *In layers one history for each height.* With one horizontal slowness everything at a height moves
+//! alike, later by the distance. So a field of any number of layers, with all that reverberates in
+//! them, costs a look-up in a table of the point's height, whatever their number, and none of the
+//! transforms is made during a run. Propagator matrices would lose all digits where waves decay across a
+//! layer, stiffness matrices at low frequencies; reflection matrices lose none.
+//!
 //! *A quiet start.* Such a field begins before its incident wave, and its forerunner decays only as
 //! a power of time. A field that is cut off does not satisfy the equation of motion. Here it is
 //! multiplied by a function of time that is analytic down to the depth of the points: the product
@@ -75,6 +82,7 @@ mod evanescent;
 mod fourier;
 mod hermite;
 mod history;
+mod layered;
 mod partial;
 mod pulse;
 mod quiet;
@@ -87,9 +95,13 @@ mod within;
 
 pub use angle::Angle;
 pub use convention::{InputConvention, InputConversion, SurfaceComponent};
-pub use error::WaveError;
+pub use error::{LayerDefect, WaveError};
 pub use history::{
     BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
+};
+pub use layered::{
+    Ground, GroundLayer, LayerDamping, LayerMechanism, LayeredReport, LayeredTablesReport,
+    LayeredWave, LayeredWaveParameters,
 };
 pub use pulse::{
     HarmonicBurst, RaisedCosinePulse, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse,

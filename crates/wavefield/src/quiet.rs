@@ -1,10 +1,12 @@
 //! Motion of a field at the start of an analysis, and a taper that makes it small.
 
-use powerhouse_model::{FieldMotion, IncidentField, ModelError, ParameterError, Vec3};
+use powerhouse_model::{
+    FieldMotion, FieldSampler, IncidentField, ModelError, ParameterError, Vec3,
+};
 use std::f64::consts::FRAC_2_PI;
 
 use crate::analytic::StartTaper;
-use crate::{PlaneWave, WaveError};
+use crate::{LayeredWave, PlaneWave, WaveError};
 
 /// Motion of a field at one time relative to its peak at the same points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +49,15 @@ impl Default for QuietStartLimits {
     }
 }
 
+impl QuietStartLimits {
+    fn check(&self, start: f64) -> Result<(), ParameterError> {
+        ParameterError::check("start", start, -1e9, 1e9)?;
+        ParameterError::check("threshold", self.threshold, 1e-12, 0.5)?;
+        ParameterError::check("most_padding", self.most_padding, 0.0, 1e3)?;
+        ParameterError::check("least_taper", self.least_taper, 0.0, 1e6)
+    }
+}
+
 /// Delay and taper that let a field start at rest, and the error that they make.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuietStart {
@@ -70,7 +81,7 @@ impl PlaneWave {
     /// # Errors
     /// As [`prepare`](IncidentField::prepare).
     pub fn start_level(&self, points: &[Vec3], time: f64) -> Result<StartLevel, ModelError> {
-        let envelope = Envelope::new(self, points)?;
+        let envelope = Envelope::of(self, points)?;
         Ok(envelope.level(time))
     }
 
@@ -93,18 +104,14 @@ impl PlaneWave {
         start: f64,
         limits: &QuietStartLimits,
     ) -> Result<(Self, QuietStart), ModelError> {
-        let threshold = limits.threshold;
-        ParameterError::check("start", start, -1e9, 1e9)?;
-        ParameterError::check("threshold", threshold, 1e-12, 0.5)?;
-        ParameterError::check("most_padding", limits.most_padding, 0.0, 1e3)?;
-        ParameterError::check("least_taper", limits.least_taper, 0.0, 1e6)?;
+        limits.check(start)?;
         let taper = (!self.is_causal()).then(|| self.start_taper(points, limits));
         let tapered = self.delayed(0.0, taper);
-        let envelope = Envelope::new(&tapered, points)?;
+        let envelope = Envelope::of(&tapered, points)?;
         let padding = envelope.padding(start, limits)?;
         let level = envelope.level(start - padding);
         let removed = match taper {
-            Some(_) => Envelope::new(self, points)?.difference(&envelope, start - padding),
+            Some(_) => Envelope::of(self, points)?.difference(&envelope, start - padding),
             None => 0.0,
         };
         let report = QuietStart {
@@ -132,9 +139,56 @@ impl PlaneWave {
     }
 }
 
+impl LayeredWave {
+    /// Motion of the field at a time (s) over its peak, both taken over the given points.
+    ///
+    /// # Errors
+    /// As [`prepare`](IncidentField::prepare).
+    pub fn start_level(&self, points: &[Vec3], time: f64) -> Result<StartLevel, ModelError> {
+        Ok(self.envelope(points)?.level(time))
+    }
+
+    /// Wave with the least delay for which displacement and velocity at all points are below the
+    /// threshold at `start` (s).
+    ///
+    /// Where the field is not causal the motion before the start is left out without a taper: at most
+    /// the threshold, of which the body then knows nothing.
+    ///
+    /// # Errors
+    /// [`WaveError::NotQuiet`] if the permitted padding does not suffice; parameter errors for
+    /// limits out of range; as [`prepare`](IncidentField::prepare).
+    pub fn with_quiet_start(
+        &self,
+        points: &[Vec3],
+        start: f64,
+        limits: &QuietStartLimits,
+    ) -> Result<(Self, QuietStart), ModelError> {
+        limits.check(start)?;
+        let envelope = self.envelope(points)?;
+        let padding = envelope.padding(start, limits)?;
+        let level = envelope.level(start - padding);
+        let report = QuietStart {
+            padding,
+            level,
+            removed: level.displacement,
+            taper: 0.0,
+        };
+        Ok((self.later(padding), report))
+    }
+
+    fn envelope(&self, points: &[Vec3]) -> Result<Envelope, ModelError> {
+        let sampler = self.prepare(points)?;
+        Ok(Envelope::new(
+            sampler,
+            self.times(points),
+            self.signal_step(),
+        ))
+    }
+}
+
 /// Field at some points, with its peaks.
 struct Envelope {
-    sampler: Box<dyn powerhouse_model::FieldSampler>,
+    sampler: Box<dyn FieldSampler>,
     /// First and last time (s) at which the signal moves a point.
     window: [f64; 2],
     step: f64,
@@ -142,9 +196,7 @@ struct Envelope {
 }
 
 impl Envelope {
-    fn new(wave: &PlaneWave, points: &[Vec3]) -> Result<Self, ModelError> {
-        const MOST_INSTANTS: f64 = 4000.0;
-        let sampler = wave.prepare(points)?;
+    fn of(wave: &PlaneWave, points: &[Vec3]) -> Result<Self, ModelError> {
         let support = wave.signal.support();
         let waves = wave.partial_waves().iter();
         let delays = waves.flat_map(|wave| points.iter().map(|point| wave.delay(point).re));
@@ -157,7 +209,13 @@ impl Envelope {
             (first, last) = (0.0, 0.0);
         }
         let window = [support.start + first, support.end + last];
-        let step = (4.0 * support.step).max((window[1] - window[0]) / MOST_INSTANTS);
+        Ok(Self::new(wave.prepare(points)?, window, support.step))
+    }
+
+    /// Field that a sampler evaluates, with its peaks in a window of time; `step` is that of the signal (s).
+    fn new(sampler: Box<dyn FieldSampler>, window: [f64; 2], step: f64) -> Self {
+        const MOST_INSTANTS: f64 = 4000.0;
+        let step = (4.0 * step).max((window[1] - window[0]) / MOST_INSTANTS);
         let mut envelope = Self {
             sampler,
             window,
@@ -168,7 +226,7 @@ impl Envelope {
             let largest = envelope.largest(time);
             envelope.peak = core::array::from_fn(|i| envelope.peak[i].max(largest[i]));
         }
-        Ok(envelope)
+        envelope
     }
 
     fn instants(&self, from: f64) -> impl Iterator<Item = f64> + use<> {

@@ -17,8 +17,17 @@ impl Superposition {
     /// # Errors
     /// If there are none, or their media differ.
     pub fn new(fields: Vec<Box<dyn IncidentField>>) -> Result<Self, WaveError> {
-        let first = fields.first().ok_or(WaveError::NoFields)?.medium();
-        if let Some(index) = fields.iter().position(|field| field.medium() != first) {
+        let first = fields.first().ok_or(WaveError::NoFields)?;
+        let differs = |field: &dyn IncidentField| {
+            let media = |of: &dyn IncidentField| -> Vec<ElasticMedium> {
+                let below = |height: &f64| of.medium_at(&Vec3::new(0.0, 0.0, *height));
+                let uppermost = of.medium_at(&Vec3::new(0.0, 0.0, f64::MAX));
+                let layers = of.interfaces().iter().map(below);
+                layers.chain([uppermost, of.medium()]).collect()
+            };
+            field.interfaces() != first.interfaces() || media(field) != media(&**first)
+        };
+        if let Some(index) = fields.iter().position(|field| differs(&**field)) {
             return Err(WaveError::MediaDiffer { index });
         }
         let names: Vec<&str> = fields.iter().map(|field| field.name()).collect();
@@ -38,6 +47,14 @@ impl IncidentField for Superposition {
         self.fields[0].medium()
     }
 
+    fn interfaces(&self) -> &[f64] {
+        self.fields[0].interfaces()
+    }
+
+    fn medium_at(&self, point: &Vec3) -> ElasticMedium {
+        self.fields[0].medium_at(point)
+    }
+
     /// Sum of the incident parts, if every field has one.
     fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
         let parts = self.fields.iter().map(|field| field.incident_part());
@@ -50,6 +67,19 @@ impl IncidentField for Superposition {
 
     fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError> {
         let samplers = self.fields.iter().map(|field| field.prepare(points));
+        Ok(Box::new(SumSampler {
+            samplers: samplers.collect::<Result<_, _>>()?,
+            points: points.len(),
+        }))
+    }
+
+    fn prepare_in(
+        &self,
+        points: &[Vec3],
+        media: &[ElasticMedium],
+    ) -> Result<Box<dyn FieldSampler>, ModelError> {
+        let samplers = self.fields.iter();
+        let samplers = samplers.map(|field| field.prepare_in(points, media));
         Ok(Box::new(SumSampler {
             samplers: samplers.collect::<Result<_, _>>()?,
             points: points.len(),

@@ -78,7 +78,6 @@ pub(crate) fn incident_of_within(
     reflection: &SurfaceReflection,
     record: WithinRecord,
 ) -> Result<(SampledSignal, WithinReport), WaveError> {
-    const MOST_SAMPLES: usize = 1 << 20;
     let WithinRecord {
         depth,
         component,
@@ -87,6 +86,26 @@ pub(crate) fn incident_of_within(
     ParameterError::check("depth", depth, f64::MIN_POSITIVE, 1e9)?;
     ParameterError::check("regularisation", regularisation, 1e-3, 0.5)?;
     let transfer = Transfer::new(reflection, depth, component)?;
+    incident_of(signal, &transfer, regularisation)
+}
+
+/// Motion of a record for unit incident amplitude, against frequency.
+pub(crate) trait TransferFunction {
+    /// Value at a frequency (Hz).
+    fn value(&self, frequency: f64) -> Complex;
+    /// Its size (1), of which the regularisation is a share.
+    fn magnitude(&self) -> f64;
+    /// Longest delay of a wave after the incident one (s).
+    fn longest_delay(&self) -> f64;
+}
+
+/// Incident wave of which a signal is the motion by a transfer function, from a regularised division.
+pub(crate) fn incident_of(
+    signal: &dyn Signal,
+    transfer: &dyn TransferFunction,
+    regularisation: f64,
+) -> Result<(SampledSignal, WithinReport), WaveError> {
+    const MOST_SAMPLES: usize = 1 << 20;
     let support = signal.support();
     let step = support.step;
     check_return(signal, "the motion within a half-space")?;
@@ -100,7 +119,7 @@ pub(crate) fn incident_of_within(
     )?;
     let mut fourier = Fourier::new(needed.ceil() as usize);
     let count = fourier.len();
-    let filter = Filter::new(&transfer, regularisation, count, step);
+    let filter = Filter::new(transfer, regularisation, count, step);
 
     let quarter = count / 4;
     let mut samples = [(); 3].map(|()| vec![0.0; count]);
@@ -175,7 +194,9 @@ impl Transfer {
             ],
         })
     }
+}
 
+impl TransferFunction for Transfer {
     fn value(&self, frequency: f64) -> Complex {
         let phase = Complex::new(0.0, -2.0 * PI * frequency);
         let terms = self.waves.iter();
@@ -203,7 +224,7 @@ struct Filter {
 }
 
 impl Filter {
-    fn new(transfer: &Transfer, regularisation: f64, count: usize, step: f64) -> Self {
+    fn new(transfer: &dyn TransferFunction, regularisation: f64, count: usize, step: f64) -> Self {
         let floor = (regularisation * transfer.magnitude()).powi(2);
         let bin = 1.0 / (count as f64 * step);
         let values = (0..=count / 2).map(|i| transfer.value(i as f64 * bin));

@@ -22,6 +22,7 @@ mod former;
 mod function;
 mod ground;
 mod joint;
+mod layer;
 mod load;
 mod material;
 mod output;
@@ -52,6 +53,7 @@ pub use ground::{
     Units, Wave, WaveAxis, WaveKind,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
+pub use layer::Layer;
 pub(crate) use load::WATER_DENSITY;
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
@@ -95,6 +97,10 @@ pub struct SceneFile {
     /// Free-field site: the ground without the structure, in which the incident waves travel.
     #[serde(default)]
     pub ground: Ground,
+    /// Horizontal layers of that site from the uppermost down, the last one the half-space; by default one medium,
+    /// that of the elements along the absorbing faces.
+    #[serde(rename = "layer", default)]
+    pub layers: Vec<Layer>,
     /// Incident plane waves; their motions are superposed.
     #[serde(rename = "wave", default)]
     pub waves: Vec<Wave>,

@@ -4,7 +4,9 @@ mod text;
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
-use powerhouse_wavefield::{BaselineReport, InputConversion, QuietStart, RecordReport};
+use powerhouse_wavefield::{
+    BaselineReport, InputConversion, LayeredReport, QuietStart, RecordReport,
+};
 
 use crate::BendingError;
 use crate::message::{Message, Topic};
@@ -45,6 +47,15 @@ pub enum Remark {
         critical: f64,
         /// Largest displacement that a taper removed from the start of the field, over its peak; none without taper.
         removed: Option<f64>,
+    },
+    /// Fact: a wave travels in layered ground, whose motion is kept in tables of height and time.
+    Layered {
+        /// Name of the wave.
+        wave: String,
+        /// Form of the field.
+        report: LayeredReport,
+        /// Memory of the tables of the absorbing faces (bytes), at most.
+        bytes: usize,
     },
     /// Fact: the run started from a state of another run.
     StartedFrom {
@@ -326,6 +337,7 @@ impl Remark {
             | Self::RecordFile { .. }
             | Self::WeakRecord { .. }
             | Self::PastCritical { .. }
+            | Self::Layered { .. }
             | Self::Conversion { .. }
             | Self::DelayedMotion { .. }
             | Self::TruncatedRecord { .. }
@@ -401,6 +413,7 @@ impl Remark {
             | Self::Conversion { .. }
             | Self::QuietStart { .. }
             | Self::PastCritical { .. }
+            | Self::Layered { .. }
             | Self::StartedFrom { .. }
             | Self::Region { .. }
             | Self::JointRenewed { .. }

@@ -92,6 +92,25 @@ impl fmt::Display for Remark {
                     None => Ok(()),
                 }
             }
+            Self::Layered {
+                wave,
+                report,
+                bytes,
+            } => {
+                let megabytes = *bytes as f64 / 1e6;
+                write!(
+                    f,
+                    "{wave}: tables of the motion at the heights of the absorbing faces, every {:.3e} s, take at most {megabytes:.1} MB",
+                    report.step
+                )?;
+                match report.causal {
+                    true => Ok(()),
+                    false => write!(
+                        f,
+                        "; waves decay with depth in the half-space or in a layer, and the ground moves before the incident wave arrives"
+                    ),
+                }
+            }
             Self::StartedFrom { origin } => write!(f, "the run {origin}"),
             Self::UnusedMaterial { name } => {
                 write!(f, "material '{name}' is used by no part and no stage")

@@ -11,25 +11,31 @@ use powerhouse_wavefield::{
 };
 
 use super::record::{PreparedRecord, cut_short};
-use super::{named, vector};
+use super::{layers, named, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{
     self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneFile, Space, Wave, WaveAxis,
 };
 use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
-use crate::{Error, Remark, Scene, magnitude};
+use crate::{Error, Material, Remark, Scene, magnitude};
 
 /// Hint on several media along the absorbing faces.
-const ONE_MEDIUM: &str = "where a tunnel or lining runs through, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces: layers before them are not possible";
+const ONE_MEDIUM: &str = "where a tunnel or lining runs through, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces, or the layers of the ground as `[[layer]]` tables, which all faces then cross";
 /// Hint on a filtered record whose motion at the start of the run is not negligible.
-const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
+pub(super) const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
 /// Adds the sum of all waves to the scene, in the medium along the absorbing faces.
 pub(super) fn field(
     file: &SceneFile,
     mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
+    materials: &BTreeMap<String, Material>,
 ) -> Result<Scene, Fault> {
+    if let (Some(layer), None) = (file.layers.first(), file.waves.first()) {
+        let key = "wave".into();
+        let problem = Problem::MissingKey { key };
+        return Err(Fault::new(layer.material.span(), problem));
+    }
     let (Some(first), Some(_)) = (file.waves.first(), &file.boundary) else {
         return match file.waves.first() {
             // A wave needs a boundary through which it enters the mesh.
@@ -43,6 +49,9 @@ pub(super) fn field(
             None => Ok(scene),
         };
     };
+    if !file.layers.is_empty() {
+        return layers::field(file, scene, records, materials);
+    }
     let faces = scene.places.faces.clone();
     let refused = |error: Error| Fault::refused(faces.clone(), error);
     let media = scene.media_behind_boundary().map_err(refused)?;
@@ -56,15 +65,7 @@ pub(super) fn field(
     let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
     let mut waves = Vec::with_capacity(file.waves.len());
     for table in &file.waves {
-        let mut parameters = PlaneWaveParameters::vertical(
-            match table.kind {
-                format::WaveKind::P => WaveKind::P,
-                format::WaveKind::Sv => WaveKind::SV,
-                format::WaveKind::Sh => WaveKind::SH,
-            },
-            medium,
-            surface,
-        );
+        let mut parameters = PlaneWaveParameters::vertical(kind(table), medium, surface);
         if file.ground.space == Space::FullSpace {
             parameters.site = Site::FullSpace;
         }
@@ -90,23 +91,43 @@ pub(super) fn field(
         waves.push(wave);
     }
     let waves = quiet(waves, (&file.waves, records), (low, high), &mut scene)?;
-    let mut checked = BTreeSet::new();
-    for (wave, table) in waves.iter().zip(&file.waves) {
-        let Some(name) = &table.record else { continue };
-        let record = component(name, table.component.as_ref(), records)?;
-        if checked.insert(name.to_string()) {
-            let arrival = wave.parameters().arrival;
-            scene
-                .remarks
-                .extend(cut_short(name, record, arrival, &scene));
-        }
-    }
+    let arrivals = waves.iter().map(|wave| wave.parameters().arrival);
+    let cut = truncated(file, records, &scene, arrivals)?;
+    scene.remarks.extend(cut);
     let driven = scene.with_plane_waves(waves);
     driven.map_err(|error| Fault::refused(first.incidence.span(), error))
 }
 
+/// Warnings about records that the run cuts short, from the arrivals of their waves (s).
+pub(super) fn truncated(
+    file: &SceneFile,
+    records: &BTreeMap<String, PreparedRecord>,
+    scene: &Scene,
+    arrivals: impl Iterator<Item = f64>,
+) -> Result<Vec<Remark>, Fault> {
+    let mut checked = BTreeSet::new();
+    let mut remarks = Vec::new();
+    for (arrival, table) in arrivals.zip(&file.waves) {
+        let Some(name) = &table.record else { continue };
+        let record = component(name, table.component.as_ref(), records)?;
+        if checked.insert(name.to_string()) {
+            remarks.extend(cut_short(name, record, arrival, scene));
+        }
+    }
+    Ok(remarks)
+}
+
+/// Type of a wave.
+pub(super) fn kind(table: &Wave) -> WaveKind {
+    match table.kind {
+        format::WaveKind::P => WaveKind::P,
+        format::WaveKind::Sv => WaveKind::SV,
+        format::WaveKind::Sh => WaveKind::SH,
+    }
+}
+
 /// Warning about a record along x or y of a wave whose azimuth is not 0.
-fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
+pub(super) fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
     let azimuth = table.azimuth.map_or(0.0, Azimuth::get);
     let name = table.record.as_ref()?;
     let record = file.records.iter().find(|record| *record.name == **name)?;
@@ -129,7 +150,7 @@ fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
 }
 
 /// Record of a wave: by its name, or by name and component.
-fn component<'r>(
+pub(super) fn component<'r>(
     name: &At<String>,
     component: Option<&At<format::Component>>,
     records: &'r BTreeMap<String, PreparedRecord>,
@@ -147,18 +168,50 @@ fn plane_wave(
     records: &BTreeMap<String, PreparedRecord>,
     allowed: bool,
 ) -> Result<PlaneWave, Fault> {
+    let motion = motion(table, records, allowed)?;
+    parameters.convention = motion.convention;
+    parameters.arrival -= motion.lead;
+    PlaneWave::new(parameters, motion.signal)
+        .map_err(|error| refused_wave(table, motion.span, error))
+}
+
+/// Fault of a wave that was refused; `span` is that of its convention.
+pub(super) fn refused_wave(table: &Wave, span: core::ops::Range<usize>, error: WaveError) -> Fault {
+    match error {
+        WaveError::WeakComponent { .. } | WaveError::NoSurface { .. } => {
+            Fault::refused(span, error)
+        }
+        WaveError::GrazingIncidence { .. } => Fault::refused(table.incidence.span(), error)
+            .with_help("a smaller angle, or `space = \"full-space\"` under [ground]"),
+        _ => Fault::refused(table.incidence.span(), error),
+    }
+}
+
+/// Motion that a wave brings.
+pub(super) struct WaveMotion {
+    pub(super) signal: Arc<dyn Signal>,
+    pub(super) convention: InputConvention,
+    /// Lead of its record (s).
+    pub(super) lead: f64,
+    /// Byte range of the convention of its record, or of its incidence.
+    pub(super) span: core::ops::Range<usize>,
+}
+
+/// Motion of a wave: its record or its pulse.
+pub(super) fn motion(
+    table: &Wave,
+    records: &BTreeMap<String, PreparedRecord>,
+    allowed: bool,
+) -> Result<WaveMotion, Fault> {
     let factor = table.factor.map_or(1.0, Finite::get);
-    let mut span = table.incidence.span();
+    let span = table.incidence.span();
     if let (Some(component), None) = (&table.component, &table.record) {
         let key = "record".into();
         return Err(Fault::new(component.span(), Problem::MissingKey { key }));
     }
-    let signal: Arc<dyn Signal> = match (&table.record, &table.pulse) {
+    match (&table.record, &table.pulse) {
         (Some(name), None) => {
             let record = component(name, table.component.as_ref(), records)?;
-            parameters.convention = record.convention;
-            parameters.arrival -= record.lead;
-            span = record.convention_span.clone();
             let peak = factor.abs() * record.report.peak_acceleration;
             if let (Err(magnitude), true) = (
                 magnitude::RECORDED_PEAK.check("peak of the wave", peak),
@@ -170,29 +223,28 @@ fn plane_wave(
             let signal = scaled.and_then(|history| {
                 history.into_signal(EndDisplacement::Declared(factor * record.end))
             });
-            Arc::new(signal.map_err(|error| Fault::refused(name.span(), error))?)
+            Ok(WaveMotion {
+                signal: Arc::new(signal.map_err(|error| Fault::refused(name.span(), error))?),
+                convention: record.convention,
+                lead: record.lead,
+                span: record.convention_span.clone(),
+            })
         }
-        (None, Some(pulse)) => {
-            self::pulse(pulse, factor).map_err(|error| Fault::refused(pulse.span(), error))?
-        }
-        (record, pulse) => {
-            return Err(Fault::new(
-                span,
-                Problem::OneOf {
-                    keys: &["record", "pulse"],
-                    found: usize::from(record.is_some()) + usize::from(pulse.is_some()),
-                },
-            ));
-        }
-    };
-    PlaneWave::new(parameters, signal).map_err(|error| match error {
-        WaveError::WeakComponent { .. } | WaveError::NoSurface { .. } => {
-            Fault::refused(span, error)
-        }
-        WaveError::GrazingIncidence { .. } => Fault::refused(table.incidence.span(), error)
-            .with_help("a smaller angle, or `space = \"full-space\"` under [ground]"),
-        _ => Fault::refused(table.incidence.span(), error),
-    })
+        (None, Some(pulse)) => Ok(WaveMotion {
+            signal: self::pulse(pulse, factor)
+                .map_err(|error| Fault::refused(pulse.span(), error))?,
+            convention: InputConvention::Incident,
+            lead: 0.0,
+            span,
+        }),
+        (record, pulse) => Err(Fault::new(
+            span,
+            Problem::OneOf {
+                keys: &["record", "pulse"],
+                found: usize::from(record.is_some()) + usize::from(pulse.is_some()),
+            },
+        )),
+    }
 }
 
 fn pulse(pulse: &Pulse, factor: f64) -> Result<Arc<dyn Signal>, WaveError> {
@@ -261,7 +313,7 @@ fn quiet(
         }
         let given = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
         if given + travel_time(&wave, &corners) < scene.start {
-            return Err(early(table, &wave, level.largest(), scene));
+            return Err(early(table, wave.name(), level.largest(), scene));
         }
         let lead = table.record.as_ref().map_or(Ok(0.0), |name| {
             component(name, table.component.as_ref(), records).map(|record| record.lead)
@@ -311,14 +363,14 @@ fn travel_time(wave: &PlaneWave, points: &[Vec3]) -> f64 {
 }
 
 /// Fault of a wave that arrives before the start of the run.
-fn early(table: &Wave, wave: &PlaneWave, level: f64, scene: &Scene) -> Fault {
+pub(super) fn early(table: &Wave, wave: &str, level: f64, scene: &Scene) -> Fault {
     let given = [
         table.arrival.as_ref().map(At::span),
         table.reference.as_ref().map(At::span),
     ];
     let span = given.into_iter().flatten().next();
     let error = Error::NotAtRest {
-        field: wave.name().into(),
+        field: wave.into(),
         level,
         time: scene.start,
     };

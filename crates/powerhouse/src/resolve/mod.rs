@@ -3,6 +3,7 @@
 mod damping;
 mod ground;
 mod joints;
+mod layers;
 mod loads;
 mod mesh;
 mod output;
@@ -140,7 +141,7 @@ pub(crate) fn compose(
     scene.remarks.extend(unused_records(file));
     scene.remarks.extend(unused_materials(file));
     scene.remarks.extend(empty_sets(&names, file));
-    scene = ground::field(file, scene, &records)?;
+    scene = ground::field(file, scene, &records, &materials)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
     }
@@ -281,12 +282,13 @@ fn unused_records(file: &SceneFile) -> Vec<Remark> {
         .collect()
 }
 
-/// Warnings about materials that no part and no stage uses.
+/// Warnings about materials that no part, no layer and no stage uses.
 fn unused_materials(file: &SceneFile) -> Vec<Remark> {
     let of_parts = file.parts.iter().map(|part| part.material.as_str());
     let of_stages = file.stages.iter().flat_map(|stage| &stage.parts);
     let of_stages = of_stages.map(|part| part.material.as_str());
-    let used: BTreeSet<&str> = of_parts.chain(of_stages).collect();
+    let of_layers = file.layers.iter().map(|layer| layer.material.as_str());
+    let used: BTreeSet<&str> = of_parts.chain(of_stages).chain(of_layers).collect();
     let materials = file.materials.iter().map(|material| &material.name);
     let unused = materials.filter(|name| !used.contains(name.as_str()));
     unused

@@ -212,7 +212,13 @@ impl Scene {
             let share = parameters.direction().dot(along).abs();
             (share > ACROSS).then(|| share / parameters.kind.speed(&parameters.medium))
         });
-        let greatest = slowness.flatten().fold(0.0_f64, f64::max);
+        let in_layers = self.layered.iter().map(|wave| {
+            let (across, first) = wave.parameters().azimuth.radians().sin_cos();
+            let share = (first * along.x + across * along.y).abs();
+            let slowness = share * wave.report().horizontal_slowness;
+            (share > ACROSS && slowness > 0.0).then_some(slowness)
+        });
+        let greatest = slowness.chain(in_layers).flatten().fold(0.0_f64, f64::max);
         (greatest > 0.0).then(|| 1.0 / greatest)
     }
 }

@@ -6,6 +6,7 @@ mod boundary;
 mod file;
 mod held_field;
 mod joints;
+mod layers;
 mod medium;
 mod memory;
 mod mirror;
@@ -21,6 +22,8 @@ pub(crate) use body::Piece;
 pub use boundary::Boundary;
 #[cfg(feature = "scene-files")]
 pub(crate) use file::read_text;
+pub use layers::LayerError;
+pub(crate) use layers::damping_of_layer;
 pub(crate) use medium::sets_with;
 pub use memory::LawMemory;
 pub use mirror::{Mirror, MirrorError, Parity};
@@ -36,11 +39,11 @@ use std::sync::Arc;
 
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
-    Constraint, ContactLaw, Engine, IncidentField, Mesh, ModelError, NodalLoad, PeriodicPairs,
-    Precision, Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
+    Constraint, ContactLaw, Engine, IncidentField, Mesh, NodalLoad, PeriodicPairs, Precision,
+    Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 
-use powerhouse_wavefield::{PlaneWave, Superposition, TimeHistory};
+use powerhouse_wavefield::{LayeredWave, PlaneWave, TimeHistory};
 
 #[cfg(feature = "scene-files")]
 use crate::Registry;
@@ -48,8 +51,7 @@ use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::output::{OutputPlan, ResultFolder};
 use crate::{
-    CheckpointPlan, Error, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage,
-    SceneText,
+    CheckpointPlan, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
@@ -138,6 +140,8 @@ pub struct Scene {
     pub(crate) field: Option<Arc<dyn IncidentField>>,
     /// Plane waves whose sum is the field, if the field is such a sum.
     pub(crate) waves: Vec<PlaneWave>,
+    /// The same of waves in layered ground.
+    pub(crate) layered: Vec<LayeredWave>,
     pub(crate) boundary: Option<Boundary>,
     pub(crate) supports: Vec<Support>,
     pub(crate) mirrors: Vec<Mirror>,
@@ -188,6 +192,7 @@ impl Scene {
             parts: Vec::new(),
             field: None,
             waves: Vec::new(),
+            layered: Vec::new(),
             boundary: None,
             supports: Vec::new(),
             mirrors: Vec::new(),
@@ -241,28 +246,15 @@ impl Scene {
     /// Sets the incident field, the motion of the site without the structure, in place of an earlier one and its plane
     /// waves.
     #[must_use]
-    pub fn with_field(mut self, field: impl IncidentField + 'static) -> Self {
-        self.field = Some(Arc::new(field));
-        self.waves.clear();
-        self
-    }
-    /// Sets the incident field to a sum of plane waves, which studies of the scene then know one by one.
-    ///
-    /// # Errors
-    /// No wave, or waves in different media.
-    pub fn with_plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
-        let fields = waves.iter().cloned();
-        let fields = fields.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
-        let sum = Superposition::new(fields.collect()).map_err(ModelError::from)?;
-        self.field = Some(Arc::new(sum));
-        self.waves = waves;
-        Ok(self)
+    pub fn with_field(self, field: impl IncidentField + 'static) -> Self {
+        self.with_shared_field(Arc::new(field))
     }
     /// Sets the incident field to one that another scene has too, as [`with_field`](Self::with_field).
     #[must_use]
     pub fn with_shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
         self.field = Some(field);
         self.waves.clear();
+        self.layered.clear();
         self
     }
     /// Sets the absorbing boundary: condition, faces, scatterer and region.

@@ -226,7 +226,7 @@ impl Scene {
         let field = self.field.as_deref();
         let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
         if let Some(field) = field {
-            self.check_field(field, &site)?;
+            self.check_field(field, (&facets, &site))?;
         }
         remarks.extend(self.boundary_remarks(&facets, &site)?);
         let layer = self.region_layer(&site, present);

@@ -115,7 +115,7 @@ impl Scene {
             let nodes = self.mesh.nodes_of(element);
             let what = if of != first {
                 "of another part than the rest"
-            } else if medium != Some(field.medium()) {
+            } else if medium != Some(field.medium_at(&self.mesh.centroid(element))) {
                 "of another medium"
             } else if !in_rim && part.is_some_and(|part| !part.material.is_linear()) {
                 "not elastic"

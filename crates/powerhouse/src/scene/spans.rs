@@ -122,9 +122,10 @@ impl SceneSpans {
     pub(crate) fn of(&self, error: &Error) -> Option<Range<usize>> {
         let place = match error {
             Error::NotAtRest { .. } => self.start.clone(),
-            Error::ForeignMedium { .. } | Error::InnerFacet { .. } | Error::SharedFacet { .. } => {
-                self.faces.clone()
-            }
+            Error::ForeignMedium { .. }
+            | Error::Layers(_)
+            | Error::InnerFacet { .. }
+            | Error::SharedFacet { .. } => self.faces.clone(),
             Error::Magnitude { of, .. } => match of {
                 MagnitudeOf::Part(set) => return self.materials.get(set).cloned(),
                 MagnitudeOf::Mesh => self.mesh.clone(),

@@ -42,8 +42,9 @@ impl Scene {
     pub(super) fn check_field(
         &self,
         field: &dyn IncidentField,
-        site: &BoundarySite,
+        (faces, site): (&[(&str, &[Facet])], &BoundarySite),
     ) -> Result<(), Error> {
+        self.check_layers(field, faces)?;
         let foreign = nodes_in_other_media(site);
         if let Some(&node) = foreign.first() {
             return Err(Error::ForeignMedium {
@@ -132,12 +133,12 @@ impl Scene {
         let mut remarks = Vec::new();
         remarks.extend(self.scatterer_above());
         if site.field.is_some() {
-            for part in self.parts_behind_boundary()? {
-                let part = &self.parts[part];
+            for index in self.parts_behind_boundary()? {
+                let part = &self.parts[index];
                 if part.rim.is_some() {
                     continue;
                 }
-                if part.damping != Damping::None {
+                if part.damping != Damping::None && !self.is_damped_like_field(index, faces)? {
                     let set = part.set.clone();
                     remarks.push(Remark::DampedRim { set });
                 }
@@ -230,7 +231,9 @@ impl Scene {
                 Site::HalfSpace { surface } => Some(surface),
                 Site::FullSpace => None,
             });
-        let Some(surface) = surfaces.reduce(f64::min) else {
+        let of_layers = self.layered.iter();
+        let of_layers = of_layers.map(|wave| wave.parameters().ground.surface());
+        let Some(surface) = surfaces.chain(of_layers).reduce(f64::min) else {
             return Vec::new();
         };
         let lies_on = |facet: &Facet| {

@@ -1,0 +1,290 @@
+//! Layered ground of a scene file, and the waves in it.
+
+use std::collections::BTreeMap;
+
+use powerhouse_model::{IncidentField, ModelError, Vec3};
+use powerhouse_wavefield::{
+    Angle, Ground, GroundLayer, InputConvention, LayerDamping, LayeredWave, LayeredWaveParameters,
+    PlaneWaveParameters, QuietStart, QuietStartLimits, WaveError, first_hit_corner,
+};
+
+use super::damping::damping;
+use super::ground::{
+    QUIETER, component, early, kind, motion, refused_wave, truncated, unclear_axis,
+};
+use super::record::PreparedRecord;
+use super::{named, vector};
+use crate::fault::{Fault, Problem};
+use crate::format::{Azimuth, Layer, SceneFile, Space, Wave};
+use crate::scene::{InitialMotion, box_corners, damping_of_layer};
+use crate::{LayerError, Material, Remark, Scene};
+
+/// Share of a layer's thickness by which its interface may be off a plane of the mesh.
+const OFF_PLANE: f64 = 1e-3;
+
+/// Adds the sum of all waves in layered ground to the scene.
+pub(super) fn field(
+    file: &SceneFile,
+    mut scene: Scene,
+    records: &BTreeMap<String, PreparedRecord>,
+    materials: &BTreeMap<String, Material>,
+) -> Result<Scene, Fault> {
+    let ground = ground(file, &scene, materials)?;
+    let (low, high) = scene.mesh.bounding_box();
+    let points = outermost(&ground, &low, &high);
+    let mut waves = Vec::with_capacity(file.waves.len());
+    for table in &file.waves {
+        let lowest = low.z.min(ground.surface());
+        let mut parameters = LayeredWaveParameters::vertical(kind(table), ground.clone(), lowest);
+        parameters.incidence = Angle::from_degrees(table.incidence.get());
+        parameters.azimuth = Angle::from_degrees(table.azimuth.map_or(0.0, Azimuth::get));
+        parameters.reference = match &table.reference {
+            Some(reference) => vector(reference),
+            None => {
+                let (half_space, surface) = (ground.half_space(), ground.surface());
+                let mut plane = PlaneWaveParameters::vertical(kind(table), half_space, surface);
+                plane.incidence = parameters.incidence;
+                plane.azimuth = parameters.azimuth;
+                first_hit_corner(&low, &high, &plane.direction())
+            }
+        };
+        if let Some(remark) = unclear_axis(table, file) {
+            scene.remarks.push(remark);
+        }
+        let motion = motion(table, records, scene.magnitudes_allowed)?;
+        parameters.convention = motion.convention;
+        parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
+        parameters.arrival -= motion.lead;
+        let end = scene.start + scene.duration;
+        let earliest = earliest(&parameters, &points) + motion.signal.support().start;
+        parameters.until = Some((end - earliest).max(0.0));
+        let wave = LayeredWave::new(parameters, motion.signal)
+            .map_err(|error| refused_wave(table, motion.span, error))?;
+        let convention = wave.parameters().convention;
+        if convention != InputConvention::Incident {
+            scene.remarks.push(Remark::Conversion {
+                wave: wave.name().into(),
+                convention: convention.name(),
+                conversion: *wave.conversion(),
+            });
+        }
+        scene.remarks.push(Remark::Layered {
+            wave: wave.name().into(),
+            report: wave.report(),
+            bytes: wave.bytes_for(&nodes_of_faces(&scene)?),
+        });
+        waves.push(wave);
+    }
+    let waves = quiet(waves, (&file.waves, records), &points, &mut scene)?;
+    let arrivals = waves.iter().map(|wave| wave.parameters().arrival);
+    let cut = truncated(file, records, &scene, arrivals)?;
+    scene.remarks.extend(cut);
+    let place = scene.places.field.clone();
+    let driven = scene.with_layered_waves(waves);
+    driven.map_err(|error| Fault::refused(place, error))
+}
+
+/// Ground of the layers of a file, their interfaces on planes of the mesh.
+fn ground(
+    file: &SceneFile,
+    scene: &Scene,
+    materials: &BTreeMap<String, Material>,
+) -> Result<Ground, Fault> {
+    let Some((last, above)) = file.layers.split_last() else {
+        return Err(Fault::new(
+            0..0,
+            Problem::MissingKey {
+                key: "layer".into(),
+            },
+        ));
+    };
+    let value = |span, found: &str, expected: &str| {
+        let (found, expected) = (found.into(), expected.into());
+        Fault::new(span, Problem::Value { found, expected })
+    };
+    if file.ground.space == Space::FullSpace {
+        let expected = "layers of a half-space: without `space = \"full-space\"`";
+        return Err(value(
+            last.material.span(),
+            "layers in a full space",
+            expected,
+        ));
+    }
+    if let Some(bottom) = &last.bottom {
+        let expected = "no `bottom` of the last layer, which is the half-space below the others";
+        return Err(value(bottom.span(), &format!("{}", bottom.get()), expected));
+    }
+    if let Some(damping) = &last.damping {
+        let expected = "an elastic half-space: incident waves would grow with depth";
+        return Err(value(damping.span(), "damping of the last layer", expected));
+    }
+    let (_, high) = scene.mesh.bounding_box();
+    let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
+    let half_space = named("material", &last.material, materials)?.medium();
+    let mut layers = Vec::with_capacity(above.len());
+    for layer in above {
+        let Some(bottom) = &layer.bottom else {
+            let key = "bottom".into();
+            return Err(Fault::new(
+                layer.material.span(),
+                Problem::MissingKey { key },
+            ));
+        };
+        let medium = named("material", &layer.material, materials)?.medium();
+        let layer = GroundLayer::new(bottom.get(), medium);
+        layers.push(layer.with_damping(damping_of(&above[layers.len()])?));
+    }
+    let made = |layers: Vec<GroundLayer>| {
+        Ground::new(surface, layers, half_space).map_err(|error| {
+            let index = match &error {
+                WaveError::Layer { index, .. } => *index,
+                _ => 0,
+            };
+            let layer = &file.layers[index.min(above.len())];
+            let bottom = layer.bottom.as_ref().map(|bottom| bottom.span());
+            Fault::refused(bottom.unwrap_or(layer.material.span()), error)
+        })
+    };
+    let given = made(layers.clone())?;
+    let moved = on_planes(&given, scene)?;
+    for (layer, (bottom, table)) in layers.iter_mut().zip(moved.into_iter().zip(above)) {
+        layer.bottom = bottom.map_err(|error| {
+            let span = table.bottom.as_ref().map_or(0..0, |bottom| bottom.span());
+            Fault::refused(span, error)
+        })?;
+    }
+    made(layers)
+}
+
+/// Damping of a layer.
+fn damping_of(layer: &Layer) -> Result<LayerDamping, Fault> {
+    let Some(table) = &layer.damping else {
+        return Ok(LayerDamping::None);
+    };
+    damping_of_layer(&damping(table)?).ok_or_else(|| {
+        let (found, expected) = ("Rayleigh damping".into(), "damping of kind \"flat\"".into());
+        Fault::new(table.span(), Problem::Value { found, expected })
+    })
+}
+
+/// Interfaces moved to the heights of the next nodes of the absorbing faces, as far as the mesh reaches.
+fn on_planes(ground: &Ground, scene: &Scene) -> Result<Vec<Result<f64, LayerError>>, Fault> {
+    let heights: Vec<f64> = nodes_of_faces(scene)?.iter().map(|point| point.z).collect();
+    let lowest = heights.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    let layers = ground.layers();
+    let top = |index: usize| match index {
+        0 => ground.surface(),
+        _ => layers[index - 1].bottom,
+    };
+    let thickness = |index: usize| top(index) - layers[index].bottom;
+    let moved = layers.iter().enumerate().map(|(index, layer)| {
+        let below = (index + 1 < layers.len()).then(|| thickness(index + 1));
+        let thickness = thickness(index).min(below.unwrap_or(f64::INFINITY));
+        let tolerance = OFF_PLANE * thickness;
+        let interface = layer.bottom;
+        let distance = |height: &&f64| (**height - interface).abs();
+        let nearest = heights
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let Some(&nearest) = nearest.filter(|_| interface > lowest - tolerance) else {
+            return Ok(interface);
+        };
+        let off = (nearest - interface).abs();
+        match off <= tolerance {
+            true => Ok(nearest),
+            false => Err(LayerError::NoPlane {
+                interface,
+                nearest,
+                off,
+                thickness,
+            }),
+        }
+    });
+    Ok(moved.collect())
+}
+
+/// Positions of the nodes of the absorbing faces.
+fn nodes_of_faces(scene: &Scene) -> Result<Vec<Vec3>, Fault> {
+    let place = scene.places.faces.clone();
+    let faces = scene.absorbing_facets();
+    let faces = faces.map_err(|error| Fault::refused(place, error))?;
+    let nodes = faces
+        .iter()
+        .flat_map(|(_, facets)| scene.mesh.nodes_of_facets(facets));
+    Ok(nodes
+        .map(|node| scene.mesh.positions()[node as usize])
+        .collect())
+}
+
+/// Corners of the mesh, and the points of its vertical edges on interfaces.
+fn outermost(ground: &Ground, low: &Vec3, high: &Vec3) -> Vec<Vec3> {
+    let top = high.z.min(ground.surface());
+    let mut points = box_corners(low, &Vec3::new(high.x, high.y, top)).to_vec();
+    for interface in ground
+        .interfaces()
+        .iter()
+        .filter(|z| **z > low.z && **z < top)
+    {
+        let corners = box_corners(low, high);
+        points.extend(
+            corners[..4]
+                .iter()
+                .map(|corner| Vec3::new(corner.x, corner.y, *interface)),
+        );
+    }
+    points
+}
+
+/// Earliest arrival of the time zero of a wave's signal at some points (s).
+fn earliest(parameters: &LayeredWaveParameters, points: &[Vec3]) -> f64 {
+    let arrivals = points.iter().map(|point| parameters.arrival_at(point));
+    arrivals.fold(f64::INFINITY, f64::min)
+}
+
+/// Delays all waves so that the field is negligible at the start of a body at rest.
+fn quiet(
+    waves: Vec<LayeredWave>,
+    (tables, records): (&[Wave], &BTreeMap<String, PreparedRecord>),
+    points: &[Vec3],
+    scene: &mut Scene,
+) -> Result<Vec<LayeredWave>, Fault> {
+    if scene.initial == InitialMotion::Field {
+        return Ok(waves);
+    }
+    let limits = QuietStartLimits::default();
+    let mut quiet: Vec<(LayeredWave, Option<QuietStart>)> = Vec::with_capacity(waves.len());
+    for (wave, table) in waves.into_iter().zip(tables) {
+        let refused = |error: ModelError| Fault::refused(table.incidence.span(), error);
+        let level = wave.start_level(points, scene.start).map_err(refused)?;
+        if level.largest() < limits.threshold {
+            quiet.push((wave, None));
+            continue;
+        }
+        let lead = table.record.as_ref().map_or(Ok(0.0), |name| {
+            component(name, table.component.as_ref(), records).map(|record| record.lead)
+        })?;
+        if earliest(wave.parameters(), points) + lead < scene.start {
+            return Err(early(table, wave.name(), level.largest(), scene));
+        }
+        let delayed = wave.with_quiet_start(points, scene.start, &limits);
+        let (wave, start) = delayed.map_err(|error| match lead > 0.0 {
+            true => refused(error).with_help(QUIETER),
+            false => refused(error),
+        })?;
+        quiet.push((wave, Some(start)));
+    }
+    let own = |start: &Option<QuietStart>| start.map_or(0.0, |start| start.padding);
+    let paddings = quiet.iter().map(|(_, start)| own(start));
+    let padding = paddings.fold(0.0, f64::max);
+    let delayed = quiet
+        .iter()
+        .map(|(wave, start)| wave.later(padding - own(start)));
+    let delayed: Vec<LayeredWave> = delayed.collect();
+    let needed = quiet.into_iter();
+    let needed = needed.filter_map(|(wave, start)| Some((wave.name().to_owned(), start?)));
+    let waves: Vec<(String, QuietStart)> = needed.collect();
+    if !waves.is_empty() {
+        scene.remarks.push(Remark::QuietStart { padding, waves });
+    }
+    Ok(delayed)
+}
