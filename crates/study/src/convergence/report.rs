@@ -6,7 +6,7 @@ use powerhouse::io::write_summary;
 use serde::{Deserialize, Serialize};
 
 use super::FORMAL_ORDERS;
-use super::estimate::{Estimate, Trend, estimate};
+use super::estimate::{Estimate, estimate};
 use super::figures::Figure;
 use crate::StudyError;
 use crate::rounded::rounded;
@@ -261,6 +261,7 @@ fn kind(figure: &Figure) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::convergence::Trend;
 
     fn figure(name: &str, unit: &str, value: f64) -> Figure {
         Figure {
