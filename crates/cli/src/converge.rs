@@ -157,9 +157,14 @@ fn verdict(report: &ConvergenceReport, permitted: Option<f64>) -> ExitCode {
     match permitted {
         Some(share) => say!(
             "{wide} of {all} results have an error band wider than {} %, or none",
-            100.0 * share
+            percent(share)
         ),
         None => say!("{wide} of {all} results do not converge on these meshes"),
     }
     ExitCode::from(WARNED)
+}
+
+/// A share in percent, without the rounding of a product.
+fn percent(share: f64) -> f64 {
+    (1e14 * share).round() / 1e12
 }
