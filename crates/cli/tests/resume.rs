@@ -62,9 +62,9 @@ fn a_killed_run_is_resumed_to_the_same_files() {
     kill_and_resume("cli-resume", 10);
 }
 
-/// Two hundred kills: `cargo test --release -p powerhouse-cli --test resume -- --ignored`.
+/// Two hundred kills: `cargo test -p powerhouse-cli --test resume -- --ignored`.
 #[test]
-#[ignore = "takes most of an hour"]
+#[ignore = "takes a quarter of an hour"]
 fn a_run_killed_two_hundred_times_is_resumed_to_the_same_files() {
     kill_and_resume("cli-resume-200", 200);
 }

@@ -97,7 +97,8 @@ fn peaks(summary: &Value, not_compared: &BTreeSet<&'static str>) -> Vec<Figure> 
         let (name, unit) = (name?, unit?);
         let variable = name.rsplit('.').next().unwrap_or(name);
         let is_component = ["xx", "yy", "zz", "xy", "yz", "zx", "s2"].contains(&variable);
-        if is_component || not_compared.contains(stem(variable)) {
+        let excluded = [variable, stem(variable)].map(|name| not_compared.contains(name));
+        if is_component || excluded.contains(&true) {
             return None;
         }
         let value = match row["below_rounding"] == true {
@@ -219,7 +220,7 @@ mod tests {
             peak("wall.damage", "1", 0.9),
             peak("lining.axial", "N", -10.0),
         ]});
-        let excluded = BTreeSet::from(["plastic_strain", "yield_state", "crack_band_width"]);
+        let excluded = BTreeSet::from(["plastic_strain_xx", "yield_state", "crack_band_width"]);
         let found = peaks(&summary, &excluded);
         let found: Vec<(&str, f64, bool)> = found
             .iter()
