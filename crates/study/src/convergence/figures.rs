@@ -97,8 +97,7 @@ fn peaks(summary: &Value, not_compared: &BTreeSet<&'static str>) -> Vec<Figure> 
         let (name, unit) = (name?, unit?);
         let variable = name.rsplit('.').next().unwrap_or(name);
         let is_component = ["xx", "yy", "zz", "xy", "yz", "zx", "s2"].contains(&variable);
-        let excluded = [variable, stem(variable)].map(|name| not_compared.contains(name));
-        if is_component || excluded.contains(&true) {
+        if is_component || not_compared.contains(variable) {
             return None;
         }
         let value = match row["below_rounding"] == true {
@@ -115,14 +114,6 @@ fn peaks(summary: &Value, not_compared: &BTreeSet<&'static str>) -> Vec<Figure> 
         })
     });
     kept.collect()
-}
-
-/// The name of a history variable without the suffix of a tensor component.
-fn stem(variable: &str) -> &str {
-    match variable.rsplit_once('_') {
-        Some((stem, "xx" | "yy" | "zz" | "xy" | "yz" | "zx")) => stem,
-        _ => variable,
-    }
 }
 
 /// Values of the response spectra of all acceleration histories, in the directions in which they move.
