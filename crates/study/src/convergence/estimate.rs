@@ -29,7 +29,7 @@ pub enum Trend {
     Assumed,
     /// Differences of three meshes alternate in sign.
     Oscillating,
-    /// The finest difference is within the scatter of runs under waves that differ by 1e-6.
+    /// The finest difference is within the scatter of runs under waves that differ by 1e-6, or within what sampling changes.
     Scattered,
     /// Differences grow, or fall more slowly than with order 0.5.
     Diverging,
@@ -68,7 +68,7 @@ pub struct Estimate {
 }
 
 /// Estimates a result from its values on two or more meshes, the coarsest first, with as many element sizes (m, falling), the
-/// scatter of the values under waves that differ by 1e-6, and the formal order of convergence. Of more meshes the
+/// scatter of the values under waves that differ by 1e-6 or by their sampling, and the formal order of convergence. Of more meshes the
 /// three finest count.
 ///
 /// Of three meshes the order p follows from `f_i = f + C h_i^p`. The band around the finest value is a factor of safety times

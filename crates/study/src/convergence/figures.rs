@@ -30,6 +30,9 @@ pub(super) struct Figure {
     pub(super) value: f64,
     /// Whether it is of the motion of points, which converges faster than stresses.
     pub(super) of_motion: bool,
+    /// Change of the value if the record ends a sample earlier, in its unit: runs on several meshes end within a step of each other
+    /// and sample at their own steps.
+    pub(super) of_sampling: f64,
 }
 
 impl Figure {
@@ -39,6 +42,7 @@ impl Figure {
             unit: unit.into(),
             value,
             of_motion: false,
+            of_sampling: 0.0,
         }
     }
     fn of_motion(name: impl Into<String>, unit: &str, value: f64) -> Self {
@@ -111,6 +115,7 @@ fn peaks(summary: &Value, not_compared: &BTreeSet<&'static str>) -> Vec<Figure> 
             of_motion: ["m", "m/s", "m/s2"].contains(&unit)
                 && variable.len() == 2
                 && "uva".contains(&variable[..1]),
+            of_sampling: 0.0,
         })
     });
     kept.collect()
@@ -141,14 +146,23 @@ fn spectra(histories: &[TableColumn]) -> Vec<Figure> {
         .into_iter()
         .filter(|column| peak(column) > STILL * most);
     let spectra = moving.flat_map(|column| {
-        let history = even_samples(&time.values, &column.values);
+        let until =
+            |samples: usize| even_samples(&time.values[..samples], &column.values[..samples]);
+        let samples = time.values.len().min(column.values.len());
+        let records = [until(samples), until(samples.saturating_sub(1))];
         let of = |frequency: f64| {
-            let history = history.as_ref()?;
-            let resolved = frequency * SAMPLES_PER_PERIOD * history.step() <= 1.0;
-            let response = history.response_spectrum(DAMPING, &[1.0 / frequency]);
-            let value = response.ok()?.first()?.acceleration;
+            let [value, shorter] = records.each_ref().map(|history| {
+                let history = history.as_ref()?;
+                let resolved = frequency * SAMPLES_PER_PERIOD * history.step() <= 1.0;
+                let response = history.response_spectrum(DAMPING, &[1.0 / frequency]);
+                resolved.then_some(response.ok()?.first()?.acceleration)
+            });
             let name = format!("spectrum of {} at {frequency} Hz, 5 %", column.name);
-            resolved.then(|| Figure::of_motion(name, "m/s2", value))
+            let value = value?;
+            Some(Figure {
+                of_sampling: (value - shorter.unwrap_or(value)).abs(),
+                ..Figure::of_motion(name, "m/s2", value)
+            })
         };
         FREQUENCIES.map(of).into_iter().flatten()
     });

@@ -221,6 +221,9 @@ pub(super) fn compare(
             Some(change.abs())
         });
         let scatter = changes.reduce(f64::max);
+        let own = plain.iter().flatten();
+        let own = own.filter(|other| other.name == figure.name);
+        let sampling = own.fold(0.0_f64, |most, other| most.max(other.of_sampling));
         let [motions, others] = FORMAL_ORDERS;
         let formal = match figure.of_motion && is_linear {
             true => motions,
@@ -236,7 +239,12 @@ pub(super) fn compare(
         Some(ComparedFigure {
             name: figure.name.clone(),
             unit: figure.unit.clone(),
-            estimate: estimate(&values, &sizes, scatter.unwrap_or(0.0), formal),
+            estimate: estimate(
+                &values,
+                &sizes,
+                scatter.unwrap_or(0.0).max(sampling),
+                formal,
+            ),
             values,
             scatter,
             negligible,
@@ -269,6 +277,7 @@ mod tests {
             unit: unit.into(),
             value,
             of_motion: unit == "m",
+            of_sampling: 0.0,
         }
     }
 
@@ -308,6 +317,12 @@ mod tests {
         assert_eq!(found[0].estimate.extrapolated, Some(1.0));
         assert_eq!(found[0].scatter, Some(0.5));
         assert!((found[2].scatter.unwrap() - 0.1).abs() < 1e-12);
+        // What sampling changes limits the band as scatter does.
+        let mut sampled = plain.clone();
+        sampled[0][0].of_sampling = 2.0;
+        let limited = compare(&meshes(), (&sampled, &[]), true);
+        assert_eq!(limited[0].estimate.band, Some(4.0));
+        assert_eq!(limited[0].estimate.extrapolated, None);
         // The band of 6 m around 4 m, and of 6 Pa around 10 Pa; the negligible one does not count.
         let report = ConvergenceReport {
             title: String::new(),
