@@ -79,11 +79,16 @@ impl SweepWatch for Log {
     }
 }
 
-/// The bands of three meshes contain the results of a fourth, and most extrapolated results are closer to these than those of the
-/// third; the three runs are reused for the study of four.
+/// The bands of three meshes contain the results of a fourth, to which extrapolated results of nearly second order are closer than
+/// those of the third; the three runs are reused for the study of four.
 #[test]
 fn extrapolated_results_are_those_of_finer_meshes() {
     let (folder, scene) = folder("three", ELASTIC);
+    // The whole pulse, with its peaks between few steps.
+    let text = SCENE.replace("LAW", ELASTIC);
+    let text = text.replace("duration = 0.3", "duration = 0.6");
+    let text = text.replace("every = 0.01", "every = 0.002");
+    std::fs::write(&scene, text).unwrap();
     let study = |meshes: usize| {
         let study = Convergence::of_file(&scene, None, Some(folder.join("out"))).unwrap();
         study.with_meshes(meshes).unwrap()
@@ -103,7 +108,7 @@ fn extrapolated_results_are_those_of_finer_meshes() {
     let four = study(4).run(None, &mut log).unwrap();
     assert_eq!(log.reused, ["mesh-1", "mesh-2", "mesh-3"]);
     assert_eq!(log.computed, ["mesh-4"]);
-    let (mut converging, mut nearer) = (0, 0);
+    let mut near_formal = 0;
     for figure in three.figures.iter().filter(|figure| !figure.negligible) {
         let finer = self::figure(&four, &figure.name);
         let (own, finest) = (figure.values[2], finer.values[3]);
@@ -112,15 +117,15 @@ fn extrapolated_results_are_those_of_finer_meshes() {
             continue;
         };
         assert!((own - finest).abs() <= band, "{figure:?} {finest}");
-        if figure.estimate.trend == Trend::Converging {
-            converging += 1;
+        // Of lower orders errors of several kinds are mixed, which no single order extrapolates.
+        if figure.estimate.order.is_some_and(|order| order > 1.5) {
+            near_formal += 1;
             let extrapolated = figure.estimate.extrapolated.unwrap();
             let (before, after) = ((own - finest).abs(), (extrapolated - finest).abs());
-            nearer += usize::from(after < before);
+            assert!(after < before, "{figure:?} {finest}");
         }
     }
-    assert!(converging >= 4, "{:#?}", three.figures);
-    assert!(2 * nearer > converging, "{nearer} of {converging}");
+    assert!(near_formal >= 2, "{:#?}", three.figures);
     assert_eq!(figure(&three, "peak of inside.ux").scatter, None);
     assert!(!three.scatter_unknown);
 }

@@ -17,6 +17,8 @@ const FREQUENCIES: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
 const DAMPING: f64 = 0.05;
 /// Least number of samples within a period of a response spectrum.
 const SAMPLES_PER_PERIOD: f64 = 5.0;
+/// Relative uncertainty of a response spectrum, whose peaks are sought at 32 instants a period: half of `1 - cos(pi / 32)`.
+const OF_INSTANTS: f64 = 2.4e-3;
 /// Directions with a peak acceleration below this share of the greatest have no spectrum.
 const STILL: f64 = 1e-2;
 /// History variables that describe the mesh.
@@ -30,8 +32,8 @@ pub(super) struct Figure {
     pub(super) value: f64,
     /// Whether it is of the motion of points, which converges faster than stresses.
     pub(super) of_motion: bool,
-    /// Change of the value if the record ends a sample earlier, in its unit: runs on several meshes end within a step of each other
-    /// and sample at their own steps.
+    /// Uncertainty of the value from its evaluation, in its unit: the change if the record ends a sample earlier, since runs on several
+    /// meshes end within a step of each other, and that of peaks between the instants at which they are sought.
     pub(super) of_sampling: f64,
 }
 
@@ -160,7 +162,9 @@ fn spectra(histories: &[TableColumn]) -> Vec<Figure> {
             let name = format!("spectrum of {} at {frequency} Hz, 5 %", column.name);
             let value = value?;
             Some(Figure {
-                of_sampling: (value - shorter.unwrap_or(value)).abs(),
+                of_sampling: (value - shorter.unwrap_or(value))
+                    .abs()
+                    .max(OF_INSTANTS * value),
                 ..Figure::of_motion(name, "m/s2", value)
             })
         };
