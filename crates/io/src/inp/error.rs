@@ -171,7 +171,10 @@ pub enum InpFault {
         number: u64,
     },
     /// A set of sets or a surface names a set that is not defined before.
-    #[error("no {what} set '{name}' is defined before this line; those defined are: {}", available.join(", "))]
+    #[error(
+        "no {what} set '{name}' is defined before this line; {}",
+        defined(available)
+    )]
     NoSuchSet {
         /// `node` or `element`.
         what: &'static str,
@@ -272,6 +275,13 @@ pub enum InpFault {
     /// The mesh is invalid, as with an inverted element or a number that occurs twice.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+}
+
+fn defined(available: &[String]) -> String {
+    match available {
+        [] => "none is defined before it".into(),
+        names => format!("those defined are: {}", names.join(", ")),
+    }
 }
 
 fn faces(sides: usize) -> String {

@@ -37,7 +37,7 @@
 //! sets together are limited, in proportion to the nodes and elements; each number is looked up before it is kept.
 //!
 //! *Strict where the format is lenient.* Omitted coordinates are not zero, a member that does not exist is not ignored, and a
-//! second definition of a node does not replace the first: such files were truncated or edited more often than meant so.
+//! second definition of a node does not replace the first: a file that has any of these was probably cut off or edited.
 
 mod assemble;
 mod blocks;

@@ -189,6 +189,12 @@ fn faults_of_elements() {
 #[test]
 fn faults_of_sets() {
     check(&[
+        (
+            "*NSET, NSET=ground, GENERATE\n1, 4",
+            "*NSET, NSET=a\nb",
+            "b",
+            &["node set 'b'", "every"],
+        ),
         ("1, 4\n", "1, 5, 3\n", "1, 5", &["from 1 to 5 by 3"]),
         ("1, 4\n", "4, 1\n", "4, 1", &["from 4 to 1"]),
         ("1, 4\n", "1, 4, 0\n", "1, 4, 0", &["1 or more"]),
@@ -283,6 +289,12 @@ fn faults_of_sets() {
             &["two element sets 'walls'", "quotation marks"],
         ),
     ]);
+    let (place, message) = fault(&edit(HOUSE, "*NODE, NSET=every", "*NSET, NSET=a\nb\n*NODE"));
+    assert_eq!(place.line, 5);
+    assert!(
+        message.to_string().contains("none is defined before it"),
+        "{message}"
+    );
 }
 
 /// Keywords that describe the mesh otherwise, and files that are none.
