@@ -105,7 +105,11 @@ fn faults_of_an_input_file_name_their_line() {
             "*INCLUDE, INPUT=a.inp\n*SURFACE",
             &["line 17 in *INCLUDE", "in the place of"],
         ),
-        ("ELSET=rock", "ELSET=granite", &["'rock'", "granite"]),
+        (
+            "ELSET=rock",
+            "ELSET=granite",
+            &["there is no element set 'rock'"],
+        ),
         (
             "2, 11, 12, 13, 14,",
             "2, 12, 11, 13, 14,",
