@@ -3,6 +3,7 @@
 //! | read | written |
 //! |---|---|
 //! | Gmsh meshes, [`read_gmsh`] | Gmsh meshes, [`write_gmsh`] |
+//! | meshes of Abaqus input files, [`read_inp`] | |
 //! | accelerograms, [`read_record`] | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
 //! | tables, [`read_table`] | fields for ParaView, [`VtuWriter`] and [`PvdCollection`] |
 //! | | curves as SVG, [`write_plot`]; the mesh as PNG, [`write_picture`] |
@@ -32,6 +33,7 @@
 //! | feature | what it adds | crates it brings |
 //! |---|---|---|
 //! | `gmsh` | Gmsh meshes, read and written | `mshio` |
+//! | `inp` | meshes of Abaqus input files | none |
 //! | `records` | accelerograms | none |
 //! | `vtu` | VTU and PVD files | `flate2` |
 //! | `plots` | plots as SVG | none |
@@ -59,6 +61,8 @@ mod date;
 mod error;
 #[cfg(feature = "gmsh")]
 pub mod gmsh;
+#[cfg(feature = "inp")]
+pub mod inp;
 mod memory;
 #[cfg(feature = "pictures")]
 mod picture;
@@ -88,6 +92,8 @@ pub use gmsh::{
     GmshError, GmshMesh, GmshOptions, parse_gmsh, parse_gmsh_with, read_gmsh, read_gmsh_with,
     write_gmsh,
 };
+#[cfg(feature = "inp")]
+pub use inp::{InpError, InpMesh, InpOptions, parse_inp, parse_inp_with, read_inp, read_inp_with};
 pub use memory::available_memory;
 #[cfg(feature = "pictures")]
 pub use picture::{

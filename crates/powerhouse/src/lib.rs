@@ -31,9 +31,10 @@
 //! |---|---|---|
 //! | none | | 63 |
 //! | `gmsh` | Gmsh meshes, [`io::read_gmsh`] | 80 |
+//! | `inp` | meshes of Abaqus input files, [`io::read_inp`] | 63 |
 //! | `records` | accelerograms, [`io::read_record`] | 63 |
 //! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] | 66 |
-//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh` and `records` | 95 |
+//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp` and `records` | 95 |
 //! | `direct` | a direct solver for static equilibrium | 101 |
 //!
 //! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.

@@ -120,8 +120,13 @@ pub enum SceneRemark {
         nodes: usize,
         /// Number of lines, facets and points without physical group.
         dropped: usize,
-        /// Number of solids and bars without physical group, which are in the set `all` or `ungrouped`.
+        /// Number of solids and bars without physical group or element set, which are in the set `all` or `ungrouped`.
         ungrouped: usize,
+    },
+    /// Fact: keywords of an Abaqus input file that were skipped, since they do not describe the mesh.
+    MeshKeywords {
+        /// Names of the keywords, such as `*MATERIAL`, in alphabetical order.
+        skipped: Vec<String>,
     },
     /// Fact: elements of second order that are computed by their corners alone, or whose curved edges are computed as straight.
     MeshOrder {
@@ -139,7 +144,10 @@ impl SceneRemark {
     pub fn is_warning(&self) -> bool {
         !matches!(
             self,
-            Self::MeshFile { .. } | Self::MeshOrder { .. } | Self::FormerKey { .. }
+            Self::MeshFile { .. }
+                | Self::MeshKeywords { .. }
+                | Self::MeshOrder { .. }
+                | Self::FormerKey { .. }
         )
     }
 }
@@ -253,11 +261,16 @@ impl fmt::Display for SceneRemark {
                 }
                 if *ungrouped > 0 {
                     found.push(format!(
-                        "{ungrouped} elements without physical group are in the set 'all' or 'ungrouped'"
+                        "{ungrouped} elements without physical group or element set are in the set 'all' or 'ungrouped'"
                     ));
                 }
                 write!(f, "mesh: {}", found.join("; "))
             }
+            Self::MeshKeywords { skipped } => write!(
+                f,
+                "mesh: keywords of the file that do not describe the mesh were skipped: {}",
+                skipped.join(", ")
+            ),
             Self::MeshOrder {
                 lowered,
                 curved,

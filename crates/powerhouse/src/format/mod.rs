@@ -162,8 +162,9 @@ pub enum Allowance {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Path of a Gmsh file (`.msh`, version 2.2 or 4.1, text or binary), relative to the scene file. Its
-    /// physical groups are the named sets. With `generator`: path of the generator's input file.
+    /// Path of a Gmsh file (`.msh`, version 2.2 or 4.1, text or binary), whose physical groups are the named sets, or of an
+    /// Abaqus input file (`.inp`), whose node sets, element sets and surfaces are; relative to the scene file. With
+    /// `generator`: path of the generator's input file.
     pub file: At<PathBuf>,
     /// Name of a mesh generator of the registry, which builds the mesh from `file`; none by default.
     pub generator: Option<At<String>>,

@@ -1,8 +1,9 @@
 //! Mesh of a scene file: read or generated, then scaled, cut and refined.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use powerhouse_io::gmsh::{GmshGroup, GmshOptions, GmshReport};
+use powerhouse_io::inp::{InpOptions, InpReport};
 use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use super::ordered;
@@ -25,15 +26,13 @@ pub(super) fn mesh(
     let mut remarks = Vec::new();
     let options = order_options(table)?;
     let refused = |error: AnyError| Fault::refused(table.file.span(), error);
-    let path: PathBuf = text.folder().join(&*table.file);
+    let path = text.folder().join(&*table.file);
     let mesh = match &table.generator {
         Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
         None => {
-            let read = powerhouse_io::read_gmsh_with(path, options);
-            let read = read.map_err(|error| refused(error.into()))?;
-            remarks.extend(unused(&read.report));
-            remarks.extend(changed(&read.report));
-            read.mesh
+            let (mesh, found) = read(&path, options).map_err(refused)?;
+            remarks.extend(found.into_iter().map(Remark::Scene));
+            mesh
         }
     };
     let mesh = match table.scale.get() {
@@ -78,10 +77,38 @@ pub(super) fn mesh(
     Ok((mesh, remarks))
 }
 
+/// How elements of second order are read.
+#[derive(Clone, Copy, Default)]
+struct Orders {
+    /// Whether by their corners alone.
+    first_order: bool,
+    /// Whether nodes on curved edges are moved to the midpoints.
+    straighten: bool,
+}
+
+/// Mesh of a file, whose format its name shows, with what is to be said of it.
+fn read(path: &Path, orders: Orders) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
+    let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
+    if is_inp {
+        let mut options = InpOptions::default();
+        options.first_order = orders.first_order;
+        options.straighten = orders.straighten;
+        let inp = powerhouse_io::read_inp_with(path, options)?;
+        Ok((inp.mesh, of_inp(inp.report)))
+    } else {
+        let mut options = GmshOptions::default();
+        options.first_order = orders.first_order;
+        options.straighten = orders.straighten;
+        let gmsh = powerhouse_io::read_gmsh_with(path, options)?;
+        let remarks = of_gmsh(&gmsh.report).collect();
+        Ok((gmsh.mesh, remarks))
+    }
+}
+
 /// Options of reading elements of second order; keys for a mesh file are refused with a generator, and straight edges
 /// without midpoints.
-fn order_options(table: &format::MeshFile) -> Result<GmshOptions, Fault> {
-    let mut options = GmshOptions::default();
+fn order_options(table: &format::MeshFile) -> Result<Orders, Fault> {
+    let mut options = Orders::default();
     let of_file = |span: core::ops::Range<usize>, key: &str| match table.generator {
         None => Ok(()),
         Some(_) => {
@@ -95,41 +122,63 @@ fn order_options(table: &format::MeshFile) -> Result<GmshOptions, Fault> {
             .map_err(|error| Fault::refused(order.span(), error))?;
         if **order == 1 {
             of_file(order.span(), "order = 1")?;
-            options = options.with_first_order();
+            options.first_order = true;
         }
     }
     if let Some(straighten) = table.straighten.as_ref().filter(|straighten| ***straighten) {
         of_file(straighten.span(), "straighten")?;
-        options = options.with_straight_edges();
+        options.straighten = true;
     }
     Ok(options)
 }
 
 /// Remark about elements of second order that are computed otherwise than the file has them.
-fn changed(report: &GmshReport) -> Option<Remark> {
+fn changed(lowered: usize, curved: usize, largest: f64) -> Option<SceneRemark> {
     let found = SceneRemark::MeshOrder {
-        lowered: report.lowered_elements,
-        curved: report.curved_nodes,
-        largest: report.largest_curve,
+        lowered,
+        curved,
+        largest,
     };
-    (report.lowered_elements + report.curved_nodes > 0).then_some(Remark::Scene(found))
+    (lowered + curved > 0).then_some(found)
 }
 
-/// Remark about nodes and elements of the mesh file that are left out or belong to no physical group.
-fn unused(report: &GmshReport) -> Option<Remark> {
-    let (nodes, dropped) = (report.dropped_nodes, report.dropped_elements);
+/// Remark about nodes and elements of the mesh file that are left out or belong to no set.
+fn unused(nodes: usize, dropped: usize, ungrouped: usize) -> Option<SceneRemark> {
+    let found = SceneRemark::MeshFile {
+        nodes,
+        dropped,
+        ungrouped,
+    };
+    (nodes + dropped + ungrouped > 0).then_some(found)
+}
+
+/// Remarks about a Gmsh file.
+fn of_gmsh(report: &GmshReport) -> impl Iterator<Item = SceneRemark> {
     let grouped = |group: &GmshGroup| group.dimension == 3 || group.dimension == 1;
     // A mesh without groups is one set.
     let ungrouped = match report.groups.iter().any(grouped) {
         true => report.ungrouped_elements,
         false => 0,
     };
-    let found = SceneRemark::MeshFile {
-        nodes,
-        dropped,
-        ungrouped,
+    let unused = unused(report.dropped_nodes, report.dropped_elements, ungrouped);
+    let (lowered, curved) = (report.lowered_elements, report.curved_nodes);
+    let changed = changed(lowered, curved, report.largest_curve);
+    unused.into_iter().chain(changed)
+}
+
+/// Remarks about an Abaqus input file.
+fn of_inp(report: InpReport) -> Vec<SceneRemark> {
+    // A mesh without sets is one set.
+    let ungrouped = match report.has_element_sets {
+        true => report.ungrouped_elements,
+        false => 0,
     };
-    (nodes + dropped + ungrouped > 0).then_some(Remark::Scene(found))
+    let unused = unused(report.dropped_nodes, 0, ungrouped);
+    let (lowered, curved) = (report.lowered_elements, report.curved_nodes);
+    let changed = changed(lowered, curved, report.largest_curve);
+    let skipped = report.skipped_keywords;
+    let keywords = (!skipped.is_empty()).then_some(SceneRemark::MeshKeywords { skipped });
+    Vec::from_iter(unused.into_iter().chain(changed).chain(keywords))
 }
 
 /// Plane slice of a mesh.

@@ -1,5 +1,6 @@
 //! Scenes from files and from Rust: accepted input, errors, and results of runs.
 
+mod abaqus;
 mod base_motion;
 mod bending;
 mod crack_bands;
