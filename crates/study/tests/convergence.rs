@@ -164,6 +164,7 @@ fn scatter_is_measured_where_laws_have_a_history() {
     let page = std::fs::read_to_string(write_report(&out).unwrap()).unwrap();
     assert!(page.contains("Convergence") && page.contains("order assumed"));
     assert!(page.contains("two meshes show no order of convergence"));
+    assert!(page.contains("assumed to scatter no more"));
     let table = std::fs::read_to_string(&report.files[0]).unwrap();
     assert!(
         table.contains("125 elements of 24.0 m,512 elements of 15.0 m"),

@@ -101,6 +101,12 @@ impl ConvergenceReport {
                     .to_owned(),
             );
         }
+        if self.figures.iter().any(|figure| figure.scatter.is_some()) {
+            limits.push(
+                "the finest mesh was not run under perturbed waves: its results are assumed to scatter no more than those of the others"
+                    .to_owned(),
+            );
+        }
         if self.keeps_chords {
             limits.push(
                 "refined meshes keep the chords of curved walls: the error of the geometry is not in the bands".to_owned(),
