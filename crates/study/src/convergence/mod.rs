@@ -50,6 +50,7 @@ use crate::sweep::{Sweep, SweepWatch};
 use crate::trade::check_same_loads;
 use crate::{StudyError, registry};
 pub use estimate::{Estimate, Trend};
+use report::RunFigures;
 pub(crate) use report::read as read_report;
 pub use report::{ComparedFigure, ConvergenceReport, MeshLevel};
 
@@ -259,11 +260,15 @@ impl Convergence {
         let plain: Vec<_> = plain.into_iter().map(results).collect::<Result<_, _>>()?;
         let perturbed = again.into_iter().map(|run| Ok((run.mesh, results(run)?)));
         let perturbed: Vec<_> = perturbed.collect::<Result<_, StudyError>>()?;
+        let runs = RunFigures {
+            plain: &plain,
+            perturbed: &perturbed,
+        };
         let mut report = ConvergenceReport {
             title: self.title.clone(),
             scatter_unknown: !is_linear && perturbed.is_empty(),
             keeps_chords: matches!(self.finer, FinerMeshes::Refined(_)),
-            figures: report::compare(&levels, (&plain, &perturbed), is_linear),
+            figures: report::compare(&levels, &runs, is_linear),
             meshes: levels,
             files: Vec::new(),
         };

@@ -206,13 +206,22 @@ pub(crate) fn read(folder: &Path) -> Result<Option<ConvergenceReport>, StudyErro
         .map_err(|source| StudyError::Outcome { file, source })
 }
 
-/// Compares the results that all runs have, those of the meshes from the coarsest, and of perturbed runs with the index of
-/// their mesh.
+/// Results of the runs of a study.
+#[derive(Clone, Copy)]
+pub(super) struct RunFigures<'a> {
+    /// Those of each mesh, the coarsest first.
+    pub(super) plain: &'a [Vec<Figure>],
+    /// Those under perturbed waves, with the index of their mesh.
+    pub(super) perturbed: &'a [(usize, Vec<Figure>)],
+}
+
+/// Compares the results that all runs have.
 pub(super) fn compare(
     meshes: &[MeshLevel],
-    (plain, perturbed): (&[Vec<Figure>], &[(usize, Vec<Figure>)]),
+    runs: &RunFigures,
     is_linear: bool,
 ) -> Vec<ComparedFigure> {
+    let RunFigures { plain, perturbed } = *runs;
     let of = |figures: &[Figure], name: &str| {
         let found = figures.iter().find(|figure| figure.name == name);
         found.map(|figure| figure.value)
@@ -310,7 +319,14 @@ mod tests {
         let mut fine = run(4.0, 10.0);
         fine.push(figure("peak of c.damage", "1", 0.5));
         let plain = [run(7.0, 12.0), fine];
-        let found = compare(&meshes(), (&plain, &[]), true);
+        let found = compare(
+            &meshes(),
+            &RunFigures {
+                plain: &plain,
+                perturbed: &[],
+            },
+            true,
+        );
         let names: Vec<&str> = found.iter().map(|figure| figure.name.as_str()).collect();
         assert_eq!(names, ["peak of a.ux", "peak of b.ux", "peak of a.s1"]);
         assert_eq!(found[0].estimate.extrapolated, Some(3.0));
@@ -319,14 +335,28 @@ mod tests {
         let negligible = found.iter().map(|figure| figure.negligible);
         assert_eq!(negligible.collect::<Vec<_>>(), [false, true, false]);
         let perturbed = [(0, run(7.5, 12.1))];
-        let found = compare(&meshes(), (&plain, &perturbed), false);
+        let found = compare(
+            &meshes(),
+            &RunFigures {
+                plain: &plain,
+                perturbed: &perturbed,
+            },
+            false,
+        );
         assert_eq!(found[0].estimate.extrapolated, Some(1.0));
         assert_eq!(found[0].scatter, Some(0.5));
         assert!((found[2].scatter.unwrap() - 0.1).abs() < 1e-12);
         // What sampling changes limits the band as scatter does.
         let mut sampled = plain.clone();
         sampled[0][0].of_sampling = 2.0;
-        let limited = compare(&meshes(), (&sampled, &[]), true);
+        let limited = compare(
+            &meshes(),
+            &RunFigures {
+                plain: &sampled,
+                perturbed: &[],
+            },
+            true,
+        );
         assert_eq!(limited[0].estimate.band, Some(4.0));
         assert_eq!(limited[0].estimate.extrapolated, None);
         // The band of 6 m around 4 m, and of 6 Pa around 10 Pa; the negligible one does not count.
