@@ -72,6 +72,8 @@ mod plot;
 mod records;
 #[cfg(any(feature = "pictures", feature = "plots"))]
 mod scale;
+#[cfg(any(feature = "gmsh", feature = "inp"))]
+mod second_order;
 mod section_file;
 #[cfg(feature = "json")]
 mod summary;
@@ -89,11 +91,10 @@ pub use date::utc_date;
 pub use error::IoError;
 #[cfg(feature = "gmsh")]
 pub use gmsh::{
-    GmshError, GmshMesh, GmshOptions, parse_gmsh, parse_gmsh_with, read_gmsh, read_gmsh_with,
-    write_gmsh,
+    GmshError, GmshMesh, parse_gmsh, parse_gmsh_with, read_gmsh, read_gmsh_with, write_gmsh,
 };
 #[cfg(feature = "inp")]
-pub use inp::{InpError, InpMesh, InpOptions, parse_inp, parse_inp_with, read_inp, read_inp_with};
+pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_with};
 pub use memory::available_memory;
 #[cfg(feature = "pictures")]
 pub use picture::{
@@ -107,6 +108,8 @@ pub use records::{
     AccelerationUnit, CountRule, LengthRule, Record, RecordError, RecordFault, RecordOptions,
     common_length, parse_record, read_record,
 };
+#[cfg(any(feature = "gmsh", feature = "inp"))]
+pub use second_order::MeshOptions;
 pub use section_file::{
     FileSection, SectionFault, SectionFileError, parse_sections, read_sections, write_sections,
 };

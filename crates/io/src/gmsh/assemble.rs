@@ -7,7 +7,9 @@ use powerhouse_model::{Mesh, MeshBuilder, MeshError, Vec3};
 use super::error::{GmshFault, Located};
 use super::raw::{RawElement, RawMesh};
 use super::report::{GmshGroup, GmshReport};
-use super::{Encoding, GmshOptions, GmshVersion};
+use super::{Encoding, GmshVersion};
+use crate::MeshOptions;
+use crate::second_order::CurvedNodes;
 
 /// Name of the set of all solids, if no solid of the file belongs to a physical group.
 pub(super) const ALL: &str = "all";
@@ -199,17 +201,9 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Nodes at the middle of an edge that are not at its midpoint.
-#[derive(Default)]
-struct Curved {
-    nodes: HashSet<u64>,
-    /// Largest distance from the midpoint (m).
-    largest: f64,
-}
-
 /// Takes the corners alone of all elements of second order, if `first_order` is true, of their number; finds curved edges.
-fn lower(raw: &mut RawMesh, first_order: bool) -> (usize, Curved) {
-    let mut curved = Curved::default();
+fn lower(raw: &mut RawMesh, first_order: bool) -> (usize, CurvedNodes) {
+    let mut curved = CurvedNodes::default();
     let mut lowered = 0;
     let has_edges = |element: &RawElement| !element.shape.edges().is_empty();
     if !raw.elements.elements.iter().any(has_edges) {
@@ -222,16 +216,10 @@ fn lower(raw: &mut RawMesh, first_order: bool) -> (usize, Curved) {
             continue;
         };
         let nodes = &raw.elements.nodes[element.first..][..element.shape.node_count()];
-        let at = |local: usize| positions.get(&nodes[local]).copied().unwrap_or_default();
-        for (i, ends) in element.shape.edges().iter().enumerate() {
-            let [a, b] = ends.map(|end| at(end.into()));
-            let middle = first.node_count() + i;
-            let offset = (at(middle) - (a + b) * 0.5).norm();
-            if offset > Mesh::STRAIGHT * (b - a).norm() {
-                curved.nodes.insert(nodes[middle]);
-                curved.largest = curved.largest.max(offset);
-            }
-        }
+        let edges = (first.node_count(), element.shape.edges());
+        curved.add(nodes, edges, |node| {
+            positions.get(&node).copied().unwrap_or_default()
+        });
         if first_order {
             element.shape = first;
             lowered += 1;
@@ -245,7 +233,7 @@ pub(super) fn assemble(
     mut raw: RawMesh,
     version: GmshVersion,
     encoding: Encoding,
-    options: GmshOptions,
+    options: MeshOptions,
 ) -> Result<(Mesh, GmshReport), Located> {
     let (lowered_elements, curved) = lower(&mut raw, options.first_order);
     let raw = &raw;
@@ -268,8 +256,8 @@ pub(super) fn assemble(
         ungrouped_elements: uses(|element_use| matches!(element_use, ElementUse::Element(Some(_)))),
         dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
         lowered_elements,
-        curved_nodes: curved.nodes.len(),
-        largest_curve: curved.largest,
+        curved_nodes: curved.count(),
+        largest_curve: curved.largest(),
         groups: (assembly.groups.iter())
             .map(|(&(dimension, number), &elements)| GmshGroup {
                 name: assembly.group_name(dimension, number),

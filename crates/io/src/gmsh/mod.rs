@@ -8,7 +8,7 @@
 //! | triangles (3 or 6), quadrilaterals (4) in a physical group | facets: the sides of the solids on the same nodes, both sides of an interior face |
 //! | points in a physical group | nodes |
 //! | physical groups of dimension 3 and 1, 2, 0 | element sets, facet sets, node sets |
-//! | other elements of second order | with [`GmshOptions::first_order`] those with the same corners, else an error that names the element |
+//! | other elements of second order | with [`MeshOptions::first_order`] those with the same corners, else an error that names the element |
 //! | any other element | an error that names the element |
 //!
 //! A set has the name of its group, or `physical_DIMENSION_NUMBER` if the group has none; groups
@@ -63,7 +63,7 @@ use std::path::{Path, PathBuf};
 
 use powerhouse_model::Mesh;
 
-use crate::IoError;
+use crate::{IoError, MeshOptions};
 
 pub use error::{GmshError, GmshFault, GmshPlace};
 pub use format::{ByteOrder, Encoding, GmshVersion};
@@ -82,45 +82,20 @@ pub struct GmshMesh {
     pub report: GmshReport,
 }
 
-/// Options of reading elements of second order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct GmshOptions {
-    /// Whether all elements of second order are read as those with the same corners; false by default.
-    pub first_order: bool,
-    /// Whether nodes at the middle of curved edges are moved to the midpoints; false by default: curved edges are an error.
-    pub straighten: bool,
-}
-
-impl GmshOptions {
-    /// Elements of second order are read as those with the same corners.
-    #[must_use]
-    pub fn with_first_order(mut self) -> Self {
-        self.first_order = true;
-        self
-    }
-    /// Nodes at the middle of curved edges are moved to the midpoints.
-    #[must_use]
-    pub fn with_straight_edges(mut self) -> Self {
-        self.straighten = true;
-        self
-    }
-}
-
 /// Reads a Gmsh file of version 4.1 or 2.2, text or binary.
 ///
 /// # Errors
 /// [`GmshError::File`] if it cannot be opened, [`GmshError::Content`] with the line or byte, the
 /// section and the node or element of the fault.
 pub fn read_gmsh(path: impl AsRef<Path>) -> Result<GmshMesh, GmshError> {
-    read_gmsh_with(path, GmshOptions::default())
+    read_gmsh_with(path, MeshOptions::default())
 }
 
 /// Reads a Gmsh file as [`read_gmsh`], with options for elements of second order.
 ///
 /// # Errors
 /// As [`read_gmsh`].
-pub fn read_gmsh_with(path: impl AsRef<Path>, options: GmshOptions) -> Result<GmshMesh, GmshError> {
+pub fn read_gmsh_with(path: impl AsRef<Path>, options: MeshOptions) -> Result<GmshMesh, GmshError> {
     let path = path.as_ref();
     let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
     parse(&bytes, Some(path.into()), options)
@@ -164,18 +139,18 @@ pub fn read_gmsh_with(path: impl AsRef<Path>, options: GmshOptions) -> Result<Gm
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn parse_gmsh(bytes: &[u8]) -> Result<GmshMesh, GmshError> {
-    parse(bytes, None, GmshOptions::default())
+    parse(bytes, None, MeshOptions::default())
 }
 
 /// Reads a Gmsh file from memory, as [`read_gmsh_with`].
 ///
 /// # Errors
 /// As [`parse_gmsh`].
-pub fn parse_gmsh_with(bytes: &[u8], options: GmshOptions) -> Result<GmshMesh, GmshError> {
+pub fn parse_gmsh_with(bytes: &[u8], options: MeshOptions) -> Result<GmshMesh, GmshError> {
     parse(bytes, None, options)
 }
 
-fn parse(bytes: &[u8], file: Option<PathBuf>, options: GmshOptions) -> Result<GmshMesh, GmshError> {
+fn parse(bytes: &[u8], file: Option<PathBuf>, options: MeshOptions) -> Result<GmshMesh, GmshError> {
     let (format, start) = match read::head(bytes) {
         Ok(head) => head,
         Err(located) => return Err(located.complete(bytes, true, file)),

@@ -28,6 +28,7 @@ pub(super) enum Shape {
 
 /// Facts about an element type.
 struct Facts {
+    shape: Shape,
     /// Number of the type in the format.
     number: i32,
     /// Name with its article.
@@ -82,6 +83,7 @@ const PYRAMID: &[[u8; 2]] = &[
 
 /// An element type of first order.
 const fn first(
+    shape: Shape,
     number: i32,
     name: &'static str,
     dimension: usize,
@@ -89,6 +91,7 @@ const fn first(
     element: Option<ElementKind>,
 ) -> Facts {
     Facts {
+        shape,
         number,
         name,
         dimension,
@@ -100,6 +103,7 @@ const fn first(
 
 /// An element type of second order that is read.
 const fn second(
+    shape: Shape,
     number: i32,
     name: &'static str,
     (dimension, nodes): (usize, usize),
@@ -107,6 +111,7 @@ const fn second(
     first: (Shape, &'static [[u8; 2]]),
 ) -> Facts {
     Facts {
+        shape,
         number,
         name,
         dimension,
@@ -117,17 +122,46 @@ const fn second(
 }
 
 const FACTS: [Facts; 19] = [
-    first(15, "a point", 0, 1, None),
-    first(1, "a line", 1, 2, Some(ElementKind::Bar2)),
-    first(2, "a triangle", 2, 3, None),
-    first(3, "a quadrilateral", 2, 4, None),
-    first(4, "a tet4", 3, 4, Some(ElementKind::Tet4)),
-    first(5, "a hex8", 3, 8, Some(ElementKind::Hex8)),
-    first(6, "a wedge6", 3, 6, Some(ElementKind::Wedge6)),
-    first(7, "a pyramid5", 3, 5, Some(ElementKind::Pyramid5)),
-    second(8, "a line3", (1, 3), None, (Shape::Line2, &[[0, 1]])),
-    second(9, "a triangle6", (2, 6), None, (Shape::Triangle3, TRIANGLE)),
+    first(Shape::Point, 15, "a point", 0, 1, None),
+    first(Shape::Line2, 1, "a line", 1, 2, Some(ElementKind::Bar2)),
+    first(Shape::Triangle3, 2, "a triangle", 2, 3, None),
+    first(Shape::Quadrilateral4, 3, "a quadrilateral", 2, 4, None),
+    first(Shape::Tet4, 4, "a tet4", 3, 4, Some(ElementKind::Tet4)),
+    first(Shape::Hex8, 5, "a hex8", 3, 8, Some(ElementKind::Hex8)),
+    first(
+        Shape::Wedge6,
+        6,
+        "a wedge6",
+        3,
+        6,
+        Some(ElementKind::Wedge6),
+    ),
+    first(
+        Shape::Pyramid5,
+        7,
+        "a pyramid5",
+        3,
+        5,
+        Some(ElementKind::Pyramid5),
+    ),
     second(
+        Shape::Line3,
+        8,
+        "a line3",
+        (1, 3),
+        None,
+        (Shape::Line2, &[[0, 1]]),
+    ),
+    second(
+        Shape::Triangle6,
+        9,
+        "a triangle6",
+        (2, 6),
+        None,
+        (Shape::Triangle3, TRIANGLE),
+    ),
+    second(
+        Shape::Quadrilateral9,
         10,
         "a quadrilateral9",
         (2, 9),
@@ -135,6 +169,7 @@ const FACTS: [Facts; 19] = [
         (Shape::Quadrilateral4, QUADRILATERAL),
     ),
     second(
+        Shape::Quadrilateral8,
         16,
         "a quadrilateral8",
         (2, 8),
@@ -142,41 +177,61 @@ const FACTS: [Facts; 19] = [
         (Shape::Quadrilateral4, QUADRILATERAL),
     ),
     second(
+        Shape::Tet10,
         11,
         "a tet10",
         (3, 10),
         Some(ElementKind::Tet10),
         (Shape::Tet4, TETRAHEDRON),
     ),
-    second(12, "a hex27", (3, 27), None, (Shape::Hex8, HEXAHEDRON)),
-    second(17, "a hex20", (3, 20), None, (Shape::Hex8, HEXAHEDRON)),
-    second(13, "a wedge18", (3, 18), None, (Shape::Wedge6, WEDGE)),
-    second(18, "a wedge15", (3, 15), None, (Shape::Wedge6, WEDGE)),
-    second(14, "a pyramid14", (3, 14), None, (Shape::Pyramid5, PYRAMID)),
-    second(19, "a pyramid13", (3, 13), None, (Shape::Pyramid5, PYRAMID)),
-];
-
-/// The supported types, in the order of [`FACTS`].
-const SHAPES: [Shape; 19] = [
-    Shape::Point,
-    Shape::Line2,
-    Shape::Triangle3,
-    Shape::Quadrilateral4,
-    Shape::Tet4,
-    Shape::Hex8,
-    Shape::Wedge6,
-    Shape::Pyramid5,
-    Shape::Line3,
-    Shape::Triangle6,
-    Shape::Quadrilateral9,
-    Shape::Quadrilateral8,
-    Shape::Tet10,
-    Shape::Hex27,
-    Shape::Hex20,
-    Shape::Wedge18,
-    Shape::Wedge15,
-    Shape::Pyramid14,
-    Shape::Pyramid13,
+    second(
+        Shape::Hex27,
+        12,
+        "a hex27",
+        (3, 27),
+        None,
+        (Shape::Hex8, HEXAHEDRON),
+    ),
+    second(
+        Shape::Hex20,
+        17,
+        "a hex20",
+        (3, 20),
+        None,
+        (Shape::Hex8, HEXAHEDRON),
+    ),
+    second(
+        Shape::Wedge18,
+        13,
+        "a wedge18",
+        (3, 18),
+        None,
+        (Shape::Wedge6, WEDGE),
+    ),
+    second(
+        Shape::Wedge15,
+        18,
+        "a wedge15",
+        (3, 15),
+        None,
+        (Shape::Wedge6, WEDGE),
+    ),
+    second(
+        Shape::Pyramid14,
+        14,
+        "a pyramid14",
+        (3, 14),
+        None,
+        (Shape::Pyramid5, PYRAMID),
+    ),
+    second(
+        Shape::Pyramid13,
+        19,
+        "a pyramid13",
+        (3, 13),
+        None,
+        (Shape::Pyramid5, PYRAMID),
+    ),
 ];
 
 /// Names of known unsupported types, by number.
@@ -208,11 +263,9 @@ pub(super) enum TypeOfNumber {
 
 impl Shape {
     pub(super) fn of_number(number: i64) -> TypeOfNumber {
-        let known = SHAPES
-            .into_iter()
-            .find(|shape| i64::from(shape.number()) == number);
+        let known = FACTS.iter().find(|facts| i64::from(facts.number) == number);
         match known {
-            Some(shape) => TypeOfNumber::Read(shape),
+            Some(facts) => TypeOfNumber::Read(facts.shape),
             None if (1..=LAST_NUMBER).contains(&number) => TypeOfNumber::Unsupported(
                 UNSUPPORTED
                     .iter()
@@ -255,9 +308,10 @@ impl Shape {
         self.facts().first.map_or(&[], |(_, edges)| edges)
     }
     pub(super) fn of_element(kind: ElementKind) -> Option<Self> {
-        SHAPES
-            .into_iter()
-            .find(|shape| shape.element() == Some(kind))
+        FACTS
+            .iter()
+            .find(|facts| facts.element == Some(kind))
+            .map(|facts| facts.shape)
     }
 }
 
@@ -269,7 +323,7 @@ mod tests {
     /// those of sides and volumes make the nodes of a type of second order.
     #[test]
     fn the_table_is_consistent() {
-        for (index, shape) in SHAPES.into_iter().enumerate() {
+        for (index, shape) in FACTS.iter().map(|facts| facts.shape).enumerate() {
             assert_eq!(shape as usize, index);
             let number = i64::from(shape.number());
             assert!(matches!(Shape::of_number(number), TypeOfNumber::Read(same) if same == shape));

@@ -1,14 +1,13 @@
 //! Conversion of the content of a file into a mesh with its sets.
 
-use std::collections::HashSet;
-
 use powerhouse_model::{Mesh, MeshError};
 
-use super::InpOptions;
 use super::blocks::RawMesh;
 use super::error::{InpFault, Located};
 use super::report::InpReport;
 use super::sets::{self, AllSets, Set};
+use crate::MeshOptions;
+use crate::second_order::CurvedNodes;
 
 /// Name of the set of all elements, if none of the file belongs to a set.
 const ALL: &str = "all";
@@ -18,19 +17,11 @@ const UNGROUPED: &str = "ungrouped";
 /// Index of a node that no element uses.
 const UNUSED: u32 = u32::MAX;
 
-/// Nodes at the middle of an edge that are not at its midpoint.
-#[derive(Default)]
-struct Curved {
-    nodes: HashSet<u64>,
-    /// Largest distance from the midpoint (m).
-    largest: f64,
-}
-
 /// Builds the mesh and checks the shapes of its elements.
 pub(super) fn assemble(
     bytes: &[u8],
     raw: &RawMesh,
-    options: InpOptions,
+    options: MeshOptions,
 ) -> Result<(Mesh, InpReport), Located> {
     check_nodes(raw)?;
     let curved = curved(raw);
@@ -57,8 +48,8 @@ pub(super) fn assemble(
             true => elements.iter().filter(second_order).count(),
             false => 0,
         },
-        curved_nodes: curved.nodes.len(),
-        largest_curve: curved.largest,
+        curved_nodes: curved.count(),
+        largest_curve: curved.largest(),
         empty_sets,
         skipped_keywords: raw.skipped.iter().cloned().collect(),
         quality,
@@ -85,26 +76,19 @@ fn check_nodes(raw: &RawMesh) -> Result<(), Located> {
 }
 
 /// Finds curved edges.
-fn curved(raw: &RawMesh) -> Curved {
-    let mut curved = Curved::default();
+fn curved(raw: &RawMesh) -> CurvedNodes {
+    let mut curved = CurvedNodes::default();
+    let position = |node: u64| raw.nodes.positions[raw.nodes.index[&node] as usize];
     for element in &raw.elements.elements {
-        let nodes = raw.elements.nodes_of(element);
-        let at = |local: usize| raw.nodes.positions[raw.nodes.index[&nodes[local]] as usize];
-        for (i, ends) in element.shape.edges.iter().enumerate() {
-            let [a, b] = ends.map(|end| at(end.into()));
-            let middle = element.shape.corners.node_count() + i;
-            let offset = (at(middle) - (a + b) * 0.5).norm();
-            if offset > Mesh::STRAIGHT * (b - a).norm() {
-                curved.nodes.insert(nodes[middle]);
-                curved.largest = curved.largest.max(offset);
-            }
-        }
+        let corners = element.shape.corners.node_count();
+        let edges = (corners, element.shape.edges);
+        curved.add(raw.elements.nodes_of(element), edges, position);
     }
     curved
 }
 
 /// The mesh without sets, and the index in it of each node of the file.
-fn build(raw: &RawMesh, options: InpOptions) -> Result<(Mesh, Vec<u32>), Located> {
+fn build(raw: &RawMesh, options: MeshOptions) -> Result<(Mesh, Vec<u32>), Located> {
     let mut index = vec![UNUSED; raw.nodes.tags.len()];
     let mut builder = Mesh::builder();
     let no_sets: [&str; 0] = [];

@@ -6,7 +6,7 @@
 //! | `C3D6`, `C3D5`, `C3D4` | solids `wedge6`, `pyramid5`, `tet4` |
 //! | `C3D10`, `C3D10M` with straight edges | solids `tet10` |
 //! | `T3D2` | bars `bar2` |
-//! | `C3D20`, `C3D20R`, `C3D15` | with [`InpOptions::first_order`] those with the same corners, else an error |
+//! | `C3D20`, `C3D20R`, `C3D15` | with [`MeshOptions::first_order`] those with the same corners, else an error |
 //! | any other type | an error with the line and the types that are read |
 //! | `ELSET` of `*ELEMENT`, `*ELSET` | element sets |
 //! | `NSET` of `*NODE`, `*NSET` | node sets |
@@ -54,7 +54,7 @@ use std::path::{Path, PathBuf};
 
 use powerhouse_model::Mesh;
 
-use crate::IoError;
+use crate::{IoError, MeshOptions};
 
 pub use error::{InpError, InpFault, InpPlace};
 pub use report::InpReport;
@@ -71,44 +71,19 @@ pub struct InpMesh {
     pub report: InpReport,
 }
 
-/// Options of reading elements of second order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct InpOptions {
-    /// Whether all elements of second order are read as those with the same corners; false by default.
-    pub first_order: bool,
-    /// Whether nodes at the middle of curved edges are moved to the midpoints; false by default: curved edges are an error.
-    pub straighten: bool,
-}
-
-impl InpOptions {
-    /// Elements of second order are read as those with the same corners.
-    #[must_use]
-    pub fn with_first_order(mut self) -> Self {
-        self.first_order = true;
-        self
-    }
-    /// Nodes at the middle of curved edges are moved to the midpoints.
-    #[must_use]
-    pub fn with_straight_edges(mut self) -> Self {
-        self.straighten = true;
-        self
-    }
-}
-
 /// Reads the mesh of an Abaqus input file.
 ///
 /// # Errors
 /// [`InpError::File`] if it cannot be opened, [`InpError::Content`] with the line, the keyword and the fault.
 pub fn read_inp(path: impl AsRef<Path>) -> Result<InpMesh, InpError> {
-    read_inp_with(path, InpOptions::default())
+    read_inp_with(path, MeshOptions::default())
 }
 
 /// Reads the mesh of an Abaqus input file as [`read_inp`], with options for elements of second order.
 ///
 /// # Errors
 /// As [`read_inp`].
-pub fn read_inp_with(path: impl AsRef<Path>, options: InpOptions) -> Result<InpMesh, InpError> {
+pub fn read_inp_with(path: impl AsRef<Path>, options: MeshOptions) -> Result<InpMesh, InpError> {
     let path = path.as_ref();
     let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
     parse(&bytes, Some(path.into()), options)
@@ -142,18 +117,18 @@ pub fn read_inp_with(path: impl AsRef<Path>, options: InpOptions) -> Result<InpM
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn parse_inp(bytes: &[u8]) -> Result<InpMesh, InpError> {
-    parse(bytes, None, InpOptions::default())
+    parse(bytes, None, MeshOptions::default())
 }
 
 /// Reads the mesh of an Abaqus input file from memory, as [`read_inp_with`].
 ///
 /// # Errors
 /// As [`parse_inp`].
-pub fn parse_inp_with(bytes: &[u8], options: InpOptions) -> Result<InpMesh, InpError> {
+pub fn parse_inp_with(bytes: &[u8], options: MeshOptions) -> Result<InpMesh, InpError> {
     parse(bytes, None, options)
 }
 
-fn parse(bytes: &[u8], file: Option<PathBuf>, options: InpOptions) -> Result<InpMesh, InpError> {
+fn parse(bytes: &[u8], file: Option<PathBuf>, options: MeshOptions) -> Result<InpMesh, InpError> {
     let content = read::read(bytes, options)
         .and_then(|raw| assemble::assemble(bytes, &raw, options))
         .map_err(|located| located.complete(bytes, file));

@@ -2,13 +2,13 @@
 
 use powerhouse_model::{MeshError, Vec3};
 
-use super::InpOptions;
 use super::blocks::{Name, RawElement, RawMesh, SetBlock, SetKind, Source};
 use super::error::{InpFault, Located, snippet};
 use super::keyword::{Keyword, Parameters};
 use super::line::{Line, Lines};
 use super::parts::Parts;
 use super::shape::Shape;
+use crate::MeshOptions;
 
 const NODE: &str = "*NODE";
 const ELEMENT: &str = "*ELEMENT";
@@ -40,13 +40,13 @@ const REFUSED: [(&str, &str); 11] = [
 
 struct Reader<'a> {
     lines: Lines<'a>,
-    options: InpOptions,
+    options: MeshOptions,
     parts: Parts,
     raw: RawMesh,
 }
 
 /// Reads nodes, elements and the places of sets.
-pub(super) fn read(bytes: &[u8], options: InpOptions) -> Result<RawMesh, Located> {
+pub(super) fn read(bytes: &[u8], options: MeshOptions) -> Result<RawMesh, Located> {
     let mut reader = Reader {
         lines: Lines::new(bytes, 0),
         options,

@@ -2,7 +2,7 @@
 
 use powerhouse_io::gmsh::GmshFault;
 use powerhouse_io::{
-    GmshError, GmshOptions, parse_gmsh, parse_gmsh_with, read_gmsh, read_gmsh_with, write_gmsh,
+    GmshError, MeshOptions, parse_gmsh, parse_gmsh_with, read_gmsh, read_gmsh_with, write_gmsh,
 };
 use powerhouse_model::{ElementKind, Mesh, MeshError, Vec3};
 
@@ -44,7 +44,7 @@ fn midpoints_can_be_left_out() {
     let folder = folder("lowered");
     let path = folder.join("mesh.msh");
     write_gmsh(&path, &mesh.with_midpoints().unwrap()).unwrap();
-    let read = read_gmsh_with(&path, GmshOptions::default().with_first_order()).unwrap();
+    let read = read_gmsh_with(&path, MeshOptions::default().with_first_order()).unwrap();
     assert_eq!(read.mesh, mesh);
     // Solids and the facets of six sides.
     assert_eq!(read.report.lowered_elements, 48 + 6 * 8);
@@ -144,7 +144,7 @@ fn corners_of_second_order_are_read_on_request() {
                 .position(|line| line.starts_with("8 ") && line.contains(" 2 0 1 "));
             assert_eq!(place.line, line.map(|line| line + 1));
             assert!(error.to_string().contains("order = 1"), "{error}");
-            let options = GmshOptions::default().with_first_order();
+            let options = MeshOptions::default().with_first_order();
             let read = parse_gmsh_with(text.as_bytes(), options).unwrap();
             assert_eq!(read.mesh.kind(0), kind);
             assert_eq!(read.mesh.node_count(), kind.node_count());
@@ -186,7 +186,7 @@ fn curved_edges_are_refused_or_straightened() {
     );
     let read = parse_gmsh_with(
         text.as_bytes(),
-        GmshOptions::default().with_straight_edges(),
+        MeshOptions::default().with_straight_edges(),
     )
     .unwrap();
     let exact = parse_gmsh(one_solid(11, corners, straight).as_bytes()).unwrap();
@@ -223,7 +223,7 @@ fn lines_of_three_nodes_are_bars_of_first_order() {
     );
     let error = parse_gmsh(with_line(3).as_bytes()).unwrap_err().to_string();
     assert!(error.contains("element 7 is a line3"), "{error}");
-    let options = GmshOptions::default().with_first_order();
+    let options = MeshOptions::default().with_first_order();
     let bars = parse_gmsh_with(with_line(3).as_bytes(), options)
         .unwrap()
         .mesh;

@@ -1,7 +1,7 @@
 //! Element types: order of nodes, faces, second order.
 
 use powerhouse_io::inp::InpFault;
-use powerhouse_io::{InpOptions, parse_inp, parse_inp_with, read_gmsh, read_inp, write_gmsh};
+use powerhouse_io::{MeshOptions, parse_inp, parse_inp_with, read_gmsh, read_inp, write_gmsh};
 use powerhouse_model::{ElementKind, Mesh, MeshError, Vec3};
 
 use crate::sample::{fault, read, text_of, type_of};
@@ -190,7 +190,7 @@ fn midpoints_are_left_out_or_moved() {
     let (four, ten) = (&boxes()[3], &boxes()[4]);
     let text = text_of(ten, "rock");
     let lowered =
-        parse_inp_with(text.as_bytes(), InpOptions::default().with_first_order()).unwrap();
+        parse_inp_with(text.as_bytes(), MeshOptions::default().with_first_order()).unwrap();
     assert_eq!(lowered.mesh, read(&text_of(four, "rock")).mesh);
     assert_eq!(lowered.report.lowered_elements, four.element_count());
     assert_eq!(
@@ -214,7 +214,7 @@ fn midpoints_are_left_out_or_moved() {
     assert_eq!(curved(&found), Some((node, 0.125)), "{found}");
     let line = text.lines().nth(place.line - 1).unwrap();
     assert!(line.contains(&node.to_string()), "{line}");
-    let options = InpOptions::default().with_straight_edges();
+    let options = MeshOptions::default().with_straight_edges();
     let straight = parse_inp_with(text.as_bytes(), options).unwrap();
     assert_eq!(straight.mesh, read(&text_of(ten, "rock")).mesh);
     assert_eq!(
@@ -290,7 +290,7 @@ fn corners_of_second_order_are_read_on_request() {
         let (place, found) = fault(&text);
         assert_eq!(found, InpFault::SecondOrder { name });
         assert_eq!(place.line, positions.len() + 2);
-        let options = InpOptions::default().with_first_order();
+        let options = MeshOptions::default().with_first_order();
         let read = parse_inp_with(text.as_bytes(), options).unwrap();
         assert_eq!(read.mesh.node_count(), corners.len(), "{name}");
         assert!((read.mesh.volume(0) - volume).abs() < 1e-12, "{name}");

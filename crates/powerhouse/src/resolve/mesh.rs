@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use powerhouse_io::gmsh::{GmshGroup, GmshOptions, GmshReport};
-use powerhouse_io::inp::{InpOptions, InpReport};
+use powerhouse_io::MeshOptions;
+use powerhouse_io::gmsh::{GmshGroup, GmshReport};
+use powerhouse_io::inp::InpReport;
 use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use super::ordered;
@@ -77,28 +78,13 @@ pub(super) fn mesh(
     Ok((mesh, remarks))
 }
 
-/// How elements of second order are read.
-#[derive(Clone, Copy, Default)]
-struct Orders {
-    /// Whether by their corners alone.
-    first_order: bool,
-    /// Whether nodes on curved edges are moved to the midpoints.
-    straighten: bool,
-}
-
 /// Mesh of a file, whose format its name shows, with what is to be said of it.
-fn read(path: &Path, orders: Orders) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
+fn read(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
     let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
     if is_inp {
-        let mut options = InpOptions::default();
-        options.first_order = orders.first_order;
-        options.straighten = orders.straighten;
         let inp = powerhouse_io::read_inp_with(path, options)?;
         Ok((inp.mesh, of_inp(inp.report)))
     } else {
-        let mut options = GmshOptions::default();
-        options.first_order = orders.first_order;
-        options.straighten = orders.straighten;
         let gmsh = powerhouse_io::read_gmsh_with(path, options)?;
         let remarks = of_gmsh(&gmsh.report).collect();
         Ok((gmsh.mesh, remarks))
@@ -107,8 +93,8 @@ fn read(path: &Path, orders: Orders) -> Result<(Mesh, Vec<SceneRemark>), AnyErro
 
 /// Options of reading elements of second order; keys for a mesh file are refused with a generator, and straight edges
 /// without midpoints.
-fn order_options(table: &format::MeshFile) -> Result<Orders, Fault> {
-    let mut options = Orders::default();
+fn order_options(table: &format::MeshFile) -> Result<MeshOptions, Fault> {
+    let mut options = MeshOptions::default();
     let of_file = |span: core::ops::Range<usize>, key: &str| match table.generator {
         None => Ok(()),
         Some(_) => {
