@@ -38,6 +38,7 @@ mod extent;
 mod free_field;
 mod grown;
 mod joints;
+mod json;
 mod mark;
 mod names;
 mod opening_slice;

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::StudyError;
 use crate::even_samples::even_samples;
+use crate::json::read_json;
 use crate::sweep::{CaseOutcome, JointCase, OUTCOME};
 
 /// Frequencies (Hz) at which response spectra are compared, and their damping ratio.
@@ -77,13 +78,7 @@ pub(super) fn figures(
     not_compared: &BTreeSet<&'static str>,
 ) -> Result<Vec<Figure>, StudyError> {
     let outcome = CaseOutcome::read(&folder.join(OUTCOME))?;
-    let file = folder.join("summary.json");
-    let text = std::fs::read(&file).map_err(|source| StudyError::Read {
-        file: file.clone(),
-        source,
-    })?;
-    let summary = serde_json::from_slice(&text);
-    let summary: Value = summary.map_err(|source| StudyError::Outcome { file, source })?;
+    let summary: Value = read_json(&folder.join("summary.json"))?;
     let file = folder.join("histories.csv");
     let histories = match file.exists() {
         true => read_table(&file).map_err(powerhouse::Error::from)?,

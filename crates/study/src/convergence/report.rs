@@ -9,6 +9,7 @@ use super::FORMAL_ORDERS;
 use super::estimate::{Estimate, estimate};
 use super::figures::Figure;
 use crate::StudyError;
+use crate::json::read_json;
 use crate::rounded::rounded;
 use crate::sweep::write_text;
 
@@ -196,14 +197,7 @@ pub(crate) fn read(folder: &Path) -> Result<Option<ConvergenceReport>, StudyErro
     if !file.exists() {
         return Ok(None);
     }
-    let text = std::fs::read(&file).map_err(|source| StudyError::Read {
-        file: file.clone(),
-        source,
-    })?;
-    let found = serde_json::from_slice(&text);
-    found
-        .map(Some)
-        .map_err(|source| StudyError::Outcome { file, source })
+    read_json(&file).map(Some)
 }
 
 /// Results of the runs of a study.

@@ -10,6 +10,7 @@ use super::coverage::Coverage;
 use super::damage::{DAMAGED, Damage, PartDamage, STRUCTURE};
 use super::input::CaseInput;
 use crate::StudyError;
+use crate::json::read_json;
 
 /// Greatest value of a history over the samples of the dynamic run, with its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -159,14 +160,7 @@ impl CaseOutcome {
     /// # Errors
     /// [`StudyError::Read`], [`StudyError::Outcome`].
     pub fn read(file: &std::path::Path) -> Result<Self, StudyError> {
-        let text = std::fs::read(file).map_err(|source| StudyError::Read {
-            file: file.into(),
-            source,
-        })?;
-        serde_json::from_slice(&text).map_err(|source| StudyError::Outcome {
-            file: file.into(),
-            source,
-        })
+        read_json(file)
     }
 }
 

@@ -19,6 +19,7 @@ use super::plan::Design;
 use super::{Trade, TradeWatch};
 use crate::checkpoints::{RunCheckpoints, is_of_state};
 use crate::cost::CostModel;
+use crate::json::read_json;
 use crate::mark::Fingerprint;
 use crate::{CheckpointEvent, StudyError};
 
@@ -172,13 +173,7 @@ impl TradeRunner<'_> {
         if !fingerprint.is_in(&folder.join(MARK)) {
             return Ok(None);
         }
-        let file = folder.join(COST);
-        let text = std::fs::read(&file).map_err(|source| StudyError::Read {
-            file: file.clone(),
-            source,
-        })?;
-        let cost =
-            serde_json::from_slice(&text).map_err(|source| StudyError::Outcome { file, source })?;
+        let cost = read_json(&folder.join(COST))?;
         let histories = read_table(&folder.join(HISTORIES)).map_err(powerhouse::Error::from)?;
         Ok(Some(TradeRun { cost, histories }))
     }
