@@ -69,13 +69,14 @@ impl ConvergeArguments {
 /// Runs the convergence study of a scene.
 pub(crate) fn converge(arguments: ConvergeArguments) -> Outcome {
     let study = arguments.study()?;
-    let predicted = study.predicted_time()?;
+    let planned = study.plan()?;
+    let predicted = planned.predicted_time()?;
     say!(
         "all runs together take about {:.0} s without stages",
         predicted.as_secs_f64()
     );
     let mut output = SweepOutput::default();
-    let done = study.run(Some(&stop::flag()?), &mut output);
+    let done = planned.run(Some(&stop::flag()?), &mut output);
     output.clear_all();
     let report = match done {
         Ok(report) => report,

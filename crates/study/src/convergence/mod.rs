@@ -97,6 +97,15 @@ struct LevelRun {
     perturbed: bool,
 }
 
+/// Runs of a convergence study, whose scene is valid on every mesh.
+pub struct PlannedRuns<'a> {
+    study: &'a Convergence,
+    runs: Vec<LevelRun>,
+    /// The scene with the runs as its cases.
+    text: String,
+    levels: Vec<MeshLevel>,
+}
+
 impl Convergence {
     /// Creates the convergence study of a scene file or of one of its cases, on the scene's mesh and one uniform refinement;
     /// results are written to a folder, by default `converge` in that of the scene.
@@ -197,83 +206,32 @@ impl Convergence {
         &self.folder
     }
 
-    /// Predicts the wall time of all runs without stages, from the measured time of a step on the scene's own mesh: it
-    /// grows with the number of elements and with that of steps.
+    /// Plans the runs: reads and checks the scene on every mesh, which for the finest takes time of its own.
     ///
     /// # Errors
-    /// A scene that is invalid on one of the meshes.
-    pub fn predicted_time(&self) -> Result<Duration, StudyError> {
+    /// A scene that is invalid on one of the meshes; [`StudyError::MoreLoad`]; [`StudyError::NotFiner`].
+    pub fn plan(&self) -> Result<PlannedRuns<'_>, StudyError> {
         let runs = self.runs()?;
         let text = self.text(&runs)?;
         let levels = self.levels(&runs, &text)?;
-        let scene = self.scene(&text, &levels[0].case)?;
-        let duration = self.duration.unwrap_or(scene.duration());
-        let scene = scene.with_duration(duration);
-        let mut simulation = scene.prepare()?;
-        let steps = duration / simulation.step()?;
-        let of_one = StepTimer::of(&mut simulation)?
-            .time_of_step()?
-            .mul_f64(steps);
-        let first = &levels[0];
-        let ratio = |run: &LevelRun| {
-            let own = &levels[run.mesh];
-            own.elements as f64 / first.elements as f64 * first.size / own.size
-        };
-        Ok(of_one.mul_f64(runs.iter().map(ratio).sum()))
+        Ok(PlannedRuns {
+            study: self,
+            runs,
+            text,
+            levels,
+        })
     }
 
-    /// Runs the scene on all meshes and compares the results. Finished runs of an earlier study are reused, and unfinished ones go
-    /// on from their last checkpoint.
-    ///
-    /// `stop` is the cancellation flag.
+    /// Plans the runs and [runs](PlannedRuns::run) them.
     ///
     /// # Errors
-    /// A scene that is invalid on one of the meshes, before any of them is run; a run that fails;
-    /// [`StudyError::MoreLoad`]; [`StudyError::NotFiner`]; [`StudyError::Interrupted`] after a cancellation.
+    /// As [`plan`](Self::plan) and [`PlannedRuns::run`].
     pub fn run(
         &self,
         stop: Option<&Arc<AtomicBool>>,
         watch: &mut dyn SweepWatch,
     ) -> Result<ConvergenceReport, StudyError> {
-        let runs = self.runs()?;
-        let text = self.text(&runs)?;
-        let levels = self.levels(&runs, &text)?;
-        let mut sweep = Sweep::of_text(
-            (&self.path, text.clone()),
-            self.folder.clone(),
-            &self.registry,
-        )?;
-        if let Some(duration) = self.duration {
-            sweep = sweep.with_duration(duration)?;
-        }
-        if let Some(interval) = self.checkpoint_interval {
-            sweep = sweep.with_checkpoint_interval(interval);
-        }
-        sweep.run(stop, watch)?;
-        let scene = self.scene(&text, &levels[0].case)?;
-        let not_compared = figures::not_compared(&scene);
-        let is_linear = !is_path_dependent(&scene);
-        let results =
-            |run: &LevelRun| figures::figures(&self.folder.join(&run.name), &not_compared);
-        let (again, plain): (Vec<&LevelRun>, Vec<&LevelRun>) =
-            runs.iter().partition(|run| run.perturbed);
-        let plain: Vec<_> = plain.into_iter().map(results).collect::<Result<_, _>>()?;
-        let perturbed = again.into_iter().map(|run| Ok((run.mesh, results(run)?)));
-        let perturbed: Vec<_> = perturbed.collect::<Result<_, StudyError>>()?;
-        let runs = RunFigures {
-            plain: &plain,
-            perturbed: &perturbed,
-        };
-        let mut report = ConvergenceReport {
-            title: self.title.clone(),
-            scatter_unknown: !is_linear && perturbed.is_empty(),
-            keeps_chords: matches!(self.finer, FinerMeshes::Refined(_)),
-            figures: report::compare(&levels, &runs, is_linear),
-            meshes: levels,
-            files: Vec::new(),
-        };
-        report.write(&self.folder)?;
-        Ok(report)
+        self.plan()?.run(stop, watch)
     }
 
     /// The runs of the study: all meshes from the coarsest, each followed by its perturbed run if there is one.
@@ -382,6 +340,83 @@ impl Convergence {
             }
         }
         Ok(levels)
+    }
+}
+
+impl PlannedRuns<'_> {
+    /// Predicts the wall time of all runs without stages, from the measured time of a step on the scene's own mesh: it
+    /// grows with the number of elements and with that of steps.
+    ///
+    /// # Errors
+    /// A step that cannot be computed.
+    pub fn predicted_time(&self) -> Result<Duration, StudyError> {
+        let first = &self.levels[0];
+        let scene = self.study.scene(&self.text, &first.case)?;
+        let duration = self.study.duration.unwrap_or(scene.duration());
+        let scene = scene.with_duration(duration);
+        let mut simulation = scene.prepare()?;
+        let steps = duration / simulation.step()?;
+        let of_one = StepTimer::of(&mut simulation)?
+            .time_of_step()?
+            .mul_f64(steps);
+        let ratio = |run: &LevelRun| {
+            let own = &self.levels[run.mesh];
+            own.elements as f64 / first.elements as f64 * first.size / own.size
+        };
+        Ok(of_one.mul_f64(self.runs.iter().map(ratio).sum()))
+    }
+
+    /// Runs the scene on all meshes and compares the results. Finished runs of an earlier study are reused, and unfinished ones go
+    /// on from their last checkpoint.
+    ///
+    /// `stop` is the cancellation flag.
+    ///
+    /// # Errors
+    /// A run that fails; [`StudyError::Interrupted`] after a cancellation.
+    pub fn run(
+        self,
+        stop: Option<&Arc<AtomicBool>>,
+        watch: &mut dyn SweepWatch,
+    ) -> Result<ConvergenceReport, StudyError> {
+        let Self {
+            study,
+            runs,
+            text,
+            levels,
+        } = self;
+        let scene = study.scene(&text, &levels[0].case)?;
+        let not_compared = figures::not_compared(&scene);
+        let is_linear = !is_path_dependent(&scene);
+        drop(scene);
+        let mut sweep = Sweep::of_text((&study.path, text), study.folder.clone(), &study.registry)?;
+        if let Some(duration) = study.duration {
+            sweep = sweep.with_duration(duration)?;
+        }
+        if let Some(interval) = study.checkpoint_interval {
+            sweep = sweep.with_checkpoint_interval(interval);
+        }
+        sweep.run(stop, watch)?;
+        let results =
+            |run: &LevelRun| figures::figures(&study.folder.join(&run.name), &not_compared);
+        let (again, plain): (Vec<&LevelRun>, Vec<&LevelRun>) =
+            runs.iter().partition(|run| run.perturbed);
+        let plain: Vec<_> = plain.into_iter().map(results).collect::<Result<_, _>>()?;
+        let perturbed = again.into_iter().map(|run| Ok((run.mesh, results(run)?)));
+        let perturbed: Vec<_> = perturbed.collect::<Result<_, StudyError>>()?;
+        let figures = RunFigures {
+            plain: &plain,
+            perturbed: &perturbed,
+        };
+        let mut report = ConvergenceReport {
+            title: study.title.clone(),
+            scatter_unknown: !is_linear && perturbed.is_empty(),
+            keeps_chords: matches!(study.finer, FinerMeshes::Refined(_)),
+            figures: report::compare(&levels, &figures, is_linear),
+            meshes: levels,
+            files: Vec::new(),
+        };
+        report.write(&study.folder)?;
+        Ok(report)
     }
 }
 
