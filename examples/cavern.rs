@@ -69,10 +69,10 @@ fn composed(data: &Path) -> Outcome<Scene> {
     let (crown, floor) = (Vec3::new(0.0, 0.0, -60.0), Vec3::new(0.0, 0.0, -92.0));
     let faces = ["left", "right", "front", "back", "bottom"];
     Ok(Scene::new("lined cavern", mesh)
-        .part(Part::new(
-            "rock",
-            Material::from(LinearElastic::new(media::ROCK)),
-        ))
+        .part(
+            Part::new("rock", Material::from(LinearElastic::new(media::ROCK)))
+                .with_kernel(SolidKernel::Hex8OnePoint(Default::default())),
+        )
         .part(Part::new("lining", concrete).with_kernel(SolidKernel::Hex8Full))
         .with_field(wave)
         .with_boundary(

@@ -46,7 +46,7 @@ fn trade_writes_the_scene_that_meets_a_goal() {
     let (printed, errors) = (text(&done.stdout), text(&done.stderr));
     assert_eq!(done.status.code(), Some(0), "{printed} {errors}");
     for passage in [
-        "kernel: hex8-full | hex8-full and hex8-one-point | hex8-one-point",
+        "kernel: hex8-eas | hex8-full and hex8-one-point | hex8-natural | hex8-one-point",
         "precision: f64 | mixed | f32",
         "runs of 0.15 s",
         "run 1: reference",
@@ -59,7 +59,7 @@ fn trade_writes_the_scene_that_meets_a_goal() {
     let chosen = folder.path("scene_trade.toml");
     let written = std::fs::read_to_string(&chosen).unwrap();
     assert!(written.starts_with("# scene.toml: reference."), "{written}");
-    assert!(written.contains("kernel = \"hex8-full\"") && written.contains("safety = 0.5"));
+    assert!(written.contains("kernel = \"hex8-eas\"") && written.contains("safety = 0.5"));
     assert!(Path::new(&out).join("trade.csv").is_file());
 
     let again = trade(&["--error", "1e-9"]);

@@ -287,14 +287,17 @@ fn all_combinations_of_some_factors_are_run() {
         names,
         [
             "reference",
+            "kernel hex8-natural",
             "kernel hex8-one-point",
             "precision mixed",
             "precision f32",
+            "kernel hex8-natural, precision mixed",
+            "kernel hex8-natural, precision f32",
             "kernel hex8-one-point, precision mixed",
             "kernel hex8-one-point, precision f32",
         ]
     );
-    assert_eq!(watch.announced.map(|(runs, ..)| runs), Some(6));
+    assert_eq!(watch.announced.map(|(runs, ..)| runs), Some(9));
     assert_eq!(report.partial_window, None, "no history variables");
 
     // The scene's own step is not the finest: with all factors its runs differ, and are not reused for these.

@@ -134,7 +134,10 @@ impl SolidKernel {
     }
     /// The default kernel of a kind of elements; none for kinds without volume.
     pub fn default_for(kind: ElementKind) -> Option<Self> {
-        Self::ALL.into_iter().find(|kernel| kernel.kind() == kind)
+        match kind {
+            ElementKind::Hex8 => Some(Self::Hex8Natural),
+            _ => Self::ALL.into_iter().find(|kernel| kernel.kind() == kind),
+        }
     }
     /// A factory of blocks of this kernel and a law for an element set.
     pub fn factory(

@@ -6,7 +6,7 @@ use powerhouse::engine::{NodalForce, StaticMethod, StaticOptions, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{
-    EquilibratedBody, Material, OutputPlan, Part, RunHooks, Scene, SceneJoint, SceneStage,
+    EquilibratedBody, Material, OutputPlan, Part, RunHooks, Scene, SceneJoint, SceneStage, TimeStep,
 };
 
 use crate::support::*;
@@ -112,10 +112,11 @@ fn an_excavated_side_bears_nothing_at_rest() {
     assert!((by_gradients - expected).norm() > 0.1 * expected.norm());
 }
 
-/// In the run the excavated side carries nothing either.
+/// In the run the excavated side carries nothing either: with one step for both bodies, their motions are equal.
 #[test]
 fn an_excavated_side_holds_nothing_in_motion() {
     let motion = |scene: Scene| {
+        let scene = scene.with_step(TimeStep::Seconds(1e-4));
         let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
         let column = |name: &str| results.histories.column(name).unwrap().values.clone();
         ["corner.vy", "corner.vz"].map(column)
@@ -125,7 +126,7 @@ fn an_excavated_side_holds_nothing_in_motion() {
         let most = alone.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         assert!(most > 1e-4, "{most:e}");
         for (a, b) in alone.iter().zip(opened) {
-            assert!((a - b).abs() < 2e-3 * most, "{a:e} {b:e} {most:e}");
+            assert!((a - b).abs() < 1e-6 * most, "{a:e} {b:e} {most:e}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use core::iter;
 
-use powerhouse::engine::{SolidKernel, StaticOptions};
+use powerhouse::engine::{Hex8OnePoint, SolidKernel, StaticOptions};
 use powerhouse::model::ElementKind;
 use powerhouse::{Scene, keys};
 use toml::{Table, Value};
@@ -211,10 +211,15 @@ pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
     found.into_iter().flatten().collect()
 }
 
-/// The names of the kernels of bricks with most points and with one.
-fn full() -> &'static str {
-    SolidKernel::Hex8Full.name()
-}
+/// The kernels of bricks that are compared, the most accurate first. Others are stiffer in bending, and are compared where a scene
+/// has them.
+const COMPARED_KERNELS: [SolidKernel; 3] = [
+    SolidKernel::Hex8Eas,
+    SolidKernel::Hex8Natural,
+    SolidKernel::Hex8OnePoint(Hex8OnePoint::DEFAULT),
+];
+
+/// The name of the fastest kernel of bricks.
 pub(crate) fn one_point() -> &'static str {
     SolidKernel::Hex8OnePoint(Default::default()).name()
 }
@@ -236,7 +241,8 @@ fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
         let named = (listed(file, "part").find(|other| text(other, "set") == Some(&part.set)))
             .and_then(|other| text(other, "kernel"));
         let name = named.or(own.map(|kernel| kernel.name()));
-        names.push(name.unwrap_or(one_point()).to_owned());
+        let default = SolidKernel::default_for(ElementKind::Hex8).map(SolidKernel::name);
+        names.extend(name.or(default).map(str::to_owned));
         sets.push(part.set.to_string());
     }
     names.sort_unstable();
@@ -250,7 +256,7 @@ fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
         let (kernel, sets) = (kernel.to_owned(), sets.clone());
         Level::new(kernel.clone(), Edit::Kernel { kernel, sets })
     };
-    let mut levels = vec![level(full()), level(one_point())];
+    let mut levels: Vec<Level> = COMPARED_KERNELS.map(|kernel| level(kernel.name())).into();
     if let Some(registry) = scene.registry() {
         let is_of_bricks = |name: &&str| {
             let kernel = registry.kernel_named(name);
@@ -499,14 +505,14 @@ mod tests {
             scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
         }
         let factor = kernel(&scene, &Table::new()).unwrap();
-        assert_eq!((factor.levels.len(), factor.own), (2, 1));
+        assert_eq!((factor.levels.len(), factor.own), (3, 1));
         let mut file: Table =
             toml::from_str("[[part]]\nset = \"bricks\"\n[[part]]\nset = \"wedges\"").unwrap();
         factor.levels[0].apply(&mut file);
         let kernels: Vec<Option<&str>> = listed(&file, "part")
             .map(|part| text(part, "kernel"))
             .collect();
-        assert_eq!(kernels, [Some(full()), None]);
+        assert_eq!(kernels, [Some("hex8-eas"), None]);
     }
 
     /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as much, within
