@@ -26,6 +26,7 @@ use crate::{Damping, Error};
 pub struct Material {
     law: AnyLaw,
     warnings: Arc<[String]>,
+    default_damping: Damping,
     /// None if damping in series with the law is not possible.
     damped: Option<Arc<Damped>>,
 }
@@ -44,6 +45,7 @@ impl Material {
         Self {
             law: AnyLaw::new(law),
             warnings: Arc::new([]),
+            default_damping: Damping::None,
             damped: None,
         }
     }
@@ -81,6 +83,17 @@ impl Material {
     /// Warnings about the parameters of the material.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+    /// The same material with a default damping: parts of scene files that have this material, and no damping of
+    /// their own, are damped so where waves are incident. `Part::new` damps nothing by itself.
+    #[must_use]
+    pub fn with_default_damping(mut self, damping: impl Into<Damping>) -> Self {
+        self.default_damping = damping.into();
+        self
+    }
+    /// Damping of parts of scene files with this material that name none; of most materials none.
+    pub fn default_damping(&self) -> &Damping {
+        &self.default_damping
     }
     /// Checks a width of an element (m) by the law, [`ConstitutiveLaw::accept_size`].
     ///

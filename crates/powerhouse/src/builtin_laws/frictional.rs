@@ -9,7 +9,7 @@ use powerhouse_model::{ElasticMedium, ModelError};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::preset::Preset;
+use super::preset::{self, Preset};
 use super::{ElasticKeys, KeysError, elastic_medium, missing, placed, refused};
 use crate::format::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
@@ -21,15 +21,17 @@ pub(super) fn register(registry: &mut Registry) {
             None => Material::from(ElastoPlastic::new(surface)),
             Some(keys) => Material::from(keys.law(surface)?),
         };
-        Ok(material.with_warnings(warnings))
+        preset::damped(keys.preset, material.with_warnings(warnings))
     });
     registry.add_law("drucker-prager", |keys: DruckerPragerKeys| {
         let (surface, warnings) = keys.frictional()?.drucker_prager(keys.fit)?;
-        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
+        let material = Material::from(ElastoPlastic::new(surface)).with_warnings(warnings);
+        preset::damped(keys.preset, material)
     });
     registry.add_law("two-surface", |keys: TwoSurfaceKeys| {
         let (surface, warnings) = keys.frictional()?.two_surface()?;
-        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
+        let material = Material::from(ElastoPlastic::new(surface)).with_warnings(warnings);
+        preset::damped(keys.preset, material)
     });
 }
 

@@ -5,7 +5,7 @@ use powerhouse_model::ModelError;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::preset::Preset;
+use super::preset::{self, Preset};
 use super::{ElasticKeys, RESIDUAL_STIFFNESS, elastic_medium, missing, placed};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
@@ -132,6 +132,6 @@ impl LeeFenvesKeys {
         });
         let law = law.map_err(placed)?;
         let warnings = law.findings();
-        Ok(Material::from(law).with_warnings(warnings))
+        preset::damped(self.preset, Material::from(law).with_warnings(warnings))
     }
 }

@@ -5,7 +5,7 @@ use powerhouse_model::ModelError;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::preset::Preset;
+use super::preset::{self, Preset};
 use super::{ElasticKeys, KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
 use crate::format::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
@@ -136,6 +136,7 @@ impl MazarsKeys {
                 .map_or(RESIDUAL_STIFFNESS, Share::get),
         });
         let warnings = Finding::of_medium(&medium);
-        Ok(Material::from(law.map_err(placed)?).with_warnings(warnings))
+        let material = Material::from(law.map_err(placed)?).with_warnings(warnings);
+        preset::damped(self.preset, material)
     }
 }

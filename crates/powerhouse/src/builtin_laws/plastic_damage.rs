@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::frictional::{Fit, frictional_keys};
-use super::preset::Preset;
+use super::preset::{self, Preset};
 use super::{KeysError, RESIDUAL_STIFFNESS, placed, refused};
 use crate::format::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
@@ -124,6 +124,7 @@ impl PlasticDamageKeys {
                 .or(preset.map(|p| p.residual_stiffness))
                 .unwrap_or(RESIDUAL_STIFFNESS),
         });
-        Ok(Material::from(law.map_err(placed)?).with_warnings(findings))
+        let material = Material::from(law.map_err(placed)?).with_warnings(findings);
+        preset::damped(self.preset, material)
     }
 }

@@ -1,13 +1,15 @@
 //! Presets: published materials, by their names in scenes.
 
 use powerhouse_material_damage::{
-    LeeFenvesParameters, MohrCoulomb, MohrCoulombParameters, PlasticDamage, YieldSurface, presets,
+    DampingBand, LeeFenvesParameters, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
+    ReferenceFrequency, RelaxationSpectrum, YieldSurface, presets,
 };
 use powerhouse_model::ModelError;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{KeysError, placed, refused};
+use crate::{Damping, Material};
 
 /// Preset: published material.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
@@ -37,6 +39,40 @@ pub(super) enum Preset {
     C35,
     /// Concrete C40/50 of Eurocode 2.
     C40,
+}
+
+/// Frequencies (Hz) between which materials of presets are damped by default: those of strong motion and of the response
+/// of floors.
+const BAND: [f64; 2] = [0.5, 20.0];
+/// Damping ratio of reinforced concrete below yielding, US NRC Regulatory Guide 1.61 (2007), Table 1; what cracks and
+/// yields dissipates by its law besides.
+const OF_CONCRETE: f64 = 0.04;
+/// Damping ratio of jointed hard rock: a quality factor of 25.
+const OF_ROCK: f64 = 0.02;
+/// Number of relaxation mechanisms.
+const MECHANISMS: usize = 3;
+
+/// A material with the default damping of its preset. Moduli of rock hold at the centre of the band, so that its
+/// wave speeds are those of the free field, those of concrete at rest, where they were measured.
+pub(super) fn damped(preset: Option<Preset>, material: Material) -> Result<Material, ModelError> {
+    let Some(preset) = preset else {
+        return Ok(material);
+    };
+    let (ratio, reference) = match preset {
+        Preset::PaperRock => (OF_ROCK, ReferenceFrequency::Centre),
+        _ => (OF_CONCRETE, ReferenceFrequency::Static),
+    };
+    let [lowest, highest] = BAND;
+    let spectrum = RelaxationSpectrum::fit(DampingBand {
+        ratio,
+        lowest,
+        highest,
+        mechanisms: MECHANISMS,
+    })?;
+    Ok(material.with_default_damping(Damping::Flat {
+        spectrum,
+        reference,
+    }))
 }
 
 impl Preset {

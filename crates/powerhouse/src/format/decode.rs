@@ -28,6 +28,8 @@ const TAGGED: [&str; 9] = [
     "pulse",
     "support",
 ];
+/// Key of a tagged table in whose place a text may stand, and this text.
+const ABSENT: (&str, &str) = ("damping", "none");
 /// Open tables, and their keys that belong to the scene format.
 const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
 const JOINT: (&str, &[&str]) = (
@@ -197,23 +199,29 @@ fn split_table<'t>(
 /// Turns `{ kind = "a", rest }` into `{ a = { rest } }` under the tagged keys.
 fn tag_tables(table: &mut DeTable) -> Result<(), Fault> {
     for (key, value) in table.iter_mut() {
-        let tagged = TAGGED.contains(&&**key.get_ref());
-        tag(value, tagged)?;
+        let is_absent = **key.get_ref() == *ABSENT.0 && value.get_ref().as_str() == Some(ABSENT.1);
+        let tagged = TAGGED.contains(&&**key.get_ref()) && !is_absent;
+        let expected = match **key.get_ref() == *ABSENT.0 {
+            true => "a table with the key 'kind', or \"none\"",
+            false => "a table with the key 'kind'",
+        };
+        tag(value, tagged.then_some(expected))?;
     }
     Ok(())
 }
 
-fn tag(value: &mut Spanned<DeValue>, tagged: bool) -> Result<(), Fault> {
+/// Tags a value, or the items of a list, if a form is expected.
+fn tag(value: &mut Spanned<DeValue>, expected: Option<&str>) -> Result<(), Fault> {
     let span = value.span();
     match value.get_mut() {
         DeValue::Array(items) => {
             for item in items.iter_mut() {
-                tag(item, tagged)?;
+                tag(item, expected)?;
             }
         }
         DeValue::Table(table) => {
             tag_tables(table)?;
-            if tagged {
+            if expected.is_some() {
                 let key = "kind".to_owned();
                 let Some(kind) = table.remove("kind") else {
                     return Err(Fault::new(span, Problem::MissingKey { key }));
@@ -231,12 +239,13 @@ fn tag(value: &mut Spanned<DeValue>, tagged: bool) -> Result<(), Fault> {
                 table.insert(Spanned::new(kind_span, kind), Spanned::new(span, rest));
             }
         }
-        other if tagged => {
-            let found = format!("{} {}", article(other.type_str()), other.type_str());
-            let expected = "a table with the key 'kind'".into();
-            return Err(Fault::new(span, Problem::Value { found, expected }));
+        other => {
+            if let Some(expected) = expected {
+                let found = format!("{} {}", article(other.type_str()), other.type_str());
+                let expected = expected.into();
+                return Err(Fault::new(span, Problem::Value { found, expected }));
+            }
         }
-        _ => {}
     }
     Ok(())
 }

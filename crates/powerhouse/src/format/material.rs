@@ -1,7 +1,8 @@
 //! Materials, parts and their damping.
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
+use serde_json::{Value, json};
 
 use super::{At, NonNegative, Parameters, Positive, Reference, Share};
 
@@ -28,20 +29,26 @@ pub struct Part {
     /// Element kernel: its name in the registry, such as `hex8-one-point`. Elements of a kind for which the
     /// kernel is not made have the default kernel of their kind, as have all elements by default.
     pub kernel: Option<At<String>>,
-    /// Material damping; none by default. Rock along an absorbing face should be undamped, because the free field
-    /// is elastic: give the part an `elastic_rim`.
+    /// Material damping, or `"none"`. By default, where waves are incident, that of the preset of the material: then the
+    /// elements of the part that touch an absorbing face are its `elastic_rim`. A part whose material has no preset is
+    /// not damped by default. Rock along an absorbing face should be undamped, because the free field is elastic:
+    /// give a part with damping of its own an `elastic_rim`.
     pub damping: Option<At<Damping>>,
     /// Width of the elastic, undamped zone along the absorbing faces (m), 0 or above: elements that touch a
     /// face, and elements with a node closer than this, have no damping and the elastic law, as the free field.
-    /// 0: only elements that touch a face. No rim by default.
+    /// 0: only elements that touch a face, the default of a part with the damping of a preset; otherwise no rim by
+    /// default.
     pub elastic_rim: Option<At<NonNegative>>,
 }
 
 /// Material damping of a part.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[schemars(tag = "kind")]
+#[schemars(tag = "kind", transform = or_none)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Damping {
+    /// No damping, whatever the material has by default; written as the text `"none"`.
+    #[schemars(skip)]
+    None,
     /// Rayleigh damping `C = mass M + stiffness K` with a given damping ratio at two frequencies, less between
     /// and more outside of them. The stiffness part reduces the stable step; where a law yields or cracks it
     /// is proportional to the degraded stiffness. Its stress is not contained in any output.
@@ -74,4 +81,18 @@ pub enum Damping {
         /// number (Hz), `"centre"` (geometric centre of the band; the default) or `"static"` (zero frequency).
         reference: Option<At<Reference>>,
     },
+}
+
+impl Damping {
+    /// Whether it is the absence of damping.
+    pub fn is_none(&self) -> bool {
+        matches!(self, Self::None)
+    }
+}
+
+/// Adds the text `"none"` to the forms of a damping.
+fn or_none(schema: &mut Schema) {
+    if let Some(Value::Array(forms)) = schema.get_mut("oneOf") {
+        forms.push(json!({ "const": "none", "description": "No damping." }));
+    }
 }

@@ -306,6 +306,8 @@ pub enum Remark {
         set: String,
         /// Accuracy and cost.
         cost: DampingCost,
+        /// Whether it is the default damping of the material.
+        by_default: bool,
     },
     /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).
     Rim {

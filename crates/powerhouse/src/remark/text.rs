@@ -371,7 +371,19 @@ impl fmt::Display for Remark {
                 "every second sample of the envelope gives only {:.0} % of its greatest acceleration: its sampling interval is too long and misses peaks; reduce it (`every`)",
                 100.0 * share
             ),
-            Self::FlatDamping { set, cost } => write!(f, "damping of part '{set}': {cost}"),
+            Self::FlatDamping {
+                set,
+                cost,
+                by_default,
+            } => {
+                let of = match by_default {
+                    true => {
+                        " (that of the preset of its material; `damping = \"none\"` switches it off)"
+                    }
+                    false => "",
+                };
+                write!(f, "damping of part '{set}'{of}: {cost}")
+            }
             Self::Rim {
                 set,
                 width,

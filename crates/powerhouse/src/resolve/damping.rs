@@ -14,6 +14,7 @@ const MECHANISMS: usize = 3;
 /// Damping of a scene table.
 pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
     match &**table {
+        format::Damping::None => Ok(Damping::None),
         format::Damping::Rayleigh { ratio, frequencies } => {
             let [first, second] = frequencies.map(|frequency| frequency.get());
             let rayleigh = Rayleigh::from_ratio(ratio.get(), first, second);

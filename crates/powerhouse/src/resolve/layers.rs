@@ -114,7 +114,7 @@ fn ground(
         let expected = "no `bottom` of the last layer, which is the half-space below the others";
         return Err(value(bottom.span(), &format!("{}", bottom.get()), expected));
     }
-    if let Some(damping) = &last.damping {
+    if let Some(damping) = (last.damping.as_ref()).filter(|damping| !damping.is_none()) {
         let expected = "an elastic half-space: incident waves would grow with depth";
         return Err(value(damping.span(), "damping of the last layer", expected));
     }

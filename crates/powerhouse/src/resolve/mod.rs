@@ -21,8 +21,8 @@ use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep, sets_with};
 use crate::{
-    CheckpointPlan, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene,
-    SceneRemark, keys,
+    CheckpointPlan, Damping, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark,
+    Scene, SceneRemark, keys,
 };
 
 /// Composes the scene of a file.
@@ -142,6 +142,7 @@ pub(crate) fn compose(
     scene.remarks.extend(unused_materials(file));
     scene.remarks.extend(empty_sets(&names, file));
     scene = ground::field(file, scene, &records, &materials)?;
+    default_rims(file, &mut scene)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
     }
@@ -320,17 +321,52 @@ fn parts(
             if let Some(kernel) = &table.kernel {
                 part = part.with_kernel(registry.kernel(kernel)?.clone());
             }
-            if let Some(damping) = &table.damping {
-                part = part.with_damping(damping::damping(damping)?);
-                let moving = part.moving_material();
-                moving.map_err(|error| Fault::refused(damping.span(), error))?;
-            }
+            let span = match &table.damping {
+                Some(own) => {
+                    part = part.with_damping(damping::damping(own)?);
+                    own.span()
+                }
+                None => {
+                    if !file.waves.is_empty() {
+                        part = part.with_damping(material.default_damping().clone());
+                    }
+                    table.material.span()
+                }
+            };
+            let moving = part.moving_material();
+            moving.map_err(|error| Fault::refused(span, error))?;
             if let Some(rim) = &table.elastic_rim {
                 part = part.with_rim(rim.get());
             }
             Ok(part)
         })
         .collect()
+}
+
+/// Gives rims to parts that have the damping of their preset and touch an absorbing face, unless the field is damped alike.
+fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fault> {
+    if scene.boundary.is_none() {
+        return Ok(());
+    }
+    let place = scene.places.faces.clone();
+    let fault = |error: Error| Fault::refused(place.clone(), error);
+    let faces = scene
+        .absorbing_facets()
+        .map_err(|error| fault(error.into()))?;
+    let mut rims = Vec::new();
+    for index in scene.parts_behind_boundary().map_err(fault)? {
+        let (table, part) = (&file.parts[index], &scene.parts[index]);
+        let is_default = table.damping.is_none() && part.damping != Damping::None;
+        if is_default && table.elastic_rim.is_none() {
+            if !scene.is_damped_like_field(index, &faces).map_err(fault)? {
+                rims.push(index);
+            }
+        }
+    }
+    for index in rims {
+        scene.parts[index].rim = Some(0.0);
+    }
+    Ok(())
 }
 
 /// Elements of a domain reduction region. Waves enter around it, so that an `input` of the boundary is an error.

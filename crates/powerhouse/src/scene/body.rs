@@ -151,6 +151,7 @@ impl Scene {
             facts.push(Remark::FlatDamping {
                 set: set(),
                 cost: DampingCost::of(&part.material, moving, (spectrum, *reference))?,
+                by_default: part.damping == *part.material.default_damping(),
             });
         }
         if let Damping::Rayleigh(rayleigh) = &part.damping

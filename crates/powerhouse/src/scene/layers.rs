@@ -190,7 +190,7 @@ impl Scene {
     }
 
     /// Whether the layers in which the elements of a part touch the absorbing faces have the damping of the part.
-    pub(super) fn is_damped_like_field(
+    pub(crate) fn is_damped_like_field(
         &self,
         part: usize,
         faces: &[(&str, &[Facet])],

@@ -99,6 +99,96 @@ fn flat_damping_of_a_file_is_that_of_rust() {
     );
 }
 
+/// Parts with a preset, and no damping of their own, have that of the preset where waves are incident, behind a rim of
+/// the elements that touch the absorbing faces; a text switches both off.
+#[test]
+fn presets_are_damped_where_waves_are_incident() {
+    let variants = Variants::new("damping-default");
+    let text = CUBE.replace(ELASTIC, WEAK);
+    let rock = |scene: &Scene| {
+        let part = &scene.parts()[0];
+        (part.damping.clone(), part.rim)
+    };
+    let scene = variants.read(CUBE, &text).unwrap();
+    let (damping, rim) = rock(&scene);
+    let Damping::Flat {
+        spectrum,
+        reference,
+    } = damping.clone()
+    else {
+        panic!("{damping:?}");
+    };
+    let band = spectrum.band();
+    assert_eq!((band.ratio, reference), (0.02, ReferenceFrequency::Centre));
+    assert_eq!(rim, Some(0.0));
+    let part = Part::new("rock", weak()).with_kernel(SolidKernel::Hex8Full);
+    let twin = part.clone().with_damping(damping.clone()).with_rim(0.0);
+    variants.equal((CUBE, &text), cube_with(cube(), vec![twin]));
+    let simulation = scene.prepare().unwrap();
+    let told: Vec<String> = simulation
+        .remarks()
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    let told = told.join("\n");
+    for passage in [
+        "damping of part 'rock' (that of the preset of its material; `damping = \"none\"` switches it off): 2.000 %",
+        "touch the absorbing faces; they are elastic and undamped",
+    ] {
+        assert!(told.contains(passage), "{told}");
+    }
+
+    // Switched off, it is that of Rust, which damps nothing by itself.
+    let off = text.replace(KERNEL, &format!("{KERNEL}damping = \"none\"\n"));
+    variants.equal((CUBE, &off), cube_with(cube(), vec![part.clone()]));
+    // Damping or a rim of one's own takes the place of the default.
+    let own = text.replace(KERNEL, &format!("{KERNEL}damping = {{ {BAND} }}\n"));
+    let (of_own, rim) = rock(&variants.read(CUBE, &own).unwrap());
+    assert_eq!((of_own, rim), (flat(3, ReferenceFrequency::Centre), None));
+    let rimmed = text.replace(KERNEL, &format!("{KERNEL}elastic_rim = 40\n"));
+    assert_eq!(
+        rock(&variants.read(CUBE, &rimmed).unwrap()),
+        (damping, Some(40.0))
+    );
+    // Without waves nothing is damped.
+    let still = text.replace(WAVE, "");
+    assert_eq!(
+        rock(&variants.read(CUBE, &still).unwrap()),
+        (Damping::None, None)
+    );
+}
+
+/// In layers with the damping of the preset the field is damped alike, and the part has no rim.
+#[test]
+fn a_damped_field_needs_no_default_rim() {
+    let variants = Variants::new("damping-layers");
+    let text = CUBE.replace(ELASTIC, WEAK);
+    let layers = |damping: &str| {
+        let half_space = "[[layer]]\nmaterial = \"granite\"\n";
+        let above = format!("[[layer]]\nmaterial = \"granite\"\nbottom = -400\n{damping}");
+        text.replace("[boundary]", &format!("{above}{half_space}[boundary]"))
+    };
+    let rim = |text: &str| variants.read(CUBE, text).unwrap().parts()[0].rim;
+    let alike = "damping = { kind = \"flat\", ratio = 0.02, band = [0.5, 20] }\n";
+    assert_eq!(rim(&layers(alike)), None);
+    assert_eq!(rim(&layers("")), Some(0.0));
+    assert_eq!(rim(&layers("damping = \"none\"\n")), Some(0.0));
+}
+
+/// A text other than "none" is no damping.
+#[test]
+fn other_texts_are_no_damping() {
+    let variants = Variants::new("damping-texts");
+    let text = CUBE.replace(KERNEL, &format!("{KERNEL}damping = \"flat\"\n"));
+    let error = variants.read(CUBE, &text).unwrap_err().to_string();
+    for passage in [
+        "damping = \"flat\"",
+        "a table with the key 'kind', or \"none\"",
+    ] {
+        assert!(error.contains(passage), "{error}");
+    }
+}
+
 /// The cost of flat damping is reported before a run and agrees with the stable step.
 #[test]
 fn the_cost_of_flat_damping_is_reported() {
@@ -106,7 +196,9 @@ fn the_cost_of_flat_damping_is_reported() {
         let mut simulation = damped(elastic(), damping).prepare().unwrap();
         let step = simulation.stable_step().unwrap().step;
         let cost = simulation.remarks().iter().find_map(|remark| match remark {
-            Remark::FlatDamping { set, cost } if set == "rock" => Some((*cost, remark.to_string())),
+            Remark::FlatDamping { set, cost, .. } if set == "rock" => {
+                Some((*cost, remark.to_string()))
+            }
             _ => None,
         });
         (step, cost)

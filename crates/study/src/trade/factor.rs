@@ -142,7 +142,7 @@ impl Level {
                     let Some((ratio, band)) = rayleigh(part) else {
                         continue;
                     };
-                    part.remove("damping");
+                    part.insert("damping".into(), "none".into());
                     if *flat {
                         let mut damping = Table::new();
                         damping.insert("kind".into(), "flat".into());
