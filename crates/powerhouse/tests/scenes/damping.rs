@@ -180,7 +180,7 @@ fn a_damped_field_needs_no_default_rim() {
 fn other_texts_are_no_damping() {
     let variants = Variants::new("damping-texts");
     let text = CUBE.replace(KERNEL, &format!("{KERNEL}damping = \"flat\"\n"));
-    let error = variants.read(CUBE, &text).unwrap_err().to_string();
+    let error = variants.read(CUBE, &text).err().unwrap().to_string();
     for passage in [
         "damping = \"flat\"",
         "a table with the key 'kind', or \"none\"",
