@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use powerhouse_study::{advise_boundary, advise_box};
 
 use crate::terminal::say_on;
-use crate::{Outcome, WARNED, read};
+use crate::{Outcome, WARNED, read_case};
 
 /// Reads a relative error above 0 and up to 1, such as `5%` or `0.05`.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
@@ -21,8 +21,8 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
 }
 
 /// Prints the comparison of absorbing boundaries; the exit status is 1 if none meets the permitted error.
-pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
-    let advice = advise_boundary(&read(path, case)?, error)?;
+pub(crate) fn boundary(path: &Path, case: Option<String>, error: f64) -> Outcome {
+    let advice = advise_boundary(&read_case(path, case)?, error)?;
     say_on!("{advice}");
     Ok(match advice.recommended() {
         Some(_) => ExitCode::SUCCESS,
@@ -31,8 +31,8 @@ pub(crate) fn boundary(path: &Path, case: Option<&str>, error: f64) -> Outcome {
 }
 
 /// Prints the smallest box of ground; the exit status is 1 if the present one already exceeds the permitted error.
-pub(crate) fn ground(path: &Path, case: Option<&str>, error: f64) -> Outcome {
-    let advice = advise_box(&read(path, case)?, error)?;
+pub(crate) fn ground(path: &Path, case: Option<String>, error: f64) -> Outcome {
+    let advice = advise_box(&read_case(path, case)?, error)?;
     say_on!("{advice}");
     Ok(match advice.unchanged <= advice.error {
         true => ExitCode::SUCCESS,

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use powerhouse::RunHooks;
+use powerhouse::{KeyChange, RunHooks, Scene, SceneChoice};
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
 use crate::progress::Display;
@@ -15,11 +15,11 @@ use crate::{INTERRUPTED, Outcome, WARNED, forecast, read, report, stop};
 
 /// Checks a scene and prints the report, also of a run on some ranks if a number is given; the exit status is 1 if there
 /// are warnings.
-pub(crate) fn check(path: &Path, case: Option<&str>, ranks: Option<NonZeroUsize>) -> Outcome {
-    let found = powerhouse_study::check(read(path, case)?)?;
+pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsize>) -> Outcome {
+    let found = powerhouse_study::check(read(path, of_file)?)?;
     report::check(&found);
     if let Some(ranks) = ranks {
-        let simulation = read(path, case)?.prepare()?;
+        let simulation = read(path, of_file)?.prepare()?;
         forecast::print(&simulation.model().rank_forecast(ranks.get())?, &found);
     }
     Ok(if found.warnings.is_empty() {
@@ -29,9 +29,24 @@ pub(crate) fn check(path: &Path, case: Option<&str>, ranks: Option<NonZeroUsize>
     })
 }
 
+/// Checks the keys and values of a scene file and of its cases, without mesh and records.
+pub(crate) fn keys(path: &Path, changes: &[KeyChange]) -> Outcome {
+    let cases = Scene::check_keys(path, changes, &powerhouse_study::registry())?;
+    let cases = match cases {
+        0 => String::new(),
+        1 => " and its case".into(),
+        count => format!(" and its {count} cases"),
+    };
+    say!(
+        "the keys and values of {}{cases} are valid; mesh, records and what depends on them were not read",
+        path.display()
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
 /// Runs the free-field check of a scene; the exit status is 2 if the error is above the scene's limit.
-pub(crate) fn free_field(path: &Path, case: Option<&str>) -> Outcome {
-    let scene = read(path, case)?;
+pub(crate) fn free_field(path: &Path, of_file: &SceneChoice) -> Outcome {
+    let scene = read(path, of_file)?;
     let limit = scene.self_check();
     let check = FreeFieldCheck::of(&scene)?;
     let step = scene.prepare()?.step()?;

@@ -7,7 +7,7 @@ use powerhouse::model::HistoryKind;
 use powerhouse::{Material, PointPath, Registry};
 
 use crate::Outcome;
-use crate::terminal::say;
+use crate::terminal::{say, say_warning};
 
 /// Runs a material test at one integration point along a path, and writes its table and curve.
 pub(crate) fn drive(
@@ -20,7 +20,7 @@ pub(crate) fn drive(
     let test = PointPath::from_file(path)?.drive(&material)?;
     say!("{}: {} steps", test.law, test.records.len() - 1);
     for warning in material.warnings() {
-        say!("warning: {warning}");
+        say_warning!("{warning}");
     }
     let (component, [least, greatest]) = test.extremes();
     say!("stress {component} from {least:.4e} to {greatest:.4e} Pa");

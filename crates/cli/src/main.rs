@@ -6,17 +6,21 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod advise;
+mod changes;
 mod check;
 mod checkpoint;
 mod converge;
 mod drive;
 mod forecast;
+mod look;
+mod manual;
 mod mesh;
 mod page;
 mod progress;
 mod ranks;
 mod report;
 mod run;
+mod starter;
 mod stop;
 mod sweep;
 mod terminal;
@@ -27,8 +31,9 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use changes::Changes;
 use clap::{Parser, Subcommand};
-use powerhouse::{CheckpointInterval, Error, Scene};
+use powerhouse::{CheckpointInterval, Error, Scene, SceneChoice};
 use powerhouse_study::StudyError;
 use terminal::{say, warn_aside};
 
@@ -45,6 +50,11 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a scene to begin with, a lined tunnel with its mesh, into a folder.
+    New {
+        /// Folder, which is made.
+        folder: PathBuf,
+    },
     /// Run a scene and write its results.
     #[command(after_help = AFTER_A_KILL)]
     Run {
@@ -57,8 +67,10 @@ enum Command {
         /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
+        #[command(flatten)]
+        changes: Changes,
         /// Resume the run with these results from its last checkpoint, to the same results as without an interruption.
-        #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "case"])]
+        #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "case", "set", "duration"])]
         resume: Option<PathBuf>,
         /// Start from a state that an earlier run has kept (`keep` of `[checkpoint]`), such as results/bay@5.2s: output,
         /// duration and waves after that time may differ from those of the earlier run.
@@ -71,11 +83,23 @@ enum Command {
         /// Measure and print the wall time of the parts of time steps: elements by set, law, damping, joints, output.
         #[arg(long)]
         profile: bool,
+        /// Number of threads, in place of the scene's; results do not depend on it.
+        #[arg(long, value_name = "COUNT")]
+        threads: Option<NonZeroUsize>,
+        /// Print warnings and errors alone, on the error stream.
+        #[arg(long)]
+        quiet: bool,
+        /// File that receives all that is printed, also with `--quiet`.
+        #[arg(long, value_name = "FILE")]
+        log: Option<PathBuf>,
     },
     /// Check a scene without running it: mesh, resolved frequencies, stable step, predicted cost, warnings.
     Check {
         /// Scene file.
         scene: PathBuf,
+        /// Check only the keys and values of the scene file and of its cases, without reading mesh and records.
+        #[arg(long, conflicts_with_all = ["free_field", "ranks", "case"])]
+        keys: bool,
         /// Run the scene's box without the structure and compare it with the incident field.
         #[arg(long)]
         free_field: bool,
@@ -86,6 +110,8 @@ enum Command {
         /// Name of a case, which is run in place of the scene itself.
         #[arg(long, value_name = "NAME")]
         case: Option<String>,
+        #[command(flatten)]
+        changes: Changes,
     },
     /// Recommend an absorbing boundary or an extent of the mesh for a permitted error.
     Advise {
@@ -113,6 +139,14 @@ enum Command {
         /// directory.
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
+    },
+    /// Print sizes, quality and sets of a mesh file (Gmsh, Abaqus), and draw its element sets.
+    Look {
+        /// Mesh file.
+        mesh: PathBuf,
+        /// PNG file of a picture.
+        #[arg(long, value_name = "FILE")]
+        picture: Option<PathBuf>,
     },
     /// Run the cases of a scene, sequentially or in parallel; finished cases are not run again, and unfinished ones go on
     /// from their last checkpoint.
@@ -150,6 +184,16 @@ enum Command {
     },
     /// Print the JSON schema of scene files, for editors.
     Schema,
+    /// Print the completions of a shell for this command.
+    Completions {
+        /// Shell.
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages of this command and its subcommands.
+    Man {
+        /// Folder of the pages.
+        folder: PathBuf,
+    },
 }
 
 #[derive(Subcommand)]
@@ -209,7 +253,11 @@ fn main() -> ExitCode {
     let command = Arguments::parse().command;
     let only_prints = matches!(
         command,
-        Command::Check { .. } | Command::Advise { .. } | Command::Schema
+        Command::Check { .. }
+            | Command::Advise { .. }
+            | Command::Look { picture: None, .. }
+            | Command::Schema
+            | Command::Completions { .. }
     );
     let refused = match command {
         Command::Run { .. } => Ok(()),
@@ -224,45 +272,66 @@ fn main() -> ExitCode {
             scene,
             out,
             case,
+            changes,
             resume,
             from,
             checkpoint_every,
             profile,
+            threads,
+            quiet,
+            log,
         } => {
+            if let Some(Err(error)) = log.as_deref().map(terminal::log_to) {
+                warn_aside!("error: {error}");
+                return ExitCode::from(FAILED);
+            }
+            if quiet {
+                terminal::quieten();
+            }
             let choice = match (resume, from) {
                 (Some(folder), _) => run::Choice::Resume { folder, scene },
                 (None, Some(kept)) => run::Choice::From {
                     kept,
                     scene,
-                    case,
+                    of_file: changes.of(case),
                     out,
                 },
                 (None, None) => run::Choice::Start {
                     scene: scene.unwrap_or_default(),
-                    case,
+                    of_file: changes.of(case),
                     out,
                 },
             };
-            ranks::on_all(|place| run::run(choice, checkpoint_every, profile, place))
+            ranks::on_all(|place| {
+                let options = run::Options {
+                    every: checkpoint_every,
+                    threads,
+                    profile,
+                };
+                run::run(choice, options, place)
+            })
         }
         Command::Check {
             scene,
-            free_field: false,
+            keys,
+            free_field,
             ranks,
             case,
-        } => check::check(&scene, case.as_deref(), ranks),
-        Command::Check {
-            scene,
-            free_field: true,
-            ranks: _,
-            case,
-        } => check::free_field(&scene, case.as_deref()),
+            changes,
+        } => {
+            let of_file = changes.of(case);
+            match (keys, free_field) {
+                (true, _) => check::keys(&scene, &of_file.changes),
+                (false, true) => check::free_field(&scene, &of_file),
+                (false, false) => check::check(&scene, &of_file, ranks),
+            }
+        }
         Command::Advise {
             choice: Choice::Boundary { scene, error, case },
-        } => advise::boundary(&scene, case.as_deref(), error),
+        } => advise::boundary(&scene, case, error),
         Command::Advise {
             choice: Choice::Box { scene, error, case },
-        } => advise::ground(&scene, case.as_deref(), error),
+        } => advise::ground(&scene, case, error),
         Command::Drive {
             law,
             path,
@@ -286,11 +355,15 @@ fn main() -> ExitCode {
         Command::Trade(arguments) => trade::trade(arguments),
         Command::Converge(arguments) => converge::converge(arguments),
         Command::Report { folder } => page::page(&folder),
+        Command::New { folder } => starter::new(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
+        Command::Look { mesh, picture } => look::look(&mesh, picture),
         Command::Schema => {
             say!("{:#}", powerhouse_study::registry().schema().to_value());
             Ok(ExitCode::SUCCESS)
         }
+        Command::Completions { shell } => manual::completions(shell),
+        Command::Man { folder } => manual::pages(&folder),
     };
     let status = outcome.unwrap_or_else(|error| {
         warn_aside!("{}", explain(error.as_ref()));
@@ -307,13 +380,15 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Reads a scene, or a case of it.
-fn read(path: &Path, case: Option<&str>) -> Result<Scene, Error> {
-    let registry = powerhouse_study::registry();
-    match case {
-        Some(case) => Scene::case_from_file_with(path, case, &registry),
-        None => Scene::from_file_with(path, &registry),
-    }
+/// Reads a scene, or a case of it, with changed keys.
+fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
+    Scene::from_file_as(path, of_file, &powerhouse_study::registry())
+}
+
+/// Reads a scene, or a case of it, as it is in its file.
+fn read_case(path: &Path, case: Option<String>) -> Result<Scene, Error> {
+    let changes = Vec::new();
+    read(path, &SceneChoice { case, changes })
 }
 
 /// The text of an error: for a fault of a scene file with the lines concerned, otherwise in one line.

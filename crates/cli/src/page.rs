@@ -7,7 +7,7 @@ use powerhouse_study::{
     Conclusion, Verdict, conclusions, read_outcomes, report_gaps, sensitivity, write_report,
 };
 
-use crate::terminal::say;
+use crate::terminal::{say, say_warning};
 use crate::{Outcome, WARNED};
 
 /// Writes the report of a result folder; for a sweep also prints the test of the conclusions of the paper and the
@@ -35,7 +35,7 @@ pub(crate) fn page(folder: &Path) -> Outcome {
     // Printed, too, so that an incomplete report is noticed without reading the page.
     let gaps = report_gaps(folder)?;
     for gap in &gaps {
-        say!("warning: {gap}");
+        say_warning!("{gap}");
     }
     Ok(match gaps.is_empty() {
         true => ExitCode::SUCCESS,

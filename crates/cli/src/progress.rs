@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use crate::terminal::{is_mute, warn_aside};
+use crate::terminal::{is_quiet, warn_aside};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use powerhouse::ProgressHook;
 use powerhouse::engine::{Progress, StaticProgress};
@@ -29,7 +29,7 @@ impl Display {
 
     /// One of several simultaneous displays.
     pub(crate) fn among(bars: &MultiProgress, prefix: &str) -> Self {
-        if is_mute() || !std::io::stderr().is_terminal() {
+        if is_quiet() || !std::io::stderr().is_terminal() {
             return Self::Lines(prefix.into());
         }
         let bar = bars.add(ProgressBar::new(0).with_prefix(prefix.to_owned()));
@@ -56,7 +56,7 @@ impl Display {
             Self::Lines(prefix) => {
                 let (prefix, mut timer) = (prefix.clone(), LineTimer::start());
                 Box::new(move |progress| {
-                    if is_tick(&progress) && timer.is_due() {
+                    if is_tick(&progress) && !is_quiet() && timer.is_due() {
                         warn_aside!("{}", line(&prefix, &progress, timer.started.elapsed()));
                     }
                 })
@@ -94,6 +94,9 @@ impl StaticDisplay {
 
     /// Updates the display of a stage.
     pub(crate) fn update(&mut self, stage: &str, now: &StaticProgress) {
+        if is_quiet() {
+            return;
+        }
         let text = format!(
             "{}stage '{stage}': {:.1} % of its load, correction {}, residual {:.1e} of the load",
             self.prefix,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::terminal::say;
+use crate::terminal::{say, say_warning};
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::engine::{Ended, StableStep};
 use powerhouse::model::{LimitingTerm, Mesh, StepProfile, Vec3};
@@ -26,7 +26,7 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
     simulation.step()?;
     remarks(simulation.remarks());
     for warning in merge_messages(warnings.iter().map(Warning::message)) {
-        say!("warning: {}", warning.text);
+        say_warning!("{}", warning.text);
     }
     let stable = simulation.stable_step()?;
     step(&stable, simulation.step()?);
@@ -41,7 +41,7 @@ fn remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) {
         say!("{}", fact.text);
     }
     for warning in merge_messages(warnings.into_iter().map(Remark::message)) {
-        say!("warning: {}", warning.text);
+        say_warning!("{}", warning.text);
     }
 }
 
@@ -242,7 +242,7 @@ fn sections(sections: &[SectionGeometry]) {
 }
 
 /// A point as text.
-fn point(position: &Vec3) -> String {
+pub(crate) fn point(position: &Vec3) -> String {
     format!("({:.3}, {:.3}, {:.3})", position.x, position.y, position.z)
 }
 

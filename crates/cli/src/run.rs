@@ -1,5 +1,6 @@
 //! `powerhouse run`.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -7,8 +8,8 @@ use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, FolderLock,
-    KeptState, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, Simulation,
-    StageSink,
+    KeptState, KeyChange, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene,
+    SceneChoice, Simulation, StageSink,
 };
 use powerhouse_study::saving::FormatError;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
@@ -16,7 +17,7 @@ use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 use crate::checkpoint::{self, KeptAt};
 use crate::progress::{Display, StaticDisplay};
 use crate::ranks::{NoSnapshots, Place};
-use crate::terminal::{say, warn_aside};
+use crate::terminal::{say, say_warning, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
 /// Scene that is run, and where its results are.
@@ -24,7 +25,7 @@ pub(crate) enum Choice {
     /// A new run of a scene, or of a case of it.
     Start {
         scene: PathBuf,
-        case: Option<String>,
+        of_file: SceneChoice,
         out: Option<PathBuf>,
     },
     /// The run with results in a folder, which is resumed; its scene may have moved.
@@ -36,9 +37,19 @@ pub(crate) enum Choice {
     From {
         kept: KeptAt,
         scene: Option<PathBuf>,
-        case: Option<String>,
+        of_file: SceneChoice,
         out: Option<PathBuf>,
     },
+}
+
+/// Options of a run that do not change its results.
+pub(crate) struct Options {
+    /// Wall time between two checkpoints, in place of the scene's.
+    pub(crate) every: Option<CheckpointInterval>,
+    /// Number of threads, in place of the scene's.
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Whether the parts of time steps are timed.
+    pub(crate) profile: bool,
 }
 
 /// State from which a run begins.
@@ -62,8 +73,12 @@ struct Planned {
 impl Choice {
     fn open(self) -> Result<Planned, Box<dyn std::error::Error>> {
         match self {
-            Self::Start { scene, case, out } => {
-                let scene = read(&scene, case.as_deref())?;
+            Self::Start {
+                scene,
+                of_file,
+                out,
+            } => {
+                let scene = read(&scene, &of_file)?;
                 Ok(Planned {
                     folder: out.map_or_else(|| scene.result_folder(), ResultFolder::new),
                     inputs: RunInputs::of(&scene),
@@ -74,7 +89,7 @@ impl Choice {
             Self::Resume { folder, scene } => {
                 let files = CheckpointFiles::of(&folder);
                 let resumed = files.read().map_err(Error::from)?;
-                let scene = read_as(scene, &resumed.inputs)?;
+                let scene = read_as(scene, &resumed.inputs, Vec::new())?;
                 let mut inputs = RunInputs::of(&scene);
                 let checked = files.check(&resumed.inputs, &inputs);
                 checked.map_err(Error::from)?;
@@ -89,17 +104,17 @@ impl Choice {
             Self::From {
                 kept: KeptAt { folder, time },
                 scene,
-                case,
+                of_file,
                 out,
             } => {
                 let kept = CheckpointFiles::of(&folder).read_kept(time);
                 let kept = kept.map_err(Error::from)?;
-                if case.is_some() && case != kept.inputs.case {
+                if of_file.case.is_some() && of_file.case != kept.inputs.case {
                     return Err(
                         "the case is that of the run whose state is used: leave out --case".into(),
                     );
                 }
-                let scene = read_as(scene, &kept.inputs)?;
+                let scene = read_as(scene, &kept.inputs, of_file.changes)?;
                 let inputs = kept.variant(&scene).map_err(Error::from)?;
                 let results = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
                 if is_same(results.path(), &folder) {
@@ -120,11 +135,19 @@ impl Choice {
     }
 }
 
-/// The scene of an earlier run, from another path if one is given.
-fn read_as(path: Option<PathBuf>, inputs: &RunInputs) -> Result<Scene, Box<dyn std::error::Error>> {
+/// The scene of an earlier run with its changes and further ones, from another path if one is given.
+fn read_as(
+    path: Option<PathBuf>,
+    inputs: &RunInputs,
+    further: Vec<KeyChange>,
+) -> Result<Scene, Box<dyn std::error::Error>> {
     let path = path.or_else(|| inputs.scene.clone());
     let path = path.ok_or("the earlier run is that of a scene without a file")?;
-    Ok(read(&path, inputs.case.as_deref())?)
+    let changes: Result<Vec<KeyChange>, _> = inputs.changes.iter().map(|c| c.parse()).collect();
+    let mut changes = changes?;
+    changes.extend(further);
+    let case = inputs.case.clone();
+    Ok(read(&path, &SceneChoice { case, changes })?)
 }
 
 /// Whether two paths are those of one folder that exists.
@@ -199,8 +222,11 @@ impl StageSink for Stages {
 /// On several ranks all of them run the scene; one of them checks and writes.
 pub(crate) fn run(
     choice: Choice,
-    every: Option<CheckpointInterval>,
-    profile: bool,
+    Options {
+        every,
+        threads,
+        profile,
+    }: Options,
     place: &Place,
 ) -> Outcome {
     let leads = place.leads();
@@ -210,6 +236,10 @@ pub(crate) fn run(
         inputs,
         beginning,
     } = place.agree(choice.open())?;
+    let scene = match threads {
+        Some(count) => scene.with_threads(count.get()),
+        None => scene,
+    };
     place.refuse(&[
         ("--profile", profile),
         (
@@ -327,7 +357,7 @@ pub(crate) fn run(
     let outcome = simulation.run(hooks);
     display.clear();
     if let Some(lost) = checkpoints.finish() {
-        say!("warning: a checkpoint could not be written: {lost}");
+        say_warning!("a checkpoint could not be written: {lost}");
     }
     if !leads {
         return match outcome {

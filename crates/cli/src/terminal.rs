@@ -7,7 +7,9 @@
 //! this crate by lints.
 
 use std::fmt::Arguments;
+use std::fs::File;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -16,6 +18,12 @@ use crate::FAILED;
 
 /// Whether nothing is written, because another process writes it.
 static MUTE: AtomicBool = AtomicBool::new(false);
+
+/// Whether only warnings and errors are written, on the error stream.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// File that receives all text, if one was requested.
+static LOG: Mutex<Option<File>> = Mutex::new(None);
 
 /// First error of the standard output, if there was one.
 static LOST: Mutex<Option<(ErrorKind, String)>> = Mutex::new(None);
@@ -28,6 +36,10 @@ macro_rules! say {
 macro_rules! say_on {
     ($($text:tt)*) => { $crate::terminal::write_out(format_args!($($text)*), false) };
 }
+/// Writes a line that begins with `warning: ` to the standard output, and to the error stream of a quiet command.
+macro_rules! say_warning {
+    ($($text:tt)*) => { $crate::terminal::write_warning(format_args!($($text)*)) };
+}
 /// Writes a line to the error stream.
 macro_rules! warn_aside {
     ($($text:tt)*) => {
@@ -36,7 +48,7 @@ macro_rules! warn_aside {
         }
     };
 }
-pub(crate) use {say, say_on, warn_aside};
+pub(crate) use {say, say_on, say_warning, warn_aside};
 
 /// Drops all further text of this process but that of [`aside`].
 #[cfg_attr(
@@ -52,13 +64,58 @@ pub(crate) fn is_mute() -> bool {
     MUTE.load(Ordering::Relaxed)
 }
 
+/// Writes only warnings and errors from now on.
+pub(crate) fn quieten() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether progress is not shown.
+pub(crate) fn is_quiet() -> bool {
+    is_mute() || QUIET.load(Ordering::Relaxed)
+}
+
+/// Writes all further text to a file, too.
+///
+/// # Errors
+/// A file that cannot be created.
+pub(crate) fn log_to(path: &Path) -> Result<(), String> {
+    let file = File::create(path)
+        .map_err(|error| format!("cannot write the log {}: {error}", path.display()))?;
+    *LOG.lock().unwrap_or_else(PoisonError::into_inner) = Some(file);
+    Ok(())
+}
+
+/// Writes text to the log; a log that cannot be written ends, and says so once.
+fn log(text: Arguments, end: &str) {
+    let mut log = LOG.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(Err(error)) = log.as_mut().map(|file| write!(file, "{text}{end}")) else {
+        return;
+    };
+    *log = None;
+    let _ = writeln!(
+        std::io::stderr().lock(),
+        "warning: the log ends here, since it cannot be written: {error}"
+    );
+}
+
+/// Writes a warning; see [`say_warning`].
+pub(crate) fn write_warning(text: Arguments) {
+    match is_quiet() && !is_mute() {
+        true => aside(format_args!("warning: {text}")),
+        false => write_out(format_args!("warning: {text}"), true),
+    }
+}
+
 /// Writes text to the standard output, with a line break if `line`; after an error nothing more is written.
 pub(crate) fn write_out(text: Arguments, line: bool) {
+    let end = if line { "\n" } else { "" };
+    if !is_mute() {
+        log(text, end);
+    }
     let mut lost = LOST.lock().unwrap_or_else(PoisonError::into_inner);
-    if lost.is_some() || is_mute() {
+    if lost.is_some() || is_quiet() {
         return;
     }
-    let end = if line { "\n" } else { "" };
     let mut out = std::io::stdout().lock();
     let written = write!(out, "{text}{end}").and_then(|()| out.flush());
     if let Err(error) = written {
@@ -68,6 +125,7 @@ pub(crate) fn write_out(text: Arguments, line: bool) {
 
 /// Writes a line to the error stream; a line that cannot be written is dropped.
 pub(crate) fn aside(text: Arguments) {
+    log(text, "\n");
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 

@@ -29,6 +29,10 @@ pub enum Error {
         /// Names of the scene's cases.
         available: Vec<String>,
     },
+    /// Change of a key of a scene file that cannot be made, of [`Scene::from_file_as`](crate::Scene::from_file_as).
+    #[cfg(feature = "scene-files")]
+    #[error(transparent)]
+    KeyChange(#[from] crate::KeyChangeError),
     /// Input file that cannot be read: scene, loading path, material, or equilibrated body.
     #[error("cannot read {}: {source}", path.display())]
     Read {

@@ -97,6 +97,8 @@ mod fault;
 mod format;
 mod joint;
 #[cfg(feature = "scene-files")]
+mod key_change;
+#[cfg(feature = "scene-files")]
 pub mod keys;
 mod known;
 mod magnitude;
@@ -141,6 +143,8 @@ pub use drive::{PointPath, PointTest};
 pub use error::Error;
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
+#[cfg(feature = "scene-files")]
+pub use key_change::{KeyChange, KeyChangeError};
 pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
 pub use message::{Message, RunNotes, Topic, merge_messages};
 pub use output::{
@@ -153,6 +157,10 @@ pub use reduction::reduction_layer;
 #[cfg(feature = "scene-files")]
 pub use registry::Registry;
 pub use remark::Remark;
+#[cfg(feature = "scene-files")]
+pub use resolve::read_mesh;
+#[cfg(feature = "scene-files")]
+pub use scene::SceneChoice;
 pub use scene::{
     Boundary, InitialMotion, InputOverview, LawMemory, LayerError, Mirror, MirrorError, Parity,
     RegionError, ResidualLimit, Scene, TimeStep, WaveOverview,

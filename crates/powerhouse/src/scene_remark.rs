@@ -114,6 +114,11 @@ pub enum SceneRemark {
         /// Name that replaces it.
         present: &'static str,
     },
+    /// Fact: keys of the scene file that were changed for this scene, such as by `--set`.
+    ChangedKeys {
+        /// The changes, each as `KEY=VALUE`.
+        changes: Vec<String>,
+    },
     /// Fact: the mesh file has nodes and elements that were left out of the mesh, or that belong to no physical group.
     MeshFile {
         /// Number of nodes without elements.
@@ -144,7 +149,8 @@ impl SceneRemark {
     pub fn is_warning(&self) -> bool {
         !matches!(
             self,
-            Self::MeshFile { .. }
+            Self::ChangedKeys { .. }
+                | Self::MeshFile { .. }
                 | Self::MeshKeywords { .. }
                 | Self::MeshOrder { .. }
                 | Self::FormerKey { .. }
@@ -244,6 +250,11 @@ impl fmt::Display for SceneRemark {
             } => write!(
                 f,
                 "the key '{former}' of [{table}] is called '{present}' now; it is read under both names"
+            ),
+            Self::ChangedKeys { changes } => write!(
+                f,
+                "keys of the scene file that are changed here: {}",
+                changes.join(", ")
             ),
             Self::MeshFile {
                 nodes,

@@ -52,6 +52,7 @@ pub mod saving;
 mod sensitivity;
 mod shell_octant;
 mod sides;
+pub mod starter;
 mod static_cost;
 pub mod sweep;
 pub mod trade;

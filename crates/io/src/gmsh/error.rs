@@ -149,9 +149,19 @@ pub enum GmshFault {
     /// The nodes have parametric coordinates, by their mark or in a section of their own.
     #[error("nodes with parametric coordinates are not supported (Mesh.SaveParametric = 0)")]
     Parametric,
-    /// The mesh is partitioned among processors: it has sections of partitions, or elements with a number of partitions.
-    #[error("the mesh is partitioned, which is not supported; save it without partitions")]
-    Partitioned,
+    /// The file has the elements of some partitions of a mesh alone.
+    #[error(
+        "the file has the elements of partition {} alone{}, which is a part of a mesh; save all partitions in one \
+         file (in Gmsh Mesh.PartitionSplitMeshFiles = 0)",
+        .found.iter().map(i32::to_string).collect::<Vec<_>>().join(", "),
+        .count.map_or_else(String::new, |count| format!(" of {count}")),
+    )]
+    PartOfMesh {
+        /// Partitions with elements.
+        found: Vec<i32>,
+        /// Number of partitions, if the file has it.
+        count: Option<u64>,
+    },
     /// A word or number of the file is not what the format has there.
     #[error("{what} is expected here, not '{found}'")]
     Expected {

@@ -22,7 +22,7 @@
 //! [report](GmshReport) counts what was dropped.
 //!
 //! Sections without a meaning here (`$Periodic`, `$NodeData`, `$Comments` ...) are skipped.
-//! Partitioned meshes and nodes with parametric coordinates are errors. The shapes are
+//! Partitioned meshes are read as one mesh, if one file has all partitions. Nodes with parametric coordinates are errors. The shapes are
 //! [checked](powerhouse_model::Mesh::check): an inverted element is an error with its line.
 //!
 //! The format: Gmsh Reference Manual 4.15, chapter "Gmsh file formats" (Geuzaine and Remacle, 2009,

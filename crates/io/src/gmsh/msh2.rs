@@ -8,6 +8,7 @@ use powerhouse_model::Vec3;
 use super::cursor::{Cursor, RecordSize};
 use super::error::{GmshFault, Located};
 use super::format::Encoding;
+use super::msh4::complete;
 use super::raw::{GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
 use super::shape::{Shape, TypeOfNumber};
 
@@ -95,11 +96,20 @@ const INTEGER: RecordSize = RecordSize {
     reals: 0,
 };
 
-/// Reads `$Elements`.
+/// Reads `$Elements`, and checks that they are those of a whole mesh.
 pub(super) fn elements(
     cursor: &mut Cursor<'_>,
     lists: &mut GroupLists,
 ) -> Result<RawElements, Located> {
+    let start = cursor.offset();
+    let raw = all_elements(cursor, lists)?;
+    if !raw.partitions.is_empty() {
+        complete(&raw.partitions, None).map_err(|fault| cursor.fault(start, fault))?;
+    }
+    Ok(raw)
+}
+
+fn all_elements(cursor: &mut Cursor<'_>, lists: &mut GroupLists) -> Result<RawElements, Located> {
     let least = RecordSize {
         integers: 2,
         ..RecordSize::default()
@@ -167,14 +177,17 @@ fn element(
     shape: Shape,
     tags: usize,
 ) -> Result<(), Located> {
-    let (mut group, mut entity) = (0, 0);
+    let (mut group, mut entity, mut partitions) = (0, 0, 0);
     for index in 0..tags {
-        let at = cursor.offset();
         let value = cursor.integer("a tag of an element")?;
         match index {
             0 => group = value,
             1 => entity = value,
-            2 if value > 0 => return Err(cursor.fault(at, GmshFault::Partitioned)),
+            2 => partitions = value,
+            // The partition that owns the element; ghosts have negative ones.
+            3 if partitions > 0 => {
+                raw.partitions.insert(value);
+            }
             _ => {}
         }
     }

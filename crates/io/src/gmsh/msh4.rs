@@ -3,7 +3,7 @@
 //! It reads every number, stores those that mshio drops or does not check (node numbers, counts,
 //! ranges, types, groups) and the offset of each record.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
 use super::cursor::{Cursor, RecordSize};
@@ -43,11 +43,119 @@ pub(super) struct ElementLayout {
     pub(super) offsets: Vec<usize>,
 }
 
+/// Entities of a partitioned mesh.
+#[derive(Debug)]
+pub(super) struct Partitions {
+    count: u64,
+    /// Physical groups of the entities.
+    groups: EntityGroups,
+    /// Partitions of each volume.
+    of_volumes: HashMap<i32, Vec<i32>>,
+}
+
+impl Partitions {
+    /// The groups of all entities, after a check that the file has the elements of every partition.
+    pub(super) fn merged(
+        self,
+        mut entities: EntityGroups,
+        blocks: &[Block],
+    ) -> Result<EntityGroups, GmshFault> {
+        let volumes = blocks
+            .iter()
+            .filter(|block| block.dimension == 3 && block.count > 0);
+        let volumes = volumes.filter_map(|block| self.of_volumes.get(&block.entity));
+        let found: BTreeSet<i32> = volumes.flatten().copied().collect();
+        complete(&found, Some(self.count))?;
+        for (key, list) in self.groups {
+            if entities.insert(key, list).is_some() {
+                let (dimension, entity) = key;
+                return Err(GmshFault::RepeatedEntity { dimension, entity });
+            }
+        }
+        Ok(entities)
+    }
+}
+
+/// Checks that elements of all partitions, or of the first ones if their count is unknown, were found in a file.
+pub(super) fn complete(found: &BTreeSet<i32>, count: Option<u64>) -> Result<(), GmshFault> {
+    let known = count.unwrap_or_else(|| found.last().map_or(0, |&last| last.max(2) as u64));
+    let all = (1..).take(
+        usize::try_from(known)
+            .unwrap_or(usize::MAX)
+            .min(found.len() + 1),
+    );
+    match found.len() as u64 == known && found.iter().copied().eq(all) {
+        true => Ok(()),
+        false => Err(GmshFault::PartOfMesh {
+            found: found.iter().copied().collect(),
+            count,
+        }),
+    }
+}
+
 /// Reads `$Entities`.
 pub(super) fn entities(
     cursor: &mut Cursor<'_>,
     lists: &mut GroupLists,
 ) -> Result<EntityGroups, Located> {
+    let mut groups = EntityGroups::new();
+    records(
+        cursor,
+        lists,
+        |_| Ok(()),
+        |_, key, list| groups.insert(key, list).is_none(),
+    )?;
+    Ok(groups)
+}
+
+/// Reads `$PartitionedEntities`.
+pub(super) fn partitions(
+    cursor: &mut Cursor<'_>,
+    lists: &mut GroupLists,
+) -> Result<Partitions, Located> {
+    let pair = RecordSize {
+        integers: 2,
+        ..RecordSize::default()
+    };
+    let count = cursor.size("the number of partitions")?;
+    for _ in 0..cursor.count(pair, "ghost entities")? {
+        cursor.integer("the number of a ghost entity")?;
+        cursor.integer("the partition of a ghost entity")?;
+    }
+    let (mut groups, mut of_volumes) = (EntityGroups::new(), HashMap::new());
+    let tag = RecordSize {
+        integers: 1,
+        ..RecordSize::default()
+    };
+    let owners = |cursor: &mut Cursor<'_>| {
+        cursor.integer("the dimension of a parent entity")?;
+        cursor.integer("the number of a parent entity")?;
+        let number = cursor.count(tag, "partitions of an entity")?;
+        (0..number)
+            .map(|_| cursor.integer("a partition of an entity"))
+            .collect()
+    };
+    records(cursor, lists, owners, |owners: Vec<i32>, key, list| {
+        if key.0 == 3 {
+            of_volumes.insert(key.1, owners);
+        }
+        groups.insert(key, list).is_none()
+    })?;
+    Ok(Partitions {
+        count,
+        groups,
+        of_volumes,
+    })
+}
+
+/// Reads the records of entities: what follows their number by `after_number`, and all of it into `keep`, which says whether the
+/// entity is new.
+fn records<T>(
+    cursor: &mut Cursor<'_>,
+    lists: &mut GroupLists,
+    after_number: impl Fn(&mut Cursor<'_>) -> Result<T, Located>,
+    mut keep: impl FnMut(T, (usize, i32), GroupList) -> bool,
+) -> Result<(), Located> {
     let point = RecordSize {
         integers: 1,
         sizes: 1,
@@ -68,11 +176,11 @@ pub(super) fn entities(
         cursor.count(other, "surfaces")?,
         cursor.count(other, "volumes")?,
     ];
-    let mut groups = EntityGroups::new();
     for (dimension, count) in counts.into_iter().enumerate() {
         for _ in 0..count {
             let offset = cursor.offset();
             let entity = cursor.integer("the number of an entity")?;
+            let own = after_number(cursor)?;
             let reals = if dimension == 0 { 3 } else { 6 };
             cursor.skip_reals(reals, "a coordinate")?;
             let number = cursor.count(tag, "physical groups")?;
@@ -86,16 +194,13 @@ pub(super) fn entities(
                     cursor.integer("the number of a bounding entity")?;
                 }
             }
-            if groups
-                .insert((dimension, entity), lists.intern(list))
-                .is_some()
-            {
+            if !keep(own, (dimension, entity), lists.intern(list)) {
                 let fault = GmshFault::RepeatedEntity { dimension, entity };
                 return Err(cursor.fault(offset, fault));
             }
         }
     }
-    Ok(groups)
+    Ok(())
 }
 
 /// Header that `$Nodes` and `$Elements` have in common.

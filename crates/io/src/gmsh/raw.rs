@@ -1,6 +1,6 @@
 //! Content of a file, of either version, before conversion to a mesh.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use powerhouse_model::{MeshError, Vec3};
 
@@ -40,6 +40,8 @@ pub(super) struct RawElement {
 pub(super) struct RawElements {
     pub(super) elements: Vec<RawElement>,
     pub(super) nodes: Vec<u64>,
+    /// Partitions that own elements, of version 2.2.
+    pub(super) partitions: BTreeSet<i32>,
     /// Offset of the content of the section (bytes).
     pub(super) start: usize,
 }

@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::error::{GmshFault, Located, snippet};
 use super::format::{self, Encoding, Format, GmshVersion};
-use super::msh4::{ElementLayout, EntityGroups, NodeLayout};
+use super::msh4::{ElementLayout, EntityGroups, NodeLayout, Partitions};
 use super::raw::{RawElements, RawMesh, RawNodes};
 use super::section::{self, Marker};
 use super::{msh2, msh4, values};
@@ -18,6 +18,8 @@ struct Sections {
     element_layout: Option<ElementLayout>,
     nodes: Option<RawNodes>,
     elements: Option<RawElements>,
+    /// Entities of a partitioned mesh, with the place of their section.
+    partitions: Option<(Partitions, usize)>,
 }
 
 /// Reads the header of the file.
@@ -118,11 +120,20 @@ impl Sections {
                 marker.offset,
                 GmshFault::Parametric,
             )),
-            b"$PartitionedEntities" | b"$GhostElements" => Err(Located::new(
-                &marker.text(),
-                marker.offset,
-                GmshFault::Partitioned,
-            )),
+            b"$PartitionedEntities" if four => {
+                let lists = &mut self.raw.lists;
+                let section = "$PartitionedEntities";
+                let (found, after) = walk(bytes, format, marker, section, "entity", |cursor| {
+                    msh4::partitions(cursor, lists)
+                })?;
+                put(
+                    &mut self.partitions,
+                    (found, marker.offset),
+                    &marker,
+                    section,
+                )?;
+                Ok(after)
+            }
             _ => {
                 let end = match format.encoding {
                     Encoding::Text => marker.end(bytes)?,
@@ -141,7 +152,12 @@ impl Sections {
             GmshVersion::Four => {
                 let nodes = self.node_layout.ok_or_else(missing("$Nodes"))?;
                 let elements = self.element_layout.ok_or_else(missing("$Elements"))?;
-                let groups = self.groups.unwrap_or_default();
+                let mut groups = self.groups.unwrap_or_default();
+                if let Some((partitions, offset)) = self.partitions {
+                    let merged = partitions.merged(groups, &elements.blocks);
+                    groups = merged
+                        .map_err(|fault| Located::new("$PartitionedEntities", offset, fault))?;
+                }
                 (self.raw.nodes, self.raw.elements) =
                     values::read(bytes, format, nodes, elements, &groups)?;
             }

@@ -73,3 +73,48 @@ fn all_formats_of_gmsh_give_one_mesh() {
         }
     }
 }
+
+/// A partitioned mesh in one file, with facets between partitions and ghosts, is the same mesh; a file of one partition is
+/// refused.
+#[test]
+fn partitions_in_one_file_make_one_mesh() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gmsh/data");
+    let read = |name: &str| read_gmsh(format!("{folder}/two_layers_{name}.msh"));
+    let whole = read("41_text").unwrap().mesh;
+    // Version 2.2 numbers the nodes anew: corners are compared by their places, in halves of a metre.
+    let corners = |mesh: &Mesh, set: &str| {
+        let of = |&element: &u32| {
+            let place =
+                |&node: &u32| mesh.positions()[node as usize].map(|x| (2.0 * x).round() as i64);
+            let mut corners: Vec<[i64; 3]> = (mesh.nodes_of(element).iter())
+                .map(|node| place(node).into())
+                .collect();
+            corners.sort_unstable();
+            corners
+        };
+        let mut found: Vec<_> = mesh.element_set(set).unwrap().iter().map(of).collect();
+        found.sort_unstable();
+        found
+    };
+    for name in ["41_parts", "22_parts"] {
+        let mesh = read(name)
+            .unwrap_or_else(|error| panic!("{name}: {error}"))
+            .mesh;
+        assert_eq!(
+            (mesh.node_count(), mesh.element_count()),
+            (27, 10),
+            "{name}"
+        );
+        for set in ["rock mass", "both", "physical_1_4"] {
+            assert_eq!(corners(&mesh, set), corners(&whole, set), "{name} {set}");
+        }
+        assert_eq!(sizes(&mesh, &["bottom é"]), [4], "{name}");
+        let volume = mesh.volume_of(mesh.element_set("both").unwrap());
+        assert!((volume - 2.0).abs() < 1e-12, "{name} {volume}");
+    }
+    let part = read("41_part").unwrap_err().to_string();
+    assert!(
+        part.contains("the elements of partition 2 alone of 3"),
+        "{part}"
+    );
+}

@@ -167,14 +167,18 @@ fn faults_of_sections() {
     assert_eq!(place.section, "$Nodes");
 }
 
-/// Unsupported content has its own errors: partitioned meshes, parametric nodes.
+/// Unsupported content has its own errors: parts of partitioned meshes, parametric nodes.
 #[test]
 fn partitions_and_parameters() {
     let mesh = String::from_utf8(Sample::tower().file(Format::Text4)).unwrap();
-    let parts = mesh + "$PartitionedEntities\n2\n0\n$EndPartitionedEntities\n";
-    assert_eq!(fault(parts.as_bytes()).1, GmshFault::Partitioned);
+    let parts = mesh + "$PartitionedEntities\n2\n0\n0 0 0 0\n$EndPartitionedEntities\n";
+    let part_of = |found: &[i32], count| GmshFault::PartOfMesh {
+        found: found.to_vec(),
+        count,
+    };
+    assert_eq!(fault(parts.as_bytes()).1, part_of(&[], Some(2)));
     let (place, partitioned) = edit(Format::Text2, "34 4 2 2 3 50", "34 4 4 2 3 1 2 50");
-    assert_eq!(partitioned, GmshFault::Partitioned);
+    assert_eq!(partitioned, part_of(&[2], None));
     assert_eq!(place.section, "$Elements");
     assert_eq!(
         edit(Format::Text4, "3 1 0 5", "3 1 1 5").1,

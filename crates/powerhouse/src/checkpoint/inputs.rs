@@ -17,6 +17,8 @@ pub struct RunInputs {
     pub scene: Option<PathBuf>,
     /// Name of the case that is run in place of the scene itself.
     pub case: Option<String>,
+    /// Changes of keys of the scene file with which it was read, each as `KEY=VALUE`.
+    pub changes: Vec<String>,
     /// The state of another run from which this one started, and what changed, in words; none for a run from its
     /// beginning.
     pub origin: Option<String>,
@@ -50,6 +52,7 @@ impl RunInputs {
         Self {
             scene: source.map(|source| absolute(&source.path)),
             case: scene.case().map(String::from),
+            changes: scene.changes().to_vec(),
             origin: None,
             items,
         }

@@ -31,7 +31,7 @@ pub(super) fn mesh(
     let mesh = match &table.generator {
         Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
         None => {
-            let (mesh, found) = read(&path, options).map_err(refused)?;
+            let (mesh, found) = read_mesh(&path, options).map_err(refused)?;
             remarks.extend(found.into_iter().map(Remark::Scene));
             mesh
         }
@@ -78,8 +78,12 @@ pub(super) fn mesh(
     Ok((mesh, remarks))
 }
 
-/// Mesh of a file, whose format its name shows, with what is to be said of it.
-fn read(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
+/// Mesh of a Gmsh file, or of an Abaqus input file by its extension `.inp`, with remarks about what was left out or
+/// changed.
+///
+/// # Errors
+/// Those of [`read_gmsh`](powerhouse_io::read_gmsh) and [`read_inp`](powerhouse_io::read_inp).
+pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
     let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
     if is_inp {
         let inp = powerhouse_io::read_inp_with(path, options)?;

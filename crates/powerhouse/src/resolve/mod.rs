@@ -25,6 +25,8 @@ use crate::{
     Scene, SceneRemark, keys,
 };
 
+pub use mesh::read_mesh;
+
 /// Composes the scene of a file.
 pub(crate) fn compose(
     text: &SceneText,

@@ -1,13 +1,24 @@
 //! Reading of scenes from files.
 
+use core::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{InputOverview, Scene};
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::format::{Allowance, Case, SceneFile};
+use crate::magnitude::Magnitude;
 use crate::output::{NamedThing, check_names};
-use crate::{Error, Registry, SceneRemark, format, resolve};
+use crate::{Error, KeyChange, Registry, SceneRemark, format, resolve};
+
+/// Which scene of a file is read: the scene itself or one of its cases, with changed keys.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneChoice {
+    /// Name of a case; none for the scene itself.
+    pub case: Option<String>,
+    /// Changed keys, in the order in which they are changed.
+    pub changes: Vec<KeyChange>,
+}
 
 impl Scene {
     /// Scene of a file, with its mesh and its records; laws, kernels and boundaries are those that come with
@@ -26,6 +37,25 @@ impl Scene {
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::from_toml(read_text(path)?, path, registry)
+    }
+    /// Scene of a file, or of a case of it, with changed keys; they are a remark of every check and run of the scene.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file); [`Error::NoSuchCase`]; [`Error::KeyChange`] for a change that cannot be made.
+    pub fn from_file_as(
+        path: impl AsRef<Path>,
+        choice: &SceneChoice,
+        registry: &Registry,
+    ) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let text = KeyChange::apply(&read_text(path)?, &choice.changes)?;
+        let mut scene = Self::compose(text, path.into(), choice.case.as_deref(), registry)?;
+        if !choice.changes.is_empty() {
+            scene.changes = choice.changes.iter().map(ToString::to_string).collect();
+            let changes = scene.changes.clone();
+            scene.remark_once(SceneRemark::ChangedKeys { changes });
+        }
+        Ok(scene)
     }
     /// Scene of a case of a file: the scene with the keys that the case changes.
     ///
@@ -63,6 +93,30 @@ impl Scene {
         Self::compose(text.into(), path.into(), None, registry)
     }
 
+    /// Checks the keys and values of a scene file with changed keys, and of all its cases, without reading mesh and
+    /// records; what depends on these is not checked. The number of the cases.
+    ///
+    /// # Errors
+    /// As [`from_file_as`](Self::from_file_as).
+    pub fn check_keys(
+        path: impl AsRef<Path>,
+        changes: &[KeyChange],
+        registry: &Registry,
+    ) -> Result<usize, Error> {
+        let path = path.as_ref();
+        let text = KeyChange::apply(&read_text(path)?, changes)?;
+        let text = Arc::new(SceneText {
+            path: path.into(),
+            text,
+        });
+        let refused = |fault| SceneFault::new(text.clone(), fault);
+        let keys = Keys::read(&text.text, registry).map_err(refused)?;
+        for name in &keys.cases {
+            check_case(&text.text, name, registry).map_err(refused)?;
+        }
+        Ok(keys.cases.len())
+    }
+
     fn compose(
         text: String,
         path: PathBuf,
@@ -71,15 +125,11 @@ impl Scene {
     ) -> Result<Self, Error> {
         let text = Arc::new(SceneText { path, text });
         let refused = |fault| SceneFault::new(text.clone(), fault);
-        let mut file = format::decode(&text.text).map_err(refused)?;
-        let allowed = file.allow.iter().any(|a| **a == Allowance::Magnitudes);
-        let unusual = format::survey(&text.text).map_err(refused)?;
-        // Errors of laws are reported before quantities outside their usual range.
-        check_registered(&file, registry).map_err(refused)?;
-        if let (Some((magnitude, place)), false) = (unusual.first(), allowed) {
-            return Err(refused(Fault::of_magnitude(place.clone(), magnitude.clone())).into());
-        }
-        let cases = case_names(&file.cases).map_err(refused)?;
+        let Keys {
+            mut file,
+            unusual,
+            cases,
+        } = Keys::read(&text.text, registry).map_err(refused)?;
         if let Some(name) = case {
             if !cases.iter().any(|case| case == name) {
                 let (name, available) = (name.into(), cases);
@@ -119,6 +169,34 @@ impl Scene {
         scene.engine = registry.engine().clone();
         scene.source = Some(text);
         Ok(scene)
+    }
+}
+
+/// Keys of a scene file, checked without its mesh and its records.
+struct Keys {
+    file: SceneFile,
+    /// Numbers outside their usual range, and their places.
+    unusual: Vec<(Magnitude, Range<usize>)>,
+    /// Names of the cases.
+    cases: Vec<String>,
+}
+
+impl Keys {
+    fn read(text: &str, registry: &Registry) -> Result<Self, Fault> {
+        let file = format::decode(text)?;
+        let allowed = file.allow.iter().any(|a| **a == Allowance::Magnitudes);
+        let unusual = format::survey(text)?;
+        // Errors of laws are reported before quantities outside their usual range.
+        check_registered(&file, registry)?;
+        if let (Some((magnitude, place)), false) = (unusual.first(), allowed) {
+            return Err(Fault::of_magnitude(place.clone(), magnitude.clone()));
+        }
+        let cases = case_names(&file.cases)?;
+        Ok(Self {
+            file,
+            unusual,
+            cases,
+        })
     }
 }
 

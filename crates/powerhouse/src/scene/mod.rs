@@ -21,6 +21,8 @@ mod surroundings;
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
 #[cfg(feature = "scene-files")]
+pub use file::SceneChoice;
+#[cfg(feature = "scene-files")]
 pub(crate) use file::read_text;
 pub use layers::LayerError;
 pub(crate) use layers::damping_of_layer;
@@ -176,6 +178,8 @@ pub struct Scene {
     pub(crate) cases_on_request: Vec<String>,
     /// Name of the case that the scene is, if any.
     pub(crate) case: Option<String>,
+    /// Changes of keys of the scene file with which it was read.
+    pub(crate) changes: Vec<String>,
     pub(crate) input: InputOverview,
     #[cfg(feature = "scene-files")]
     pub(crate) registry: Option<Registry>,
@@ -225,6 +229,7 @@ impl Scene {
             cases: Vec::new(),
             cases_on_request: Vec::new(),
             case: None,
+            changes: Vec::new(),
             input: InputOverview::default(),
             #[cfg(feature = "scene-files")]
             registry: None,
@@ -558,6 +563,10 @@ impl Scene {
     /// Name of the case that the scene is, if any.
     pub fn case(&self) -> Option<&str> {
         self.case.as_deref()
+    }
+    /// Changed keys of the scene file with which the scene was read, each as `KEY=VALUE`.
+    pub fn changes(&self) -> &[String] {
+        &self.changes
     }
     /// Results folder of a run: as given in the scene, or `results/` with the name of the scene file; a case has a
     /// subfolder of its name.

@@ -15,6 +15,7 @@ mod joint_output;
 mod joint_starts;
 mod joints;
 mod kept_bodies;
+mod key_changes;
 mod keys_of_ground;
 mod keys_of_model;
 mod keys_of_output;

@@ -1,6 +1,7 @@
 """Two layers of hexes, the lower one in two physical groups, in four formats.
 
-Writes two_layers_{22,41}_{text,binary}.msh beside itself. Made with Gmsh 4.15.2.
+Writes two_layers_{22,41}_{text,binary}.msh beside itself, the same in three partitions as two_layers_{22,41}_parts.msh,
+and one of these partitions as two_layers_41_part.msh. Made with Gmsh 4.15.2.
 """
 
 import os
@@ -37,4 +38,16 @@ for version in ("2.2", "4.1"):
         gmsh.option.setNumber("Mesh.Binary", binary)
         name = f"two_layers_{version.replace('.', '')}_{kind}.msh"
         gmsh.write(os.path.join(HERE, name))
+gmsh.option.setNumber("Mesh.Binary", 0)
+gmsh.option.setNumber("Mesh.PartitionCreateTopology", 1)
+gmsh.option.setNumber("Mesh.PartitionCreateGhostCells", 1)
+gmsh.model.mesh.partition(3)
+for version in ("2.2", "4.1"):
+    gmsh.option.setNumber("Mesh.MshFileVersion", float(version))
+    gmsh.write(os.path.join(HERE, f"two_layers_{version.replace('.', '')}_parts.msh"))
+gmsh.option.setNumber("Mesh.PartitionSplitMeshFiles", 1)
+gmsh.write(os.path.join(HERE, "two_layers_41_part.msh"))
+for part in (1, 3):
+    os.remove(os.path.join(HERE, f"two_layers_41_part_{part}.msh"))
+os.rename(os.path.join(HERE, "two_layers_41_part_2.msh"), os.path.join(HERE, "two_layers_41_part.msh"))
 gmsh.finalize()

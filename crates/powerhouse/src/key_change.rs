@@ -1,0 +1,207 @@
+//! Changes of single keys of scene files, as from a command line.
+
+use core::fmt;
+use core::str::FromStr;
+
+use thiserror::Error;
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Key, TableLike, Value};
+
+/// Change of a key of a scene file, such as `time.duration=5` or `part.lining.kernel=hex8-eas`.
+///
+/// Before the equals sign the tables and the key stand, with points between them. Of several tables of one kind its
+/// `name` says which is meant, or its `set`, or its position from 1; a single table needs neither. After it stands a
+/// value of TOML; texts need no quotes. A key that the file does not have is added.
+///
+/// ```
+/// use powerhouse::KeyChange;
+/// let change: KeyChange = "wave.1.incidence=30".parse()?;
+/// assert_eq!(change.to_string(), "wave.1.incidence=30");
+/// assert!("duration".parse::<KeyChange>().is_err());
+/// # Ok::<(), powerhouse::KeyChangeError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyChange {
+    /// Names of tables and entries of lists on the way to the key.
+    way: Vec<String>,
+    key: String,
+    /// Value, as it was given.
+    value: String,
+    text: String,
+}
+
+/// Change of a key that cannot be made.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum KeyChangeError {
+    /// Text that is not a key and a value.
+    #[error("'{text}' is not a change of a key; expected KEY=VALUE, such as time.duration=5")]
+    Syntax {
+        /// The text.
+        text: String,
+    },
+    /// Key on the way whose value is not a table.
+    #[error("'{text}': '{key}' is a value of the scene file, not a table")]
+    NotATable {
+        /// The change.
+        text: String,
+        /// Key on the way.
+        key: String,
+    },
+    /// Table among several of one kind that does not exist, or that is not named.
+    #[error(
+        "'{text}': the scene file has no single '{key}' of that name; expected one of {}, or a position from 1 to {count}",
+        .names.join(", ")
+    )]
+    NoSuchTable {
+        /// The change.
+        text: String,
+        /// Kind of the tables.
+        key: String,
+        /// Names of the tables; empty for those without one.
+        names: Vec<String>,
+        /// Number of the tables.
+        count: usize,
+    },
+}
+
+impl FromStr for KeyChange {
+    type Err = KeyChangeError;
+    fn from_str(text: &str) -> Result<Self, KeyChangeError> {
+        let refused = || KeyChangeError::Syntax { text: text.into() };
+        let (keys, value) = text.split_once('=').ok_or_else(refused)?;
+        let keys = Key::parse(keys).map_err(|_| refused())?;
+        let mut way: Vec<String> = keys.iter().map(|key| key.get().to_owned()).collect();
+        let (key, value) = (way.pop().ok_or_else(refused)?, value.trim().to_owned());
+        if value.is_empty() {
+            return Err(refused());
+        }
+        let text = text.trim().into();
+        Ok(Self {
+            way,
+            key,
+            value,
+            text,
+        })
+    }
+}
+
+impl fmt::Display for KeyChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl KeyChange {
+    /// Another duration of the run (s).
+    pub fn duration(seconds: f64) -> Self {
+        let [table, key] = ["time", "duration"].map(String::from);
+        let value = format!("{seconds:?}");
+        Self {
+            text: format!("{table}.{key}={value}"),
+            way: vec![table],
+            key,
+            value,
+        }
+    }
+
+    /// The text of a scene file with changed keys; comments and the order of keys are kept. Text that is not TOML comes
+    /// back as it is.
+    ///
+    /// # Errors
+    /// Tables on the way that do not exist or are not tables.
+    pub fn apply(text: &str, changes: &[Self]) -> Result<String, KeyChangeError> {
+        let document = text.parse::<DocumentMut>();
+        let Ok(mut document) = document else {
+            return Ok(text.to_owned());
+        };
+        for change in changes {
+            change.make(&mut document)?;
+        }
+        Ok(document.to_string())
+    }
+
+    fn make(&self, document: &mut DocumentMut) -> Result<(), KeyChangeError> {
+        let mut table: &mut dyn TableLike = document.as_table_mut();
+        let mut way = self.way.iter().peekable();
+        while let Some(key) = way.next() {
+            let item = table.entry(key).or_insert_with(toml_edit::table);
+            if let Item::Value(Value::Array(_)) = item {
+                as_tables(item);
+            }
+            table = match item {
+                Item::ArrayOfTables(tables) => {
+                    let named = way.peek().and_then(|name| position(tables, name));
+                    let place = match (named, tables.len()) {
+                        (Some(place), _) => {
+                            way.next();
+                            place
+                        }
+                        (None, 1) => 0,
+                        (None, count) => {
+                            return Err(KeyChangeError::NoSuchTable {
+                                text: self.text.clone(),
+                                key: key.clone(),
+                                names: tables.iter().filter_map(name).map(String::from).collect(),
+                                count,
+                            });
+                        }
+                    };
+                    match tables.get_mut(place) {
+                        Some(table) => table,
+                        None => return Err(self.not_a_table(key)),
+                    }
+                }
+                other => match other.as_table_like_mut() {
+                    Some(table) => table,
+                    None => return Err(self.not_a_table(key)),
+                },
+            };
+        }
+        let mut value = (self.value.parse::<Value>()).unwrap_or_else(|_| Value::from(&*self.value));
+        match table.get_mut(&self.key) {
+            Some(Item::Value(old)) => {
+                *value.decor_mut() = old.decor().clone();
+                *old = value;
+            }
+            _ => {
+                table.insert(&self.key, Item::Value(value));
+            }
+        }
+        Ok(())
+    }
+
+    fn not_a_table(&self, key: &str) -> KeyChangeError {
+        KeyChangeError::NotATable {
+            text: self.text.clone(),
+            key: key.into(),
+        }
+    }
+}
+
+/// Turns a list of tables in braces into a list of tables under headings, which has the same meaning.
+fn as_tables(item: &mut Item) {
+    let old = core::mem::take(item);
+    *item = match old.into_array_of_tables() {
+        Ok(tables) => Item::ArrayOfTables(tables),
+        Err(old) => old,
+    };
+}
+
+/// Name of a table of a list: of parts that of their element set.
+fn name(table: &toml_edit::Table) -> Option<&str> {
+    ["name", "set"]
+        .into_iter()
+        .find_map(|key| table.get(key)?.as_str())
+}
+
+/// Index of the table with a name, or at a position from 1.
+fn position(tables: &ArrayOfTables, wanted: &str) -> Option<usize> {
+    let mut named = (tables.iter().enumerate()).filter(|(_, table)| name(table) == Some(wanted));
+    match (named.next(), named.next()) {
+        (Some((place, _)), None) => Some(place),
+        (Some(_), Some(_)) => None,
+        (None, _) => {
+            let place = wanted.parse::<usize>().ok()?.checked_sub(1)?;
+            (place < tables.len()).then_some(place)
+        }
+    }
+}
