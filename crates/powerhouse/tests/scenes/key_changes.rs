@@ -155,12 +155,12 @@ fn scenes_are_read_with_changed_keys() {
     );
 
     assert!(read(&[]).unwrap().changes().is_empty());
-    let unknown = read(&["time.durations=3"]).unwrap_err().to_string();
+    let unknown = read(&["time.durations=3"]).err().unwrap().to_string();
     assert!(
         unknown.contains("durations") && unknown.contains("duration"),
         "{unknown}"
     );
-    let error = read(&["part.lining.kernel=x"]).unwrap_err();
+    let error = read(&["part.lining.kernel=x"]).err().unwrap();
     let of_part = error.to_string();
     assert!(of_part.contains("lining"), "{of_part}");
 }
