@@ -16,6 +16,7 @@ mod look;
 mod manual;
 mod mesh;
 mod page;
+mod plot;
 mod progress;
 mod ranks;
 mod report;
@@ -182,6 +183,8 @@ enum Command {
         /// Folder of the results.
         folder: PathBuf,
     },
+    /// Draw histories of a finished run, their response or Fourier spectra, or the growth of their Arias intensity.
+    Plot(plot::PlotArguments),
     /// Print the JSON schema of scene files, for editors.
     Schema,
     /// Print the completions of a shell for this command.
@@ -354,6 +357,7 @@ fn main() -> ExitCode {
         }
         Command::Trade(arguments) => trade::trade(arguments),
         Command::Converge(arguments) => converge::converge(arguments),
+        Command::Plot(arguments) => plot::plot(arguments),
         Command::Report { folder } => page::page(&folder),
         Command::New { folder } => starter::new(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),

@@ -49,7 +49,38 @@ fn a_new_scene_runs_to_a_report() {
     let run = said(&here, &["run", "my/scene.toml", "--out", "out"]);
     assert!(run.contains("crown.ux"), "{run}");
     said(&here, &["report", "out"]);
-    assert!(folder.join("out/report.html").is_file());
+    let report = std::fs::read_to_string(folder.join("out/report.html")).unwrap();
+    for passage in [
+        "Arias intensity",
+        "crown.ax: response spectrum",
+        "crown.az: Fourier amplitude",
+    ] {
+        assert!(report.contains(passage), "{passage}");
+    }
+
+    let listed = said(&here, &["plot", "out"]);
+    assert!(
+        listed.contains("crown.ax") && listed.contains("m/s2"),
+        "{listed}"
+    );
+    let drawn = said(
+        &here,
+        &[
+            "plot",
+            "out",
+            "crown",
+            "--of",
+            "response",
+            "--damping",
+            "5%",
+        ],
+    );
+    assert!(drawn.contains("plots/crown-response.svg"), "{drawn}");
+    let table = std::fs::read_to_string(folder.join("out/plots/crown-response.csv")).unwrap();
+    assert!(table.contains("crown.ax 5 %"), "{table}");
+    let refused = powerhouse(&here, &["plot", "out", "floor"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("no history 'floor'; expected one of crown.ux"));
 }
 
 /// Changed keys act as in the file and are told in output and summary; a run from a checkpoint keeps them.

@@ -55,6 +55,33 @@ pub enum StudyError {
         /// Path of the folder.
         folder: PathBuf,
     },
+    /// A result folder without a table of histories.
+    #[error("{} has no histories: its scene needs at least one [[output.history]]", folder.display())]
+    NoHistories {
+        /// Path of the folder.
+        folder: PathBuf,
+    },
+    /// A column that the table of histories does not have.
+    #[error("no history '{name}'; expected one of {}", available.join(", "))]
+    NoSuchColumn {
+        /// The name.
+        name: String,
+        /// Names of the columns.
+        available: Vec<String>,
+    },
+    /// A history of which no spectrum exists.
+    #[error(
+        "'{name}' ({unit}) with {samples} samples has no spectrum: it is that of an acceleration (m/s2) with at least two \
+         samples; record it with quantities = [\"acceleration\"]"
+    )]
+    NoAcceleration {
+        /// Name of the column.
+        name: String,
+        /// Its unit.
+        unit: String,
+        /// Number of its samples.
+        samples: usize,
+    },
     /// A trade study without histories by which runs are compared: the scene records none, or no quantity is requested.
     #[error(
         "the scene records no history by which runs can be compared: add at least one [[output.history]]"

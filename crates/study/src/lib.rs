@@ -40,6 +40,7 @@ mod grown;
 mod joints;
 mod json;
 mod mark;
+pub mod motion;
 mod names;
 mod opening_slice;
 mod perturbation;

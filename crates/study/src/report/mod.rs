@@ -10,6 +10,7 @@
 mod charts;
 mod forces;
 mod fourier;
+mod motions;
 mod page;
 mod paper;
 mod repetition;

@@ -124,6 +124,14 @@ impl Page {
         Ok(())
     }
 
+    /// Adds plots with their captions side by side.
+    pub(super) fn pairs(&mut self, plots: Vec<(PathBuf, String)>) -> Result<(), StudyError> {
+        self.body += "<div class=\"pair\">\n";
+        self.figures(plots)?;
+        self.body += "</div>\n";
+        Ok(())
+    }
+
     /// Adds those pictures of the cases with given names that exist.
     pub(super) fn pictures(
         &mut self,

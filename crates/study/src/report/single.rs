@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::page::{Page, Table};
 use super::run_warnings::RunWarnings;
-use super::{read_json, report_gaps, tables};
+use super::{motions, read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
 
@@ -50,6 +50,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
             .to_vec(),
         rows: rows.collect(),
     });
+    motions::section(&mut page, folder, &warnings.about(&["histories"]))?;
     for (section, below, end) in [("Plots", "plots", "svg"), ("Pictures", "pictures", "png")] {
         let files = files(&folder.join(below), end);
         if !files.is_empty() {

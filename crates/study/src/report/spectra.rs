@@ -9,18 +9,13 @@ use super::page::Table;
 use super::{CaseFiles, column, kinds};
 use crate::StudyError;
 use crate::even_samples::even_samples;
+use crate::motion::{DAMPINGS, periods};
 use crate::rounded::rounded;
 
-/// Damping ratios of the oscillators.
-const DAMPINGS: [f64; 3] = [0.02, 0.05, 0.1];
 /// Damping ratio at which cases are compared.
 const COMMON: f64 = 0.05;
-/// Shortest and longest period (s), and number of periods in geometric progression.
-const PERIODS: ([f64; 2], usize) = ([0.03, 3.0], 90);
 /// Longest drawn period (s).
 const DRAWN: f64 = 1.5;
-/// Least number of samples within the shortest period.
-const SAMPLES_PER_PERIOD: f64 = 5.0;
 /// Evaluated directions.
 const AXES: [char; 3] = ['x', 'y', 'z'];
 /// Directions with a peak acceleration below this share of the greatest are left out.
@@ -43,16 +38,6 @@ struct FloorSpectrum {
     floor_peak: f64,
     /// Peak absolute acceleration (m/s2) of an oscillator for each period.
     accelerations: Vec<f64>,
-}
-
-/// The periods (s) of the spectra, for a greatest sampling interval (s) of the motions.
-fn periods(coarsest: f64) -> Vec<f64> {
-    let ([shortest, longest], count) = PERIODS;
-    let shortest = shortest.max(SAMPLES_PER_PERIOD * coarsest).min(longest);
-    let ratio: f64 = longest / shortest;
-    (0..count)
-        .map(|index| shortest * ratio.powf(index as f64 / (count - 1) as f64))
-        .collect()
 }
 
 /// The floors of a case: acceleration histories with `floor` in their names, and the centres `O1` and `O2` of the

@@ -1,0 +1,83 @@
+//! `powerhouse plot`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use powerhouse_study::motion::{DAMPINGS, Measure, RecordedMotions};
+
+use crate::Outcome;
+use crate::advise::share;
+use crate::terminal::{say, say_warning};
+
+/// Arguments of `powerhouse plot`.
+#[derive(Args)]
+pub(crate) struct PlotArguments {
+    /// Folder of the results of a run or of a case.
+    folder: PathBuf,
+    /// Histories that are drawn together, such as crown (all its columns) or crown.ax; without any the columns are listed.
+    histories: Vec<String>,
+    /// What is drawn.
+    #[arg(long, value_enum, default_value_t = Kind::Time)]
+    of: Kind,
+    /// Damping ratio of a response spectrum, such as 5%; may be repeated. 2, 5 and 10 % by default.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    damping: Vec<f64>,
+    /// SVG file, beside which a CSV table is written; by default in the folder plots of the results.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Measure of a motion.
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// The motion over time.
+    Time,
+    /// Response spectrum of an acceleration.
+    Response,
+    /// Fourier amplitude of an acceleration.
+    Fourier,
+    /// Growth of the Arias intensity of an acceleration (Husid).
+    Husid,
+}
+
+/// Draws histories of a finished run, or lists them.
+pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
+    let motions = RecordedMotions::of_folder(arguments.folder)?;
+    if arguments.histories.is_empty() {
+        for column in motions.columns() {
+            let peak = column
+                .values
+                .iter()
+                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            say!("{:<24} {peak:>12.4e} {}", column.name, column.unit);
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut columns = Vec::new();
+    for name in &arguments.histories {
+        columns.extend(motions.named(name)?);
+    }
+    let measure = match arguments.of {
+        Kind::Time => Measure::Time,
+        Kind::Response => Measure::Response,
+        Kind::Fourier => Measure::Fourier,
+        Kind::Husid => Measure::Husid,
+    };
+    let dampings = match arguments.damping.is_empty() {
+        true => &DAMPINGS[..],
+        false => &arguments.damping,
+    };
+    // Of a history that is named as a whole the accelerations have spectra.
+    if measure != Measure::Time && columns.iter().any(|column| column.unit == "m/s2") {
+        columns.retain(|column| column.unit == "m/s2");
+    }
+    let files = motions.plot((measure, &columns, dampings), arguments.out.as_deref())?;
+    for warning in motions.warnings() {
+        say_warning!("{warning}");
+    }
+    for file in files {
+        say!("{}", file.display());
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,342 @@
+//! Measures of recorded motions from the tables of a run: time histories, response spectra, Fourier spectra, growth of
+//! the Arias intensity.
+
+use std::path::{Path, PathBuf};
+
+use powerhouse::io::{Plot, TableColumn, read_table, write_noted_table, write_plot};
+use powerhouse::wavefield::{SpectralLine, TimeHistory};
+use serde_json::Value;
+
+use crate::StudyError;
+use crate::even_samples::even_samples;
+
+/// Damping ratios of the oscillators of response spectra.
+pub const DAMPINGS: [f64; 3] = [0.02, 0.05, 0.1];
+/// Table of the histories in a result folder.
+const HISTORIES: &str = "histories.csv";
+/// Folder of the plots in a result folder.
+const PLOTS: &str = "plots";
+/// Unit of accelerations.
+const ACCELERATION: &str = "m/s2";
+/// Shortest and longest period (s) of response spectra, and number of periods in geometric progression.
+const PERIODS: ([f64; 2], usize) = ([0.03, 3.0], 90);
+/// Least number of samples within the shortest period.
+const SAMPLES_PER_PERIOD: f64 = 5.0;
+
+/// Measure of a motion, as a function of time, period or frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The motion itself, of any unit.
+    Time,
+    /// Greatest absolute acceleration of oscillators (m/s2) over their period (s), of an acceleration.
+    Response,
+    /// Fourier amplitude (m/s) over frequency (Hz), of an acceleration.
+    Fourier,
+    /// Share of the Arias intensity that is reached (1) over time (s), of an acceleration (Husid plot).
+    Husid,
+}
+
+impl Measure {
+    /// Name of the measure in names of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Response => "response",
+            Self::Fourier => "fourier",
+            Self::Husid => "husid",
+        }
+    }
+}
+
+/// Table of the histories of a run.
+#[derive(Clone, Debug)]
+pub struct RecordedMotions {
+    folder: PathBuf,
+    table: Vec<TableColumn>,
+}
+
+impl RecordedMotions {
+    /// The histories in a result folder of a run or of a case of a sweep.
+    ///
+    /// # Errors
+    /// [`StudyError::NoHistories`]; a table that cannot be read.
+    pub fn of_folder(folder: impl Into<PathBuf>) -> Result<Self, StudyError> {
+        let folder = folder.into();
+        let file = folder.join(HISTORIES);
+        if !file.exists() {
+            return Err(StudyError::NoHistories { folder });
+        }
+        let table = read_table(&file).map_err(powerhouse::Error::from)?;
+        if table.len() < 2 {
+            return Err(StudyError::NoHistories { folder });
+        }
+        Ok(Self { folder, table })
+    }
+    /// Columns of the table but for the time, each with its name and unit.
+    pub fn columns(&self) -> &[TableColumn] {
+        &self.table[1..]
+    }
+    /// Columns with a name, or all of a history with this name.
+    ///
+    /// # Errors
+    /// [`StudyError::NoSuchColumn`].
+    pub fn named(&self, name: &str) -> Result<Vec<&TableColumn>, StudyError> {
+        let is_of = |column: &&TableColumn| {
+            let rest = column.name.strip_prefix(name);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let found: Vec<&TableColumn> = self.columns().iter().filter(is_of).collect();
+        match found.is_empty() {
+            false => Ok(found),
+            true => Err(StudyError::NoSuchColumn {
+                name: name.into(),
+                available: self
+                    .columns()
+                    .iter()
+                    .map(|column| column.name.clone())
+                    .collect(),
+            }),
+        }
+    }
+    /// The motion of a column as a history of acceleration at equal intervals.
+    ///
+    /// # Errors
+    /// [`StudyError::NoAcceleration`] for another unit, or fewer than two samples.
+    pub fn acceleration(&self, column: &TableColumn) -> Result<TimeHistory, StudyError> {
+        let history = (column.unit == ACCELERATION)
+            .then(|| even_samples(&self.table[0].values, &column.values))
+            .flatten();
+        history.ok_or_else(|| StudyError::NoAcceleration {
+            name: column.name.clone(),
+            unit: column.unit.clone(),
+            samples: column.values.len(),
+        })
+    }
+    /// Table of a measure of some columns: the first column is time, period or frequency. Response spectra have a column for
+    /// each damping ratio.
+    ///
+    /// # Errors
+    /// As [`acceleration`](Self::acceleration); damping ratios outside their range.
+    pub fn measure(
+        &self,
+        measure: Measure,
+        columns: &[&TableColumn],
+        dampings: &[f64],
+    ) -> Result<Vec<TableColumn>, StudyError> {
+        if measure == Measure::Time {
+            let all = std::iter::once(&self.table[0]).chain(columns.iter().copied());
+            return Ok(all.cloned().collect());
+        }
+        let mut table: Vec<TableColumn> = Vec::new();
+        for column in columns {
+            let motion = self.acceleration(column)?;
+            let of_motion = match measure {
+                Measure::Response => response(&column.name, &motion, dampings)?,
+                Measure::Fourier => fourier(&column.name, &motion),
+                Measure::Time | Measure::Husid => husid(&column.name, &motion),
+            };
+            let others = of_motion.into_iter();
+            match table.is_empty() {
+                true => table = others.collect(),
+                false => table.extend(others.skip(1)),
+            }
+        }
+        Ok(table)
+    }
+    /// Writes a measure of some columns as a plot and a table, by default into the folder of the plots of the run; the
+    /// table begins with the warnings of the run about its histories. The two files.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure); files that cannot be written.
+    pub fn plot(
+        &self,
+        (measure, columns, dampings): (Measure, &[&TableColumn], &[f64]),
+        file: Option<&Path>,
+    ) -> Result<[PathBuf; 2], StudyError> {
+        let table = self.measure(measure, columns, dampings)?;
+        let plot = match file {
+            Some(file) => file.with_extension("svg"),
+            None => {
+                let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+                let common = common(&names);
+                let name = powerhouse::file_name(&format!("{common}-{}", measure.name()));
+                self.folder.join(PLOTS).join(format!("{name}.svg"))
+            }
+        };
+        let numbers = plot.with_extension("csv");
+        let notes = self.warnings().into_iter();
+        let notes: Vec<String> = notes.map(|text| format!("warning: {text}")).collect();
+        write_noted_table(&numbers, &notes, &table).map_err(powerhouse::Error::from)?;
+        write_plot(&plot, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
+        Ok([plot, numbers])
+    }
+    /// Warnings of the run about its histories.
+    pub fn warnings(&self) -> Vec<String> {
+        let summary = std::fs::read(self.folder.join("summary.json")).unwrap_or_default();
+        let summary: Value = serde_json::from_slice(&summary).unwrap_or_default();
+        let warnings = summary["warnings"].as_array().into_iter().flatten();
+        let about = warnings.filter(|warning| warning["about"] == "histories");
+        let texts = about.filter_map(|warning| warning["text"].as_str());
+        texts.map(String::from).collect()
+    }
+}
+
+/// The part that the names of columns have in common up to a point, or the first name and the number of the others.
+fn common(names: &[&str]) -> String {
+    let [first, others @ ..] = names else {
+        return String::new();
+    };
+    if others.is_empty() {
+        return (*first).into();
+    }
+    let base = first.rsplit_once('.').map_or(*first, |(base, _)| base);
+    match others
+        .iter()
+        .all(|name| name.rsplit_once('.').is_some_and(|(of, _)| of == base))
+    {
+        true => base.into(),
+        false => format!("{first}-and-{}-more", others.len()),
+    }
+}
+
+/// The periods (s) of response spectra, for a greatest sampling interval (s) of the motions.
+pub(crate) fn periods(coarsest: f64) -> Vec<f64> {
+    let ([shortest, longest], count) = PERIODS;
+    let shortest = shortest.max(SAMPLES_PER_PERIOD * coarsest).min(longest);
+    let ratio: f64 = longest / shortest;
+    (0..count)
+        .map(|index| shortest * ratio.powf(index as f64 / (count - 1) as f64))
+        .collect()
+}
+
+fn response(
+    name: &str,
+    motion: &TimeHistory,
+    dampings: &[f64],
+) -> Result<Vec<TableColumn>, StudyError> {
+    let periods = periods(motion.step());
+    let mut table = vec![TableColumn::new("period", "s", periods.clone())];
+    for &damping in dampings {
+        let found = motion.response_spectrum(damping, &periods);
+        let found = found.map_err(powerhouse::Error::from)?;
+        let accelerations = found.iter().map(|response| response.acceleration).collect();
+        let name = format!("{name} {} %", 100.0 * damping);
+        table.push(TableColumn::new(name, ACCELERATION, accelerations));
+    }
+    Ok(table)
+}
+
+fn fourier(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
+    let (frequencies, amplitudes) = (motion.fourier_spectrum().into_iter())
+        .map(
+            |SpectralLine {
+                 frequency,
+                 amplitude,
+             }| (frequency, amplitude),
+        )
+        .unzip();
+    vec![
+        TableColumn::new("frequency", "Hz", frequencies),
+        TableColumn::new(name, "m/s", amplitudes),
+    ]
+}
+
+/// Share of the integral of the squared acceleration, exact for linear interpolation; zero for a motion that is zero.
+fn husid(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
+    let acceleration = motion.acceleration();
+    let mut sums = vec![0.0];
+    for pair in acceleration.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        sums.push(sums[sums.len() - 1] + (a * a + a * b + b * b) / 3.0);
+    }
+    let all = sums[sums.len() - 1];
+    if all > 0.0 {
+        sums.iter_mut().for_each(|sum| *sum /= all);
+    }
+    let times = (0..sums.len())
+        .map(|index| motion.step() * index as f64)
+        .collect();
+    vec![
+        TableColumn::new("time", "s", times),
+        TableColumn::new(name, "1", sums),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Motions of a folder with a sine of 2 Hz over 4 s and a displacement.
+    fn motions(name: &str) -> RecordedMotions {
+        let folder =
+            std::env::temp_dir().join(format!("powerhouse-motion-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let times: Vec<f64> = (0..=800).map(|i| 0.005 * f64::from(i)).collect();
+        let wave = |time: &f64| 3.0 * (2.0 * std::f64::consts::TAU * time).sin();
+        let table = [
+            TableColumn::new("time", "s", times.clone()),
+            TableColumn::new("crown.ux", "m", vec![0.1; times.len()]),
+            TableColumn::new("crown.ax", "m/s2", times.iter().map(wave).collect()),
+        ];
+        powerhouse::io::write_table(&folder.join(HISTORIES), &table).unwrap();
+        RecordedMotions::of_folder(folder).unwrap()
+    }
+
+    /// Spectra peak where the motion does, at the height of the closed form; the Arias intensity grows evenly.
+    #[test]
+    fn measures_are_those_of_a_sine() {
+        let motions = motions("sine");
+        let column = motions.named("crown.ax").unwrap();
+        let of = |measure| motions.measure(measure, &column, &[0.05]).unwrap();
+        let peak = |table: &[TableColumn]| {
+            let values = table[1].values.iter().copied().zip(&table[0].values);
+            values.fold(
+                (0.0, 0.0),
+                |most, (value, &at)| if value > most.0 { (value, at) } else { most },
+            )
+        };
+        let (height, period) = peak(&of(Measure::Response));
+        // At resonance a / (2 z) (1 - exp(-z w t)) of the relative, and with the motion of the base absolute acceleration.
+        let grown = 1.0 - (-0.05 * 2.0 * std::f64::consts::TAU * 4.0_f64).exp();
+        let expected = 3.0 * (1.0 + (grown / 0.1).powi(2)).sqrt();
+        assert!(
+            (height / expected - 1.0).abs() < 0.02,
+            "{height} {expected}"
+        );
+        assert!((period - 0.5).abs() < 0.02, "{period}");
+        let (height, frequency) = peak(&of(Measure::Fourier));
+        assert!(
+            (frequency - 2.0).abs() < 0.13 && (height - 6.0).abs() < 0.1,
+            "{frequency} {height}"
+        );
+        let husid = of(Measure::Husid);
+        for share in [0.25, 0.5, 0.75, 1.0] {
+            let index = (800.0 * share) as usize;
+            assert!((husid[1].values[index] - share).abs() < 1e-4);
+        }
+        std::fs::remove_dir_all(&motions.folder).unwrap();
+    }
+
+    /// Plots and tables are written; other units, other names and folders without histories are refused by name.
+    #[test]
+    fn plots_are_written_and_refused() {
+        let motions = motions("files");
+        let all = motions.named("crown").unwrap();
+        assert_eq!(all.len(), 2);
+        let [plot, table] = motions.plot((Measure::Time, &all, &[]), None).unwrap();
+        assert!(plot.ends_with("plots/crown-time.svg") && table.ends_with("plots/crown-time.csv"));
+        assert_eq!(read_table(&table).unwrap().len(), 3);
+        let refused = motions
+            .plot((Measure::Response, &all, &DAMPINGS), None)
+            .unwrap_err();
+        assert!(refused.to_string().contains("'crown.ux' (m)"), "{refused}");
+        let refused = motions.named("floor").unwrap_err().to_string();
+        assert!(refused.contains("crown.ux, crown.ax"), "{refused}");
+        let folder = motions.folder.join("none");
+        assert!(matches!(
+            RecordedMotions::of_folder(folder),
+            Err(StudyError::NoHistories { .. })
+        ));
+        std::fs::remove_dir_all(&motions.folder).unwrap();
+    }
+}
