@@ -18,7 +18,8 @@ const PLANE: f64 = 1e-6;
 pub(crate) fn look(file: &Path, picture: Option<PathBuf>) -> Outcome {
     let mut options = MeshOptions::default();
     options.straighten = true;
-    let (mesh, remarks) = powerhouse::read_mesh(file, options)?;
+    let (mesh, remarks) =
+        powerhouse::read_mesh(file, options).map_err(|error| error.to_string())?;
     let quality = mesh.check()?;
     let (low, high) = mesh.bounding_box();
     say!("{}", file.display());

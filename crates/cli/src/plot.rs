@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use powerhouse_study::motion::{DAMPINGS, Measure, RecordedMotions};
+use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::Outcome;
 use crate::advise::share;
@@ -65,14 +65,19 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         Kind::Husid => Measure::Husid,
     };
     let dampings = match arguments.damping.is_empty() {
-        true => &DAMPINGS[..],
-        false => &arguments.damping,
+        true => DAMPINGS.into(),
+        false => arguments.damping,
     };
     // Of a history that is named as a whole the accelerations have spectra.
     if measure != Measure::Time && columns.iter().any(|column| column.unit == "m/s2") {
         columns.retain(|column| column.unit == "m/s2");
     }
-    let files = motions.plot((measure, &columns, dampings), arguments.out.as_deref())?;
+    let plot = MotionPlot {
+        measure,
+        columns,
+        dampings,
+    };
+    let files = motions.write(&plot, arguments.out.as_deref())?;
     for warning in motions.warnings() {
         say_warning!("{warning}");
     }

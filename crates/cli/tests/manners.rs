@@ -83,7 +83,7 @@ fn a_new_scene_runs_to_a_report() {
     assert!(text(&refused.stderr).contains("no history 'floor'; expected one of crown.ux"));
 }
 
-/// Changed keys act as in the file and are told in output and summary; a run from a checkpoint keeps them.
+/// Changed keys act as in the file and are stated in output and summary; a run from a checkpoint keeps them.
 #[test]
 fn keys_are_changed_for_one_run() {
     let folder = TestFolder::new("cli-set");
@@ -137,7 +137,7 @@ fn quiet_runs_keep_warnings_and_logs() {
     let folder = TestFolder::new("cli-quiet");
     let here = folder.join(".");
     said(&here, &["new", "."]);
-    let quick = ["run", "scene.toml", "--duration", "0.05", "--out", "out"];
+    let quick = ["run", "scene.toml", "--out", "out"];
     let loud = said(&here, &quick);
     let quiet = powerhouse(
         &here,

@@ -8,8 +8,8 @@ use toml_edit::{ArrayOfTables, DocumentMut, Item, Key, TableLike, Value};
 
 /// Change of a key of a scene file, such as `time.duration=5` or `part.lining.kernel=hex8-eas`.
 ///
-/// Before the equals sign the tables and the key stand, with points between them. Of several tables of one kind its
-/// `name` says which is meant, or its `set`, or its position from 1; a single table needs neither. After it stands a
+/// Before the equals sign are the tables and the key, with points between them. Of several tables of one kind its
+/// `name` says which is meant, or its `set`, or its position from 1; a single table needs neither. After it is a
 /// value of TOML; texts need no quotes. A key that the file does not have is added.
 ///
 /// ```

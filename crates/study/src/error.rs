@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use powerhouse::model::{MeshError, ParameterError};
+use powerhouse::model::{MeshError, ModelError, ParameterError};
+use powerhouse::wavefield::WaveError;
 use thiserror::Error;
 
 /// Error of a study of a scene.
@@ -57,7 +58,7 @@ pub enum StudyError {
     },
     /// A result folder without a table of histories.
     #[error("{} has no histories: its scene needs at least one [[output.history]]", folder.display())]
-    NoHistories {
+    NoHistoryTable {
         /// Path of the folder.
         folder: PathBuf,
     },
@@ -299,5 +300,11 @@ impl StudyError {
                 source: Box::new(error),
             },
         }
+    }
+}
+
+impl From<WaveError> for StudyError {
+    fn from(error: WaveError) -> Self {
+        powerhouse::Error::from(ModelError::from(error)).into()
     }
 }

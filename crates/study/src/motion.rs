@@ -48,6 +48,17 @@ impl Measure {
     }
 }
 
+/// Plot of a measure of some columns of a table of histories.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionPlot<'c> {
+    /// What is drawn.
+    pub measure: Measure,
+    /// Columns that are drawn together.
+    pub columns: Vec<&'c TableColumn>,
+    /// Damping ratios of response spectra (1), such as [`DAMPINGS`].
+    pub dampings: Vec<f64>,
+}
+
 /// Table of the histories of a run.
 #[derive(Clone, Debug)]
 pub struct RecordedMotions {
@@ -59,16 +70,16 @@ impl RecordedMotions {
     /// The histories in a result folder of a run or of a case of a sweep.
     ///
     /// # Errors
-    /// [`StudyError::NoHistories`]; a table that cannot be read.
+    /// [`StudyError::NoHistoryTable`]; a table that cannot be read.
     pub fn of_folder(folder: impl Into<PathBuf>) -> Result<Self, StudyError> {
         let folder = folder.into();
         let file = folder.join(HISTORIES);
         if !file.exists() {
-            return Err(StudyError::NoHistories { folder });
+            return Err(StudyError::NoHistoryTable { folder });
         }
         let table = read_table(&file).map_err(powerhouse::Error::from)?;
         if table.len() < 2 {
-            return Err(StudyError::NoHistories { folder });
+            return Err(StudyError::NoHistoryTable { folder });
         }
         Ok(Self { folder, table })
     }
@@ -112,26 +123,21 @@ impl RecordedMotions {
             samples: column.values.len(),
         })
     }
-    /// Table of a measure of some columns: the first column is time, period or frequency. Response spectra have a column for
-    /// each damping ratio.
+    /// Table of a plot: the first column is time, period or frequency. Response spectra have a column for each damping
+    /// ratio.
     ///
     /// # Errors
     /// As [`acceleration`](Self::acceleration); damping ratios outside their range.
-    pub fn measure(
-        &self,
-        measure: Measure,
-        columns: &[&TableColumn],
-        dampings: &[f64],
-    ) -> Result<Vec<TableColumn>, StudyError> {
-        if measure == Measure::Time {
-            let all = std::iter::once(&self.table[0]).chain(columns.iter().copied());
+    pub fn table(&self, plot: &MotionPlot) -> Result<Vec<TableColumn>, StudyError> {
+        if plot.measure == Measure::Time {
+            let all = std::iter::once(&self.table[0]).chain(plot.columns.iter().copied());
             return Ok(all.cloned().collect());
         }
         let mut table: Vec<TableColumn> = Vec::new();
-        for column in columns {
+        for column in &plot.columns {
             let motion = self.acceleration(column)?;
-            let of_motion = match measure {
-                Measure::Response => response(&column.name, &motion, dampings)?,
+            let of_motion = match plot.measure {
+                Measure::Response => response(&column.name, &motion, &plot.dampings)?,
                 Measure::Fourier => fourier(&column.name, &motion),
                 Measure::Time | Measure::Husid => husid(&column.name, &motion),
             };
@@ -143,32 +149,32 @@ impl RecordedMotions {
         }
         Ok(table)
     }
-    /// Writes a measure of some columns as a plot and a table, by default into the folder of the plots of the run; the
-    /// table begins with the warnings of the run about its histories. The two files.
+    /// Writes a plot (SVG) and its table (CSV) beside it, by default into the folder of the plots of the run; the table
+    /// begins with the warnings of the run about its histories. Returns the two files.
     ///
     /// # Errors
-    /// As [`measure`](Self::measure); files that cannot be written.
-    pub fn plot(
+    /// As [`table`](Self::table); files that cannot be written.
+    pub fn write(
         &self,
-        (measure, columns, dampings): (Measure, &[&TableColumn], &[f64]),
+        plot: &MotionPlot,
         file: Option<&Path>,
     ) -> Result<[PathBuf; 2], StudyError> {
-        let table = self.measure(measure, columns, dampings)?;
-        let plot = match file {
+        let table = self.table(plot)?;
+        let drawing = match file {
             Some(file) => file.with_extension("svg"),
             None => {
-                let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-                let common = common(&names);
-                let name = powerhouse::file_name(&format!("{common}-{}", measure.name()));
+                let names = plot.columns.iter().map(|column| column.name.as_str());
+                let common = common(&names.collect::<Vec<_>>());
+                let name = powerhouse::file_name(&format!("{common}-{}", plot.measure.name()));
                 self.folder.join(PLOTS).join(format!("{name}.svg"))
             }
         };
-        let numbers = plot.with_extension("csv");
+        let numbers = drawing.with_extension("csv");
         let notes = self.warnings().into_iter();
         let notes: Vec<String> = notes.map(|text| format!("warning: {text}")).collect();
         write_noted_table(&numbers, &notes, &table).map_err(powerhouse::Error::from)?;
-        write_plot(&plot, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
-        Ok([plot, numbers])
+        write_plot(&drawing, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
+        Ok([drawing, numbers])
     }
     /// Warnings of the run about its histories.
     pub fn warnings(&self) -> Vec<String> {
@@ -218,8 +224,10 @@ fn response(
     let mut table = vec![TableColumn::new("period", "s", periods.clone())];
     for &damping in dampings {
         let found = motion.response_spectrum(damping, &periods);
-        let found = found.map_err(powerhouse::Error::from)?;
-        let accelerations = found.iter().map(|response| response.acceleration).collect();
+        let accelerations = found?
+            .iter()
+            .map(|response| response.acceleration)
+            .collect();
         let name = format!("{name} {} %", 100.0 * damping);
         table.push(TableColumn::new(name, ACCELERATION, accelerations));
     }
@@ -266,13 +274,16 @@ fn husid(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
 mod tests {
     use super::*;
 
-    /// Motions of a folder with a sine of 2 Hz over 4 s and a displacement.
+    /// Angular frequency of the motion, on a line of its Fourier spectrum of 2048 samples 5 ms apart.
+    const W: f64 = std::f64::consts::TAU * 20.0 / (2048.0 * 0.005);
+
+    /// Motions of a folder with a sine over 4 s and a displacement.
     fn motions(name: &str) -> RecordedMotions {
         let folder =
             std::env::temp_dir().join(format!("powerhouse-motion-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let times: Vec<f64> = (0..=800).map(|i| 0.005 * f64::from(i)).collect();
-        let wave = |time: &f64| 3.0 * (2.0 * std::f64::consts::TAU * time).sin();
+        let wave = |time: &f64| 3.0 * (W * time).sin();
         let table = [
             TableColumn::new("time", "s", times.clone()),
             TableColumn::new("crown.ux", "m", vec![0.1; times.len()]),
@@ -286,32 +297,55 @@ mod tests {
     #[test]
     fn measures_are_those_of_a_sine() {
         let motions = motions("sine");
-        let column = motions.named("crown.ax").unwrap();
-        let of = |measure| motions.measure(measure, &column, &[0.05]).unwrap();
+        let columns = motions.named("crown.ax").unwrap();
+        let of = |measure| {
+            let (columns, dampings) = (columns.clone(), vec![0.05]);
+            let plot = MotionPlot {
+                measure,
+                columns,
+                dampings,
+            };
+            motions.table(&plot).unwrap()
+        };
         let peak = |table: &[TableColumn]| {
             let values = table[1].values.iter().copied().zip(&table[0].values);
             values.fold(
                 (0.0, 0.0),
-                |most, (value, &at)| if value > most.0 { (value, at) } else { most },
+                |most, (value, &at)| {
+                    if value > most.0 { (value, at) } else { most }
+                },
             )
         };
         let (height, period) = peak(&of(Measure::Response));
-        // At resonance a / (2 z) (1 - exp(-z w t)) of the relative, and with the motion of the base absolute acceleration.
-        let grown = 1.0 - (-0.05 * 2.0 * std::f64::consts::TAU * 4.0_f64).exp();
+        // At resonance the relative acceleration is a / (2 z) (1 - exp(-z w t)), a quarter of a period behind the base.
+        let grown = 1.0 - (-0.05 * W * 4.0).exp();
         let expected = 3.0 * (1.0 + (grown / 0.1).powi(2)).sqrt();
         assert!(
             (height / expected - 1.0).abs() < 0.02,
             "{height} {expected}"
         );
-        assert!((period - 0.5).abs() < 0.02, "{period}");
+        assert!(
+            (period * W / std::f64::consts::TAU - 1.0).abs() < 0.05,
+            "{period}"
+        );
         let (height, frequency) = peak(&of(Measure::Fourier));
         assert!(
-            (frequency - 2.0).abs() < 0.13 && (height - 6.0).abs() < 0.1,
-            "{frequency} {height}"
+            (frequency * std::f64::consts::TAU / W - 1.0).abs() < 1e-9,
+            "{frequency}"
+        );
+        let (real, imaginary) = (
+            (W * 4.0).sin().powi(2) / (2.0 * W),
+            2.0 - (W * 8.0).sin() / (4.0 * W),
+        );
+        let expected = 3.0 * real.hypot(imaginary);
+        assert!(
+            (height / expected - 1.0).abs() < 0.01,
+            "{height} {expected}"
         );
         let husid = of(Measure::Husid);
-        for share in [0.25, 0.5, 0.75, 1.0] {
-            let index = (800.0 * share) as usize;
+        let grown = |time: f64| time / 2.0 - (2.0 * W * time).sin() / (4.0 * W);
+        for index in [200, 400, 600, 800] {
+            let share = grown(0.005 * index as f64) / grown(4.0);
             assert!((husid[1].values[index] - share).abs() < 1e-4);
         }
         std::fs::remove_dir_all(&motions.folder).unwrap();
@@ -323,19 +357,22 @@ mod tests {
         let motions = motions("files");
         let all = motions.named("crown").unwrap();
         assert_eq!(all.len(), 2);
-        let [plot, table] = motions.plot((Measure::Time, &all, &[]), None).unwrap();
+        let of = |measure| MotionPlot {
+            measure,
+            columns: all.clone(),
+            dampings: DAMPINGS.into(),
+        };
+        let [plot, table] = motions.write(&of(Measure::Time), None).unwrap();
         assert!(plot.ends_with("plots/crown-time.svg") && table.ends_with("plots/crown-time.csv"));
         assert_eq!(read_table(&table).unwrap().len(), 3);
-        let refused = motions
-            .plot((Measure::Response, &all, &DAMPINGS), None)
-            .unwrap_err();
+        let refused = motions.write(&of(Measure::Response), None).unwrap_err();
         assert!(refused.to_string().contains("'crown.ux' (m)"), "{refused}");
         let refused = motions.named("floor").unwrap_err().to_string();
         assert!(refused.contains("crown.ux, crown.ax"), "{refused}");
         let folder = motions.folder.join("none");
         assert!(matches!(
             RecordedMotions::of_folder(folder),
-            Err(StudyError::NoHistories { .. })
+            Err(StudyError::NoHistoryTable { .. })
         ));
         std::fs::remove_dir_all(&motions.folder).unwrap();
     }

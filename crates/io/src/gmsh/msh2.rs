@@ -184,7 +184,7 @@ fn element(
             0 => group = value,
             1 => entity = value,
             2 => partitions = value,
-            // The partition that owns the element; ghosts have negative ones.
+            // The partition that owns the element; those beside it are negative.
             3 if partitions > 0 => {
                 raw.partitions.insert(value);
             }

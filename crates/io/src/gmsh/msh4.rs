@@ -118,9 +118,9 @@ pub(super) fn partitions(
         ..RecordSize::default()
     };
     let count = cursor.size("the number of partitions")?;
-    for _ in 0..cursor.count(pair, "ghost entities")? {
-        cursor.integer("the number of a ghost entity")?;
-        cursor.integer("the partition of a ghost entity")?;
+    for _ in 0..cursor.count(pair, "entities beside partitions")? {
+        cursor.integer("the number of an entity beside a partition")?;
+        cursor.integer("the partition beside an entity")?;
     }
     let (mut groups, mut of_volumes) = (EntityGroups::new(), HashMap::new());
     let tag = RecordSize {

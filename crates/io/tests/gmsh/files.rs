@@ -74,7 +74,7 @@ fn all_formats_of_gmsh_give_one_mesh() {
     }
 }
 
-/// A partitioned mesh in one file, with facets between partitions and ghosts, is the same mesh; a file of one partition is
+/// A partitioned mesh in one file, with facets between partitions and lists of elements beside them, is the same mesh; a file of one partition is
 /// refused.
 #[test]
 fn partitions_in_one_file_make_one_mesh() {

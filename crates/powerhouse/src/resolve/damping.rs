@@ -4,9 +4,9 @@ use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpec
 use powerhouse_model::Rayleigh;
 
 use super::ordered;
-use crate::Damping;
 use crate::fault::Fault;
-use crate::format::{self, At, Reference};
+use crate::format::{self, At, Reference, SceneFile};
+use crate::{Damping, Error, Scene};
 
 /// Default number of relaxation mechanisms.
 const MECHANISMS: usize = 3;
@@ -65,4 +65,30 @@ pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
             })
         }
     }
+}
+
+/// Gives rims to parts that have the damping of their preset and touch an absorbing face, unless the field is damped alike.
+pub(super) fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fault> {
+    if scene.boundary.is_none() {
+        return Ok(());
+    }
+    let place = scene.places.faces.clone();
+    let fault = |error: Error| Fault::refused(place.clone(), error);
+    let faces = scene
+        .absorbing_facets()
+        .map_err(|error| fault(error.into()))?;
+    let mut rims = Vec::new();
+    for index in scene.parts_behind_boundary().map_err(fault)? {
+        let (table, part) = (&file.parts[index], &scene.parts[index]);
+        let is_default = table.damping.is_none() && part.damping != Damping::None;
+        if is_default && table.elastic_rim.is_none() {
+            if !scene.is_damped_like_field(index, &faces).map_err(fault)? {
+                rims.push(index);
+            }
+        }
+    }
+    for index in rims {
+        scene.parts[index].rim = Some(0.0);
+    }
+    Ok(())
 }

@@ -21,8 +21,8 @@ use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep, sets_with};
 use crate::{
-    CheckpointPlan, Damping, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark,
-    Scene, SceneRemark, keys,
+    CheckpointPlan, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene,
+    SceneRemark, keys,
 };
 
 pub use mesh::read_mesh;
@@ -144,7 +144,7 @@ pub(crate) fn compose(
     scene.remarks.extend(unused_materials(file));
     scene.remarks.extend(empty_sets(&names, file));
     scene = ground::field(file, scene, &records, &materials)?;
-    default_rims(file, &mut scene)?;
+    damping::default_rims(file, &mut scene)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
     }
@@ -343,32 +343,6 @@ fn parts(
             Ok(part)
         })
         .collect()
-}
-
-/// Gives rims to parts that have the damping of their preset and touch an absorbing face, unless the field is damped alike.
-fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fault> {
-    if scene.boundary.is_none() {
-        return Ok(());
-    }
-    let place = scene.places.faces.clone();
-    let fault = |error: Error| Fault::refused(place.clone(), error);
-    let faces = scene
-        .absorbing_facets()
-        .map_err(|error| fault(error.into()))?;
-    let mut rims = Vec::new();
-    for index in scene.parts_behind_boundary().map_err(fault)? {
-        let (table, part) = (&file.parts[index], &scene.parts[index]);
-        let is_default = table.damping.is_none() && part.damping != Damping::None;
-        if is_default && table.elastic_rim.is_none() {
-            if !scene.is_damped_like_field(index, &faces).map_err(fault)? {
-                rims.push(index);
-            }
-        }
-    }
-    for index in rims {
-        scene.parts[index].rim = Some(0.0);
-    }
-    Ok(())
 }
 
 /// Elements of a domain reduction region. Waves enter around it, so that an `input` of the boundary is an error.

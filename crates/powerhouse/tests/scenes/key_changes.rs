@@ -115,7 +115,7 @@ fn impossible_changes_are_refused() {
     assert_eq!(broken.as_deref(), Ok("title = "));
 }
 
-/// A scene with changed keys is that of a file with these keys, knows them, and tells them; faults are those of the file.
+/// A scene with changed keys is that of a file with these keys, knows them, and states them; faults are those of the file.
 #[test]
 fn scenes_are_read_with_changed_keys() {
     let folder = Variants::new("key-changes").0;

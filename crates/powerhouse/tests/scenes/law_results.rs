@@ -7,8 +7,6 @@ use powerhouse::{Error, Material, RunNotes};
 
 use crate::support::*;
 
-const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
-
 /// The paper's rock, weak enough to yield under the cube's wave.
 fn weak() -> MohrCoulombParameters {
     MohrCoulombParameters {
@@ -77,7 +75,7 @@ fn energies_of_plastic_flow_and_damage_are_reported() {
 fn history_variables_are_recorded() {
     let variants = Variants::new("laws-state");
     let keys = "law = \"plastic-damage\"\npreset = \"paper-rock\"\ncohesion = 2e4\ntensile_strength = 1e4\ntension = { rate = 2e4 }\ncompression = { rate = 5e3 }\nresidual_stiffness = 0.01\n";
-    let text = CUBE.replacen(ELASTIC, keys, 1)
+    let text = undamped(keys)
         + "quantities = [\"displacement\", \"velocity\", \"acceleration\", \"state\"]\n[output.envelope]\nquantities = [\"state\"]\nevery = 0.05\n[output.snapshots]\nquantities = [\"displacement\", \"state\"]\nevery = 0.2\n";
     let path = variants.0.join("cube.toml");
     let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();

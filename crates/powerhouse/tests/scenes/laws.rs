@@ -10,8 +10,6 @@ use powerhouse::{Error, Material, Remark};
 
 use crate::support::*;
 
-const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
-
 /// The paper's rock, weak enough to yield under the cube's wave.
 fn weak() -> MohrCoulombParameters {
     MohrCoulombParameters {
@@ -200,7 +198,7 @@ fn laws_of_a_file_are_those_of_rust() {
     for (keys, material) in cases {
         let twin = || cube_scene_made_of(cube(), &["rock"], &material);
         assert_ne!(run(twin()).histories, elastic.histories, "{keys} yields");
-        variants.equal((ELASTIC, &keys), twin());
+        variants.equal((CUBE, &undamped(&keys)), twin());
     }
 }
 
@@ -391,7 +389,7 @@ fn elements_that_snap_back_are_refused() {
     })
     .unwrap();
     let largest = law.largest_size().unwrap();
-    let Err(Error::Scene(fault)) = variants.read(ELASTIC, keys).unwrap().prepare() else {
+    let Err(Error::Scene(fault)) = variants.read(CUBE, &undamped(keys)).unwrap().prepare() else {
         panic!("a cube of 50 m elements is accepted");
     };
     let told = fault.to_string();
@@ -399,7 +397,7 @@ fn elements_that_snap_back_are_refused() {
     assert_eq!(fault.position(), (12, 12), "{told}");
     // A section through such elements, which is evaluated first, changes nothing.
     let cut = "\n[[output.section]]\nname = \"wall\"\nset = \"rock\"\nat = [160, 150, -10]\nnormal = [1, 0, 0]\nalong = [0, 1, 0]\n";
-    let text = CUBE.replacen(ELASTIC, keys, 1) + cut;
+    let text = undamped(keys) + cut;
     let path = variants.0.join("cube.toml");
     let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default());
     let Err(Error::Scene(fault)) = scene.unwrap().prepare() else {
@@ -437,7 +435,10 @@ fn elements_that_snap_back_are_refused() {
 #[test]
 fn warnings_are_reported() {
     let variants = Variants::new("laws-warnings");
-    let scene = variants.read(ELASTIC, "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n");
+    let scene = variants.read(
+        CUBE,
+        &undamped("law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n"),
+    );
     let simulation = scene.unwrap().prepare().unwrap();
     let warnings = simulation.remarks().iter().filter(|r| r.is_warning());
     let told: Vec<String> = warnings.map(Remark::to_string).collect();

@@ -65,6 +65,18 @@ name = "surface"
 at = [150, 150, 0]
 "#;
 
+/// Keys of the material of the cube.
+pub(crate) const ELASTIC: &str =
+    "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
+
+/// The cube's scene with another law, without the damping that a preset has by default.
+pub(crate) fn undamped(law: &str) -> String {
+    let kernel = "kernel = \"hex8-full\"\n";
+    assert!(CUBE.contains(ELASTIC) && CUBE.contains(kernel));
+    let scene = CUBE.replacen(ELASTIC, law, 1);
+    scene.replacen(kernel, &format!("{kernel}damping = \"none\"\n"), 1)
+}
+
 /// The wave of the cube.
 pub(crate) const WAVE: &str = "[[wave]]\nkind = \"sv\"\nincidence = 20\nazimuth = 30\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n";
 

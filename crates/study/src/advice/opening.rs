@@ -162,8 +162,8 @@ impl Opening {
             parameters.site = Site::FullSpace;
         }
         let slowness = parameters.direction() / wave.kind.speed(&medium);
-        let pulse = SmoothPulse::new(1.0, self.pulse()).map_err(of_wave)?;
-        let wave = PlaneWave::new(parameters, Arc::new(pulse)).map_err(of_wave)?;
+        let pulse = SmoothPulse::new(1.0, self.pulse())?;
+        let wave = PlaneWave::new(parameters, Arc::new(pulse))?;
         let corners = [-1.0, 1.0]
             .map(|side| [-slice.height, 0.0].map(|z| Vec3::new(side * slice.half_width, 0.0, z)));
         let corners = corners.concat();
@@ -335,7 +335,7 @@ impl Opening {
         found: &HistoryTable,
         reference: &HistoryTable,
     ) -> Result<f64, StudyError> {
-        let pulse = SmoothPulse::new(1.0, self.pulse()).map_err(of_wave)?;
+        let pulse = SmoothPulse::new(1.0, self.pulse())?;
         let mut sums: BTreeMap<&str, [[f64; 2]; 2]> = BTreeMap::new();
         for expected in &reference.columns {
             let is_velocity = expected.name.contains(".v");
@@ -388,8 +388,4 @@ fn layers(first: f64, longest: f64, beyond: f64) -> Vec<f64> {
         thickness = (GROWTH * thickness).min(longest);
     }
     thicknesses
-}
-
-fn of_wave(error: powerhouse::wavefield::WaveError) -> StudyError {
-    Error::from(ModelError::from(error)).into()
 }

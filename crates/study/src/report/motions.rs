@@ -7,7 +7,7 @@ use powerhouse::io::TableColumn;
 use super::PLOTS;
 use super::page::{Page, Table};
 use crate::StudyError;
-use crate::motion::{DAMPINGS, Measure, RecordedMotions};
+use crate::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 use crate::rounded::rounded;
 
 /// Columns with a peak below this share of the greatest of their history are left out: directions without motion.
@@ -33,8 +33,7 @@ pub(super) fn section(
         let Ok(motion) = motions.acceleration(column) else {
             continue;
         };
-        let shares = motion.significant_duration(0.05, 0.95);
-        let duration = shares.map_err(powerhouse::Error::from)?;
+        let duration = motion.significant_duration(0.05, 0.95)?;
         rows.push(vec![
             column.name.clone(),
             rounded(peak(column)),
@@ -65,7 +64,12 @@ pub(super) fn section(
         ] {
             let name = powerhouse::file_name(&format!("{}-{}", column.name, measure.name()));
             let file = folder.join(PLOTS).join(format!("{name}.svg"));
-            let [plot, _] = motions.plot((measure, &[column], &DAMPINGS), Some(&file))?;
+            let drawn = MotionPlot {
+                measure,
+                columns: vec![column],
+                dampings: DAMPINGS.into(),
+            };
+            let [plot, _] = motions.write(&drawn, Some(&file))?;
             plots.push((plot, format!("{}: {what}", column.name)));
         }
     }

@@ -140,6 +140,7 @@ mod tests {
         [[part]]
         set = "rock"
         material = "rock"
+        damping = "none"
         elastic_rim = 0
         [[wave]]
         kind = "sv"
