@@ -320,10 +320,9 @@ mod tests {
         // At resonance the relative acceleration is a / (2 z) (1 - exp(-z w t)), a quarter of a period behind the base.
         let grown = 1.0 - (-0.05 * W * 4.0).exp();
         let expected = 3.0 * (1.0 + (grown / 0.1).powi(2)).sqrt();
-        assert!(
-            (height / expected - 1.0).abs() < 0.02,
-            "{height} {expected}"
-        );
+        // The next period of the spectrum is up to 2.6 % off resonance, where a steady motion has 0.89 of it.
+        let share = height / expected;
+        assert!(share > 0.89 && share < 1.001, "{height} {expected}");
         assert!(
             (period * W / std::f64::consts::TAU - 1.0).abs() < 0.05,
             "{period}"

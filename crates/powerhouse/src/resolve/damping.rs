@@ -81,10 +81,9 @@ pub(super) fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fa
     for index in scene.parts_behind_boundary().map_err(fault)? {
         let (table, part) = (&file.parts[index], &scene.parts[index]);
         let is_default = table.damping.is_none() && part.damping != Damping::None;
-        if is_default && table.elastic_rim.is_none() {
-            if !scene.is_damped_like_field(index, &faces).map_err(fault)? {
-                rims.push(index);
-            }
+        let is_open = is_default && table.elastic_rim.is_none();
+        if is_open && !scene.is_damped_like_field(index, &faces).map_err(fault)? {
+            rims.push(index);
         }
     }
     for index in rims {
