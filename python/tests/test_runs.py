@@ -49,7 +49,7 @@ def test_an_interrupted_run_is_complete_until_then(scene_file: Path, command: An
     assert isinstance(raised.value, KeyboardInterrupt)
     assert results is not None and results.ended == "interrupted"
     assert results.histories.times[-1] > 0.2
-    assert results.summary["ended"] == "interrupted"
+    assert results.summary["ended"] == "stopped"
     assert all(file.exists() for file in results.files)
     assert "histories.csv" in [file.name for file in results.files]
     assert (out / "checkpoint").is_dir()
