@@ -4,6 +4,9 @@ use powerhouse::merge_messages;
 use powerhouse_study::{CheckReport, Warning};
 use pyo3::prelude::*;
 
+/// Set: name, kind of members, their number, lower and upper corner (m).
+type SetBox = (String, String, usize, [f64; 3], [f64; 3]);
+
 /// Report of a check: its text and its figures.
 #[pyclass(frozen, get_all, module = "powerhouse_fe._core")]
 pub(crate) struct Check {
@@ -18,7 +21,7 @@ pub(crate) struct Check {
     /// Lower and upper corner of the box of the mesh (m).
     extent: ([f64; 3], [f64; 3]),
     /// Sets: name, kind of members, their number, lower and upper corner (m).
-    sets: Vec<(String, String, usize, [f64; 3], [f64; 3])>,
+    sets: Vec<SetBox>,
     /// Parts: name of the set, highest resolved frequency (Hz), shear wave speed (m/s), longest edge (m).
     resolution: Vec<(String, f64, f64, f64)>,
     /// Length of the shortest edge (m).

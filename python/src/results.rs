@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use powerhouse::engine::Ended;
-use powerhouse::engine::observe::{EnvelopeTable, PeakField, PeakRow, Snapshot, StateTable};
+use powerhouse::engine::observe::{EnvelopeTable, PeakRow, Snapshot, StateTable};
 use powerhouse::model::{self, HistoryVariable};
 use powerhouse::{Remark, RunNotes, merge_messages};
 use pyo3::prelude::*;
@@ -241,7 +241,7 @@ fn of_peak(row: &PeakRow) -> (String, String, f64, f64, Option<String>) {
 fn of_envelope(py: Python<'_>, table: EnvelopeTable, fields: &mut Vec<Field>) {
     let nodes = of_list(py, table.nodes).unbind();
     let elements = of_list(py, table.elements).unbind();
-    let all: [(&str, &str, &str, &Py<PyArray1<u32>>, PeakField); 5] = [
+    let all = [
         ("displacement", "m", "nodes", &nodes, table.displacement),
         ("velocity", "m/s", "nodes", &nodes, table.velocity),
         ("acceleration", "m/s2", "nodes", &nodes, table.acceleration),

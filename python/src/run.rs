@@ -66,26 +66,26 @@ impl Progress {
 /// What ended a run without results.
 pub(crate) enum End {
     /// An error before the first step, or of files.
-    Failure(Failure),
+    Failure(Box<Failure>),
     /// A signal while this was computed.
     Interrupted(String),
 }
 
 impl From<Failure> for End {
     fn from(failure: Failure) -> Self {
-        Self::Failure(failure)
+        Self::Failure(Box::new(failure))
     }
 }
 
 impl From<Error> for End {
     fn from(error: Error) -> Self {
-        Self::Failure(error.into())
+        Self::Failure(Box::new(error.into()))
     }
 }
 
 impl From<StudyError> for End {
     fn from(error: StudyError) -> Self {
-        Self::Failure(error.into())
+        Self::Failure(Box::new(error.into()))
     }
 }
 

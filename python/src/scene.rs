@@ -44,10 +44,8 @@ impl Source {
             Some(case) => Composed::case_from_toml(text, path, case, &self.registry),
             None => Composed::from_toml(text, path, &self.registry),
         }?;
-        let functions = self.functions.iter();
-        functions
-            .into_iter()
-            .try_fold(scene, |scene, function| function.add_to(scene, alarm))
+        let mut functions = self.functions.iter();
+        functions.try_fold(scene, |scene, function| function.add_to(scene, alarm))
     }
 }
 
