@@ -17,7 +17,7 @@ use crate::{INTERRUPTED, Outcome, WARNED, forecast, read, report, stop};
 /// are warnings.
 pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsize>) -> Outcome {
     let found = powerhouse_study::check(read(path, of_file)?)?;
-    report::check(&found);
+    report::lines(&found.to_string());
     if let Some(ranks) = ranks {
         let simulation = read(path, of_file)?.prepare()?;
         forecast::print(&simulation.model().rank_forecast(ranks.get())?, &found);

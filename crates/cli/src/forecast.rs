@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use powerhouse::model::RankForecast;
 use powerhouse_study::CheckReport;
+use powerhouse_study::text::{bytes, duration};
 
-use crate::report::{bytes, duration};
 use crate::terminal::say;
 
 /// Assumed time of a message (s) and rates (bytes/s) of the network, and of the processor in packing and unpacking.

@@ -1,10 +1,11 @@
 //! Laws, kernels, boundaries, joint laws and mesh generators by name.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use powerhouse_model::{AbsorbingBoundary, ContactLaw, Engine, Mesh, ModelError};
+use powerhouse_wavefield::TimeHistory;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -16,8 +17,8 @@ use crate::format::{
 };
 use crate::{Kernel, Material, builtin};
 
-/// Constitutive laws, element kernels, absorbing boundaries, joint laws and mesh generators by the names that
-/// scenes give them.
+/// Constitutive laws, element kernels, absorbing boundaries, joint laws, mesh generators and records in memory by the
+/// names that scenes give them.
 ///
 /// A scene keeps the registry that it was read with, so that checks, advice and savings of the scene know the
 /// same names; sweeps and trades of a file are given one. A clone shares what is registered.
@@ -51,6 +52,7 @@ pub struct Registry {
     kernels: BTreeMap<String, Kernel>,
     joint_laws: BTreeMap<String, Entry<Box<dyn ContactLaw>>>,
     mesh_generators: BTreeMap<String, MeshGenerator>,
+    records: BTreeMap<PathBuf, Arc<TimeHistory>>,
     built_in: BuiltIn,
     version: String,
     engine: Arc<dyn Engine>,
@@ -116,6 +118,7 @@ impl Default for Registry {
             kernels: BTreeMap::new(),
             joint_laws: BTreeMap::new(),
             mesh_generators: BTreeMap::new(),
+            records: BTreeMap::new(),
             built_in: BuiltIn::default(),
             version: String::new(),
             engine: standard_engine(),
@@ -174,6 +177,12 @@ impl Registry {
     {
         let generate = move |file: &Path| generate(file).map_err(Into::into);
         self.mesh_generators.insert(name.into(), Arc::new(generate));
+    }
+    /// Adds or replaces a record in memory, an acceleration in m/s2, which is read in place of the file of a path: of what
+    /// a `[[record]]` table names as `file`, letter by letter. Keys of the table about the form of a file are then refused
+    /// (`time_step`, and `units` other than `m/s2`).
+    pub fn add_record(&mut self, file: impl Into<PathBuf>, record: TimeHistory) {
+        self.records.insert(file.into(), Arc::new(record));
     }
     /// Sets a text that says which version of its own laws, boundaries and kernels a program registers.
     /// Sweeps and trades repeat finished runs when it changes; they cannot see that the code behind a name
@@ -264,6 +273,10 @@ impl Registry {
 
     pub(crate) fn mesh_generator(&self, name: &At<String>) -> Result<&MeshGenerator, Fault> {
         look_up(&self.mesh_generators, "mesh generator", name)
+    }
+
+    pub(crate) fn record(&self, file: &Path) -> Option<&TimeHistory> {
+        self.records.get(file).map(Arc::as_ref)
     }
 
     /// Names of the mesh generators.

@@ -26,6 +26,7 @@
 pub mod advice;
 pub mod bay;
 mod check;
+mod check_text;
 mod checkpoints;
 mod conclusions;
 pub mod convergence;
@@ -56,6 +57,7 @@ mod sides;
 pub mod starter;
 mod static_cost;
 pub mod sweep;
+pub mod text;
 pub mod trade;
 
 pub use advice::{BoundaryAdvice, BoxAdvice, advise_boundary, advise_box};

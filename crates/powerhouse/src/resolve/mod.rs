@@ -39,7 +39,7 @@ pub(crate) fn compose(
         Some(section) => Some(registry.boundary(section)?),
         None => None,
     };
-    let records = record::records(text, file)?;
+    let records = record::records(text, file, registry)?;
     let (mesh, of_mesh) = mesh::mesh(text, &file.mesh, registry)?;
     check_rims(&mesh, file)?;
     let (mesh, joints) = joints::joints(mesh, &file.joints, registry)?;

@@ -17,7 +17,7 @@ use crate::format::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
     SceneFile, Share, Units, WaveAxis,
 };
-use crate::{Remark, Scene};
+use crate::{Registry, Remark, Scene};
 
 /// Processed record, ready for waves and prescribed motions.
 pub(super) struct PreparedRecord {
@@ -49,10 +49,11 @@ const ALMOST_ALL: f64 = 0.999_999;
 pub(super) fn records(
     text: &SceneText,
     file: &SceneFile,
+    registry: &Registry,
 ) -> Result<BTreeMap<String, PreparedRecord>, Fault> {
     let mut records = BTreeMap::new();
     for table in &file.records {
-        for (name, record) in processed(text, table)? {
+        for (name, record) in processed((text, registry), table)? {
             unique(
                 "record",
                 &At::new(name, table.name.span()),
@@ -65,10 +66,13 @@ pub(super) fn records(
 }
 
 /// Processed record of a table, or its components, each with its name.
-fn processed(text: &SceneText, table: &Record) -> Result<Vec<(String, PreparedRecord)>, Fault> {
+fn processed(
+    source: (&SceneText, &Registry),
+    table: &Record,
+) -> Result<Vec<(String, PreparedRecord)>, Fault> {
     let name = table.name.span();
     let mut parts = Vec::new();
-    for (part, read) in files(text, table)? {
+    for (part, read) in files(source, table)? {
         let history = TimeHistory::new(read.step, read.samples)
             .map_err(|error| Fault::refused(part.file.span(), error))?;
         let (history, baseline) = corrected(table, history)?;
@@ -124,7 +128,7 @@ struct Part<'t> {
 
 /// Samples of the files of a record, with a common length.
 fn files<'t>(
-    text: &SceneText,
+    source: (&SceneText, &Registry),
     table: &'t Record,
 ) -> Result<Vec<(Part<'t>, powerhouse_io::Record)>, Fault> {
     let name = table.name.to_string();
@@ -156,7 +160,7 @@ fn files<'t>(
             return Err(one_of(table.name.span(), &["file", "components"], &given));
         }
     };
-    let read = parts.iter().map(|part| read(text, table, part.file));
+    let read = parts.iter().map(|part| read(source, table, part.file));
     let mut read: Vec<powerhouse_io::Record> = read.collect::<Result<_, _>>()?;
     if let Some(components) = &table.components {
         let rule = match table.length.as_deref() {
@@ -278,12 +282,15 @@ pub(super) fn cut_short(
     })
 }
 
-/// Reads a file of a record.
+/// Reads a file of a record, or takes the record in memory that the registry has in its place.
 fn read(
-    text: &SceneText,
+    (text, registry): (&SceneText, &Registry),
     table: &Record,
     file: &At<PathBuf>,
 ) -> Result<powerhouse_io::Record, Fault> {
+    if let Some(history) = registry.record(file) {
+        return in_memory(table, file, history);
+    }
     let path = text.folder().join(&**file);
     let options = RecordOptions {
         unit: table.units.map(|units| match units {
@@ -298,4 +305,25 @@ fn read(
         },
     };
     read_record(&path, &options).map_err(|error| Fault::refused(file.span(), error))
+}
+
+/// A record in memory; keys about the form of a file are refused.
+fn in_memory(
+    table: &Record,
+    file: &At<PathBuf>,
+    history: &TimeHistory,
+) -> Result<powerhouse_io::Record, Fault> {
+    let refused = |text: &str| Err(Fault::refused(file.span(), text));
+    if table.time_step.is_some() {
+        return refused("`time_step` is about a file; the record is in memory and has its own");
+    }
+    if !matches!(table.units, None | Some(Units::MetrePerSecondSquared)) {
+        return refused("`units` is about a file; the record is in memory, in m/s2");
+    }
+    Ok(powerhouse_io::Record {
+        title: table.name.to_string(),
+        step: history.step(),
+        samples: history.acceleration(),
+        warnings: Vec::new(),
+    })
 }

@@ -24,6 +24,7 @@ mod law_results;
 mod laws;
 mod lost_sides;
 mod magnitudes;
+mod memory_records;
 mod mesh_orders;
 mod names;
 mod nonsense;
