@@ -141,6 +141,50 @@ pub enum WaveError {
         /// Requested threshold (1).
         threshold: f64,
     },
+    /// The P and SV waves of a split move the ground too much alike at some frequency of the band.
+    #[error(
+        "P at {} and SV at {} degrees move the place of the record too much alike: the condition number of the split is {condition:.1} at {frequency:.4} Hz, above {limit} in the band from {} to {} Hz; errors of one component would be amplified by as much in another. Take smaller angles, or a narrower band", rounded(*p), rounded(*sv), band[0], band[1]
+    )]
+    IllConditioned {
+        /// Incidence of P (degrees).
+        p: f64,
+        /// Incidence of SV (degrees).
+        sv: f64,
+        /// Greatest condition number over the band (1).
+        condition: f64,
+        /// Frequency at which it occurs (Hz).
+        frequency: f64,
+        /// Greatest permitted condition number.
+        limit: f64,
+        /// Lowest and highest frequency of the band (Hz).
+        band: [f64; 2],
+    },
+    /// The SV wave of a split is past the critical angle, so that the incident waves would not be causal.
+    #[error(
+        "a record is split into SV waves below the critical angle of {critical:.4} degrees alone, and SV comes in at {} degrees: past it the incident waves would begin before the record", rounded(*degrees)
+    )]
+    SplitPastCritical {
+        /// Incidence of SV (degrees).
+        degrees: f64,
+        /// Critical angle (degrees).
+        critical: f64,
+    },
+    /// A component of a recorded motion is moved by none of the waves that it is to be split into.
+    #[error("the record moves {}, which takes {waves}, but no incidence of {waves} is given", way(*component))]
+    MotionWithoutWave {
+        /// Component in the frame of the waves.
+        component: SurfaceComponent,
+        /// Waves that move it.
+        waves: &'static str,
+    },
+    /// A recorded motion has no component that waves with a given incidence would move.
+    #[error(
+        "an incidence of {waves} is given, but the record has no component that {waves} would move"
+    )]
+    WaveWithoutMotion {
+        /// The waves.
+        waves: &'static str,
+    },
     /// A layer of the ground cannot be one.
     #[error("layer {} of the ground, whose top is {depth} m deep, {defect}", index + 1)]
     Layer {
@@ -231,6 +275,15 @@ pub enum LayerDefect {
     /// A number of its medium or damping is outside its range.
     #[error("has a number outside its range: {0}")]
     Parameter(ParameterError),
+}
+
+/// Direction of a component in the frame of the waves, in words.
+fn way(component: SurfaceComponent) -> &'static str {
+    match component {
+        SurfaceComponent::X => "along the direction of travel",
+        SurfaceComponent::Y => "across the direction of travel",
+        SurfaceComponent::Z => "up and down",
+    }
 }
 
 /// Degrees without the rounding of their conversion.

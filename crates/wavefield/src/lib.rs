@@ -7,7 +7,8 @@
 //! [`IncidentField`](powerhouse_model::IncidentField) of a boundary; several add up in a
 //! [`Superposition`]. A [`LayeredWave`] is its form in horizontal layers over a half-space
 //! ([`Ground`]). The motion that a record represents (the incident wave, an outcrop, the
-//! surface, the motion at a depth) is its [`InputConvention`].
+//! surface, the motion at a depth) is its [`InputConvention`]; [`SplitParameters`] split a record of three
+//! components into P, SV and SH waves.
 //!
 //! ```
 //! use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Vec3};
@@ -76,6 +77,7 @@
 mod analytic;
 mod angle;
 mod body;
+mod combined;
 mod convention;
 mod error;
 mod evanescent;
@@ -87,8 +89,10 @@ mod partial;
 mod pulse;
 mod quiet;
 mod reflection;
+mod sampled;
 mod signal;
 mod spectrum;
+mod split;
 mod superposition;
 mod wave;
 mod within;
@@ -110,6 +114,7 @@ pub use quiet::{QuietStart, QuietStartLimits, StartLevel};
 pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
 pub use signal::{Signal, SignalMotion, SignalSupport};
 pub use spectrum::{OscillatorResponse, SpectralLine};
+pub use split::{RecordedAt, SplitMotion, SplitParameters, SplitReport};
 pub use superposition::Superposition;
 pub use wave::{PlaneWave, PlaneWaveParameters, Site, first_hit_corner};
 pub use within::WithinReport;

@@ -25,6 +25,17 @@ pub struct SignalSupport {
     pub step: f64,
 }
 
+impl SignalSupport {
+    /// Support of two signals together.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            start: self.start.min(other.start),
+            end: self.end.max(other.end),
+            step: self.step.min(other.step),
+        }
+    }
+}
+
 /// Displacement of a wave, with its derivatives, as a function of time.
 ///
 /// It is evaluated at any times in any order, from several threads: its values depend on the time alone, and velocity and

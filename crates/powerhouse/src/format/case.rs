@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Ground, MeshFile, SceneFile, Support, Wave};
+use super::{At, Ground, MeshFile, Motion, SceneFile, Support, Wave};
 
 /// A case of a sweep: a variant of the scene with another mesh, other waves, ground, absorbing faces or supports,
 /// without some of its joints, or with changed keys in some of its tables. Everything else is as in the scene.
@@ -24,6 +24,9 @@ pub struct Case {
     /// Waves of the case, in place of all waves of the scene; those of the scene by default.
     #[serde(rename = "wave", default)]
     pub waves: Vec<Wave>,
+    /// Recorded motions of the case, in place of all of the scene; those of the scene by default.
+    #[serde(rename = "motion", default)]
+    pub motions: Vec<Motion>,
     /// Free-field site of the case; that of the scene by default.
     pub ground: Option<Ground>,
     /// Absorbing faces of the case; those of the scene by default.
@@ -93,6 +96,9 @@ impl SceneFile {
         }
         if !case.waves.is_empty() {
             file.waves.clone_from(&case.waves);
+        }
+        if !case.motions.is_empty() {
+            file.motions.clone_from(&case.motions);
         }
         if let Some(ground) = &case.ground {
             file.ground = ground.clone();

@@ -17,7 +17,7 @@ pub struct Record {
     /// Path of the file, relative to the scene file: PEER AT2, or text in one column (acceleration, with
     /// `time_step`) or two columns (time in s, acceleration). A record has either a file or components.
     pub file: Option<At<PathBuf>>,
-    /// Files of up to three components of one station; a wave refers to one of them. All are processed
+    /// Files of up to three components of one station; a wave refers to one of them, a `[[motion]]` to all. All are processed
     /// alike: one length, one cut, one scale factor.
     pub components: Option<At<Components>>,
     /// Treatment of components of unequal length: `pad` (zeros are added; the default) or `cut`.
@@ -140,7 +140,7 @@ pub enum Baseline {
 pub enum Convention {
     /// Motion of the incident wave itself.
     Incident,
-    /// Outcrop motion: twice the incident wave.
+    /// Outcrop motion: twice the incident wave; for a `[[motion]]` that of the free surface of the half-space.
     Outcrop,
     /// Free-surface motion: horizontal component along the wave's direction of travel, which its azimuth gives
     /// (the x axis of the mesh only for an azimuth of 0).
@@ -156,18 +156,21 @@ pub enum Convention {
     SurfaceY,
     /// Free-surface motion: vertical component.
     SurfaceZ,
-    /// Within motion: a component of the motion at a depth in the half-space.
+    /// Free-surface motion, all components along the axes of the mesh, for a `[[motion]]`.
+    Surface,
+    /// Within motion: a component of the motion at a depth in the ground, or all of them for a `[[motion]]`.
     Within(Within),
 }
 
-/// Within motion: one component of the motion at a depth below the free surface.
+/// Within motion: the motion at a depth below the free surface.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Within {
     /// Depth below the free surface (m), above 0.
     pub depth: Positive,
-    /// Component: along the wave's horizontal direction of travel, across it, or vertical.
-    pub component: WaveAxis,
+    /// Component: along the wave's horizontal direction of travel, across it, or vertical. Not given for a `[[motion]]`,
+    /// which takes all components.
+    pub component: Option<WaveAxis>,
     /// Regularisation of the division by the transfer function (dimensionless), 0.001 to 0.5; 0.05 by default.
     pub regularisation: Option<Share>,
 }

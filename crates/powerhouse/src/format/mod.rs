@@ -25,6 +25,7 @@ mod joint;
 mod layer;
 mod load;
 mod material;
+mod motion;
 mod output;
 mod parameters;
 mod quantity;
@@ -50,13 +51,14 @@ pub(crate) use decode::{decode_materials, decode_tagged, former_keys};
 pub use function::{Function, Pulse};
 pub use ground::{
     Baseline, BoundarySection, Component, Convention, Count, Ground, Length, Record, Region, Space,
-    Units, Wave, WaveAxis, WaveKind,
+    Units, Wave, WaveAxis, WaveKind, Within,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub use layer::Layer;
 pub(crate) use load::WATER_DENSITY;
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
+pub use motion::Motion;
 pub use output::{History, JointHistory, JointQuantity, Output, Quantity, Section};
 pub use parameters::Parameters;
 pub use quantity::{
@@ -104,6 +106,9 @@ pub struct SceneFile {
     /// Incident plane waves; their motions are superposed.
     #[serde(rename = "wave", default)]
     pub waves: Vec<Wave>,
+    /// Recorded motions of three components, each split into incident waves, whose motions are superposed too.
+    #[serde(rename = "motion", default)]
+    pub motions: Vec<Motion>,
     /// Absorbing boundary on the outer faces of the mesh; none by default.
     pub boundary: Option<BoundarySection>,
     /// Supports: fixed, roller, symmetric, periodic or prescribed displacements of node sets, in all stages and

@@ -5,7 +5,7 @@ mod text;
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
 use powerhouse_wavefield::{
-    BaselineReport, InputConversion, LayeredReport, QuietStart, RecordReport,
+    BaselineReport, InputConversion, LayeredReport, QuietStart, RecordReport, SplitReport, WaveKind,
 };
 
 use crate::BendingError;
@@ -16,6 +16,10 @@ use crate::{DampingCost, SceneRemark};
 const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Peak ground acceleration above which the unit is probably wrong (m/s2).
 const LARGE_PEAK: f64 = 1.5 * STANDARD_GRAVITY;
+/// Condition number of the split of a motion, and difference of its waves from the record over its peak acceleration, above
+/// which it is warned of.
+const LARGE_CONDITION: f64 = 5.0;
+const LARGE_MISFIT: f64 = 0.01;
 
 /// Remark: a fact or a warning about a scene or its results ([`is_warning`](Self::is_warning)).
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +86,24 @@ pub enum Remark {
         convention: &'static str,
         /// Factor, or regularised division by the transfer function.
         conversion: InputConversion,
+    },
+    /// Fact: a recorded motion was split into incident waves; a warning if their condition number is above 5, or their
+    /// sum misses the record by more than 1 % of its peak acceleration.
+    Split {
+        /// Name of the record.
+        record: String,
+        /// Types of the waves, and their angles of incidence (degrees).
+        waves: Vec<(WaveKind, f64)>,
+        /// Azimuth of the waves (degrees).
+        azimuth: f64,
+        /// Quality of the split.
+        report: SplitReport,
+        /// The record's point (m).
+        place: Vec3,
+        /// Time at which the record begins there (s).
+        arrival: f64,
+        /// Letters of the components that do not move.
+        still: String,
     },
     /// Fact: all waves were delayed by the same time, and those past the critical angle tapered, so that the body
     /// starts at rest.
@@ -341,6 +363,7 @@ impl Remark {
             | Self::PastCritical { .. }
             | Self::Layered { .. }
             | Self::Conversion { .. }
+            | Self::Split { .. }
             | Self::DelayedMotion { .. }
             | Self::TruncatedRecord { .. }
             | Self::RotatedAxis { .. }
@@ -384,6 +407,9 @@ impl Remark {
                 ..
             } => padding != waves,
             Self::Scene(warning) => warning.is_warning(),
+            Self::Split { report, .. } => {
+                report.condition > LARGE_CONDITION || report.misfit > LARGE_MISFIT
+            }
             Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
             Self::Unbalanced { .. }
             | Self::Undersampled { .. }

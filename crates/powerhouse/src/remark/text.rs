@@ -134,6 +134,35 @@ impl fmt::Display for Remark {
                     within.least_transfer
                 ),
             },
+            Self::Split {
+                record,
+                waves,
+                azimuth,
+                report,
+                place,
+                arrival,
+                still,
+            } => {
+                let waves = waves.iter();
+                let waves: Vec<String> = waves.map(|(k, a)| format!("{k} at {a:.4}")).collect();
+                let [least, most] = report.band;
+                write!(
+                    f,
+                    "record '{record}' is split into {} degrees, azimuth {azimuth:.4}: condition number at most {:.2} between {least} and {most} Hz, at {:.3} Hz; their sum is the record at ({:.3}, {:.3}, {:.3}) m, from {arrival:.3} s on, to {:.1e} of its peak acceleration, and their largest peak is {:.3} of it",
+                    waves.join(", "),
+                    report.condition,
+                    report.frequency,
+                    place.x,
+                    place.y,
+                    place.z,
+                    report.misfit,
+                    report.amplification
+                )?;
+                match still.is_empty() {
+                    true => Ok(()),
+                    false => write!(f, "; nothing moves along {}", list(still)),
+                }
+            }
             Self::QuietStart { padding, waves } => {
                 write!(
                     f,
@@ -406,4 +435,10 @@ impl fmt::Display for Remark {
             ),
         }
     }
+}
+
+/// Letters of components in words.
+fn list(letters: &str) -> String {
+    let letters: Vec<String> = letters.chars().map(String::from).collect();
+    letters.join(" and ")
 }

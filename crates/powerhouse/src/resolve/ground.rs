@@ -5,18 +5,20 @@ use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
-    Angle, EndDisplacement, HarmonicBurst, InputConvention, PlaneWave, PlaneWaveParameters,
+    Angle, EndDisplacement, Ground, HarmonicBurst, InputConvention, PlaneWave, PlaneWaveParameters,
     QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, WaveError,
     WaveKind, ZeroMeanPulse, critical_angle, first_hit_corner,
 };
 
-use super::record::{PreparedRecord, cut_short};
+use super::motion;
+use super::origin::Origin;
+use super::record::{PreparedRecord, cut_short, of_component};
 use super::{layers, named, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{
     self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneFile, Space, Wave, WaveAxis,
 };
-use crate::scene::{InitialMotion, NOT_AT_REST, box_corners};
+use crate::scene::{InitialMotion, box_corners};
 use crate::{Error, Material, Remark, Scene, magnitude};
 
 /// Hint on several media along the absorbing faces.
@@ -31,23 +33,18 @@ pub(super) fn field(
     records: &BTreeMap<String, PreparedRecord>,
     materials: &BTreeMap<String, Material>,
 ) -> Result<Scene, Fault> {
-    if let (Some(layer), None) = (file.layers.first(), file.waves.first()) {
-        let key = "wave".into();
-        let problem = Problem::MissingKey { key };
-        return Err(Fault::new(layer.material.span(), problem));
-    }
-    let (Some(first), Some(_)) = (file.waves.first(), &file.boundary) else {
-        return match file.waves.first() {
-            // A wave needs a boundary through which it enters the mesh.
-            Some(wave) => {
-                let key = "boundary".into();
-                Err(Fault::new(
-                    wave.incidence.span(),
-                    Problem::MissingKey { key },
-                ))
-            }
-            None => Ok(scene),
-        };
+    let first = match (file.waves.first(), file.motions.first()) {
+        (Some(wave), _) => Some(wave.incidence.span()),
+        (None, Some(motion)) => Some(motion.incidence.span()),
+        (None, None) => None,
+    };
+    let missing = |span, key: &str| Fault::new(span, Problem::MissingKey { key: key.into() });
+    let first = match (first, file.layers.first(), &file.boundary) {
+        (Some(first), _, Some(_)) => first,
+        // A wave needs a boundary through which it enters the mesh.
+        (Some(first), _, None) => return Err(missing(first, "boundary")),
+        (None, Some(layer), _) => return Err(missing(layer.material.span(), "wave")),
+        (None, None, _) => return Ok(scene),
     };
     if !file.layers.is_empty() {
         return layers::field(file, scene, records, materials);
@@ -63,7 +60,7 @@ pub(super) fn field(
     };
     let (low, high) = scene.mesh.bounding_box();
     let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
-    let mut waves = Vec::with_capacity(file.waves.len());
+    let (mut waves, mut origins) = (Vec::new(), Vec::new());
     for table in &file.waves {
         let mut parameters = PlaneWaveParameters::vertical(kind(table), medium, surface);
         if file.ground.space == Space::FullSpace {
@@ -88,33 +85,61 @@ pub(super) fn field(
                 conversion: *wave.conversion(),
             });
         }
+        origins.push(Origin::of_wave(table, records)?);
         waves.push(wave);
     }
-    let waves = quiet(waves, (&file.waves, records), (low, high), &mut scene)?;
-    let arrivals = waves.iter().map(|wave| wave.parameters().arrival);
-    let cut = truncated(file, records, &scene, arrivals)?;
-    scene.remarks.extend(cut);
+    let mut splits = Vec::with_capacity(file.motions.len());
+    for table in &file.motions {
+        if file.ground.space == Space::FullSpace {
+            return Err(motion::in_full_space(table, records)?);
+        }
+        let ground = Ground::new(surface, Vec::new(), medium)
+            .map_err(|error| Fault::refused(table.incidence.span(), error))?;
+        let split = motion::split(table, &ground, records, &scene)?;
+        let parameters = split.waves.iter().map(|wave| {
+            let mut parameters = PlaneWaveParameters::vertical(wave.kind, medium, surface);
+            parameters.incidence = wave.incidence;
+            parameters.azimuth = split.azimuth;
+            parameters.reference = split.reference;
+            parameters
+        });
+        let mut parameters: Vec<PlaneWaveParameters> = parameters.collect();
+        let corners = box_corners(&low, &Vec3::new(high.x, high.y, high.z.min(surface)));
+        let travel = parameters.iter().map(|wave| travel_time(wave, &corners));
+        let arrival = split.arrival(travel, scene.start);
+        for (parameters, wave) in parameters.iter_mut().zip(&split.waves) {
+            parameters.arrival = arrival - split.origin.lead;
+            let wave = PlaneWave::new(*parameters, wave.signal.clone());
+            waves.push(wave.map_err(|error| Fault::refused(table.incidence.span(), error))?);
+            origins.push(split.origin.clone());
+        }
+        splits.push((waves.len() - 1, split));
+    }
+    let waves = quiet(waves, &origins, (low, high), &mut scene)?;
+    let arrivals: Vec<f64> = waves.iter().map(|wave| wave.parameters().arrival).collect();
+    scene.remarks.extend(
+        splits
+            .iter()
+            .map(|(last, split)| split.remark(arrivals[*last])),
+    );
+    scene.remarks.extend(truncated(&origins, &scene, &arrivals));
     let driven = scene.with_plane_waves(waves);
-    driven.map_err(|error| Fault::refused(first.incidence.span(), error))
+    driven.map_err(|error| Fault::refused(first, error))
 }
 
 /// Warnings about records that the run cuts short, from the arrivals of their waves (s).
-pub(super) fn truncated(
-    file: &SceneFile,
-    records: &BTreeMap<String, PreparedRecord>,
-    scene: &Scene,
-    arrivals: impl Iterator<Item = f64>,
-) -> Result<Vec<Remark>, Fault> {
+pub(super) fn truncated(origins: &[Origin], scene: &Scene, arrivals: &[f64]) -> Vec<Remark> {
     let mut checked = BTreeSet::new();
     let mut remarks = Vec::new();
-    for (arrival, table) in arrivals.zip(&file.waves) {
-        let Some(name) = &table.record else { continue };
-        let record = component(name, table.component.as_ref(), records)?;
-        if checked.insert(name.to_string()) {
-            remarks.extend(cut_short(name, record, arrival, scene));
+    for (arrival, origin) in arrivals.iter().zip(origins) {
+        let Some((name, record)) = &origin.record else {
+            continue;
+        };
+        if checked.insert(name) {
+            remarks.extend(cut_short(name, record, *arrival, scene));
         }
     }
-    Ok(remarks)
+    remarks
 }
 
 /// Type of a wave.
@@ -135,8 +160,8 @@ pub(super) fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
         Convention::SurfaceX => ("surface-x", "surface-along"),
         Convention::SurfaceY => ("surface-y", "surface-across"),
         Convention::Within(within) => match within.component {
-            WaveAxis::X => ("x", "along"),
-            WaveAxis::Y => ("y", "across"),
+            Some(WaveAxis::X) => ("x", "along"),
+            Some(WaveAxis::Y) => ("y", "across"),
             _ => return None,
         },
         _ => return None,
@@ -225,9 +250,9 @@ pub(super) fn motion(
             });
             Ok(WaveMotion {
                 signal: Arc::new(signal.map_err(|error| Fault::refused(name.span(), error))?),
-                convention: record.convention,
+                convention: of_component(&record.convention)?,
                 lead: record.lead,
-                span: record.convention_span.clone(),
+                span: record.convention.span(),
             })
         }
         (None, Some(pulse)) => Ok(WaveMotion {
@@ -290,7 +315,7 @@ fn pulse(pulse: &Pulse, factor: f64) -> Result<Arc<dyn Signal>, WaveError> {
 /// tapered. A wave whose given arrival is before the start is an error.
 fn quiet(
     waves: Vec<PlaneWave>,
-    (tables, records): (&[Wave], &BTreeMap<String, PreparedRecord>),
+    origins: &[Origin],
     (low, high): (Vec3, Vec3),
     scene: &mut Scene,
 ) -> Result<Vec<PlaneWave>, Fault> {
@@ -299,8 +324,8 @@ fn quiet(
     }
     let limits = QuietStartLimits::default();
     let mut quiet = Vec::with_capacity(waves.len());
-    for (wave, table) in waves.into_iter().zip(tables) {
-        let refused = |error: ModelError| Fault::refused(table.incidence.span(), error);
+    for (wave, origin) in waves.into_iter().zip(origins) {
+        let refused = |error: ModelError| Fault::refused(origin.incidence.clone(), error);
         let top = match wave.parameters().site {
             Site::HalfSpace { surface } => high.z.min(surface),
             Site::FullSpace => high.z,
@@ -311,13 +336,11 @@ fn quiet(
             quiet.push((wave, None));
             continue;
         }
-        let given = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
-        if given + travel_time(&wave, &corners) < scene.start {
-            return Err(early(table, wave.name(), level.largest(), scene));
+        let (parameters, lead) = (wave.parameters(), origin.lead);
+        let given = parameters.arrival + lead;
+        if origin.is_timed && given + travel_time(parameters, &corners) < scene.start {
+            return Err(origin.early(wave.name(), level.largest(), scene));
         }
-        let lead = table.record.as_ref().map_or(Ok(0.0), |name| {
-            component(name, table.component.as_ref(), records).map(|record| record.lead)
-        })?;
         let (wave, start) = wave
             .with_quiet_start(&corners, scene.start, &limits)
             .map_err(|error| match lead > 0.0 {
@@ -353,26 +376,10 @@ fn quiet(
 }
 
 /// Travel time (s) of a wave from its reference point to the first of some points.
-fn travel_time(wave: &PlaneWave, points: &[Vec3]) -> f64 {
-    let parameters = wave.parameters();
+fn travel_time(parameters: &PlaneWaveParameters, points: &[Vec3]) -> f64 {
     let slowness = parameters.direction() / parameters.kind.speed(&parameters.medium);
     let delays = points
         .iter()
         .map(|point| (point - parameters.reference).dot(&slowness));
     delays.fold(f64::INFINITY, f64::min)
-}
-
-/// Fault of a wave that arrives before the start of the run.
-pub(super) fn early(table: &Wave, wave: &str, level: f64, scene: &Scene) -> Fault {
-    let given = [
-        table.arrival.as_ref().map(At::span),
-        table.reference.as_ref().map(At::span),
-    ];
-    let span = given.into_iter().flatten().next();
-    let error = Error::NotAtRest {
-        field: wave.into(),
-        level,
-        time: scene.start,
-    };
-    Fault::refused(span.unwrap_or(scene.places.start.clone()), error).with_help(NOT_AT_REST)
 }

@@ -5,17 +5,17 @@ use std::collections::BTreeMap;
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
     Angle, Ground, GroundLayer, InputConvention, LayerDamping, LayeredWave, LayeredWaveParameters,
-    PlaneWaveParameters, QuietStart, QuietStartLimits, WaveError, first_hit_corner,
+    PlaneWaveParameters, QuietStart, QuietStartLimits, Signal, WaveError, first_hit_corner,
 };
 
 use super::damping::damping;
-use super::ground::{
-    QUIETER, component, early, kind, motion, refused_wave, truncated, unclear_axis,
-};
+use super::ground::{QUIETER, kind, motion, refused_wave, truncated, unclear_axis};
+use super::motion::split;
+use super::origin::Origin;
 use super::record::PreparedRecord;
 use super::{named, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{Azimuth, Layer, SceneFile, Space, Wave};
+use crate::format::{Azimuth, Layer, SceneFile, Space};
 use crate::scene::{InitialMotion, box_corners, damping_of_layer};
 use crate::{LayerError, Material, Remark, Scene};
 
@@ -32,9 +32,9 @@ pub(super) fn field(
     let ground = ground(file, &scene, materials)?;
     let (low, high) = scene.mesh.bounding_box();
     let points = outermost(&ground, &low, &high);
-    let mut waves = Vec::with_capacity(file.waves.len());
+    let (mut waves, mut origins) = (Vec::new(), Vec::new());
+    let lowest = low.z.min(ground.surface());
     for table in &file.waves {
-        let lowest = low.z.min(ground.surface());
         let mut parameters = LayeredWaveParameters::vertical(kind(table), ground.clone(), lowest);
         parameters.incidence = Angle::from_degrees(table.incidence.get());
         parameters.azimuth = Angle::from_degrees(table.azimuth.map_or(0.0, Azimuth::get));
@@ -55,9 +55,7 @@ pub(super) fn field(
         parameters.convention = motion.convention;
         parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
         parameters.arrival -= motion.lead;
-        let end = scene.start + scene.duration;
-        let earliest = earliest(&parameters, &points) + motion.signal.support().start;
-        parameters.until = Some((end - earliest).max(0.0));
+        parameters.until = Some(needed(&parameters, &*motion.signal, &points, &scene));
         let wave = LayeredWave::new(parameters, motion.signal)
             .map_err(|error| refused_wave(table, motion.span, error))?;
         let convention = wave.parameters().convention;
@@ -68,17 +66,45 @@ pub(super) fn field(
                 conversion: *wave.conversion(),
             });
         }
-        scene.remarks.push(Remark::Layered {
-            wave: wave.name().into(),
-            report: wave.report(),
-            bytes: wave.bytes_for(&nodes_of_faces(&scene)?),
-        });
+        origins.push(Origin::of_wave(table, records)?);
         waves.push(wave);
     }
-    let waves = quiet(waves, (&file.waves, records), &points, &mut scene)?;
-    let arrivals = waves.iter().map(|wave| wave.parameters().arrival);
-    let cut = truncated(file, records, &scene, arrivals)?;
-    scene.remarks.extend(cut);
+    let mut splits = Vec::with_capacity(file.motions.len());
+    for table in &file.motions {
+        let split = split(table, &ground, records, &scene)?;
+        let parameters = split.waves.iter().map(|wave| {
+            let mut parameters = LayeredWaveParameters::vertical(wave.kind, ground.clone(), lowest);
+            parameters.incidence = wave.incidence;
+            parameters.azimuth = split.azimuth;
+            parameters.reference = split.reference;
+            parameters
+        });
+        let parameters: Vec<LayeredWaveParameters> = parameters.collect();
+        let travel = parameters.iter().map(|wave| earliest(wave, &points));
+        let arrival = split.arrival(travel, scene.start);
+        for (mut parameters, wave) in parameters.into_iter().zip(&split.waves) {
+            parameters.arrival = arrival - split.origin.lead;
+            parameters.until = Some(needed(&parameters, &*wave.signal, &points, &scene));
+            let wave = LayeredWave::new(parameters, wave.signal.clone());
+            waves.push(wave.map_err(|error| Fault::refused(table.incidence.span(), error))?);
+            origins.push(split.origin.clone());
+        }
+        splits.push((waves.len() - 1, split));
+    }
+    let nodes = nodes_of_faces(&scene)?;
+    scene
+        .remarks
+        .extend(waves.iter().map(|wave| Remark::Layered {
+            wave: wave.name().into(),
+            report: wave.report(),
+            bytes: wave.bytes_for(&nodes),
+        }));
+    let waves = quiet(waves, &origins, &points, &mut scene)?;
+    let arrivals: Vec<f64> = waves.iter().map(|wave| wave.parameters().arrival).collect();
+    let remarks = splits.iter();
+    let remarks = remarks.map(|(last, split)| split.remark(arrivals[*last]));
+    scene.remarks.extend(remarks);
+    scene.remarks.extend(truncated(&origins, &scene, &arrivals));
     let place = scene.places.field.clone();
     let driven = scene.with_layered_waves(waves);
     driven.map_err(|error| Fault::refused(place, error))
@@ -241,10 +267,22 @@ fn earliest(parameters: &LayeredWaveParameters, points: &[Vec3]) -> f64 {
     arrivals.fold(f64::INFINITY, f64::min)
 }
 
+/// Time (s) from the arrival of a wave at the first of some points to the end of the run.
+fn needed(
+    parameters: &LayeredWaveParameters,
+    signal: &dyn Signal,
+    points: &[Vec3],
+    scene: &Scene,
+) -> f64 {
+    let end = scene.start + scene.duration;
+    let earliest = earliest(parameters, points) + signal.support().start;
+    (end - earliest).max(0.0)
+}
+
 /// Delays all waves so that the field is negligible at the start of a body at rest.
 fn quiet(
     waves: Vec<LayeredWave>,
-    (tables, records): (&[Wave], &BTreeMap<String, PreparedRecord>),
+    origins: &[Origin],
     points: &[Vec3],
     scene: &mut Scene,
 ) -> Result<Vec<LayeredWave>, Fault> {
@@ -253,18 +291,17 @@ fn quiet(
     }
     let limits = QuietStartLimits::default();
     let mut quiet: Vec<(LayeredWave, Option<QuietStart>)> = Vec::with_capacity(waves.len());
-    for (wave, table) in waves.into_iter().zip(tables) {
-        let refused = |error: ModelError| Fault::refused(table.incidence.span(), error);
+    for (wave, origin) in waves.into_iter().zip(origins) {
+        let refused = |error: ModelError| Fault::refused(origin.incidence.clone(), error);
         let level = wave.start_level(points, scene.start).map_err(refused)?;
         if level.largest() < limits.threshold {
             quiet.push((wave, None));
             continue;
         }
-        let lead = table.record.as_ref().map_or(Ok(0.0), |name| {
-            component(name, table.component.as_ref(), records).map(|record| record.lead)
-        })?;
-        if earliest(wave.parameters(), points) + lead < scene.start {
-            return Err(early(table, wave.name(), level.largest(), scene));
+        let lead = origin.lead;
+        let arrival = earliest(wave.parameters(), points) + lead;
+        if origin.is_timed && arrival < scene.start {
+            return Err(origin.early(wave.name(), level.largest(), scene));
         }
         let delayed = wave.with_quiet_start(points, scene.start, &limits);
         let (wave, start) = delayed.map_err(|error| match lead > 0.0 {

@@ -6,6 +6,8 @@ mod joints;
 mod layers;
 mod loads;
 mod mesh;
+mod motion;
+mod origin;
 mod output;
 mod record;
 mod stages;
@@ -85,14 +87,12 @@ pub(crate) fn compose(
     };
     scene.places.step = file.time.step.span();
     scene.places.scheme = file.time.scheme.span();
-    scene.places.start = match (&file.time.start, file.waves.first()) {
-        (Some(start), _) => start.span(),
-        (None, Some(wave)) => wave.incidence.span(),
-        (None, None) => 0..0,
-    };
-    if let Some(wave) = file.waves.first() {
-        scene.places.field = wave.incidence.span();
-    }
+    let of_waves = file.waves.iter().map(|wave| wave.incidence.span());
+    let of_motions = file.motions.iter().map(|motion| motion.incidence.span());
+    let first = of_waves.chain(of_motions).next().unwrap_or(0..0);
+    let start = file.time.start.as_ref();
+    scene.places.start = start.map_or(first.clone(), At::span);
+    scene.places.field = first;
     scene.self_check = file.self_check.as_ref().map(|limit| limit.get());
     if let (Some(section), Some(condition)) = (&file.boundary, boundary) {
         for face in &section.faces {
@@ -271,7 +271,8 @@ fn unused_records(file: &SceneFile) -> Vec<Remark> {
         format::Support::Prescribed { record, .. } => record.as_ref(),
         _ => None,
     });
-    let used: Vec<&At<String>> = of_waves.chain(of_supports).collect();
+    let of_motions = file.motions.iter().map(|motion| &motion.record);
+    let used: Vec<&At<String>> = of_waves.chain(of_supports).chain(of_motions).collect();
     let is_unused = |name: &str| {
         let component = format!("{name}.");
         !used

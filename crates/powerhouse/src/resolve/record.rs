@@ -7,7 +7,7 @@ use powerhouse_io::{
     AccelerationUnit, CountRule, LengthRule, RecordOptions, common_length, read_record,
 };
 use powerhouse_wavefield::{
-    BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport,
+    BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport, RecordedAt,
     SurfaceComponent, TimeHistory, WaveError,
 };
 
@@ -15,7 +15,7 @@ use super::{one_of, ordered, unique};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
-    SceneFile, Share, Units, WaveAxis,
+    SceneFile, Share, Units, WaveAxis, Within,
 };
 use crate::{Registry, Remark, Scene};
 
@@ -24,13 +24,11 @@ pub(super) struct PreparedRecord {
     pub(super) history: TimeHistory,
     /// Permanent displacement at the end (m).
     pub(super) end: f64,
-    pub(super) convention: InputConvention,
+    pub(super) convention: At<Convention>,
     /// Lead (s): extension by a filter before the original start, and at the end.
     pub(super) lead: f64,
     /// Byte range of its name in the scene file.
     pub(super) name: core::ops::Range<usize>,
-    /// Byte range of its convention in the scene file.
-    pub(super) convention_span: core::ops::Range<usize>,
     pub(super) report: RecordReport,
     pub(super) baseline: Option<BaselineReport>,
     /// Key that fixes a peak that is weak for a design motion.
@@ -108,9 +106,8 @@ fn processed(
             history,
             name: name.clone(),
             end,
-            convention: convention(&table.convention),
+            convention: table.convention.clone(),
             lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),
-            convention_span: table.convention.span(),
             report,
             baseline,
             warnings,
@@ -235,24 +232,65 @@ fn correction(baseline: &Baseline) -> BaselineCorrection {
     }
 }
 
-fn convention(convention: &Convention) -> InputConvention {
+/// Motion that a record of one component represents, for a wave.
+pub(super) fn of_component(convention: &At<Convention>) -> Result<InputConvention, Fault> {
     let surface = InputConvention::SurfaceComponent;
-    match convention {
+    Ok(match &**convention {
         Convention::Incident => InputConvention::Incident,
         Convention::Outcrop => InputConvention::Outcrop,
         Convention::SurfaceAlong | Convention::SurfaceX => surface(SurfaceComponent::X),
         Convention::SurfaceAcross | Convention::SurfaceY => surface(SurfaceComponent::Y),
         Convention::SurfaceZ => surface(SurfaceComponent::Z),
+        Convention::Surface => {
+            let found = "all components of the surface for a wave".into();
+            let expected =
+                "`surface-along`, `surface-across` or `surface-z`, or a [[motion]] in place of the wave"
+                    .into();
+            return Err(Fault::new(
+                convention.span(),
+                Problem::Value { found, expected },
+            ));
+        }
         Convention::Within(within) => InputConvention::Within {
             depth: within.depth.get(),
             component: match within.component {
-                WaveAxis::Along | WaveAxis::X => SurfaceComponent::X,
-                WaveAxis::Across | WaveAxis::Y => SurfaceComponent::Y,
-                WaveAxis::Z => SurfaceComponent::Z,
+                Some(WaveAxis::Along | WaveAxis::X) => SurfaceComponent::X,
+                Some(WaveAxis::Across | WaveAxis::Y) => SurfaceComponent::Y,
+                Some(WaveAxis::Z) => SurfaceComponent::Z,
+                None => {
+                    let key = "component".into();
+                    return Err(Fault::new(convention.span(), Problem::MissingKey { key }));
+                }
             },
-            regularisation: within.regularisation.map_or(0.05, Share::get),
+            regularisation: regularisation(within),
         },
-    }
+    })
+}
+
+/// Place of a record of three components, for a motion.
+pub(super) fn of_components(convention: &At<Convention>) -> Result<RecordedAt, Fault> {
+    let found = match &**convention {
+        Convention::Surface => return Ok(RecordedAt::Surface),
+        Convention::Outcrop => return Ok(RecordedAt::Outcrop),
+        Convention::Within(within) if within.component.is_none() => {
+            return Ok(RecordedAt::Within {
+                depth: within.depth.get(),
+                regularisation: regularisation(within),
+            });
+        }
+        Convention::Incident => "an incident wave for a motion",
+        _ => "one component for a motion of all components",
+    };
+    let expected = "`surface`, `outcrop`, or `within` with a depth and without a component";
+    let (found, expected) = (found.into(), expected.into());
+    Err(Fault::new(
+        convention.span(),
+        Problem::Value { found, expected },
+    ))
+}
+
+fn regularisation(within: &Within) -> f64 {
+    within.regularisation.map_or(0.05, Share::get)
 }
 
 /// Least share of a record's Arias intensity that a run should contain.

@@ -4,7 +4,7 @@ use powerhouse_wavefield::WaveKind;
 
 use super::Scene;
 #[cfg(feature = "scene-files")]
-use crate::format::{self, Azimuth, Finite, SceneFile, Wave};
+use crate::format::{self, Azimuth, Finite, Incidence, Motion, SceneFile, Wave};
 
 /// Incident wave of a scene file in a few words and numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +40,26 @@ impl WaveOverview {
 }
 
 #[cfg(feature = "scene-files")]
+/// The waves that a motion is split into.
+fn waves_of(motion: &Motion) -> impl Iterator<Item = WaveOverview> {
+    let incidence = *motion.incidence;
+    let kinds = [
+        (WaveKind::P, incidence.p),
+        (WaveKind::SV, incidence.sv),
+        (WaveKind::SH, incidence.sh),
+    ];
+    kinds.into_iter().filter_map(|(kind, incidence)| {
+        Some(WaveOverview {
+            kind,
+            incidence: incidence.map(Incidence::get)?,
+            azimuth: motion.azimuth.map_or(0.0, Azimuth::get),
+            motion: format!("{} split", *motion.record),
+            factor: motion.factor.map_or(1.0, Finite::get),
+        })
+    })
+}
+
+#[cfg(feature = "scene-files")]
 /// What moves a wave of a scene, in words that differ where the motion does.
 fn motion(wave: &Wave) -> String {
     let source = match (&wave.record, &wave.pulse) {
@@ -71,7 +91,9 @@ impl InputOverview {
     pub(super) fn of(file: &SceneFile, case: Option<&str>) -> Self {
         let case = case.and_then(|name| file.cases.iter().find(|case| *case.name == name));
         Self {
-            waves: file.waves.iter().map(WaveOverview::of).collect(),
+            waves: (file.waves.iter().map(WaveOverview::of))
+                .chain(file.motions.iter().flat_map(waves_of))
+                .collect(),
             varies: case.and_then(|case| case.varies.clone()),
             continuous: case.is_some_and(|case| !case.continuous.is_empty()),
         }

@@ -26,6 +26,7 @@ mod lost_sides;
 mod magnitudes;
 mod memory_records;
 mod mesh_orders;
+mod motions;
 mod names;
 mod nonsense;
 mod region;

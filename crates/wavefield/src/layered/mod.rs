@@ -2,6 +2,7 @@
 
 mod ground;
 mod record;
+mod response;
 mod sampler;
 mod stack;
 mod tables;
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use ground::{Ground, GroundLayer, LayerDamping, LayerMechanism};
+pub(crate) use response::{Response, ResponsePlace};
 use sampler::{LayeredPoint, LayeredSampler};
 use tables::LayeredTables;
 pub use tables::LayeredTablesReport;
