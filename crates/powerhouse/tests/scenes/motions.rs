@@ -119,7 +119,7 @@ fn the_waves_of_a_motion_are_its_record() {
         (WaveKind::SH, 30.0),
     ];
     assert_eq!(kinds.collect::<Vec<_>>(), expected);
-    let simulation = scene.prepare().unwrap();
+    let simulation = scene.with_duration(1.6).prepare().unwrap();
     let mut remarks = simulation.remarks().iter();
     assert!(remarks.any(|r| matches!(r, Remark::Split { .. }) && !r.is_warning()));
     let results = simulation.run(RunHooks::default()).unwrap();
@@ -180,7 +180,7 @@ fn the_waves_of_a_motion_in_layers_are_its_record() {
         )
     };
     let text = format!(
-        "title = \"site\"\n[mesh]\nfile = \"site.msh\"\n{}{}[[layer]]\nmaterial = \"clay\"\nbottom = -20\n[[layer]]\nmaterial = \"rock\"\n{}[[motion]]\nrecord = \"station\"\nincidence = {{ p = 15, sv = 10, sh = 20 }}\nat = [10, 5]\n[boundary]\nkind = \"viscous-spring\"\nfaces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\nscatterer = [0, 20, 0]\n[time]\nduration = 3\n",
+        "title = \"site\"\n[mesh]\nfile = \"site.msh\"\n{}{}[[layer]]\nmaterial = \"clay\"\nbottom = -20\n[[layer]]\nmaterial = \"rock\"\n{}[[motion]]\nrecord = \"station\"\nincidence = {{ p = 15, sv = 10, sh = 20 }}\nat = [10, 5]\n[boundary]\nkind = \"viscous-spring\"\nfaces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\nscatterer = [0, 20, 0]\n[time]\nduration = 4\n",
         material("clay", 3e8),
         material("rock", 5e9),
         record("\"surface\"")
@@ -249,8 +249,8 @@ fn motions_that_do_not_fit_are_refused() {
         (surface, "sv = 20", "sv = 40", "critical angle"),
         (
             surface,
-            "p = 10",
-            "p = 89",
+            "p = 10, sv = 20",
+            "p = 89, sv = 0",
             "condition number of the split is",
         ),
         (
