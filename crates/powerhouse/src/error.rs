@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::{
     CheckpointError, FolderError, LayerError, Magnitude, MagnitudeOf, MirrorError, NameError,
-    Problem, RegionError, Results, SceneFault, StagingError,
+    Problem, RegionError, Results, SceneFault, StagingError, ThroughError,
 };
 
 /// Error in reading, composing, running or writing a scene.
@@ -99,6 +99,9 @@ pub enum Error {
     /// Body that does not fit the layers of its free field.
     #[error(transparent)]
     Layers(#[from] LayerError),
+    /// Part that cannot run through absorbing faces.
+    #[error(transparent)]
+    Through(#[from] ThroughError),
     /// Free field without effect on the model: a scene that starts at rest has no absorbing boundary, or its boundary has
     /// no input.
     #[error("the field '{field}' has no effect: {reason}")]

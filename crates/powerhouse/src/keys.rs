@@ -3,14 +3,16 @@
 //! Registry, advice and trades take them from here, and a test compares them with the keys that scene files
 //! have: a name that changes does so in one place.
 
-/// Keys of every `[boundary]` table, whatever its kind: kind, faces, scatterer, region.
-pub const BOUNDARY: [&str; 4] = [KIND, FACES, "scatterer", REGION];
+/// Keys of every `[boundary]` table, whatever its kind: kind, faces, scatterer, through, region.
+pub const BOUNDARY: [&str; 5] = [KIND, FACES, "scatterer", THROUGH, REGION];
 /// Name of the table of the boundary.
 pub const BOUNDARY_TABLE: &str = "boundary";
 /// Key of a `[boundary]` table: the name of the boundary in the registry.
 pub const KIND: &str = "kind";
 /// Key of a `[boundary]` table: the facet sets that absorb.
 pub const FACES: &str = "faces";
+/// Key of a `[boundary]` table: the parts of a structure that run through the faces.
+pub const THROUGH: &str = "through";
 /// Key of a `[boundary]` table: the region around which the field enters (domain reduction).
 pub const REGION: &str = "region";
 

@@ -163,7 +163,7 @@ pub use resolve::read_mesh;
 pub use scene::SceneChoice;
 pub use scene::{
     Boundary, InitialMotion, InputOverview, LawMemory, LayerError, Mirror, MirrorError, Parity,
-    RegionError, ResidualLimit, Scene, TimeStep, WaveOverview,
+    RegionError, ResidualLimit, Scene, ThroughError, TimeStep, WaveOverview,
 };
 pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};

@@ -128,6 +128,15 @@ pub enum SceneRemark {
         /// Number of solids and bars without physical group or element set, which are in the set `all` or `ungrouped`.
         ungrouped: usize,
     },
+    /// Fact: the surface of the body is not flat, while the free field is that of flat ground, as it is at the absorbing faces.
+    Relief {
+        /// Height z of the surface of the flat ground (m).
+        surface: f64,
+        /// Lowest height z of the surface of the body (m).
+        lowest: f64,
+        /// Greatest height z of the surface of the body (m).
+        highest: f64,
+    },
     /// Fact: keywords of an Abaqus input file that were skipped, since they do not describe the mesh.
     MeshKeywords {
         /// Names of the keywords, such as `*MATERIAL`, in alphabetical order.
@@ -154,6 +163,7 @@ impl SceneRemark {
                 | Self::MeshKeywords { .. }
                 | Self::MeshOrder { .. }
                 | Self::FormerKey { .. }
+                | Self::Relief { .. }
         )
     }
 }
@@ -277,6 +287,14 @@ impl fmt::Display for SceneRemark {
                 }
                 write!(f, "mesh: {}", found.join("; "))
             }
+            Self::Relief {
+                surface,
+                lowest,
+                highest,
+            } => write!(
+                f,
+                "the surface of the body lies between z = {lowest:.3} and {highest:.3} m, and that of the ground around it at {surface:.3} m: the waves that come in are those of flat ground, and what the relief scatters leaves through the absorbing faces"
+            ),
             Self::MeshKeywords { skipped } => write!(
                 f,
                 "mesh: keywords of the file that do not describe the mesh were skipped: {}",

@@ -104,7 +104,7 @@ impl FreeFieldCheck {
         let (Some(field), Some(boundary)) = (scene.field(), scene.boundary()) else {
             return Err(StudyError::NoField);
         };
-        let (low, high) = scene.mesh().bounding_box();
+        let (low, high) = extent(scene);
         let strata = strata(scene, &**field)?;
         let (cells, mut mesh) = ground_box(scene, &strata)?;
         let held = transfer_supports(scene, &mut mesh)?;
@@ -131,6 +131,7 @@ impl FreeFieldCheck {
         }
         let mut boundary = boundary.clone();
         boundary.scatterer = Some(centre);
+        boundary.through.clear();
         let region = boundary.region.take();
         let region = region.and_then(|region| region_in(scene.mesh(), &region, &mesh));
         let compose = |parts: Vec<Part>, region: Option<Vec<u32>>| {
@@ -305,9 +306,18 @@ struct Stratum {
     parts: Vec<usize>,
 }
 
+/// Lowest and highest corner of a scene's mesh without what rises above the surface of the ground around it.
+fn extent(scene: &Scene) -> (Vec3, Vec3) {
+    let (low, high) = scene.mesh().bounding_box();
+    let top = scene
+        .surface()
+        .map_or(high.z, |surface| high.z.min(surface));
+    (low, Vec3::new(high.x, high.y, top))
+}
+
 /// Layers of the field from the bottom of the scene's mesh up to its top.
 fn strata(scene: &Scene, field: &dyn IncidentField) -> Result<Vec<Stratum>, StudyError> {
-    let (low, high) = scene.mesh().bounding_box();
+    let (low, high) = extent(scene);
     let behind = scene.parts_behind_boundary()?;
     let mut ends = vec![low.z];
     let within = |z: &&f64| **z > low.z && **z < high.z;
@@ -350,7 +360,7 @@ fn ground_box(scene: &Scene, strata: &[Stratum]) -> Result<([usize; 3], Mesh), S
     // A layer of which no part is behind the faces lies between two planes of the mesh.
     let known = longest.iter().copied().filter(|edge| *edge > 0.0);
     let shortest = known.fold(f64::INFINITY, f64::min);
-    let (low, high) = scene.mesh().bounding_box();
+    let (low, high) = extent(scene);
     let extent = high - low;
     // Never shorter than that edge, except for rounding and boxes thinner than one element.
     let count = |length: f64, edge: f64| ((length / edge + 1e-6).floor() as usize).max(1);

@@ -222,8 +222,8 @@ pub struct Ground {
     /// Half-space below a free surface (the default), or full space.
     #[serde(default)]
     pub space: Space,
-    /// Height z of the free surface (m), the top of the mesh by default. A warning is given if the top of the
-    /// mesh along the absorbing faces lies elsewhere.
+    /// Height z of the free surface (m), by default that of the upper edge of the absorbing sides of the mesh (of its top, if no
+    /// side absorbs). A warning is given if the top of the mesh along the absorbing faces lies elsewhere.
     pub surface: Option<At<Finite>>,
 }
 
@@ -288,6 +288,11 @@ pub struct BoundarySection {
     /// Centre of the structure as the source of scattered waves (m): boundary springs are computed with the
     /// distance from it. By default the centre of all parts that touch no absorbing face.
     pub scatterer: Option<At<[Finite; 3]>>,
+    /// Element sets of parts of a structure that run through absorbing faces, such as the lining of a tunnel or a fault zone.
+    /// They absorb there with their own impedance, and take the motion and the stress that the free field has in the
+    /// ground at their place; none by default.
+    #[serde(default)]
+    pub through: Vec<At<String>>,
     /// Interior region of the domain reduction method (Bielak et al. 2003): incident waves enter through the
     /// layer of elements around it, and the absorbing faces absorb the scattered waves. Outside the layer
     /// results are the scattered motion alone. By default waves enter through the absorbing faces.

@@ -176,6 +176,19 @@ pub enum Remark {
         /// Position of the scatterer (m).
         position: Vec3,
     },
+    /// Fact: a part of a structure runs through absorbing faces, where it takes the field of the ground.
+    Through {
+        /// Element set of the part.
+        set: String,
+        /// The faces.
+        faces: Vec<String>,
+        /// Area of the part over that of these faces (1).
+        share: f64,
+        /// Impedance of S waves of the part over that of the ground there (1), the one farthest from one.
+        contrast: f64,
+        /// Greatest extent of the part on a face (m).
+        width: f64,
+    },
     /// Fact: the free field enters through the layer around a domain reduction region.
     Region {
         /// Number of elements of the region.
@@ -444,6 +457,7 @@ impl Remark {
             | Self::Layered { .. }
             | Self::StartedFrom { .. }
             | Self::Region { .. }
+            | Self::Through { .. }
             | Self::JointRenewed { .. }
             | Self::DelayedMotion { waves: None, .. }
             | Self::Scatterer { .. } => false,

@@ -163,6 +163,19 @@ impl fmt::Display for Remark {
                     false => write!(f, "; nothing moves along {}", list(still)),
                 }
             }
+            Self::Through {
+                set,
+                faces,
+                share,
+                contrast,
+                width,
+            } => write!(
+                f,
+                "part '{set}' runs through the absorbing faces {} ({:.2} % of their area): it absorbs there with its own impedance, {contrast:.2} times that of the ground, and takes motion and stress of the ground without it; results within {:.3} m of these faces, twice its extent there, are those of this end (stresses of a lined tunnel differed from those of a longer one by up to 26 % at half an extent, 13 % at one, 8 % at two)",
+                faces.join(", "),
+                100.0 * share,
+                2.0 * width
+            ),
             Self::QuietStart { padding, waves } => {
                 write!(
                     f,

@@ -22,7 +22,7 @@ use crate::scene::{InitialMotion, box_corners};
 use crate::{Error, Material, Remark, Scene, magnitude};
 
 /// Hint on several media along the absorbing faces.
-const ONE_MEDIUM: &str = "where a tunnel or lining runs through, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces, or the layers of the ground as `[[layer]]` tables, which all faces then cross";
+const ONE_MEDIUM: &str = "where a tunnel or lining runs through, its part in `through` of the boundary, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces, or the layers of the ground as `[[layer]]` tables, which all faces then cross";
 /// Hint on a filtered record whose motion at the start of the run is not negligible.
 pub(super) const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
@@ -59,7 +59,9 @@ pub(super) fn field(
         return Err(Fault::new(faces, problem).with_help(ONE_MEDIUM));
     };
     let (low, high) = scene.mesh.bounding_box();
-    let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
+    let level = scene.level_of_sides();
+    let level = level.map_err(|error| Fault::refused(scene.places.faces.clone(), error))?;
+    let surface = file.ground.surface.as_ref().map_or(level, |at| at.get());
     let (mut waves, mut origins) = (Vec::new(), Vec::new());
     for table in &file.waves {
         let mut parameters = PlaneWaveParameters::vertical(kind(table), medium, surface);

@@ -144,8 +144,9 @@ fn ground(
         let expected = "an elastic half-space: incident waves would grow with depth";
         return Err(value(damping.span(), "damping of the last layer", expected));
     }
-    let (_, high) = scene.mesh.bounding_box();
-    let surface = file.ground.surface.as_ref().map_or(high.z, |at| at.get());
+    let level = scene.level_of_sides();
+    let level = level.map_err(|error| Fault::refused(scene.places.faces.clone(), error))?;
+    let surface = file.ground.surface.as_ref().map_or(level, |at| at.get());
     let half_space = named("material", &last.material, materials)?.medium();
     let mut layers = Vec::with_capacity(above.len());
     for layer in above {

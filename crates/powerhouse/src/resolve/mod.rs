@@ -112,8 +112,13 @@ pub(crate) fn compose(
             condition,
             faces: section.faces.iter().map(|face| face.to_string()).collect(),
             scatterer: section.scatterer.as_ref().map(|at| vector(at)),
+            through: section.through.iter().map(|set| set.to_string()).collect(),
             region,
         });
+        if let Some(first) = section.through.first() {
+            let checked = scene.check_through();
+            checked.map_err(|error| Fault::refused(first.span(), error))?;
+        }
     }
     for (name, record) in &records {
         scene

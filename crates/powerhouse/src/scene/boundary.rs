@@ -14,6 +14,9 @@ pub struct Boundary {
     /// The scatterer (m): the centre of the structure, from which boundary springs take their distance; without one, the
     /// middle of the parts that touch no absorbing face, or of the mesh's box if all do.
     pub scatterer: Option<Vec3>,
+    /// Element sets of parts of a structure, such as a lining or a fault zone, that run through the faces. They absorb there with
+    /// their own impedance, and take the motion and the stress of the field in the ground without the structure.
+    pub through: Vec<String>,
     /// Elements of a region (mesh indices) that the field enters through the layer of elements around
     /// it ([`DomainReduction`](powerhouse_boundary::DomainReduction)), in place of the faces. Outside
     /// the layer nothing but scattered waves moves.
@@ -30,6 +33,7 @@ impl Boundary {
             condition: Arc::new(condition),
             faces: faces.into_iter().map(Into::into).collect(),
             scatterer: None,
+            through: Vec::new(),
             region: None,
         }
     }
@@ -37,6 +41,12 @@ impl Boundary {
     #[must_use]
     pub fn with_scatterer(mut self, centre: Vec3) -> Self {
         self.scatterer = Some(centre);
+        self
+    }
+    /// Sets the element sets of parts of a structure that run through the faces.
+    #[must_use]
+    pub fn with_through<N: Into<String>>(mut self, parts: impl IntoIterator<Item = N>) -> Self {
+        self.through = parts.into_iter().map(Into::into).collect();
         self
     }
     /// Sets the region (mesh indices of its elements) around which the field enters; the layer must be

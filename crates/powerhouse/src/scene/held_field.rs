@@ -113,7 +113,11 @@ impl Scene {
         let region = self.boundary.as_ref().and_then(|b| b.region.as_deref());
         let region: Option<BTreeSet<u32>> =
             region.map(|region| self.mesh.nodes_of_elements(region).into_iter().collect());
-        let moves = |node: &u32| region.as_ref().is_none_or(|region| region.contains(node));
+        let is_above = self.above_field();
+        let moves = |node: &u32| {
+            let is_inside = region.as_ref().is_none_or(|region| region.contains(node));
+            is_inside && !is_above(*node)
+        };
         let mut nodes = Vec::new();
         let mut directions: HashMap<u32, Vec<Vec3>> = HashMap::new();
         for support in &self.supports {

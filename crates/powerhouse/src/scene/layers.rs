@@ -16,7 +16,7 @@ use crate::{Damping, Error};
 pub enum LayerError {
     /// Element at an absorbing face whose medium is not that of the layer in which it lies.
     #[error(
-        "face '{face}', {depth:.4} m deep: the part '{set}' has {found}, the layer of the ground there {expected}; give the layer the material of the part or move its `bottom`, or leave the face out (rollers at the ends of a structure that runs through)"
+        "face '{face}', {depth:.4} m deep: the part '{set}' has {found}, the layer of the ground there {expected}; give the layer the material of the part or move its `bottom`, or, where a structure runs through the face, name its part in `through` of the boundary, or leave the face out and put rollers there"
     )]
     OtherMedium {
         /// Absorbing face.
@@ -149,6 +149,9 @@ impl Scene {
         let owner = self.part_of_elements()?;
         for (face, facets) in faces {
             for facet in *facets {
+                if owner[facet.element as usize].is_some_and(|part| self.runs_through(part)) {
+                    continue;
+                }
                 let nodes = self.mesh.facet_nodes(*facet);
                 let heights = nodes
                     .iter()
@@ -215,7 +218,7 @@ impl Scene {
 }
 
 /// Whether density and wave speeds of two media agree to 1e-6.
-fn is_like(a: &ElasticMedium, b: &ElasticMedium) -> bool {
+pub(super) fn is_like(a: &ElasticMedium, b: &ElasticMedium) -> bool {
     let of = |m: &ElasticMedium| [m.density, m.p_speed(), m.s_speed()];
     let mut pairs = of(a).into_iter().zip(of(b));
     pairs.all(|(a, b)| (a - b).abs() <= 1e-6 * b)

@@ -36,6 +36,19 @@ impl Scene {
         }
     }
 
+    /// Elastic media of the elements.
+    ///
+    /// # Errors
+    /// As [`part_of_elements`](Self::part_of_elements).
+    pub(super) fn medium_of_elements(&self) -> Result<impl Fn(u32) -> ElasticMedium, Error> {
+        let owner = self.part_of_elements()?;
+        Ok(move |element: u32| {
+            let part = owner[element as usize];
+            let part = part.expect("facets belong to solids, and every solid to a part");
+            self.parts[part].material.medium()
+        })
+    }
+
     /// Names and facets of the absorbing faces.
     ///
     /// # Errors
@@ -47,11 +60,25 @@ impl Scene {
             .collect()
     }
 
-    /// Indices of the parts along the absorbing faces, in the order of the parts.
+    /// Indices of the parts of the ground along the absorbing faces, in the order of the parts: without those of a structure that
+    /// runs [through](crate::Boundary::through) them.
     ///
     /// # Errors
     /// As [`part_of_elements`](Self::part_of_elements) and [`absorbing_facets`](Self::absorbing_facets).
     pub fn parts_behind_boundary(&self) -> Result<Vec<usize>, Error> {
+        let mut behind = self.parts_at_faces()?;
+        behind.retain(|&part| !self.runs_through(part));
+        Ok(behind)
+    }
+
+    /// Whether a part (index) belongs to a structure that may run through absorbing faces.
+    pub(super) fn runs_through(&self, part: usize) -> bool {
+        let boundary = self.boundary.as_ref();
+        boundary.is_some_and(|boundary| boundary.through.contains(&self.parts[part].set))
+    }
+
+    /// Indices of all parts along the absorbing faces, in the order of the parts.
+    pub(super) fn parts_at_faces(&self) -> Result<Vec<usize>, Error> {
         let owner = self.part_of_elements()?;
         let facets = self.absorbing_facets()?;
         let behind = facets.iter().flat_map(|(_, facets)| facets.iter());

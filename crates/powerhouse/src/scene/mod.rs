@@ -13,10 +13,12 @@ mod mirror;
 mod overview;
 mod prepare;
 mod region;
+mod relief;
 mod rim;
 mod soundness;
 mod spans;
 mod surroundings;
+mod through;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
@@ -34,6 +36,7 @@ pub(crate) use prepare::field_motion;
 pub use region::RegionError;
 pub(crate) use spans::{NOT_AT_REST, SceneSpans, StageSpans};
 pub(crate) use surroundings::box_corners;
+pub use through::ThroughError;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -8,6 +8,7 @@ use powerhouse_model::{
     ModelSpec, NodalImpedance, State, Vec3,
 };
 
+use super::through::FieldInGround;
 use super::{InitialMotion, Piece, ResidualLimit, Scene, SceneSpans, TimeStep};
 use crate::engine::Leapfrog;
 use crate::joint::{Closing, NamedSurface};
@@ -206,7 +207,6 @@ impl Scene {
             }
             return Ok(None);
         };
-        let owner = self.part_of_elements()?;
         let scatterer = self.scatterer()?;
         let all = self.absorbing_facets()?;
         self.check_faces(&all)?;
@@ -218,12 +218,14 @@ impl Scene {
         let facets: Vec<(&str, Vec<Facet>)> = facets.collect();
         let facets = facets.iter().map(|(face, facets)| (*face, &facets[..]));
         let facets: Vec<(&str, &[Facet])> = facets.collect();
-        let medium = |element: u32| {
-            let part = owner[element as usize];
-            let part = part.expect("facets belong to solids, and every solid to a part");
-            self.parts[part].material.medium()
-        };
+        let medium = self.medium_of_elements()?;
         let field = self.field.as_deref();
+        self.check_through()?;
+        let in_ground = field.map(FieldInGround);
+        let field = match (&in_ground, &boundary.through[..]) {
+            (Some(in_ground), [_, ..]) => Some(in_ground as &dyn IncidentField),
+            _ => field,
+        };
         let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
         if let Some(field) = field {
             self.check_field(field, (&facets, &site))?;

@@ -5,8 +5,6 @@ use std::collections::{HashMap, HashSet};
 use powerhouse_boundary::nodes_in_other_media;
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 
-use powerhouse_wavefield::Site;
-
 use super::{InitialMotion, Scene};
 use crate::{Damping, Error, Remark, SceneRemark};
 
@@ -45,7 +43,19 @@ impl Scene {
         (faces, site): (&[(&str, &[Facet])], &BoundarySite),
     ) -> Result<(), Error> {
         self.check_layers(field, faces)?;
-        let foreign = nodes_in_other_media(site);
+        let foreign = match self.without_structures(faces)? {
+            None => nodes_in_other_media(site),
+            Some(ground) => {
+                let ground: Vec<(&str, &[Facet])> = ground
+                    .iter()
+                    .map(|(face, facets)| (*face, &facets[..]))
+                    .collect();
+                let medium = self.medium_of_elements()?;
+                let (scatterer, field) = (site.scatterer, site.field);
+                let ground = BoundarySite::from_mesh(&self.mesh, &ground, medium, scatterer, field);
+                nodes_in_other_media(&ground)
+            }
+        };
         if let Some(&node) = foreign.first() {
             return Err(Error::ForeignMedium {
                 field: field.name().into(),
@@ -133,7 +143,7 @@ impl Scene {
         let mut remarks = Vec::new();
         remarks.extend(self.scatterer_above());
         if site.field.is_some() {
-            for index in self.parts_behind_boundary()? {
+            for index in self.parts_at_faces()? {
                 let part = &self.parts[index];
                 if part.rim.is_some() {
                     continue;
@@ -148,6 +158,7 @@ impl Scene {
                 }
             }
         }
+        remarks.extend(self.structures_through(faces, site.field)?);
         let free = self.free_facets(faces);
         remarks.extend(self.absorbing_surfaces(faces));
         let (open, rest) = self.open_sides(&free);
@@ -155,6 +166,7 @@ impl Scene {
         if let Some(field) = site.field {
             remarks.extend(self.field_at_supports(field, (faces, site))?);
             remarks.extend(self.loaded_surface(field, &rest, site)?);
+            remarks.extend(self.relief(faces, &rest));
         }
         Ok(remarks)
     }
@@ -224,16 +236,7 @@ impl Scene {
     fn absorbing_surfaces(&self, faces: &[(&str, &[Facet])]) -> Vec<Remark> {
         let (low, high) = self.mesh.bounding_box();
         let tolerance = SIDE_TOLERANCE * (high - low).norm();
-        let surfaces = self
-            .waves
-            .iter()
-            .filter_map(|wave| match wave.parameters().site {
-                Site::HalfSpace { surface } => Some(surface),
-                Site::FullSpace => None,
-            });
-        let of_layers = self.layered.iter();
-        let of_layers = of_layers.map(|wave| wave.parameters().ground.surface());
-        let Some(surface) = surfaces.chain(of_layers).reduce(f64::min) else {
+        let Some(surface) = self.surface() else {
             return Vec::new();
         };
         let lies_on = |facet: &Facet| {
