@@ -237,9 +237,9 @@ fn what_does_not_run_through_is_refused() {
     );
 }
 
-/// The run tells which part runs through which faces, and with what contrast.
+/// The run reports which part runs through which faces, and with what contrast.
 #[test]
-fn what_runs_through_is_told() {
+fn what_runs_through_is_reported() {
     let wave = wave(WaveKind::SV, 15.0, 0.0);
     let simulation = scene(8.0, wave, concrete(), &["lining"]).prepare().unwrap();
     let remark = simulation

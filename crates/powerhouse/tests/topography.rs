@@ -1,4 +1,4 @@
-//! Surfaces that are not flat inside the box: a canyon against a series, a hill, and what is told.
+//! Surfaces that are not flat inside the box: a canyon against a series, a hill, and what is reported.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -332,10 +332,10 @@ fn a_hill_moves_alike_in_a_larger_box() {
     assert!(relief > 0.1, "{relief}");
 }
 
-/// The surface of the field is that of the faces; a hill and a canyon are told, a flat surface is not; no traction of the field is warned
+/// The surface of the field is that of the faces; a hill and a canyon are reported, a flat surface is not; no traction of the field is warned
 /// of; and so it is in a slice between rollers, whose nodes reach above the field.
 #[test]
-fn relief_is_told() {
+fn relief_is_reported() {
     let folder = TestFolder::new("relief");
     let slice = SITE
         .replace("\"front\", \"back\", ", "")

@@ -14,13 +14,18 @@ pub(crate) fn is_path_dependent(scene: &Scene) -> bool {
     scene.joints().next().is_some() || is_nonlinear()
 }
 
-/// Enlarges the factors of the waves of a scene, or of a case, by a share; returns the number of waves.
+/// Tables of scenes, and of cases, from which waves come.
+pub(crate) const OF_WAVES: [&str; 2] = ["wave", "motion"];
+
+/// Enlarges the factors of the waves and motions of a scene, or of a case, by a share; returns their number.
 pub(crate) fn enlarge_waves(file: &mut Table, share: f64) -> usize {
     let mut waves = 0;
-    for wave in tables(file, "wave") {
-        let own = wave.get("factor").and_then(number).unwrap_or(1.0);
-        wave.insert("factor".into(), Value::Float(own * (1.0 + share)));
-        waves += 1;
+    for table in OF_WAVES {
+        for wave in tables(file, table) {
+            let own = wave.get("factor").and_then(number).unwrap_or(1.0);
+            wave.insert("factor".into(), Value::Float(own * (1.0 + share)));
+            waves += 1;
+        }
     }
     waves
 }

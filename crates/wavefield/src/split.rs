@@ -48,7 +48,7 @@ pub enum RecordedAt {
 /// as much in others. It is at most 20 at all frequencies of the band, and outside of the band what a smaller singular
 /// value would need is not amplified further. Of a motion within the ground some waves cannot be recovered at some
 /// frequencies: its equations are solved by least squares with the size of the waves, weighted by `(2 r)^2`, and the
-/// condition number is that of this problem. The report tells by how much the sum misses the record.
+/// condition number is that of this problem. The report states by how much the sum misses the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplitParameters {
     /// Layers and half-space.

@@ -88,7 +88,7 @@ impl RunInputs {
 /// Whether an input may change between a run and a variant that starts from one of its states: what has no influence on
 /// the motion until then.
 pub(super) fn may_vary(name: &str) -> bool {
-    let free = ["title", "allow", "wave", "record", "self_check"];
+    let free = ["title", "allow", "wave", "motion", "record", "self_check"];
     match key_of(name) {
         Some(key) => free.contains(&key) || key.starts_with("output."),
         None => name == DURATION || is_file(name),
@@ -97,7 +97,7 @@ pub(super) fn may_vary(name: &str) -> bool {
 
 /// Whether an input changes the incident waves.
 pub(super) fn is_motion(name: &str) -> bool {
-    is_file(name) || key_of(name).is_some_and(|key| ["wave", "record"].contains(&key))
+    is_file(name) || key_of(name).is_some_and(|key| ["wave", "motion", "record"].contains(&key))
 }
 
 fn key_of(name: &str) -> Option<&str> {

@@ -71,7 +71,7 @@ fn check_sum(fields: &[&dyn IncidentField], point: Vec3, arrival: f64, factor: f
     assert!(misfit.iter().all(|m| *m <= 1e-3), "{misfit:?}");
 }
 
-/// Arrival, place and quality of the split that a scene tells, with its text.
+/// Arrival, place and quality of the split that a scene reports, with its text.
 fn split(scene: &Scene) -> (f64, Vec3, String) {
     let found = scene.remarks().iter().find_map(|remark| match remark {
         Remark::Split { arrival, place, .. } => Some((*arrival, *place, remark.to_string())),
@@ -81,7 +81,7 @@ fn split(scene: &Scene) -> (f64, Vec3, String) {
 }
 
 /// A motion becomes a P, an SV and an SH wave, whose sum at its point is the record; the first of them
-/// reaches the body at the start of the run, unless an arrival is given; and the run tells it.
+/// reaches the body at the start of the run, unless an arrival is given; and the run reports it.
 #[test]
 fn the_waves_of_a_motion_are_its_record() {
     let variants = Variants::new("motions");

@@ -45,7 +45,7 @@ use toml::{Table, Value};
 
 use crate::cost::StepTimer;
 use crate::mark::is_case;
-use crate::perturbation::{PERTURBATION, enlarge_waves, is_path_dependent};
+use crate::perturbation::{OF_WAVES, PERTURBATION, enlarge_waves, is_path_dependent};
 use crate::sweep::{Sweep, SweepWatch};
 use crate::trade::check_same_loads;
 use crate::{StudyError, registry};
@@ -275,9 +275,11 @@ impl Convergence {
             if !self.perturbed || level == count {
                 continue;
             }
-            if !again.contains_key("wave") {
-                let waves = self.file.get("wave").cloned();
-                again.extend(waves.map(|waves| ("wave".to_owned(), waves)));
+            for table in OF_WAVES {
+                if !again.contains_key(table) {
+                    let waves = self.file.get(table).cloned();
+                    again.extend(waves.map(|waves| (table.to_owned(), waves)));
+                }
             }
             if enlarge_waves(&mut again, PERTURBATION) > 0 {
                 let name = format!("{name}-perturbed");

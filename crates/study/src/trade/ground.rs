@@ -24,9 +24,10 @@ pub(super) fn ground(
 ) -> Option<Factor> {
     let boundary = file.get("boundary")?.as_table()?;
     let is_given = |key: &&str| boundary.contains_key(*key);
-    // The padding of waves past the critical angle depends on the box.
+    // The padding of waves past the critical angle, and the arrival of a recorded motion, depend on the box.
     let is_padded = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
     if boundary.contains_key(keys::REGION)
+        || file.contains_key("motion")
         || DISTANCES.iter().any(is_given)
         || scene.remarks().iter().any(is_padded)
     {
