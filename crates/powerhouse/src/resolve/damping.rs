@@ -78,7 +78,7 @@ pub(super) fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fa
         .absorbing_facets()
         .map_err(|error| fault(error.into()))?;
     let mut rims = Vec::new();
-    for index in scene.parts_behind_boundary().map_err(fault)? {
+    for index in scene.parts_at_faces().map_err(fault)? {
         let (table, part) = (&file.parts[index], &scene.parts[index]);
         let is_default = table.damping.is_none() && part.damping != Damping::None;
         let is_open = is_default && table.elastic_rim.is_none();

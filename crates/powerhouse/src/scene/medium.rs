@@ -78,7 +78,7 @@ impl Scene {
     }
 
     /// Indices of all parts along the absorbing faces, in the order of the parts.
-    pub(super) fn parts_at_faces(&self) -> Result<Vec<usize>, Error> {
+    pub(crate) fn parts_at_faces(&self) -> Result<Vec<usize>, Error> {
         let owner = self.part_of_elements()?;
         let facets = self.absorbing_facets()?;
         let behind = facets.iter().flat_map(|(_, facets)| facets.iter());
