@@ -335,7 +335,7 @@ fn parts(
                     own.span()
                 }
                 None => {
-                    if !file.waves.is_empty() {
+                    if !(file.waves.is_empty() && file.motions.is_empty()) {
                         part = part.with_damping(material.default_damping().clone());
                     }
                     table.material.span()
