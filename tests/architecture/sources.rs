@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::manifests::workspace;
 
@@ -73,6 +74,28 @@ fn files_are_short() {
         .map(|(path, lines)| format!("{}: {lines}", path.display()))
         .collect();
     assert!(long.is_empty(), "{long:#?}");
+}
+
+/// Nothing built or downloaded is in the repository: none of its files has more than 2 MiB.
+#[test]
+fn files_are_small() {
+    let listed = Command::new("git")
+        .args(["ls-files", "-z"])
+        .current_dir(workspace())
+        .output();
+    let Some(listed) = listed.ok().filter(|listed| listed.status.success()) else {
+        // A copy without its repository.
+        return;
+    };
+    let names = String::from_utf8(listed.stdout).unwrap();
+    let names: Vec<&str> = names.split('\0').filter(|name| !name.is_empty()).collect();
+    assert!(names.contains(&"Cargo.toml"), "{names:?}");
+    let size = |name: &&str| fs::metadata(workspace().join(name)).map_or(0, |found| found.len());
+    let large: Vec<&str> = names
+        .into_iter()
+        .filter(|name| size(name) > 2 << 20)
+        .collect();
+    assert!(large.is_empty(), "{large:#?}");
 }
 
 /// Every module is named for what it holds: there is none for the rest.
