@@ -34,13 +34,7 @@ impl Coverage {
             _ => 0.0,
         });
         let end = scene.duration() - padding.sum::<f64>();
-        let moves = |name: &str| {
-            let mut waves = input.waves.iter();
-            waves.any(|wave| {
-                let rest = wave.motion.strip_prefix(name);
-                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
-            })
-        };
+        let moves = |name: &str| input.waves.iter().any(|wave| is_of(&wave.motion, name));
         let records = scene.records().iter().filter(|(name, _)| moves(name));
         let all = records.map(|(name, record)| Self::of_record(name, record, end));
         all.min_by(|a, b| a.intensity.total_cmp(&b.intensity))
@@ -95,6 +89,19 @@ impl Coverage {
     }
 }
 
+/// Whether the description of a motion is that of a record, of which a component has the name `station.x`: `station`,
+/// `station X`, and `station split` for all components.
+fn is_of(motion: &str, record: &str) -> bool {
+    let of_component = record.rsplit_once('.').is_some_and(|(station, component)| {
+        let rest = motion.strip_prefix(station).map(str::trim_start);
+        rest.is_some_and(|rest| rest == "split" || rest.eq_ignore_ascii_case(component))
+    });
+    of_component
+        || motion
+            .strip_prefix(record)
+            .is_some_and(|rest| rest.is_empty())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,5 +132,20 @@ mod tests {
             text.starts_with("shortened to 3.000 of 6.000 s of record 'x', 50.0 %"),
             "{text}"
         );
+    }
+
+    /// Motions are those of a record, of a component of one, or of a whole station.
+    #[test]
+    fn motions_name_their_records() {
+        for (motion, record, wanted) in [
+            ("quake", "quake", true),
+            ("quake", "quakes", false),
+            ("station X", "station.x", true),
+            ("station X", "station.y", false),
+            ("station split", "station.x", true),
+            ("stations split", "station.x", false),
+        ] {
+            assert_eq!(is_of(motion, record), wanted, "{motion} {record}");
+        }
     }
 }
