@@ -96,10 +96,7 @@ fn is_of(motion: &str, record: &str) -> bool {
         let rest = motion.strip_prefix(station).map(str::trim_start);
         rest.is_some_and(|rest| rest == "split" || rest.eq_ignore_ascii_case(component))
     });
-    of_component
-        || motion
-            .strip_prefix(record)
-            .is_some_and(|rest| rest.is_empty())
+    of_component || motion == record
 }
 
 #[cfg(test)]
