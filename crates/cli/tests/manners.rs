@@ -96,6 +96,9 @@ fn keys_are_changed_for_one_run() {
     assert!(out.contains(told), "{out}");
     let summary = std::fs::read_to_string(folder.join("set/summary.json")).unwrap();
     assert!(summary.contains("wave.incidence=35"), "{summary}");
+    said(&here, &["report", "set"]);
+    let report = std::fs::read_to_string(folder.join("set/report.html")).unwrap();
+    assert!(report.contains(told));
 
     let file = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
     let file = file.replace("incidence = 20", "incidence = 35");

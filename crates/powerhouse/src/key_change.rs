@@ -33,7 +33,9 @@ pub struct KeyChange {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum KeyChangeError {
     /// Text that is not a key and a value.
-    #[error("'{text}' is not a change of a key; expected KEY=VALUE, such as time.duration=5")]
+    #[error(
+        "'{text}' is not a change of a key; expected KEY=VALUE, such as time.duration=5, with names that have spaces or points in quotes: part.\"rock mass\".kernel=hex8-eas"
+    )]
     Syntax {
         /// The text.
         text: String,

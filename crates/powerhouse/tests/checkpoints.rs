@@ -120,7 +120,7 @@ fn the_older_generation_is_used_where_the_last_is_damaged() {
     fs::write(folder.join("checkpoint/previous.run"), b"").unwrap();
     let both = files.read().unwrap_err();
     assert!(matches!(both, CheckpointError::Both { .. }), "{both}");
-    assert!(parse_sections(&whole, (kind, 3)).is_ok());
+    assert!(parse_sections(&whole, (kind, 4)).is_ok());
 }
 
 /// A run of another mesh is refused by name, and a file that cannot be written leaves the state before.
@@ -171,16 +171,17 @@ fn what_differs_is_named() {
     type Fields = (
         Option<PathBuf>,
         Option<String>,
+        Vec<String>,
         Option<String>,
         Vec<(String, String)>,
     );
     let (_folder, files, inputs) = written("checkpoints-inputs");
-    let (path, case, origin, items): Fields = decode(&encode(&inputs).unwrap()).unwrap();
+    let (path, case, changes, origin, items): Fields = decode(&encode(&inputs).unwrap()).unwrap();
     for name in ["program version", "precision", "duration"] {
         let mut items = items.clone();
         let item = items.iter_mut().find(|(other, _)| other == name);
         item.unwrap().1 += "1";
-        let changed = encode(&(&path, &case, &origin, items)).unwrap();
+        let changed = encode(&(&path, &case, &changes, &origin, items)).unwrap();
         let changed: RunInputs = decode(&changed).unwrap();
         let refused = files.check(&changed, &inputs).unwrap_err().to_string();
         assert!(

@@ -187,21 +187,20 @@ impl RecordedMotions {
     }
 }
 
-/// The part that the names of columns have in common up to a point, or the first name and the number of the others.
+/// The part that the names of columns have in common up to a point, or all names.
 fn common(names: &[&str]) -> String {
-    let [first, others @ ..] = names else {
-        return String::new();
-    };
-    if others.is_empty() {
-        return (*first).into();
-    }
-    let base = first.rsplit_once('.').map_or(*first, |(base, _)| base);
-    match others
-        .iter()
-        .all(|name| name.rsplit_once('.').is_some_and(|(of, _)| of == base))
-    {
-        true => base.into(),
-        false => format!("{first}-and-{}-more", others.len()),
+    let base = |name: &str| name.rsplit_once('.').map(|(base, _)| base.to_owned());
+    let of_first = names.first().and_then(|first| base(first));
+    match of_first {
+        Some(of_first)
+            if names.len() > 1
+                && names
+                    .iter()
+                    .all(|name| base(name).as_ref() == Some(&of_first)) =>
+        {
+            of_first
+        }
+        _ => names.join("-and-"),
     }
 }
 

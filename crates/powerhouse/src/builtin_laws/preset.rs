@@ -52,15 +52,15 @@ const OF_ROCK: f64 = 0.02;
 /// Number of relaxation mechanisms.
 const MECHANISMS: usize = 3;
 
-/// A material with the default damping of its preset. Moduli of rock hold at the centre of the band, so that its
-/// wave speeds are those of the free field, those of concrete at rest, where they were measured.
+/// A material with the default damping of its preset. Moduli hold at the centre of the band, so that forces and wave
+/// speeds of strong motion are those of the material without damping.
 pub(super) fn damped(preset: Option<Preset>, material: Material) -> Result<Material, ModelError> {
     let Some(preset) = preset else {
         return Ok(material);
     };
-    let (ratio, reference) = match preset {
-        Preset::PaperRock => (OF_ROCK, ReferenceFrequency::Centre),
-        _ => (OF_CONCRETE, ReferenceFrequency::Static),
+    let ratio = match preset {
+        Preset::PaperRock => OF_ROCK,
+        _ => OF_CONCRETE,
     };
     let [lowest, highest] = BAND;
     let spectrum = RelaxationSpectrum::fit(DampingBand {
@@ -71,7 +71,7 @@ pub(super) fn damped(preset: Option<Preset>, material: Material) -> Result<Mater
     })?;
     Ok(material.with_default_damping(Damping::Flat {
         spectrum,
-        reference,
+        reference: ReferenceFrequency::Centre,
     }))
 }
 

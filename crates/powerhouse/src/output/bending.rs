@@ -34,6 +34,9 @@ pub struct BendingError {
 const LONGEST_OF_FULL: f64 = 0.45;
 /// The same of bricks of one point, with their hourglass resistance.
 const LONGEST_OF_ONE_POINT: f64 = 0.7;
+/// Number of bricks of one point with elastic bending across a section from which on its moment is about that of a plastic
+/// hinge: the excess falls with its square, from 1.7 times the moment with one brick.
+const LAYERS_OF_A_HINGE: usize = 4;
 
 impl BendingError {
     /// Largest error of the bending stiffness without a warning.
@@ -65,7 +68,8 @@ impl fmt::Display for BendingError {
     }
 }
 
-/// Warning about a section through bricks whose bending stiffness errs by more than [`BendingError::LIMIT`].
+/// Warning about a section through bricks whose bending stiffness errs by more than [`BendingError::LIMIT`], or that form no
+/// plastic hinge.
 pub(crate) fn coarse_in_bending(
     mesh: &Mesh,
     request: &SectionRequest,
@@ -85,12 +89,18 @@ pub(crate) fn coarse_in_bending(
         return None;
     }
     let kernel = part.kernel_for(ElementKind::Hex8)?;
-    if kernel.bends_as_its_material() {
-        return None;
-    }
     let extent = |direction: &Vec3| median(bricks.clone().map(|&e| extent_of(mesh, e, direction)));
     let length = extent(&geometry.normal)?;
     let layers = (piece.depth / extent(&geometry.across)?).round().max(1.0) as usize;
+    if kernel.bends_as_its_material() {
+        let is_elastic = part.material.is_linear() || kernel.points() > 1;
+        return (!is_elastic && layers < LAYERS_OF_A_HINGE).then(|| Remark::Hinge {
+            section: request.cut.name.clone(),
+            set: request.set.clone(),
+            kernel: kernel.name().into(),
+            layers,
+        });
+    }
     let width = extent(&geometry.along)?;
     let size = [length / piece.depth, width / piece.depth];
     let factor = bending_stiffness(&kernel, part, size, layers)?;

@@ -109,6 +109,10 @@ impl fmt::Debug for Results {
 impl Results {
     /// Largest unbalanced force over the load of the first stage (1) under a given in-situ stress without a warning.
     pub const BALANCED: f64 = 0.05;
+    /// Largest energy that closing cracks give, over that which plastic flow and damage take (1), without a warning.
+    pub const LARGE_RECOVERY: f64 = 0.5;
+    /// The same of the error of the time integration of laws.
+    pub const LARGE_INTEGRATION: f64 = 0.1;
     /// Largest slip or opening over the shortest edge of a joint's facets (1) that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
 
@@ -176,8 +180,32 @@ impl Results {
             keep_worst(&mut worst, warning);
         }
         worst.extend(self.unbalanced());
+        worst.extend(self.crack_energy());
         worst.extend(sampling::warnings(&self.histories, self.envelope.as_ref()));
         worst
+    }
+    /// Warning about energy that closing cracks give, or that the time integration of the laws errs by.
+    fn crack_energy(&self) -> Option<Remark> {
+        let most = |name| {
+            let values = self.energies.column(name)?.values.iter();
+            Some(values.fold(0.0_f64, |most, value| {
+                if value.abs() > most.abs() {
+                    *value
+                } else {
+                    most
+                }
+            }))
+        };
+        let of = |name| most(name).unwrap_or(0.0);
+        let dissipated = of("plastic") + of("damage");
+        let (recovery, integration) = (-of("recovery"), of("integration"));
+        let is_large = recovery > Self::LARGE_RECOVERY * dissipated
+            || integration.abs() > Self::LARGE_INTEGRATION * dissipated;
+        (dissipated > 0.0 && is_large).then_some(Remark::CrackEnergy {
+            dissipated,
+            recovery,
+            integration,
+        })
     }
     /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
     /// changes the body.

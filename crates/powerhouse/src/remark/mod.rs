@@ -251,6 +251,28 @@ pub enum Remark {
     },
     /// Warning: a section cuts bricks that are too coarse for its bending moments.
     Bending(BendingError),
+    /// Warning: a section cuts a part that may crack or yield with few bricks across of a kernel with one integration point
+    /// and elastic bending, which forms no plastic hinge.
+    Hinge {
+        /// Name of the section.
+        section: String,
+        /// Element set that it cuts.
+        set: String,
+        /// Kernel of the bricks.
+        kernel: String,
+        /// Number of bricks across.
+        layers: usize,
+    },
+    /// Warning after the run: the stiffness that returned when cracks closed, or the time integration of laws, gave or
+    /// took energy of the size of that which plastic flow and damage took.
+    CrackEnergy {
+        /// Energy that plastic flow and damage took (J).
+        dissipated: f64,
+        /// Energy that the recovery of stiffness gave to the body (J).
+        recovery: f64,
+        /// Energy by which the time integration of the laws errs (J).
+        integration: f64,
+    },
     /// Warning after the run: slip or opening of a joint is above a tenth of the shortest edge, too large for node pairs
     /// that are fixed (small-slip assumption).
     LargeSlip {
@@ -384,11 +406,12 @@ impl Remark {
             Self::TetrahedralSection { .. }
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
+            | Self::Hinge { .. }
             | Self::Bending(_) => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointRenewed { .. } | Self::ReducedStrength { .. } => {
                 Topic::Joints
             }
-            Self::Hourglass { .. } => Topic::Energy,
+            Self::Hourglass { .. } | Self::CrackEnergy { .. } => Topic::Energy,
             Self::NoState { .. }
             | Self::Undersampled { .. }
             | Self::SparseEnvelope { .. }
@@ -435,6 +458,8 @@ impl Remark {
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
             | Self::Bending(_)
+            | Self::Hinge { .. }
+            | Self::CrackEnergy { .. }
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::UnusedRecord { .. }

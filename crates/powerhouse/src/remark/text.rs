@@ -301,6 +301,23 @@ impl fmt::Display for Remark {
                 100.0 * filled
             ),
             Self::Bending(error) => write!(f, "{error}"),
+            Self::Hinge {
+                section,
+                set,
+                kernel,
+                layers,
+            } => write!(
+                f,
+                "section '{section}' cuts '{set}', which may crack or yield, with {layers} bricks of '{kernel}' across: a point in the middle of each cracks or yields as a whole, while bending stays elastic, so that moments may exceed what the section bears; take kernel = \"hex8-eas\", or at least 4 bricks across"
+            ),
+            Self::CrackEnergy {
+                dissipated,
+                recovery,
+                integration,
+            } => write!(
+                f,
+                "the stiffness that returned when cracks closed gave the body {recovery:.2e} J, and the time integration of the laws erred by {integration:.2e} J, where plastic flow and damage took {dissipated:.2e} J: peaks of acceleration, plastic strain, displacement and section forces of the parts that crack depend on the time step and on rounding, and may be too large by far; compare with a shorter step (`safety = 0.4` in `[time]`), with a law without recovery (`stiffness_recovery = 0`) and with an elastic run"
+            ),
             Self::DividedSection {
                 section,
                 set,

@@ -2,7 +2,7 @@
 
 use powerhouse::engine::SolidKernel;
 use powerhouse::engine::observe::CrossSection;
-use powerhouse::material::LinearElastic;
+use powerhouse::material::{LinearElastic, presets};
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{BendingError, Material, OutputPlan, Part, Remark, Scene};
 
@@ -12,9 +12,23 @@ fn concrete() -> ElasticMedium {
     ElasticMedium::new(30.0e9, 0.2, 2500.0).unwrap()
 }
 
-/// What the section in the middle of a plate of bricks is warned of: bricks of a length, in layers across the
+/// What the section in the middle of an elastic plate of bricks is warned of: bricks of a length, in layers across the
 /// thickness, the plate turned about y by an angle (rad).
 fn warned(kernel: SolidKernel, length: f64, layers: usize, angle: f64) -> Option<BendingError> {
+    let elastic = Material::new(LinearElastic::new(concrete()));
+    let remarks = remarks(kernel, elastic, (length, layers, angle));
+    remarks.into_iter().find_map(|remark| match remark {
+        Remark::Bending(error) => Some(error),
+        _ => None,
+    })
+}
+
+/// Remarks about such a plate of a material.
+fn remarks(
+    kernel: SolidKernel,
+    material: Material,
+    (length, layers, angle): (f64, usize, f64),
+) -> Vec<Remark> {
     let size = Vec3::new(9.0 * length, 2.0, THICKNESS);
     let plate = Mesh::box_of_hexes(Vec3::zeros(), size, [9, 2, layers], "lining").unwrap();
     let (sin, cos) = angle.sin_cos();
@@ -27,18 +41,42 @@ fn warned(kernel: SolidKernel, length: f64, layers: usize, angle: f64) -> Option
         along: Vec3::y(),
         within: None,
     };
-    let mut part = Part::new("lining", Material::new(LinearElastic::new(concrete())));
+    let mut part = Part::new("lining", material);
     part.kernel = Some(kernel.into());
     let scene = Scene::new("plate", mesh)
         .part(part)
         .with_duration(0.001)
         .with_output(OutputPlan::default().cut("lining", cut));
     let simulation = scene.prepare().unwrap();
-    let mut remarks = simulation.remarks().iter();
-    remarks.find_map(|remark| match remark {
-        Remark::Bending(error) => Some(error.clone()),
-        _ => None,
-    })
+    simulation.remarks().to_vec()
+}
+
+/// Few bricks of one point with elastic bending across a section that may crack are warned of; more of them, those of eight
+/// points, and elastic ones are not.
+#[test]
+fn few_bricks_that_form_no_hinge_are_warned_of() {
+    let cracks = || Material::from(presets::eurocode_concrete(30.0).unwrap());
+    let elastic = || Material::new(LinearElastic::new(concrete()));
+    let hinge = |kernel, material, layers| {
+        let remarks = remarks(kernel, material, (THICKNESS, layers, 0.3));
+        remarks.into_iter().find_map(|remark| match &remark {
+            Remark::Hinge { layers, .. } => {
+                Some((*layers, remark.is_warning(), remark.to_string()))
+            }
+            _ => None,
+        })
+    };
+    for layers in [1, 3] {
+        let (found, is_warning, text) = hinge(SolidKernel::Hex8Natural, cracks(), layers).unwrap();
+        assert_eq!((found, is_warning), (layers, true));
+        assert!(
+            text.contains("section 'crown' cuts 'lining'") && text.contains("hex8-eas"),
+            "{text}"
+        );
+    }
+    assert_eq!(hinge(SolidKernel::Hex8Natural, cracks(), 4), None);
+    assert_eq!(hinge(SolidKernel::Hex8Eas, cracks(), 1), None);
+    assert_eq!(hinge(SolidKernel::Hex8Natural, elastic(), 1), None);
 }
 
 /// Fully integrated bricks have `1 + G / (lambda + 2 G) (L/t)^2` times the bending stiffness, however many there are

@@ -3,7 +3,7 @@
 use powerhouse::material::{
     MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, presets,
 };
-use powerhouse::{Error, Material, RunNotes};
+use powerhouse::{Error, Material, Remark, RunNotes};
 
 use crate::support::*;
 
@@ -178,4 +178,37 @@ fn a_state_request_without_history_variables_is_reported() {
     assert_eq!(told(remarks(ELASTIC)), 1);
     let yields = "law = \"mohr-coulomb\"\npreset = \"paper-rock\"\n";
     assert_eq!(told(remarks(yields)), 0);
+}
+
+/// Energy that closing cracks give, and the error of the time integration of laws, are warned of where they are of the size
+/// of what plastic flow and damage take.
+#[test]
+fn energy_of_closing_cracks_is_warned_of() {
+    let warning = |[plastic, damage, recovery, integration]: [f64; 4]| {
+        let mut results = run(cube_scene());
+        for (name, value) in [
+            ("plastic", plastic),
+            ("damage", damage),
+            ("recovery", recovery),
+            ("integration", integration),
+        ] {
+            let mut columns = results.energies.columns.iter_mut();
+            let column = columns.find(|column| column.name == name).unwrap();
+            *column.values.last_mut().unwrap() = value;
+        }
+        let warnings = results.warnings(&cube());
+        let found = warnings
+            .iter()
+            .find(|remark| matches!(remark, Remark::CrackEnergy { .. }));
+        found.map(|remark| (remark.is_warning(), remark.to_string()))
+    };
+    let (is_warning, text) = warning([2.0, 3.0, -4.0, 0.0]).unwrap();
+    assert!(
+        is_warning && text.contains("4.00e0 J") && text.contains("5.00e0 J"),
+        "{text}"
+    );
+    assert!(warning([2.0, 3.0, 0.0, 0.6]).is_some() && warning([2.0, 3.0, 0.0, -0.6]).is_some());
+    for sound in [[2.0, 3.0, -2.0, 0.3], [0.0; 4]] {
+        assert_eq!(warning(sound), None);
+    }
 }

@@ -33,6 +33,17 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
             row("wall time (s)", real("wall_time")),
         ],
     });
+    let facts = summary["remarks"].as_array().into_iter().flatten();
+    let facts: Vec<Vec<String>> = (facts.filter_map(|fact| fact.as_str()).enumerate())
+        .map(|(number, fact)| vec![(number + 1).to_string(), fact.to_owned()])
+        .collect();
+    if !facts.is_empty() {
+        page.section("Remarks");
+        page.table(&Table {
+            header: vec![String::new(), "about the input and the computation".into()],
+            rows: facts,
+        });
+    }
     page.section("Peaks");
     let peaks = summary["peaks"].as_array();
     let rows = peaks.into_iter().flatten().map(|peak| {

@@ -8,7 +8,7 @@ pub const SCENE: &str = include_str!("scene.toml");
 /// Half width, depth and thickness along the tunnel of the box of ground (m).
 const HALF_WIDTH: f64 = 60.0;
 const DEPTH: f64 = 90.0;
-const LENGTH: f64 = 2.0;
+const LENGTH: f64 = 1.0;
 /// Height of the axis, inner and outer radius of the lining (m).
 const AXIS: f64 = -30.0;
 const RADII: [f64; 2] = [4.0, 4.5];
