@@ -16,6 +16,14 @@ const PLANE: f64 = 1e-6;
 
 /// Prints sizes, quality and sets of a mesh file, and draws its element sets if a file is given.
 pub(crate) fn look(file: &Path, picture: Option<PathBuf>) -> Outcome {
+    let is_png = |file: &PathBuf| file.extension().is_some_and(|extension| extension == "png");
+    if let Some(file) = picture.as_ref().filter(|file| !is_png(file)) {
+        return Err(format!(
+            "{}: the name of a picture must end with .png",
+            file.display()
+        )
+        .into());
+    }
     let mut options = MeshOptions::default();
     options.straighten = true;
     let (mesh, remarks) =

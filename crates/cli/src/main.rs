@@ -88,9 +88,9 @@ enum Command {
         #[arg(long, value_name = "COUNT")]
         threads: Option<NonZeroUsize>,
         /// Print warnings and errors alone, on the error stream.
-        #[arg(long)]
+        #[arg(long, conflicts_with = "profile")]
         quiet: bool,
-        /// File that receives all that is printed, also with `--quiet`.
+        /// File that receives all that is printed, also with `--quiet`; it may replace a file whose name ends with .log.
         #[arg(long, value_name = "FILE")]
         log: Option<PathBuf>,
     },
@@ -386,7 +386,15 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Reads a scene, or a case of it, with changed keys.
 fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
-    Scene::from_file_as(path, of_file, &powerhouse_study::registry())
+    let scene = Scene::from_file_as(path, of_file, &powerhouse_study::registry());
+    if scene.is_err() && !of_file.changes.is_empty() {
+        let changes: Vec<String> = of_file.changes.iter().map(ToString::to_string).collect();
+        warn_aside!(
+            "note: lines are those of the scene with its changed keys: {}",
+            changes.join(", ")
+        );
+    }
+    scene
 }
 
 /// Reads a scene, or a case of it, as it is in its file.

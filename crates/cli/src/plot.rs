@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::Outcome;
-use crate::advise::share;
 use crate::terminal::{say, say_warning};
 
 /// Arguments of `powerhouse plot`.
@@ -21,7 +20,7 @@ pub(crate) struct PlotArguments {
     #[arg(long, value_enum, default_value_t = Kind::Time)]
     of: Kind,
     /// Damping ratio of a response spectrum, such as 5%; may be repeated. 2, 5 and 10 % by default.
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = damping)]
     damping: Vec<f64>,
     /// SVG file, beside which a CSV table is written; by default in the folder plots of the results.
     #[arg(long, value_name = "FILE")]
@@ -54,10 +53,6 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         }
         return Ok(ExitCode::SUCCESS);
     }
-    let mut columns = Vec::new();
-    for name in &arguments.histories {
-        columns.extend(motions.named(name)?);
-    }
     let measure = match arguments.of {
         Kind::Time => Measure::Time,
         Kind::Response => Measure::Response,
@@ -68,9 +63,18 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         true => DAMPINGS.into(),
         false => arguments.damping,
     };
-    // Of a history that is named as a whole the accelerations have spectra.
-    if measure != Measure::Time && columns.iter().any(|column| column.unit == "m/s2") {
-        columns.retain(|column| column.unit == "m/s2");
+    let mut columns = Vec::new();
+    for name in &arguments.histories {
+        let mut found = motions.named(name)?;
+        // Of a history that is named as a whole the accelerations have spectra.
+        if measure != Measure::Time && found.len() > 1 {
+            found.retain(|column| column.unit == "m/s2");
+        }
+        for column in found {
+            if !columns.contains(&column) {
+                columns.push(column);
+            }
+        }
     }
     let plot = MotionPlot {
         measure,
@@ -85,4 +89,16 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         say!("{}", file.display());
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Reads a damping ratio from 0 to below 1, such as `5%` or `0.05`.
+fn damping(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number, 0.01),
+        None => (text, 1.0),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(number) if (0.0..=0.99).contains(&(unit * number)) => Ok(unit * number),
+        _ => Err("a damping ratio from 0 to 99%, such as 5% or 0.05".into()),
+    }
 }

@@ -20,6 +20,9 @@ use crate::ranks::{NoSnapshots, Place};
 use crate::terminal::{say, say_warning, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
+/// Name of the copy of a scene among its results.
+const SCENE: &str = "scene.toml";
+
 /// Scene that is run, and where its results are.
 pub(crate) enum Choice {
     /// A new run of a scene, or of a case of it.
@@ -78,9 +81,12 @@ impl Choice {
                 of_file,
                 out,
             } => {
-                let scene = read(&scene, &of_file)?;
+                let path = scene;
+                let scene = read(&path, &of_file)?;
+                let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                keep_scene(&path, &folder)?;
                 Ok(Planned {
-                    folder: out.map_or_else(|| scene.result_folder(), ResultFolder::new),
+                    folder,
                     inputs: RunInputs::of(&scene),
                     beginning: Beginning::Scene,
                     scene,
@@ -150,7 +156,18 @@ fn read_as(
     Ok(read(&path, &SceneChoice { case, changes })?)
 }
 
-/// Whether two paths are those of one folder that exists.
+/// Refuses a folder of results whose copy of the scene would take the place of the scene.
+fn keep_scene(scene: &Path, folder: &ResultFolder) -> Result<(), String> {
+    match is_same(scene, &folder.path().join(SCENE)) {
+        false => Ok(()),
+        true => Err(format!(
+            "the copy of the scene among the results would take the place of {}: choose another folder with --out",
+            scene.display()
+        )),
+    }
+}
+
+/// Whether two paths are those of one file or folder that exists.
 fn is_same(first: &Path, second: &Path) -> bool {
     match (first.canonicalize(), second.canonicalize()) {
         (Ok(first), Ok(second)) => first == second,

@@ -77,8 +77,17 @@ pub(crate) fn is_quiet() -> bool {
 /// Writes all further text to a file, too.
 ///
 /// # Errors
-/// A file that cannot be created.
+/// A file that cannot be created, or that exists and is no log by its name.
 pub(crate) fn log_to(path: &Path) -> Result<(), String> {
+    let is_log = path.extension().is_some_and(|extension| extension == "log");
+    if let Ok(found) = path.symlink_metadata()
+        && !(is_log && found.is_file())
+    {
+        return Err(format!(
+            "{} exists and is kept: a log replaces files with names that end with .log alone",
+            path.display()
+        ));
+    }
     let file = File::create(path)
         .map_err(|error| format!("cannot write the log {}: {error}", path.display()))?;
     *LOG.lock().unwrap_or_else(PoisonError::into_inner) = Some(file);

@@ -78,6 +78,11 @@ fn a_new_scene_runs_to_a_report() {
     assert!(drawn.contains("plots/crown-response.svg"), "{drawn}");
     let table = std::fs::read_to_string(folder.join("out/plots/crown-response.csv")).unwrap();
     assert!(table.contains("crown.ax 5 %"), "{table}");
+    let refused = powerhouse(
+        &here,
+        &["plot", "out", "crown.ax", "--out", "out/histories.svg"],
+    );
+    assert!(text(&refused.stderr).contains("among the tables of the run"));
     let refused = powerhouse(&here, &["plot", "out", "floor"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("no history 'floor'; expected one of crown.ux"));
@@ -167,6 +172,21 @@ fn quiet_runs_keep_warnings_and_logs() {
         "{}",
         text(&warned.stderr)
     );
+    for file in ["scene.toml", "tunnel.msh"] {
+        let before = std::fs::read(folder.join(file)).unwrap();
+        let refused = powerhouse(&here, &[&quick[..], &["--log", file]].concat());
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains("exists and is kept"));
+        assert_eq!(std::fs::read(folder.join(file)).unwrap(), before);
+    }
+    // The results have a copy of the scene, which is not to take its place.
+    let refused = powerhouse(
+        &here,
+        &["run", "scene.toml", "--duration", "0.02", "--out", "."],
+    );
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("would take the place of scene.toml"));
+    assert!(!folder.join("summary.json").exists());
     let refused = powerhouse(&here, &[&quick[..], &["--log", "missing/run.log"]].concat());
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("cannot write the log missing/run.log"));
@@ -191,7 +211,7 @@ fn keys_and_meshes_are_checked_alone() {
     std::fs::remove_file(folder.join("tunnel.msh")).unwrap();
     let checked = said(&here, &["check", "--keys", "scene.toml"]);
     assert!(
-        checked.contains("mesh, records and what depends on them were not read"),
+        checked.contains("each value is of the right form"),
         "{checked}"
     );
     let wrong = powerhouse(

@@ -50,8 +50,8 @@ pub enum KeyChangeError {
     },
     /// Table among several of one kind that does not exist, or that is not named.
     #[error(
-        "'{text}': the scene file has no single '{key}' of that name; expected one of {}, or a position from 1 to {count}",
-        .names.join(", ")
+        "'{text}': the scene file has no single '{key}' of that name; expected {}a position from 1 to {count}",
+        any_of(names)
     )]
     NoSuchTable {
         /// The change.
@@ -65,11 +65,19 @@ pub enum KeyChangeError {
     },
 }
 
+/// The beginning of an alternative: names, if there are any.
+fn any_of(names: &[String]) -> String {
+    match names.is_empty() {
+        true => String::new(),
+        false => format!("one of {}, or ", names.join(", ")),
+    }
+}
+
 impl FromStr for KeyChange {
     type Err = KeyChangeError;
     fn from_str(text: &str) -> Result<Self, KeyChangeError> {
         let refused = || KeyChangeError::Syntax { text: text.into() };
-        let (keys, value) = text.split_once('=').ok_or_else(refused)?;
+        let (keys, value) = split(text).ok_or_else(refused)?;
         let keys = Key::parse(keys).map_err(|_| refused())?;
         let mut way: Vec<String> = keys.iter().map(|key| key.get().to_owned()).collect();
         let (key, value) = (way.pop().ok_or_else(refused)?, value.trim().to_owned());
@@ -105,24 +113,47 @@ impl KeyChange {
         }
     }
 
-    /// The text of a scene file with changed keys; comments and the order of keys are kept. Text that is not TOML comes
-    /// back as it is.
+    /// The text of a scene file with changed keys, those that a case of it has for itself included; comments and the order of
+    /// keys are kept. Text that is not TOML comes back as it is.
     ///
     /// # Errors
     /// Tables on the way that do not exist or are not tables.
-    pub fn apply(text: &str, changes: &[Self]) -> Result<String, KeyChangeError> {
+    pub fn apply(
+        text: &str,
+        case: Option<&str>,
+        changes: &[Self],
+    ) -> Result<String, KeyChangeError> {
         let document = text.parse::<DocumentMut>();
         let Ok(mut document) = document else {
             return Ok(text.to_owned());
         };
         for change in changes {
-            change.make(&mut document)?;
+            change.make(document.as_table_mut())?;
+            if let Some(own) = case.and_then(|case| own_table(&mut document, case)) {
+                change.make_in_case(own)?;
+            }
         }
         Ok(document.to_string())
     }
 
-    fn make(&self, document: &mut DocumentMut) -> Result<(), KeyChangeError> {
-        let mut table: &mut dyn TableLike = document.as_table_mut();
+    /// Changes a key of a case, as far as the case has the table for itself.
+    fn make_in_case(&self, case: &mut toml_edit::Table) -> Result<(), KeyChangeError> {
+        let Some(section) = self
+            .way
+            .first()
+            .filter(|section| case.contains_key(section))
+        else {
+            return Ok(());
+        };
+        match self.make(case) {
+            // Of these the case has those alone that it changes.
+            Err(KeyChangeError::NoSuchTable { .. }) if MERGED.contains(&section.as_str()) => Ok(()),
+            made => made,
+        }
+    }
+
+    fn make(&self, root: &mut toml_edit::Table) -> Result<(), KeyChangeError> {
+        let mut table: &mut dyn TableLike = root;
         let mut way = self.way.iter().peekable();
         while let Some(key) = way.next() {
             let item = table.entry(key).or_insert_with(toml_edit::table);
@@ -137,7 +168,11 @@ impl KeyChange {
                             way.next();
                             place
                         }
-                        (None, 1) => 0,
+                        (None, 1)
+                            if way.peek().is_none_or(|next| next.parse::<usize>().is_err()) =>
+                        {
+                            0
+                        }
                         (None, count) => {
                             return Err(KeyChangeError::NoSuchTable {
                                 text: self.text.clone(),
@@ -177,6 +212,33 @@ impl KeyChange {
             key: key.into(),
         }
     }
+}
+
+/// Lists of tables of which a case has those that it changes; others take the place of those of the scene.
+const MERGED: [&str; 6] = ["material", "part", "joint", "record", "bolt", "stage"];
+
+/// The table of a case.
+fn own_table<'d>(document: &'d mut DocumentMut, case: &str) -> Option<&'d mut toml_edit::Table> {
+    let cases = document.get_mut("case")?;
+    if let Item::Value(Value::Array(_)) = cases {
+        as_tables(cases);
+    }
+    let cases = cases.as_array_of_tables_mut()?;
+    cases.iter_mut().find(|table| name(table) == Some(case))
+}
+
+/// The text before and after the first equals sign that is not in quotes.
+fn split(text: &str) -> Option<(&str, &str)> {
+    let mut quote = None;
+    for (place, letter) in text.char_indices() {
+        match (quote, letter) {
+            (None, '=') => return Some((&text[..place], &text[place + 1..])),
+            (None, '"' | '\'') => quote = Some(letter),
+            (Some(open), _) if open == letter => quote = None,
+            _ => {}
+        }
+    }
+    None
 }
 
 /// Turns a list of tables in braces into a list of tables under headings, which has the same meaning.

@@ -62,6 +62,27 @@ pub enum StudyError {
         /// Path of the folder.
         folder: PathBuf,
     },
+    /// A value of a table of histories that is not finite, or a time that does not increase.
+    #[error(
+        "{}: '{column}' is {value} in row {row}; expected finite values at increasing times",
+        file.display()
+    )]
+    HistoryValue {
+        /// Path of the table.
+        file: PathBuf,
+        /// Name of the column.
+        column: String,
+        /// Number of the row, from 1 below the header.
+        row: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A plot in the place of the tables of a run.
+    #[error("{} would be among the tables of the run; choose another folder", file.display())]
+    PlotAmongResults {
+        /// Path of the plot.
+        file: PathBuf,
+    },
     /// A column that the table of histories does not have.
     #[error("no history '{name}'; expected one of {}", available.join(", "))]
     NoSuchColumn {

@@ -331,12 +331,16 @@ fn strata(scene: &Scene, field: &dyn IncidentField) -> Result<Vec<Stratum>, Stud
             parts: behind,
         }]);
     }
+    let ends_count = ends.len();
     let layers = ends.windows(2).enumerate().map(|(index, ends)| {
         let middle = Vec3::new(low.x, low.y, (ends[0] + ends[1]) / 2.0);
         let medium = field.medium_at(&middle);
         let is_of = |part: &&usize| scene.parts()[**part].material.medium() == medium;
         Stratum {
-            set: format!("{GROUND} {}", index + 1),
+            set: match ends_count {
+                2 => GROUND.into(),
+                _ => format!("{GROUND} {}", index + 1),
+            },
             medium,
             heights: [ends[0], ends[1]],
             parts: behind.iter().filter(is_of).copied().collect(),

@@ -81,6 +81,22 @@ impl RecordedMotions {
         if table.len() < 2 {
             return Err(StudyError::NoHistoryTable { folder });
         }
+        for column in &table {
+            let is_time = std::ptr::eq(column, &table[0]);
+            let wrong = (0..column.values.len()).find(|&row| {
+                let value = column.values[row];
+                let falls = is_time && row > 0 && value <= column.values[row - 1];
+                !value.is_finite() || falls
+            });
+            if let Some(row) = wrong {
+                return Err(StudyError::HistoryValue {
+                    file,
+                    column: column.name.clone(),
+                    row: row + 1,
+                    value: column.values[row],
+                });
+            }
+        }
         Ok(Self { folder, table })
     }
     /// Columns of the table but for the time, each with its name and unit.
@@ -139,7 +155,10 @@ impl RecordedMotions {
             let of_motion = match plot.measure {
                 Measure::Response => response(&column.name, &motion, &plot.dampings)?,
                 Measure::Fourier => fourier(&column.name, &motion),
-                Measure::Time | Measure::Husid => husid(&column.name, &motion),
+                Measure::Time | Measure::Husid => {
+                    let start = self.table[0].values.first().copied().unwrap_or(0.0);
+                    husid(&column.name, &motion, start)
+                }
             };
             let others = of_motion.into_iter();
             match table.is_empty() {
@@ -161,7 +180,7 @@ impl RecordedMotions {
     ) -> Result<[PathBuf; 2], StudyError> {
         let table = self.table(plot)?;
         let drawing = match file {
-            Some(file) => file.with_extension("svg"),
+            Some(file) => self.outside(file)?.with_extension("svg"),
             None => {
                 let names = plot.columns.iter().map(|column| column.name.as_str());
                 let common = common(&names.collect::<Vec<_>>());
@@ -175,6 +194,19 @@ impl RecordedMotions {
         write_noted_table(&numbers, &notes, &table).map_err(powerhouse::Error::from)?;
         write_plot(&drawing, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
         Ok([drawing, numbers])
+    }
+    /// A file for a plot, which is not beside the tables of the run.
+    fn outside<'f>(&self, file: &'f Path) -> Result<&'f Path, StudyError> {
+        let folder = match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        match (folder.canonicalize(), self.folder.canonicalize()) {
+            (Ok(folder), Ok(own)) if folder == own => {
+                Err(StudyError::PlotAmongResults { file: file.into() })
+            }
+            _ => Ok(file),
+        }
     }
     /// Warnings of the run about its histories.
     pub fn warnings(&self) -> Vec<String> {
@@ -227,7 +259,7 @@ fn response(
             .iter()
             .map(|response| response.acceleration)
             .collect();
-        let name = format!("{name} {} %", 100.0 * damping);
+        let name = format!("{name} {} %", (1e4 * damping).round() / 1e2);
         table.push(TableColumn::new(name, ACCELERATION, accelerations));
     }
     Ok(table)
@@ -249,7 +281,7 @@ fn fourier(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
 }
 
 /// Share of the integral of the squared acceleration, exact for linear interpolation; zero for a motion that is zero.
-fn husid(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
+fn husid(name: &str, motion: &TimeHistory, start: f64) -> Vec<TableColumn> {
     let acceleration = motion.acceleration();
     let mut sums = vec![0.0];
     for pair in acceleration.windows(2) {
@@ -261,7 +293,7 @@ fn husid(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
         sums.iter_mut().for_each(|sum| *sum /= all);
     }
     let times = (0..sums.len())
-        .map(|index| motion.step() * index as f64)
+        .map(|index| start + motion.step() * index as f64)
         .collect();
     vec![
         TableColumn::new("time", "s", times),

@@ -1,14 +1,13 @@
 //! Version 2.2, which mshio does not support.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
 
 use powerhouse_model::Vec3;
 
 use super::cursor::{Cursor, RecordSize};
 use super::error::{GmshFault, Located};
 use super::format::Encoding;
-use super::msh4::complete;
 use super::raw::{GroupLists, NodeOffsets, RawElement, RawElements, RawNodes};
 use super::shape::{Shape, TypeOfNumber};
 
@@ -96,6 +95,18 @@ const INTEGER: RecordSize = RecordSize {
     reals: 0,
 };
 
+/// Checks that the partitions with elements are the first ones, at least two of them: how many there are the file does not
+/// say.
+fn complete(found: &BTreeSet<i32>) -> Result<(), GmshFault> {
+    match found.len() > 1 && found.iter().copied().eq(1..=found.len() as i32) {
+        true => Ok(()),
+        false => Err(GmshFault::PartOfMesh {
+            found: found.iter().copied().collect(),
+            count: None,
+        }),
+    }
+}
+
 /// Reads `$Elements`, and checks that they are those of a whole mesh.
 pub(super) fn elements(
     cursor: &mut Cursor<'_>,
@@ -104,7 +115,7 @@ pub(super) fn elements(
     let start = cursor.offset();
     let raw = all_elements(cursor, lists)?;
     if !raw.partitions.is_empty() {
-        complete(&raw.partitions, None).map_err(|fault| cursor.fault(start, fault))?;
+        complete(&raw.partitions).map_err(|fault| cursor.fault(start, fault))?;
     }
     Ok(raw)
 }

@@ -54,18 +54,30 @@ pub(super) struct Partitions {
 }
 
 impl Partitions {
-    /// The groups of all entities, after a check that the file has the elements of every partition.
+    /// The groups of all entities, after a check that every volume has elements.
     pub(super) fn merged(
         self,
         mut entities: EntityGroups,
         blocks: &[Block],
     ) -> Result<EntityGroups, GmshFault> {
-        let volumes = blocks
-            .iter()
-            .filter(|block| block.dimension == 3 && block.count > 0);
-        let volumes = volumes.filter_map(|block| self.of_volumes.get(&block.entity));
-        let found: BTreeSet<i32> = volumes.flatten().copied().collect();
-        complete(&found, Some(self.count))?;
+        let volumes = blocks.iter();
+        let volumes = volumes.filter(|block| block.dimension == 3 && block.count > 0);
+        let filled: BTreeSet<i32> = volumes.map(|block| block.entity).collect();
+        // A file of some partitions has the volumes of all of them, but the elements of its own alone.
+        if self
+            .of_volumes
+            .keys()
+            .any(|volume| !filled.contains(volume))
+        {
+            let of_filled = filled
+                .iter()
+                .filter_map(|volume| self.of_volumes.get(volume));
+            let found: BTreeSet<i32> = of_filled.flatten().copied().collect();
+            return Err(GmshFault::PartOfMesh {
+                found: found.into_iter().collect(),
+                count: Some(self.count),
+            });
+        }
         for (key, list) in self.groups {
             if entities.insert(key, list).is_some() {
                 let (dimension, entity) = key;
@@ -73,23 +85,6 @@ impl Partitions {
             }
         }
         Ok(entities)
-    }
-}
-
-/// Checks that elements of all partitions, or of the first ones if their count is unknown, were found in a file.
-pub(super) fn complete(found: &BTreeSet<i32>, count: Option<u64>) -> Result<(), GmshFault> {
-    let known = count.unwrap_or_else(|| found.last().map_or(0, |&last| last.max(2) as u64));
-    let all = (1..).take(
-        usize::try_from(known)
-            .unwrap_or(usize::MAX)
-            .min(found.len() + 1),
-    );
-    match found.len() as u64 == known && found.iter().copied().eq(all) {
-        true => Ok(()),
-        false => Err(GmshFault::PartOfMesh {
-            found: found.iter().copied().collect(),
-            count,
-        }),
     }
 }
 

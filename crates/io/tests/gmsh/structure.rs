@@ -171,7 +171,8 @@ fn faults_of_sections() {
 #[test]
 fn partitions_and_parameters() {
     let mesh = String::from_utf8(Sample::tower().file(Format::Text4)).unwrap();
-    let parts = mesh + "$PartitionedEntities\n2\n0\n0 0 0 0\n$EndPartitionedEntities\n";
+    let parts = mesh
+        + "$PartitionedEntities\n2\n0\n0 0 0 1\n77 3 1 1 2 0 0 0 1 1 1 0 0\n$EndPartitionedEntities\n";
     let part_of = |found: &[i32], count| GmshFault::PartOfMesh {
         found: found.to_vec(),
         count,

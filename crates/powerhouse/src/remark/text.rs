@@ -461,7 +461,7 @@ impl fmt::Display for Remark {
             Self::Material { set, warning } => write!(f, "material of part '{set}': {warning}"),
             Self::DampedRim { set } => write!(
                 f,
-                "part '{set}' is damped and touches an absorbing face: the free field is elastic, so waves are partly reflected there; give the part a rim"
+                "part '{set}' touches an absorbing face with another damping than the free field has there, so waves are partly reflected: give the part the damping of the layers that it lies in, or, where the field is elastic, a rim"
             ),
         }
     }

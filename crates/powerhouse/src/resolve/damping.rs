@@ -69,7 +69,8 @@ pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
 
 /// Gives rims to parts that have the damping of their preset and touch an absorbing face, unless the field is damped alike.
 pub(super) fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fault> {
-    if scene.boundary.is_none() {
+    // A damped field has the damping of its layers, which a rim has not.
+    if scene.boundary.is_none() || scene.has_damped_layers() {
         return Ok(());
     }
     let place = scene.places.faces.clone();

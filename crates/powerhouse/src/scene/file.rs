@@ -48,7 +48,7 @@ impl Scene {
         registry: &Registry,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text = KeyChange::apply(&read_text(path)?, &choice.changes)?;
+        let text = KeyChange::apply(&read_text(path)?, choice.case.as_deref(), &choice.changes)?;
         let mut scene = Self::compose(text, path.into(), choice.case.as_deref(), registry)?;
         if !choice.changes.is_empty() {
             scene.changes = choice.changes.iter().map(ToString::to_string).collect();
@@ -104,7 +104,7 @@ impl Scene {
         registry: &Registry,
     ) -> Result<usize, Error> {
         let path = path.as_ref();
-        let text = KeyChange::apply(&read_text(path)?, changes)?;
+        let text = KeyChange::apply(&read_text(path)?, None, changes)?;
         let text = Arc::new(SceneText {
             path: path.into(),
             text,

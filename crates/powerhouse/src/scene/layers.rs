@@ -192,6 +192,13 @@ impl Scene {
         Ok(())
     }
 
+    /// Whether a layer of the ground in which the waves travel is damped.
+    pub(crate) fn has_damped_layers(&self) -> bool {
+        let grounds = self.layered.iter().map(|wave| &wave.parameters().ground);
+        let mut layers = grounds.flat_map(|ground| ground.layers());
+        layers.any(|layer| layer.damping != LayerDamping::None)
+    }
+
     /// Whether the layers in which the elements of a part touch the absorbing faces have the damping of the part.
     pub(crate) fn is_damped_like_field(
         &self,

@@ -148,7 +148,8 @@ impl Scene {
                 if part.rim.is_some() {
                     continue;
                 }
-                if part.damping != Damping::None && !self.is_damped_like_field(index, faces)? {
+                let is_damped = part.damping != Damping::None || self.has_damped_layers();
+                if is_damped && !self.is_damped_like_field(index, faces)? {
                     let set = part.set.clone();
                     remarks.push(Remark::DampedRim { set });
                 }

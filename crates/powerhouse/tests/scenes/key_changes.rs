@@ -26,7 +26,7 @@ duration = 0.6 # s
 
 fn changed(changes: &[&str]) -> Result<String, KeyChangeError> {
     let changes: Vec<KeyChange> = changes.iter().map(|text| text.parse().unwrap()).collect();
-    KeyChange::apply(SCENE, &changes)
+    KeyChange::apply(SCENE, None, &changes)
 }
 
 /// Keys are found by the names of tables, by position, and in single tables; comments and all else stay.
@@ -106,12 +106,13 @@ fn impossible_changes_are_refused() {
         ("material.3.young=5", "a position from 1 to 2"),
         ("material.young=5", "expected one of a, b.c"),
         ("part.0.kernel=x", "expected one of rock, lining"),
+        ("wave.2.kind=p", "a position from 1 to 1"),
     ] {
         let error = changed(&[change]).unwrap_err().to_string();
         assert!(error.contains(wanted), "{change}: {error}");
     }
     // The reader of scenes says where such a text is wrong.
-    let broken = KeyChange::apply("title = ", &["title=x".parse().unwrap()]);
+    let broken = KeyChange::apply("title = ", None, &["title=x".parse().unwrap()]);
     assert_eq!(broken.as_deref(), Ok("title = "));
 }
 
@@ -186,4 +187,42 @@ fn keys_are_checked_without_the_mesh() {
     ] {
         assert!(matches!(check(&[wrong]), Err(Error::Scene(_))), "{wrong}");
     }
+}
+
+/// Keys that a case has for itself are changed there too; what it takes over from the scene is changed in the scene, and a wave
+/// that only the scene has is none of a case with waves of its own.
+#[test]
+fn changes_hold_in_cases() {
+    let text = format!(
+        "{SCENE}[[case]]\nname = \"soft\"\npart = [{{ set = \"lining\", material = \"a\" }}]\ntime = {{ duration = 2 }}\nwave = [{{ kind = \"p\" }}]\n"
+    );
+    let changed = |change: &str| KeyChange::apply(&text, Some("soft"), &[change.parse().unwrap()]);
+    let case = |change: &str| {
+        let table: toml::Table = changed(change).unwrap().parse().unwrap();
+        table["case"][0].clone()
+    };
+    assert_eq!(
+        case("time.duration=5")["time"]["duration"].as_integer(),
+        Some(5)
+    );
+    assert_eq!(
+        case("part.lining.kernel=x")["part"][0]["kernel"].as_str(),
+        Some("x")
+    );
+    assert_eq!(
+        case("part.rock.kernel=x")["part"].as_array().unwrap().len(),
+        1
+    );
+    assert_eq!(
+        case("wave.1.kind=sh")["wave"][0]["kind"].as_str(),
+        Some("sh")
+    );
+    let scene: toml::Table = changed("part.rock.kernel=x").unwrap().parse().unwrap();
+    assert_eq!(scene["part"][0]["kernel"].as_str(), Some("x"));
+    let second = format!("{text}[[wave]]\nkind = \"sh\"\n");
+    let refused = KeyChange::apply(&second, Some("soft"), &["wave.2.kind=p".parse().unwrap()]);
+    assert!(
+        matches!(refused, Err(KeyChangeError::NoSuchTable { .. })),
+        "{refused:?}"
+    );
 }
