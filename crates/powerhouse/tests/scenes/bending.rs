@@ -16,19 +16,32 @@ fn concrete() -> ElasticMedium {
 /// thickness, the plate turned about y by an angle (rad).
 fn warned(kernel: SolidKernel, length: f64, layers: usize, angle: f64) -> Option<BendingError> {
     let elastic = Material::new(LinearElastic::new(concrete()));
-    let remarks = remarks(kernel, elastic, (length, layers, angle));
+    let plate = Plate {
+        length,
+        layers,
+        angle,
+    };
+    let remarks = remarks(kernel, elastic, plate);
     remarks.into_iter().find_map(|remark| match remark {
         Remark::Bending(error) => Some(error),
         _ => None,
     })
 }
 
-/// Remarks about such a plate of a material.
-fn remarks(
-    kernel: SolidKernel,
-    material: Material,
-    (length, layers, angle): (f64, usize, f64),
-) -> Vec<Remark> {
+/// Bricks of a length in layers across the thickness of a plate that is turned about y by an angle (rad).
+struct Plate {
+    length: f64,
+    layers: usize,
+    angle: f64,
+}
+
+/// Remarks about a plate of a material.
+fn remarks(kernel: SolidKernel, material: Material, plate: Plate) -> Vec<Remark> {
+    let Plate {
+        length,
+        layers,
+        angle,
+    } = plate;
     let size = Vec3::new(9.0 * length, 2.0, THICKNESS);
     let plate = Mesh::box_of_hexes(Vec3::zeros(), size, [9, 2, layers], "lining").unwrap();
     let (sin, cos) = angle.sin_cos();
@@ -58,7 +71,12 @@ fn few_bricks_that_form_no_hinge_are_warned_of() {
     let cracks = || Material::from(presets::eurocode_concrete(30.0).unwrap());
     let elastic = || Material::new(LinearElastic::new(concrete()));
     let hinge = |kernel, material, layers| {
-        let remarks = remarks(kernel, material, (THICKNESS, layers, 0.3));
+        let plate = Plate {
+            length: THICKNESS,
+            layers,
+            angle: 0.3,
+        };
+        let remarks = remarks(kernel, material, plate);
         remarks.into_iter().find_map(|remark| match &remark {
             Remark::Hinge { layers, .. } => {
                 Some((*layers, remark.is_warning(), remark.to_string()))
