@@ -1,5 +1,6 @@
 //! History variables of laws and energies of plasticity and damage in results.
 
+use powerhouse::engine::observe::Column;
 use powerhouse::material::{
     MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, Softening, presets,
 };
@@ -186,16 +187,19 @@ fn a_state_request_without_history_variables_is_reported() {
 fn energy_of_closing_cracks_is_warned_of() {
     let warning = |[plastic, damage, recovery, integration]: [f64; 4]| {
         let mut results = run(cube_scene());
-        for (name, value) in [
+        results.energies.times = vec![0.0, 1.0];
+        results.energies.columns = [
             ("plastic", plastic),
             ("damage", damage),
             ("recovery", recovery),
             ("integration", integration),
-        ] {
-            let mut columns = results.energies.columns.iter_mut();
-            let column = columns.find(|column| column.name == name).unwrap();
-            *column.values.last_mut().unwrap() = value;
-        }
+        ]
+        .map(|(name, value)| Column {
+            name: name.into(),
+            unit: "J",
+            values: vec![0.0, value],
+        })
+        .into();
         let warnings = results.warnings(&cube());
         let found = warnings
             .iter()
