@@ -6,6 +6,7 @@
 //! [`settle`] reports lost output at the end. The macros of the standard library panic instead, and are forbidden in
 //! this crate by lints.
 
+use std::collections::BTreeSet;
 use std::fmt::Arguments;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
@@ -21,6 +22,9 @@ static MUTE: AtomicBool = AtomicBool::new(false);
 
 /// Whether only warnings and errors are written, on the error stream.
 static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Warnings that a quiet command has written.
+static WARNINGS: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
 /// File that receives all text, if one was requested.
 static LOG: Mutex<Option<File>> = Mutex::new(None);
@@ -107,11 +111,15 @@ fn log(text: Arguments, end: &str) {
     );
 }
 
-/// Writes a warning; see [`say_warning`].
+/// Writes a warning; see [`say_warning`]. A quiet command writes each once, since there is nothing between them.
 pub(crate) fn write_warning(text: Arguments) {
-    match is_quiet() && !is_mute() {
-        true => aside(format_args!("warning: {text}")),
-        false => write_out(format_args!("warning: {text}"), true),
+    if is_mute() || !is_quiet() {
+        write_out(format_args!("warning: {text}"), true);
+        return;
+    }
+    let mut written = WARNINGS.lock().unwrap_or_else(PoisonError::into_inner);
+    if written.insert(text.to_string()) {
+        aside(format_args!("warning: {text}"));
     }
 }
 
