@@ -387,7 +387,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// Reads a scene, or a case of it, with changed keys.
 fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
     let scene = Scene::from_file_as(path, of_file, &powerhouse_study::registry());
-    if scene.is_err() && !of_file.changes.is_empty() {
+    if matches!(scene, Err(Error::Scene(_))) && !of_file.changes.is_empty() {
         let changes: Vec<String> = of_file.changes.iter().map(ToString::to_string).collect();
         warn_aside!(
             "note: lines are those of the scene with its changed keys: {}",
