@@ -314,10 +314,18 @@ impl fmt::Display for Remark {
                 dissipated,
                 recovery,
                 integration,
-            } => write!(
-                f,
-                "the stiffness that returned when cracks closed gave the body {recovery:.2e} J, and the time integration of the laws erred by {integration:.2e} J, where plastic flow and damage took {dissipated:.2e} J: peaks of acceleration, plastic strain, displacement and section forces of the parts that crack depend on the time step and on rounding, and may be too large by far; compare with a shorter step (`safety = 0.4` in `[time]`), with a law without recovery (`stiffness_recovery = 0`) and with an elastic run"
-            ),
+            } => {
+                let erred = match *integration {
+                    0.0 => String::new(),
+                    error => {
+                        format!(", and the time integration of the laws erred by {error:.2e} J")
+                    }
+                };
+                write!(
+                    f,
+                    "the stiffness that returned when cracks closed gave the body {recovery:.2e} J{erred}, where plastic flow and damage took {dissipated:.2e} J: peaks of acceleration, plastic strain, displacement and section forces of the parts that crack depend on the time step and on rounding, and may be too large by far; compare with a shorter step (`safety = 0.4` in `[time]`), with a law without recovery (`stiffness_recovery = 0`) and with an elastic run"
+                )
+            }
             Self::DividedSection {
                 section,
                 set,
