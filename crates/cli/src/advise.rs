@@ -10,14 +10,21 @@ use crate::{Outcome, WARNED, read_case};
 
 /// Reads a relative error above 0 and up to 1, such as `5%` or `0.05`.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let share = number(text).filter(|share| *share > 0.0 && *share <= 1.0);
+    share.ok_or_else(|| "a share above 0 and up to 1, such as 5% or 0.05".into())
+}
+
+/// A number, or one in per cent; `None` for other text.
+pub(crate) fn number(text: &str) -> Option<f64> {
     let (number, unit) = match text.strip_suffix('%') {
         Some(number) => (number, 0.01),
         None => (text, 1.0),
     };
-    match number.trim().parse::<f64>() {
-        Ok(number) if number > 0.0 && unit * number <= 1.0 => Ok(unit * number),
-        _ => Err("a share above 0 and up to 1, such as 5% or 0.05".into()),
-    }
+    number
+        .trim()
+        .parse::<f64>()
+        .ok()
+        .map(|number| unit * number)
 }
 
 /// Prints the comparison of absorbing boundaries; the exit status is 1 if none meets the permitted error.

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::Outcome;
+use crate::advise::number;
 use crate::terminal::{say, say_warning};
 
 /// Arguments of `powerhouse plot`.
@@ -93,12 +94,6 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
 
 /// Reads a damping ratio from 0 to below 1, such as `5%` or `0.05`.
 fn damping(text: &str) -> Result<f64, String> {
-    let (number, unit) = match text.strip_suffix('%') {
-        Some(number) => (number, 0.01),
-        None => (text, 1.0),
-    };
-    match number.trim().parse::<f64>() {
-        Ok(number) if (0.0..=0.99).contains(&(unit * number)) => Ok(unit * number),
-        _ => Err("a damping ratio from 0 to 99%, such as 5% or 0.05".into()),
-    }
+    let damping = number(text).filter(|damping| (0.0..=0.99).contains(damping));
+    damping.ok_or_else(|| "a damping ratio from 0 to 99%, such as 5% or 0.05".into())
 }

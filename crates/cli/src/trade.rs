@@ -12,6 +12,7 @@ use powerhouse_study::trade::{
 };
 use powerhouse_study::{CheckpointEvent, StudyError};
 
+use crate::advise::number;
 use crate::progress::Display;
 use crate::terminal::say;
 use crate::{INTERRUPTED, Outcome, WARNED, stop};
@@ -220,11 +221,8 @@ fn quantity(text: &str) -> Result<Quantity, String> {
 
 /// Reads a relative error, such as `2%` or `0.02`.
 fn error(text: &str) -> Result<f64, String> {
-    let (number, scale) = match text.strip_suffix('%') {
-        Some(number) => (number, 0.01),
-        None => (text, 1.0),
-    };
-    positive(number, scale).ok_or_else(|| "an error such as 2% or 0.02".into())
+    let error = number(text).filter(|error| error.is_finite() && *error > 0.0);
+    error.ok_or_else(|| "an error such as 2% or 0.02".into())
 }
 
 fn positive(number: &str, scale: f64) -> Option<f64> {

@@ -6,6 +6,8 @@ use core::str::FromStr;
 use thiserror::Error;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Key, TableLike, Value};
 
+use crate::format::NAMED;
+
 /// Change of a key of a scene file, such as `time.duration=5` or `part.lining.kernel=hex8-eas`.
 ///
 /// Before the equals sign are the tables and the key, with points between them. Of several tables of one kind its
@@ -147,7 +149,11 @@ impl KeyChange {
         };
         match self.make(case) {
             // Of these the case has those alone that it changes.
-            Err(KeyChangeError::NoSuchTable { .. }) if MERGED.contains(&section.as_str()) => Ok(()),
+            Err(KeyChangeError::NoSuchTable { .. })
+                if NAMED.iter().any(|(of, _)| of == section) =>
+            {
+                Ok(())
+            }
             made => made,
         }
     }
@@ -213,9 +219,6 @@ impl KeyChange {
         }
     }
 }
-
-/// Lists of tables of which a case has those that it changes; others take the place of those of the scene.
-const MERGED: [&str; 6] = ["material", "part", "joint", "record", "bolt", "stage"];
 
 /// The table of a case.
 fn own_table<'d>(document: &'d mut DocumentMut, case: &str) -> Option<&'d mut toml_edit::Table> {

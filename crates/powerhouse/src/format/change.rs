@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use crate::fault::{Fault, Problem};
 
 /// Tables that a case may change, with the key that selects one of them.
-const NAMED: [(&str, &str); 6] = [
+pub(crate) const NAMED: [(&str, &str); 6] = [
     ("material", "name"),
     ("part", "set"),
     ("joint", "name"),

@@ -44,6 +44,7 @@ use serde::Deserialize;
 
 pub use at::At;
 pub use case::Case;
+pub(crate) use change::NAMED;
 pub use checkpoint::Checkpoint;
 pub use dashpot::DashpotRatio;
 pub use decode::{decode, decode_case};

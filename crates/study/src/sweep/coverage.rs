@@ -93,7 +93,8 @@ impl Coverage {
 /// `station X`, and `station split` for all components.
 fn is_of(motion: &str, record: &str) -> bool {
     let of_component = record.rsplit_once('.').is_some_and(|(station, component)| {
-        let rest = motion.strip_prefix(station).map(str::trim_start);
+        let rest = motion.strip_prefix(station);
+        let rest = rest.and_then(|rest| rest.strip_prefix(' '));
         rest.is_some_and(|rest| rest == "split" || rest.eq_ignore_ascii_case(component))
     });
     of_component || motion == record
@@ -141,6 +142,7 @@ mod tests {
             ("station X", "station.y", false),
             ("station split", "station.x", true),
             ("stations split", "station.x", false),
+            ("stationx", "station.x", false),
         ] {
             assert_eq!(is_of(motion, record), wanted, "{motion} {record}");
         }
