@@ -115,12 +115,7 @@ impl<S: YieldSurface> ConstitutiveLaw for ElastoPlastic<S> {
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        Some(energy::of_flow(
-            &self.surface.medium(),
-            input,
-            new_history,
-            None,
-        ))
+        Some(energy::of_flow(&self.surface.medium(), input, new_history))
     }
     #[inline(always)]
     fn remaining_stiffness<L: Lane>(

@@ -54,25 +54,19 @@ impl<L: Lane> Step<'_, L> {
     }
 }
 
-/// [`LawEnergy`] of a step of plastic flow. The history begins with the plastic strain; `damage` is the
-/// index of the damage in it, if there is any.
+/// [`LawEnergy`] of a step of plastic flow without damage. The history begins with the plastic strain.
 #[inline(always)]
 pub(crate) fn of_flow<L: Lane>(
     medium: &ElasticMedium,
     input: &LawInput<L>,
     new_history: &[L],
-    damage: Option<usize>,
 ) -> LawEnergy<L> {
-    let damage = match damage {
-        Some(index) => [input.history[index], new_history[index]],
-        None => [input.strain.0[0].constant(0.0); 2],
-    };
     let step = Step {
         medium,
         input,
         elastic: difference(&input.strain.0, new_history),
         flowed: Some(difference(new_history, input.history)),
-        damage,
+        damage: [input.strain.0[0].constant(0.0); 2],
     };
     step.energy()
 }

@@ -59,6 +59,7 @@
 
 mod consistency;
 mod crack_band;
+mod crack_closure;
 mod driver;
 mod drucker_prager;
 mod dual;

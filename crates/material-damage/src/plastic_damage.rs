@@ -6,8 +6,9 @@ use powerhouse_model::{
 };
 
 use crate::crack_band::{self, CRACK_BAND_WIDTH, CRUSHING_BAND_WIDTH};
+use crate::crack_closure::CrackClosure;
 use crate::dual::Dual;
-use crate::energy::{self, difference};
+use crate::energy::difference;
 use crate::history::{self, PLASTIC_STRAINS, number};
 use crate::remaining::{self, DamageIndices};
 use crate::softening::{DamageCurve, check_size};
@@ -29,15 +30,12 @@ pub struct PlasticDamageParameters<S> {
     pub residual_stiffness: f64,
 }
 
-/// Least damage that counts in the damage type.
-const LEAST_NOTED: f64 = 1.0e-3;
-
 pub(crate) const TENSION: usize = 6;
 pub(crate) const COMPRESSION: usize = 7;
 pub(crate) const DAMAGE_TENSION: usize = 8;
 pub(crate) const DAMAGE_COMPRESSION: usize = 9;
 pub(crate) const DAMAGE: usize = 10;
-const DAMAGE_TYPE: usize = 11;
+pub(crate) const DAMAGE_TYPE: usize = 11;
 pub(crate) const YIELD_STATE: usize = 12;
 pub(crate) const CRACK_WIDTH: usize = 13;
 pub(crate) const CRUSHING_WIDTH: usize = 14;
@@ -68,15 +66,20 @@ pub(crate) const HISTORY: [HistoryVariable; 15] = {
 
 /// Perfect plasticity of the effective stress, with scalar damage by the plastic strain.
 ///
-/// `sigma = (1 - D) s`, `s = sigma0 + C (epsilon - epsilon_p)` returned to the yield surface
+/// `sigma = (1 - d_c) ((1 - d_t) s + w d_t s-)`, `s = sigma0 + C (epsilon - epsilon_p)` returned to the yield surface
 ///
-/// `D = 1 - (1 - d_c)(1 - k d_t)`, `k = 1 - w (1 - r)`, `r = sum <s_i> / sum |s_i|`
+/// with the [`stiffness_recovery`](PlasticDamageParameters::stiffness_recovery) `w` and the closed-crack stress `s-`:
+/// the effective stress less that of crack strains whose principal values are not negative, such that its elastic energy
+/// `U(s-)` is least, the stress of a material without tensile strength. It equals `s` where no principal stress
+/// is tensile and vanishes normal to an open crack.
 ///
 /// `d_t` and `d_c` grow by [`Softening`] with `e_t`, the sum of the positive principal increments
-/// of plastic strain, and `e_c`, the sum of the negative ones times `1 - r`. The paper's
-/// coefficient `k` of stiffness restitution thus is 1 in tension and `1 - w` in compression, with
-/// `w` the [`stiffness_recovery`](PlasticDamageParameters::stiffness_recovery) (`r` after Lee &
-/// Fenves 1998).
+/// of plastic strain, and `e_c`, the sum of the negative ones times `1 - r`, `r = sum <s_i> / sum |s_i|`
+/// (after Lee & Fenves 1998). The damage `D` is the share of the elastic energy of `s` that is lost:
+///
+/// `D = 1 - (1 - d_c)(1 - k d_t)`, `k = 1 - w U(s-) / U(s)`
+///
+/// The paper's coefficient `k` of stiffness restitution thus is 1 where cracks are open and `1 - w` under pressure.
 ///
 /// # History
 /// Plastic strain (six components, engineering shears), `e_t`, `e_c`, `d_t`, `d_c`, `D`, the
@@ -89,15 +92,23 @@ pub(crate) const HISTORY: [HistoryVariable; 15] = {
 /// `D` is below one by the residual stiffness. Softening by fracture energy permits elements
 /// up to [`largest_size`](Self::largest_size), which [`check_size`](Self::check_size) verifies;
 /// in larger ones damage is immediate. A strain that is not finite gives a stress that is not
-/// finite. When cracks close, `D` may fall: see [`energy`](ConstitutiveLaw::energy).
+/// finite. When cracks close, `D` falls; no energy is gained by it. With recovery a crack that opens under a free
+/// lateral strain keeps a lateral effective stress, and dissipates its fracture energy to two hundredths.
 ///
 /// # Why so
+/// *Closing cracks generate no energy.* Eq. (25) multiplies all stresses by one factor `1 - D` with `k = 1 - w (1 - r)`.
+/// That stress is not the derivative of an energy: where a crack closes beside stresses in other directions, these jump,
+/// and a body that is shaken gains energy. Here the stress at constant plastic strain and damage is the derivative of
+/// `(1 - d_c) ((1 - d_t) U(s) + w d_t U(s-))`, which is convex, so that no tangent exceeds the elastic one. Under uniaxial
+/// pressure both agree.
+///
 /// *Lateral contraction of an opening crack is not crushing.* A surface with dilation contracts
 /// laterally as it yields in tension: without a factor these increments would add compressive damage to
 /// a crack and falsify its fracture energy. The factor `1 - r` is zero in tension and one in
 /// compression.
 ///
-/// Source: Wang, Chen & Xiao (2019), Eq. (25).
+/// Sources: Wang, Chen & Xiao (2019), Eq. (25); Carol & Willam (1996), *Int. J. Solids Structures* 33(20-22), for
+/// the energy; Del Piero (1989), *Meccanica* 24, for the material without tensile strength.
 ///
 /// ```
 /// use powerhouse_material_damage::presets;
@@ -152,6 +163,12 @@ impl<S: YieldSurface> PlasticDamage<S> {
     /// Parameters of the law.
     pub fn parameters(&self) -> &PlasticDamageParameters<S> {
         &self.parameters
+    }
+
+    #[inline(always)]
+    fn closure(&self) -> CrackClosure {
+        let p = &self.parameters;
+        CrackClosure::new(&self.medium(), [p.stiffness_recovery, p.residual_stiffness])
     }
 
     /// Damage `d_t` and `d_c` of equivalent plastic strains in bands of the given widths (m).
@@ -231,45 +248,6 @@ fn positive<L: Lane>(numbers: [L; 3]) -> L {
     a.max(zero) + b.max(zero) + c.max(zero)
 }
 
-/// Stiffness factor `1 - D` of the damage in tension and compression, the share of tension in the
-/// stress, and the stiffness recovery and residual stiffness.
-#[inline(always)]
-pub(crate) fn stiffness_factor<L: Lane>(
-    [torn, broken]: [L; 2],
-    tension: L,
-    [recovery, residual]: [f64; 2],
-) -> L {
-    let number = |value: f64| tension.constant(value);
-    let one = number(1.0);
-    let closed = number(recovery) * (one - tension);
-    let left = (one - broken) * (one - (one - closed) * torn);
-    left.max(number(residual))
-}
-
-/// Change of the nominal stress for one of the effective stress (Pa), by the damage in tension and
-/// compression of the history, the share of tension in the stress, and the stiffness recovery and
-/// residual stiffness; writes `D` and the damage type to the history.
-#[inline(always)]
-pub(crate) fn nominal_change<L: Lane>(
-    change: &Stress<L>,
-    initial: &Stress<L>,
-    history: &mut [L],
-    tension: L,
-    [recovery, residual]: [f64; 2],
-) -> Stress<L> {
-    let number = |value: f64| tension.constant(value);
-    let (zero, one) = (number(0.0), number(1.0));
-    let (torn, broken) = (history[DAMAGE_TENSION], history[DAMAGE_COMPRESSION]);
-    let left = stiffness_factor([torn, broken], tension, [recovery, residual]);
-    let damage = one - left;
-    history[DAMAGE] = damage;
-    let counts = number(LEAST_NOTED);
-    let is_torn = one.select(counts.less(torn), zero);
-    let is_broken = (one + one).select(counts.less(broken), zero);
-    history[DAMAGE_TYPE] = is_torn + is_broken;
-    Stress(array(|i| left * change.0[i] - damage * initial.0[i]))
-}
-
 impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     fn name(&self) -> &str {
         "plastic-damage"
@@ -293,9 +271,9 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let mut now = history::load::<L, { HISTORY.len() }>(old);
         now[YIELD_STATE] = zero;
 
-        let mut tension = one;
+        let mut axes = None;
         if let Some(flow) = FlowInAxes::of_trial(&self.parameters.surface, &trial) {
-            tension = share_of_tension(&flow.stress);
+            let tension = share_of_tension(&flow.stress);
             for i in 0..6 {
                 now[i] = now[i] + flow.flow.plastic[i];
             }
@@ -321,15 +299,18 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             }
             now[YIELD_STATE] = flow.flow.state;
             change = flow.flow.stress_change(&change, &input.initial);
-        } else if self.parameters.stiffness_recovery > 0.0
-            && first.any(zero.less(old[DAMAGE_TENSION]))
-        {
-            tension = share_of_tension(&PrincipalAxes::of(&trial).values);
+            axes = Some(PrincipalAxes {
+                values: flow.stress,
+                directions: flow.directions,
+            });
         }
-
-        let p = &self.parameters;
-        let shares = [p.stiffness_recovery, p.residual_stiffness];
-        let nominal = nominal_change(&change, &input.initial, &mut now, tension, shares);
+        let closure = self.closure();
+        if !closure.counts(now[DAMAGE_TENSION]) {
+            axes = None;
+        } else if axes.is_none() {
+            axes = Some(PrincipalAxes::of(&trial));
+        }
+        let nominal = closure.nominal_change(&change, &input.initial, axes.as_ref(), &mut now);
         history::store(&now, new_history);
         nominal
     }
@@ -338,8 +319,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
     }
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
-        let medium = self.medium();
-        Some(energy::of_flow(&medium, input, new_history, Some(DAMAGE)))
+        Some(self.closure().energy(&self.medium(), input, new_history))
     }
     #[inline(always)]
     fn remaining_stiffness<L: Lane>(
@@ -359,6 +339,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
         let fixed = |variable: usize| Dual::fixed(old[variable]);
         let trial = input.initial + Stress::elastic(self.lambda, self.shear, &elastic);
         let widths = self.widths(input, &PrincipalAxes::of(&trial).directions);
+        let closure = self.closure();
         let respond = |trial: &[Dual; 3]| {
             let (mut torn, mut broken) = (fixed(DAMAGE_TENSION), fixed(DAMAGE_COMPRESSION));
             let mut stress = *trial;
@@ -376,10 +357,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
                 let [grown, ground] = self.damage(strains, widths.map(Dual::fixed));
                 (torn, broken) = (grown.max(torn), ground.max(broken));
             }
-            let tension = share_of_tension(&stress);
-            let shares = [p.stiffness_recovery, p.residual_stiffness];
-            let left = stiffness_factor([torn, broken], tension, shares);
-            stress.map(|s| left * s)
+            closure.nominal([torn, broken], &stress)
         };
         Some(tangent::of_isotropic(&medium, input, &elastic, respond))
     }

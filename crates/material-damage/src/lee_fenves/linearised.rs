@@ -7,7 +7,6 @@ use super::{COMPRESSION, DAMAGE_COMPRESSION, DAMAGE_TENSION, LeeFenves, TENSION}
 use crate::PrincipalAxes;
 use crate::dual::Dual;
 use crate::energy::difference;
-use crate::plastic_damage::{share_of_tension, stiffness_factor};
 use crate::tangent::implicit;
 
 impl LeeFenves {
@@ -26,7 +25,6 @@ impl LeeFenves {
         let rates = self.rates(self.widths(input, &axes.directions));
         let known = Trial::of_principal(&principal.map(|s| s.value), before, rates);
         let trial = Trial::of_principal(principal, before.map(Dual::fixed), rates.map(Dual::fixed));
-        let shares = [p.stiffness_recovery, p.residual_stiffness];
         let mut damage = [DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|v| Dual::fixed(old[v]));
         let mut stress = *principal;
         let strengths = self.strengths(before, rates).inverse;
@@ -47,8 +45,7 @@ impl LeeFenves {
             let broken = self.compression.damage(crushed, trial.rates[1], most);
             damage = [torn.max(damage[0]), broken.max(damage[1])];
         }
-        let left = stiffness_factor(damage, share_of_tension(&stress), shares);
-        each(&stress, |s| left * s)
+        self.closure().nominal(damage, &stress)
     }
 }
 

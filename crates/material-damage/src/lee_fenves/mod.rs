@@ -9,16 +9,17 @@ use powerhouse_model::{
 };
 
 use crate::crack_band;
+use crate::crack_closure::CrackClosure;
 use crate::dual::Dual;
-use crate::energy::{self, difference};
+use crate::energy::difference;
 use crate::history;
 use crate::plastic_damage::{
-    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE, DAMAGE_COMPRESSION, DAMAGE_INDICES,
-    DAMAGE_TENSION, HISTORY, TENSION, YIELD_STATE, nominal_change, share_of_tension,
+    COMPRESSION, CRACK_WIDTH, CRUSHING_WIDTH, DAMAGE_COMPRESSION, DAMAGE_INDICES, DAMAGE_TENSION,
+    HISTORY, TENSION, YIELD_STATE,
 };
 use crate::remaining;
 use crate::softening::check_size;
-use crate::surface::{YieldState, stiffened};
+use crate::surface::{YieldState, pick, stiffened};
 use crate::uniaxial::UniaxialCurve;
 use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent};
 use flow::Trial;
@@ -64,7 +65,8 @@ pub struct LeeFenvesParameters {
 /// Concrete damaged plasticity: softening plasticity of the effective stress with damage in tension
 /// and compression.
 ///
-/// `sigma = (1 - D) s`, `s = sigma0 + C (epsilon - epsilon_p)`, with `I1`, `J2` and the greatest
+/// `sigma = (1 - d_c) ((1 - d_t) s + w d_t s-)`, `s = sigma0 + C (epsilon - epsilon_p)`, with the stiffness recovery `w`, the
+/// closed-crack stress `s-` as in [`PlasticDamage`](crate::PlasticDamage), and with `I1`, `J2` and the greatest
 /// principal value `s1` of `s`:
 ///
 /// - yield: `(A I1 + sqrt(3 J2) + B <s1> - g <-s1>) / (1 - A) <= c`, `A = (b - 1) / (2b - 1)` of the
@@ -80,7 +82,7 @@ pub struct LeeFenvesParameters {
 ///   width dissipates the fracture energy, elastic energy included;
 /// - `de_t = r <dp1>`, `de_c = (1 - r) <-dp3>` of the greatest and least increment of plastic strain
 ///   and the share of tension `r = sum <s_i> / sum |s_i|`;
-/// - `D = 1 - (1 - d_c)(1 - (1 - w (1 - r)) d_t)` with the stiffness recovery `w`.
+/// - `D = 1 - (1 - d_c)(1 - k d_t)`, `k = 1 - w U(s-) / U(s)` with the elastic energy `U`.
 ///
 /// # History
 /// As [`PlasticDamage`](crate::PlasticDamage): plastic strain (six components, engineering shears),
@@ -227,6 +229,12 @@ impl LeeFenves {
         self.excess([mean, shear], greatest, strengths) / (1.0 - self.biaxial)
     }
 
+    #[inline(always)]
+    fn closure(&self) -> CrackClosure {
+        let p = &self.parameters;
+        CrackClosure::new(&p.medium, [p.stiffness_recovery, p.residual_stiffness])
+    }
+
     /// Softening rates `b_t` and `b_c` in bands of the given widths (m).
     #[inline(always)]
     fn rates<L: Lane>(&self, [crack, crushing]: [L; 2]) -> [L; 2] {
@@ -364,8 +372,7 @@ impl ConstitutiveLaw for LeeFenves {
         let greatest = shear.mul_add(number(2.0 / ROOT_3), mean);
         let bound = self.excess([mean, shear], greatest, strengths);
         let may_yield = zero.less(bound);
-        let heals = p.stiffness_recovery > 0.0 && first.any(zero.less(old[DAMAGE_TENSION]));
-        let mut tension = one;
+        let mut axes_after = None;
         if first.any(may_yield) {
             let axes = PrincipalAxes::of(&stress);
             let values = axes.values;
@@ -378,9 +385,10 @@ impl ConstitutiveLaw for LeeFenves {
             let flow = self.flow(&trial, excess.max(zero), strengths);
             let flow = flow.select(yielded, zero);
             let flowed = self.after(&trial, flow);
-            // Lanes without flow take the share of their own stress, as if no lane flowed.
-            let elastic_share = share_of_tension(&values);
-            tension = flowed.tension.select(yielded, elastic_share);
+            axes_after = Some(PrincipalAxes {
+                values: pick(yielded, &flowed.stress, &values),
+                directions: axes.directions,
+            });
 
             let most = 1.0 - p.residual_stiffness;
             let torn = self.tension.damage(flowed.strains[0], rates[0], most);
@@ -436,11 +444,15 @@ impl ConstitutiveLaw for LeeFenves {
                     change.0[i] = placed.select(yielded, change.0[i]);
                 }
             }
-        } else if heals {
-            tension = share_of_tension(&PrincipalAxes::of(&stress).values);
         }
-        let shares = [p.stiffness_recovery, p.residual_stiffness];
-        let nominal = nominal_change(&change, &input.initial, &mut now, tension, shares);
+        let closure = self.closure();
+        if !closure.counts(now[DAMAGE_TENSION]) {
+            axes_after = None;
+        } else if axes_after.is_none() {
+            axes_after = Some(PrincipalAxes::of(&stress));
+        }
+        let nominal =
+            closure.nominal_change(&change, &input.initial, axes_after.as_ref(), &mut now);
         history::store(&now, new_history);
         nominal
     }
@@ -460,7 +472,7 @@ impl ConstitutiveLaw for LeeFenves {
     #[inline(always)]
     fn energy<L: Lane>(&self, input: &LawInput<L>, new_history: &[L]) -> Option<LawEnergy<L>> {
         let medium = &self.parameters.medium;
-        Some(energy::of_flow(medium, input, new_history, Some(DAMAGE)))
+        Some(self.closure().energy(medium, input, new_history))
     }
     #[inline(always)]
     fn remaining_stiffness<L: Lane>(

@@ -9,7 +9,11 @@ use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
 use crate::random::Random;
 
-const GOOD: LeeFenvesParameters = presets::PAPER_CONCRETE_LEE_FENVES;
+/// Cracks stay open: uniaxial tension has closed forms without recovery.
+const GOOD: LeeFenvesParameters = LeeFenvesParameters {
+    stiffness_recovery: 0.0,
+    ..presets::PAPER_CONCRETE_LEE_FENVES
+};
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
 /// Concrete that hardens before it crushes, with plastic strain and damage in softening.

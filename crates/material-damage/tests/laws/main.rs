@@ -2,6 +2,7 @@
 
 mod consistency;
 mod crack_band;
+mod crack_closure;
 mod driver;
 mod drucker_prager;
 mod elastic_domain;
