@@ -106,6 +106,14 @@ pub enum ObserveError {
         /// Whether the plane intersects elements outside the box.
         outside: bool,
     },
+    /// A reinforcement that does not fit its section.
+    #[error("the reinforcement of section '{section}': {reason}")]
+    Reinforcement {
+        /// Name of the section.
+        section: String,
+        /// What does not fit.
+        reason: String,
+    },
     /// Section forces in a run of an engine without element forces, at the first observed step.
     #[error("section '{section}': the engine does not provide the forces of its elements")]
     NoForces {

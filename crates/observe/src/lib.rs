@@ -22,6 +22,7 @@
 //! *Tables contain names and units*, so that a writer of files needs no second list of them.
 
 mod bolts;
+mod capacity;
 mod energy;
 mod envelope;
 mod error;
@@ -37,6 +38,7 @@ mod state;
 mod table;
 
 pub use bolts::{BoltHistories, BoltPeaks, BoltTables};
+pub use capacity::{SectionCapacity, SectionReinforcement};
 pub use energy::EnergyHistory;
 pub use envelope::{Envelope, EnvelopeTable, PeakField};
 pub use error::ObserveError;

@@ -264,6 +264,14 @@ pub(crate) const DIAMETER: UsualRange =
 /// Sections of bolts.
 pub(crate) const SECTION: UsualRange =
     UsualRange::new("m2", [3e-6, 0.2]).alternatives([1e-5, 0.05], &[("mm2", 1e-6), ("cm2", 1e-4)]);
+/// Areas of reinforcing bars per metre.
+pub(crate) const BARS: UsualRange = UsualRange::new("m2/m", [1e-5, 0.1])
+    .or_zero()
+    .alternatives([5e-5, 0.05], &[("mm2/m", 1e-6), ("cm2/m", 1e-4)]);
+/// Distances of bars from their face.
+pub(crate) const COVER: UsualRange = UsualRange::new("m", [1e-3, 1.0])
+    .or_zero()
+    .alternatives([5e-3, 0.3], &[("mm", 1e-3), ("cm", 1e-2)]);
 /// Lengths and distances of bolts.
 pub(crate) const BOLT_LENGTH: UsualRange =
     UsualRange::new("m", [0.02, 500.0]).alternatives([0.2, 100.0], &[("mm", 1e-3), ("cm", 1e-2)]);

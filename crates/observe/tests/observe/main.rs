@@ -1,6 +1,7 @@
 //! Observers of steps with prescribed fields.
 
 mod beam;
+mod capacity;
 mod envelope;
 mod history;
 mod plain;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Finite, Positive, Zone};
+use super::{At, Finite, NonNegative, Positive, Zone};
 
 /// Output requests of a run, and the results folder.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
@@ -125,6 +125,24 @@ pub struct Section {
     /// Half the edge length (m) of a cube around `at`, along the axes, outside of which elements are ignored;
     /// unlimited by default. A plane cuts a ring twice: this selects one side.
     pub half_extent: Option<Positive>,
+    /// Reinforcement of concrete, by which the moments are compared with those that the section bears with its normal
+    /// force; none by default.
+    pub reinforcement: Option<At<Reinforcement>>,
+}
+
+/// Reinforcement of a section of concrete. Strengths are those of the comparison: design values include their factors.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Reinforcement {
+    /// Compressive strength of the concrete (Pa), above 0.
+    pub concrete_strength: Positive,
+    /// Areas of the bars per metre (m2/m), not negative: at the face of negative `t` and at that of positive `t`, the direction
+    /// `along x normal`.
+    pub bars: [NonNegative; 2],
+    /// Distance of the axes of the bars from their face (m), not negative and below half of the section's extent across.
+    pub cover: NonNegative,
+    /// Yield stress of the bars (Pa), above 0.
+    pub yield_stress: Positive,
 }
 
 /// Recorded quantity of a joint.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use powerhouse_io::{
-    FacetField, IoError, Picture, PictureField, Plot, SectionPlane, TableColumn, write_picture,
-    write_plot,
+    FacetField, IoError, Picture, PictureField, Plot, PlotCurve, PlotPanel, SectionPlane,
+    TableColumn, write_picture, write_plot,
 };
 use powerhouse_model::{Mesh, Vec3};
 
@@ -44,6 +44,40 @@ pub(super) fn plots(
             (file_name(name), write)
         })
         .collect()
+}
+
+/// Writes a plot of the moments against the normal forces of a section over the run, in its interaction diagram.
+pub(super) fn interaction(
+    file: &Path,
+    section: &str,
+    [axial, moments]: &[TableColumn; 2],
+    forces: [&[f64]; 2],
+) -> Result<(), IoError> {
+    let thousands = |values: &[f64]| -> Vec<f64> { values.iter().map(|v| 1e-3 * v).collect() };
+    let [borne_axial, borne] = [&axial.values, &moments.values].map(|v| thousands(v));
+    let [of_run, moment_of_run] = forces.map(thousands);
+    let plot = Plot {
+        title: section.into(),
+        label: "N, tension positive".into(),
+        unit: "kN/m".into(),
+        panels: vec![PlotPanel {
+            label: "M".into(),
+            unit: "kN m/m".into(),
+            curves: vec![
+                PlotCurve {
+                    name: "borne",
+                    x: &borne_axial,
+                    y: &borne,
+                },
+                PlotCurve {
+                    name: "of the run",
+                    x: &of_run,
+                    y: &moment_of_run,
+                },
+            ],
+        }],
+    };
+    write_plot(file, &plot)
 }
 
 /// Writes a picture of a field on the active elements of the body, sectioned across y in the middle of its

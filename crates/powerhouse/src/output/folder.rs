@@ -9,8 +9,10 @@ use powerhouse_io::{
     IoError, TableColumn, free_space, write_noted_table, write_summary, write_table, write_whole,
 };
 use powerhouse_model::Mesh;
-use powerhouse_observe::{HistoryTable, SnapshotSink};
+use powerhouse_observe::{HistoryTable, SectionCapacity, SnapshotSink};
 
+#[cfg(feature = "pictures")]
+use super::capacity;
 #[cfg(feature = "pictures")]
 use super::drawing;
 use super::joints::JointFacets;
@@ -29,6 +31,7 @@ use crate::{Error, Simulation, StageSink};
 /// | `summary.json` | steps, step, wall time, peaks, energies at the end, warnings and remarks, the names of all files; written last, `incomplete` until then |
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
+/// | `capacity/NAME.csv`, `plots/capacity-NAME.svg` | normal forces and moments that a reinforced section bears; with those of the run |
 /// | `energies.csv` | energy balance |
 /// | `joints.csv` | contact state, slip, opening, tractions and energies of joints and of zones of them |
 /// | `joints/NAME.vtu` | facets of a joint at the end: contact state, slip, opening, energies, times of first slip and crack, greatest tractions |
@@ -178,6 +181,7 @@ impl ResultFolder {
             old.extend(self.files_in("pictures", "", ".png"));
             old.extend(self.files_in("joints", "", ".vtu"));
             old.extend(self.files_in("bolts", "", ".csv"));
+            old.extend(self.files_in("capacity", "", ".csv"));
             // The summary is removed last, so that the removal can be repeated after a failure.
             old.push(self.path.join(SUMMARY));
         }
@@ -200,6 +204,7 @@ impl ResultFolder {
             "pictures",
             "joints",
             "bolts",
+            "capacity",
             "checkpoint",
         ] {
             for file in self.files_in(folder, "", "") {
@@ -365,6 +370,19 @@ impl ResultFolder {
                 files.write(name, |file| write_noted_table(file, &heads, &columns));
             }
         }
+        for (section, bears) in &results.section_capacities {
+            let line = interaction(section, bears);
+            let plain = file_name(section);
+            files.write(&format!("capacity/{plain}.csv"), |file| {
+                write_table(file, &line)
+            });
+            #[cfg(feature = "pictures")]
+            if let Some(forces) = capacity::forces(&results.sections, section) {
+                files.write(&format!("plots/capacity-{plain}.svg"), |file| {
+                    drawing::interaction(file, section, &line, forces)
+                });
+            }
+        }
         #[cfg(feature = "pictures")]
         Self::write_plots(files, results);
         for bolts in &results.bolts {
@@ -450,6 +468,22 @@ impl Files<'_> {
             .map(|file| file.to_string_lossy().replace('\\', "/"))
             .collect()
     }
+}
+
+/// Points of half an interaction diagram.
+const DIAGRAM: usize = 60;
+
+/// Table of the interaction diagram of a section.
+fn interaction(section: &str, bears: &SectionCapacity) -> [TableColumn; 2] {
+    let line = bears.interaction(DIAGRAM);
+    let column = |name: &str, unit: &str, axis: usize| {
+        let values = line.iter().map(|point| point[axis]).collect();
+        TableColumn::new(format!("{section}.{name}"), unit, values)
+    };
+    [
+        column("axial_per_metre", "N/m", 0),
+        column("moment_per_metre", "N m/m", 1),
+    ]
 }
 
 fn columns(table: &HistoryTable) -> Vec<TableColumn> {

@@ -2,6 +2,7 @@
 
 mod bending;
 mod bolts;
+mod capacity;
 #[cfg(feature = "pictures")]
 mod drawing;
 mod failure;
@@ -23,6 +24,7 @@ mod vtu;
 pub use bending::BendingError;
 pub(crate) use bending::coarse_in_bending;
 pub use bolts::BoltForces;
+pub use capacity::SectionUse;
 pub(crate) use failure::advice;
 pub use folder::ResultFolder;
 pub use lock::{FolderError, FolderLock};

@@ -38,6 +38,10 @@ impl Named<'_> {
         for name in names {
             add("plots", name, ".svg");
         }
+        for request in plan.cuts.iter().filter(|cut| cut.reinforcement.is_some()) {
+            add("capacity", &request.cut.name, ".csv");
+            add("plots", &format!("capacity-{}", request.cut.name), ".svg");
+        }
         add("plots", "energies", ".svg");
         let requested = plan.joints.iter().map(|request| request.name.as_str());
         for name in self.joints.iter().copied().chain(requested) {

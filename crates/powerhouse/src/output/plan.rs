@@ -1,7 +1,8 @@
 //! Output requests.
 
 use powerhouse_observe::{
-    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
+    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SectionReinforcement,
+    SnapshotFields, StressPlace,
 };
 
 use crate::JointZone;
@@ -92,6 +93,8 @@ pub struct SectionRequest {
     pub cut: CrossSection,
     /// The element set that is cut.
     pub set: String,
+    /// Reinforcement of the section, by which its utilisation is computed; none without one.
+    pub reinforcement: Option<SectionReinforcement>,
 }
 
 impl SectionRequest {
@@ -100,7 +103,14 @@ impl SectionRequest {
         Self {
             cut,
             set: set.into(),
+            reinforcement: None,
         }
+    }
+    /// The same with a reinforcement of the section. Its thickness is the extent across of the cut in the mesh.
+    #[must_use]
+    pub fn with_reinforcement(mut self, reinforcement: SectionReinforcement) -> Self {
+        self.reinforcement = Some(reinforcement);
+        self
     }
 }
 

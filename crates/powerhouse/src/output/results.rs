@@ -13,12 +13,12 @@ use powerhouse_model::{
 use powerhouse_observe::{
     BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
     HistoryTable, JointHistories, JointOutcome, JointQuantities, JointTable, JointTables,
-    JointWatch, Motion, PeakTable, Recording, SectionForces, SectionGeometry, StateTable,
-    StressPlace,
+    JointWatch, Motion, PeakTable, Recording, SectionCapacity, SectionForces, SectionGeometry,
+    StateTable, StressPlace,
 };
 
-use super::{BoltForces, JointRequest, OutputPlan, StateVariables};
-use super::{sampling, sections};
+use super::{BoltForces, JointRequest, OutputPlan, SectionUse, StateVariables};
+use super::{capacity, sampling, sections};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
 
@@ -61,6 +61,8 @@ pub struct Results {
     pub sections: HistoryTable,
     /// Geometry of the sections, in the order of their requests: area, centroid, axes.
     pub section_geometry: Vec<SectionGeometry>,
+    /// Names and capacities of the sections with a reinforcement.
+    pub section_capacities: Vec<(String, SectionCapacity)>,
     /// Columns of the energy balance (J) against time.
     pub energies: HistoryTable,
     /// Envelopes of motions and principal stresses: greatest values over the sampled times.
@@ -181,8 +183,13 @@ impl Results {
         }
         worst.extend(self.unbalanced());
         worst.extend(self.crack_energy());
+        worst.extend(self.section_uses().iter().filter_map(capacity::beyond));
         worst.extend(sampling::warnings(&self.histories, self.envelope.as_ref()));
         worst
+    }
+    /// Greatest utilisation of each section with a reinforcement over the run.
+    pub fn section_uses(&self) -> Vec<SectionUse> {
+        capacity::uses(&self.sections, &self.section_capacities)
     }
     /// Warning about energy that closing cracks give, or that the time integration of the laws errs by.
     fn crack_energy(&self) -> Option<Remark> {
@@ -248,6 +255,7 @@ pub(crate) struct Recordings {
     histories: Option<Recording<HistoryTable>>,
     sections: Option<Recording<HistoryTable>>,
     section_geometry: Vec<SectionGeometry>,
+    section_capacities: Vec<(String, SectionCapacity)>,
     energies: Option<Recording<HistoryTable>>,
     envelope: Option<Recording<EnvelopeTable>>,
     state: Option<Recording<StateTable>>,
@@ -282,6 +290,7 @@ impl Recordings {
             histories: None,
             sections: None,
             section_geometry: Vec::new(),
+            section_capacities: Vec::new(),
             energies: None,
             envelope: None,
             state: None,
@@ -305,6 +314,10 @@ impl Recordings {
                 let geometry = forces
                     .add_section(mesh, &request.cut, &elements)
                     .map_err(model)?;
+                if let Some(bears) = capacity::of_section(request, geometry).map_err(model)? {
+                    let named = (request.cut.name.clone(), bears);
+                    recordings.section_capacities.push(named);
+                }
                 remarks.extend(sections::in_pieces(mesh, request, geometry));
                 remarks.extend(sections::hollow(request, geometry));
                 remarks.extend(sections::through_tetrahedra(mesh, request, &elements));
@@ -453,6 +466,7 @@ impl Recordings {
             histories: table(self.histories),
             sections: table(self.sections),
             section_geometry: self.section_geometry,
+            section_capacities: self.section_capacities,
             energies: table(self.energies),
             envelope: self.envelope.map(|recording| recording.copy()),
             state: self.state.map(|recording| recording.copy()),

@@ -4,7 +4,7 @@ use powerhouse_model::{Ended, Mesh, StageReport};
 use powerhouse_observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use serde::Serialize;
 
-use super::{BoltForces, Results};
+use super::{BoltForces, Results, SectionUse};
 use crate::message::{Message, RunNotes};
 
 /// Content of `summary.json`.
@@ -36,6 +36,8 @@ pub(super) struct Summary {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     bolts: Vec<Bolts>,
     peaks: Vec<Peak>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    section_uses: Vec<Utilisation>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     joints: Vec<Joint>,
     /// J, at the last sample; terms that were ever nonzero
@@ -146,6 +148,43 @@ struct Peak {
     /// Whether the value is of the size of rounding errors compared with others of its unit
     #[serde(skip_serializing_if = "core::ops::Not::not")]
     below_rounding: bool,
+}
+
+/// Greatest utilisation of a reinforced section
+#[derive(Debug, Serialize)]
+struct Utilisation {
+    section: String,
+    /// Of the moment borne with the same normal force; null where none is borne
+    utilisation: f64,
+    /// s
+    time: f64,
+    /// N/m, tension positive
+    axial: f64,
+    /// N m/m
+    moment: f64,
+    /// N m/m, borne with that normal force
+    #[serde(skip_serializing_if = "Option::is_none")]
+    borne: Option<[f64; 2]>,
+    /// m
+    thickness: f64,
+    /// s, first time above one
+    #[serde(skip_serializing_if = "Option::is_none")]
+    beyond_from: Option<f64>,
+}
+
+impl Utilisation {
+    fn new(of: SectionUse) -> Self {
+        Self {
+            utilisation: of.utilisation,
+            time: of.time,
+            axial: of.axial,
+            moment: of.moment,
+            borne: of.capacity.moments(of.axial),
+            thickness: of.capacity.thickness(),
+            beyond_from: of.beyond_from,
+            section: of.section,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -261,6 +300,9 @@ impl Summary {
             }),
             bolts: results.bolts.iter().filter_map(Bolts::new).collect(),
             peaks: Peak::all(&results.peaks(mesh)),
+            section_uses: (results.section_uses().into_iter())
+                .map(Utilisation::new)
+                .collect(),
             joints: (results.joint_outcomes.iter())
                 .map(|outcome| Joint::new(mesh, outcome, &results.joints))
                 .collect(),

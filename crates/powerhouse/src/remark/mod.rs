@@ -263,6 +263,23 @@ pub enum Remark {
         /// Number of bricks across.
         layers: usize,
     },
+    /// Warning after the run: forces of a section were beyond what its reinforcement bears.
+    BeyondCapacity {
+        /// Name of the section.
+        section: String,
+        /// Greatest utilisation (1), above one; infinite where no moment is borne.
+        utilisation: f64,
+        /// First time beyond (s).
+        from: f64,
+        /// Time of the greatest utilisation (s).
+        time: f64,
+        /// Normal force at that time (N/m), tension positive.
+        axial: f64,
+        /// Moment at that time (N m/m).
+        moment: f64,
+        /// Least and greatest moment that the section bears with that force (N m/m); none if it does not bear the force.
+        borne: Option<[f64; 2]>,
+    },
     /// Warning after the run: the stiffness that returned when cracks closed, or the time integration of laws, gave or
     /// took energy of the size of that which plastic flow and damage took.
     CrackEnergy {
@@ -407,6 +424,7 @@ impl Remark {
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
             | Self::Hinge { .. }
+            | Self::BeyondCapacity { .. }
             | Self::Bending(_) => Topic::Sections,
             Self::LargeSlip { .. } | Self::JointRenewed { .. } | Self::ReducedStrength { .. } => {
                 Topic::Joints
@@ -459,6 +477,7 @@ impl Remark {
             | Self::HollowSection { .. }
             | Self::Bending(_)
             | Self::Hinge { .. }
+            | Self::BeyondCapacity { .. }
             | Self::CrackEnergy { .. }
             | Self::NonlinearRim { .. }
             | Self::Material { .. }

@@ -310,6 +310,34 @@ impl fmt::Display for Remark {
                 f,
                 "section '{section}' cuts '{set}', which may crack or yield, with {layers} bricks of '{kernel}' across: a point in the middle of each cracks or yields as a whole, while bending stays elastic, so that moments may exceed what the section bears; take kernel = \"hex8-eas\", or at least 4 bricks across"
             ),
+            Self::BeyondCapacity {
+                section,
+                utilisation,
+                from,
+                time,
+                axial,
+                moment,
+                borne,
+            } => {
+                let [axial, moment] = [axial, moment].map(|force| 1e-3 * force);
+                write!(
+                    f,
+                    "section '{section}' is beyond what its reinforcement bears from {from:.3} s on: "
+                )?;
+                match borne {
+                    Some([least, greatest]) => write!(
+                        f,
+                        "at {time:.3} s, with N = {axial:.4} kN/m, M = {moment:.4} kN m/m is {utilisation:.3} times what it bears ({:.4} to {:.4} kN m/m)",
+                        1e-3 * least,
+                        1e-3 * greatest
+                    )?,
+                    None => write!(
+                        f,
+                        "at {time:.3} s it does not bear N = {axial:.4} kN/m with any moment"
+                    )?,
+                }
+                f.write_str("; an elastic lining is then computed too stiff, and its forces are not those of the concrete")
+            }
             Self::CrackEnergy {
                 dissipated,
                 recovery,

@@ -2,13 +2,15 @@
 
 use powerhouse_model::Vec3;
 use powerhouse_observe::{
-    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
+    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SectionReinforcement,
+    SnapshotFields, StressPlace,
 };
 
 use super::{Names, check_reach, no_such_number, one_of, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{
-    At, Finite, History, JointHistory, JointQuantity, Output, Positive, Quantity, Section,
+    At, Finite, History, JointHistory, JointQuantity, NonNegative, Output, Positive, Quantity,
+    Section,
 };
 use crate::output::{
     EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
@@ -401,5 +403,14 @@ fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
             }),
         },
         set: section.set.to_string(),
+        reinforcement: section
+            .reinforcement
+            .as_ref()
+            .map(|bars| SectionReinforcement {
+                concrete_strength: bars.concrete_strength.get(),
+                bars: bars.bars.map(NonNegative::get),
+                cover: bars.cover.get(),
+                yield_stress: bars.yield_stress.get(),
+            }),
     })
 }

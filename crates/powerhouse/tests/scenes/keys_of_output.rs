@@ -1,10 +1,11 @@
 //! Output requests: every key of a scene file gives the plan of the Rust interface.
 
 use powerhouse::engine::observe::{
-    CrossSection, Motion, ObservationPoint, Place, SnapshotFields, StressPlace,
+    CrossSection, Motion, ObservationPoint, Place, SectionReinforcement, SnapshotFields,
+    StressPlace,
 };
 use powerhouse::model::Vec3;
-use powerhouse::{EnvelopeRequest, OutputPlan, SnapshotRequest};
+use powerhouse::{EnvelopeRequest, OutputPlan, SectionRequest, SnapshotRequest};
 
 use crate::support::*;
 
@@ -78,6 +79,28 @@ fn plans() {
                     within: Some((spot - Vec3::repeat(60.0), spot + Vec3::repeat(60.0))),
                 },
             ),
+        ),
+        (
+            "[[output.section]]\nname = \"p\"\nset = \"rock\"\nat = [20, 30, -40]\nnormal = [0, 0, 1]\nalong = [1, 0, 0]\nreinforcement = { concrete_strength = 1.5e7, bars = [0, 2e-3], cover = 0.05, yield_stress = 4.35e8 }",
+            {
+                let mut plan = plan();
+                let cut = CrossSection {
+                    name: "p".into(),
+                    point: spot,
+                    normal: Vec3::z(),
+                    along: Vec3::x(),
+                    within: None,
+                };
+                let reinforcement = SectionReinforcement {
+                    concrete_strength: 1.5e7,
+                    bars: [0.0, 2.0e-3],
+                    cover: 0.05,
+                    yield_stress: 4.35e8,
+                };
+                plan.cuts
+                    .push(SectionRequest::new("rock", cut).with_reinforcement(reinforcement));
+                plan
+            },
         ),
         (
             "[output.envelope]\nquantities = [\"stress\", \"velocity\"]\nsets = [\"rock\"]\nevery = 0.02",

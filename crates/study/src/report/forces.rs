@@ -1,9 +1,11 @@
 //! Section forces of linings and floors.
 
+use std::path::Path;
+
 use powerhouse::io::{TableColumn, read_table};
 
+use super::column;
 use super::page::Table;
-use super::{CaseFiles, column};
 use crate::StudyError;
 use crate::rounded::rounded;
 
@@ -14,10 +16,52 @@ const FORCES: [(&str, &str, &str); 3] = [
     ("moment_per_metre", "M", "kN m/m"),
 ];
 
-/// The static, the least and the greatest force of each section of a case, the latter with their times; `None` without
-/// sections.
-pub(super) fn table(case: &CaseFiles) -> Result<Option<Table>, StudyError> {
-    let file = case.folder.join("sections.csv");
+/// What the forces and columns of the tables are.
+pub(super) const MEANING: &str = "Normal force N (tension positive), shear force Q and bending moment M of sections through \
+     linings and floors, per metre along them: static, and the least and greatest of the run with their times.";
+
+/// The greatest utilisation of each reinforced section of a run, from its summary; `None` without one.
+pub(super) fn utilisation(summary: &serde_json::Value) -> Option<Table> {
+    let uses = summary["section_uses"].as_array()?;
+    let row = |of: &serde_json::Value| {
+        let real = |key: &str| of[key].as_f64();
+        let thousands = |key: &str| real(key).map_or(String::new(), |value| rounded(1e-3 * value));
+        let borne = [0, 1].map(|end| of["borne"][end].as_f64().map(|value| rounded(1e-3 * value)));
+        vec![
+            of["section"].as_str().unwrap_or("").to_owned(),
+            real("utilisation").map_or("beyond".to_owned(), rounded),
+            real("time").map_or(String::new(), |time| format!("{time:.2}")),
+            thousands("axial"),
+            thousands("moment"),
+            match borne {
+                [Some(least), Some(greatest)] => format!("{least} to {greatest}"),
+                _ => "none".to_owned(),
+            },
+            real("thickness").map_or(String::new(), rounded),
+            real("beyond_from").map_or("never".to_owned(), |time| format!("from {time:.2} s")),
+        ]
+    };
+    Some(Table {
+        header: [
+            "section",
+            "greatest utilisation",
+            "at (s)",
+            "N (kN/m)",
+            "M (kN m/m)",
+            "M borne with N (kN m/m)",
+            "thickness (m)",
+            "beyond",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        rows: uses.iter().map(row).collect(),
+    })
+}
+
+/// The static, the least and the greatest force of each section in a result folder, the latter with their times; `None`
+/// without sections.
+pub(super) fn table(folder: &Path) -> Result<Option<Table>, StudyError> {
+    let file = folder.join("sections.csv");
     if !file.exists() {
         return Ok(None);
     }

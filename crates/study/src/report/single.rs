@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::page::{Page, Table};
 use super::run_warnings::RunWarnings;
-use super::{motions, read_json, report_gaps, tables};
+use super::{forces, motions, read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
 
@@ -62,6 +62,19 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         rows: rows.collect(),
     });
     motions::section(&mut page, folder, &warnings.about(&["histories"]))?;
+    if let Some(table) = forces::table(folder)? {
+        page.section("Section forces");
+        page.warnings(&warnings.about(&["sections"]));
+        page.paragraph(forces::MEANING);
+        page.table(&table);
+        if let Some(uses) = forces::utilisation(&summary) {
+            page.paragraph(
+                "Utilisation of reinforced sections: the moment over what the section bears with the same normal \
+                 force (`capacity/`), strengths as in the scene.",
+            );
+            page.table(&uses);
+        }
+    }
     for (section, below, end) in [("Plots", "plots", "svg"), ("Pictures", "pictures", "png")] {
         let files = files(&folder.join(below), end);
         if !files.is_empty() {

@@ -298,7 +298,7 @@ impl Sweep<'_> {
     fn sections(&self, page: &mut Page) -> Result<(), StudyError> {
         let mut tables = Vec::new();
         for case in self.cases {
-            if let Some(table) = forces::table(case)? {
+            if let Some(table) = forces::table(&case.folder)? {
                 tables.push((&case.outcome.name, table));
             }
         }

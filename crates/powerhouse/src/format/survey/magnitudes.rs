@@ -24,6 +24,8 @@ pub(super) fn of(table: &str, key: &str) -> UsualRange {
         ("joint", "tolerance") => usual::GAP,
         ("stage", "tolerance") => usual::SHARE,
         ("bolt", "section") => usual::SECTION,
+        ("reinforcement", "bars") => usual::BARS,
+        ("reinforcement", "cover") => usual::COVER,
         ("pattern", "length" | "spacing") => usual::BOLT_LENGTH,
         ("baseline", "corner") => usual::FREQUENCY,
         ("joint", "corner") => usual::NUMBER,
@@ -37,7 +39,9 @@ pub(super) fn of(table: &str, key: &str) -> UsualRange {
             | "tensile_strength"
             | "compressive_strength"
             | "compressive_limit"
-            | "intact_strength",
+            | "intact_strength"
+            | "concrete_strength"
+            | "yield_stress",
         ) => usual::STRENGTH,
         (_, "friction" | "dilation") => usual::ANGLE,
         (_, "static_friction" | "dynamic_friction") => usual::FRICTION,
