@@ -15,7 +15,8 @@ use crate::terminal::{say, say_warning};
 pub(crate) struct PlotArguments {
     /// Folder of the results of a run or of a case.
     folder: PathBuf,
-    /// Histories that are drawn together, such as crown (all its columns) or crown.ax; without any the columns are listed.
+    /// Histories, sections, joints, bolts or energies that are drawn together, such as crown (all its columns) or crown.ax;
+    /// without any the columns are listed.
     histories: Vec<String>,
     /// What is drawn.
     #[arg(long, value_enum, default_value_t = Kind::Time)]
@@ -43,9 +44,9 @@ enum Kind {
 
 /// Draws histories of a finished run, or lists them.
 pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
-    let motions = RecordedMotions::of_folder(arguments.folder)?;
+    let tables = RecordedMotions::all_of_folder(arguments.folder)?;
     if arguments.histories.is_empty() {
-        for column in motions.columns() {
+        for column in tables.iter().flat_map(RecordedMotions::columns) {
             let peak = column
                 .values
                 .iter()
@@ -54,6 +55,7 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         }
         return Ok(ExitCode::SUCCESS);
     }
+    let motions = RecordedMotions::with_names(&tables, &arguments.histories)?;
     let measure = match arguments.of {
         Kind::Time => Measure::Time,
         Kind::Response => Measure::Response,

@@ -127,6 +127,9 @@ impl SectionCapacity {
             f64::MIN_POSITIVE.max(1e-12 * self.thickness),
             FAR * self.thickness,
         );
+        // Near the greatest pressure the normal force is the same at all depths: the least of them has the moment.
+        let [least, greatest] = self.axial_range();
+        let rounding = 1e-12 * (greatest - least);
         // The normal force falls as the neutral axis goes deeper; depths differ by orders.
         for _ in 0..HALVINGS {
             let middle = (low * high).sqrt();
@@ -134,7 +137,7 @@ impl SectionCapacity {
                 break;
             }
             let [found, _] = self.at_failure(middle, turned);
-            if found > axial {
+            if found > axial + rounding {
                 low = middle;
             } else {
                 high = middle;

@@ -6,7 +6,7 @@ use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::observe::{CrossSection, SectionCapacity, SectionReinforcement};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
+use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
     Boundary, Error, Material, OutputPlan, Part, Remark, ResultFolder, RunHooks, RunNotes, Scene,
     SectionRequest,
@@ -19,8 +19,8 @@ const DEPTH: f64 = 30.0;
 
 /// A body of rock under an oblique SV wave, with a reinforced section across.
 fn scene(mesh: Mesh, cut: CrossSection, reinforcement: SectionReinforcement) -> Scene {
-    let mut parameters = PlaneWaveParameters::vertical(WaveKind::Sv, media::ROCK, 0.0);
-    parameters.incidence = 20.0;
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, media::ROCK, 0.0);
+    parameters.incidence = Angle::from_degrees(20.0);
     parameters.reference = mesh.bounding_box().0;
     let pulse = Arc::new(SmoothPulse::new(0.01, 0.1).unwrap());
     let rock = Material::from(LinearElastic::new(media::ROCK));
@@ -60,7 +60,7 @@ fn utilisation_is_that_of_the_recorded_forces() {
     for (strength, is_beyond) in [(20.0e6, false), (2.0e5, true)] {
         let reinforcement = SectionReinforcement {
             concrete_strength: strength,
-            bars: [1.0e-2 * strength / 20.0e6, 3.0e-2 * strength / 20.0e6],
+            bars: [0.2 * strength / 20.0e6, 0.6 * strength / 20.0e6],
             cover: 0.5,
             yield_stress: 4.0e8,
         };

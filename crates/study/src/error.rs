@@ -91,6 +91,12 @@ pub enum StudyError {
         /// Names of the columns.
         available: Vec<String>,
     },
+    /// Columns of several tables, whose times differ, in one plot.
+    #[error("{} are in several tables, whose times differ: draw them one by one", names.join(", "))]
+    SeveralTables {
+        /// Names of the columns.
+        names: Vec<String>,
+    },
     /// A history of which no spectrum exists.
     #[error(
         "'{name}' ({unit}) with {samples} samples has no spectrum: it is that of an acceleration (m/s2) with at least two \

@@ -12,8 +12,14 @@ use crate::even_samples::even_samples;
 
 /// Damping ratios of the oscillators of response spectra.
 pub const DAMPINGS: [f64; 3] = [0.02, 0.05, 0.1];
-/// Table of the histories in a result folder.
-const HISTORIES: &str = "histories.csv";
+/// Tables over time in a result folder, and what the warnings about each are about.
+const TABLES: [(&str, &str); 5] = [
+    ("histories.csv", "histories"),
+    ("sections.csv", "sections"),
+    ("joints.csv", "joints"),
+    ("bolts.csv", "bolts"),
+    ("energies.csv", "energy"),
+];
 /// Folder of the plots in a result folder.
 const PLOTS: &str = "plots";
 /// Unit of accelerations.
@@ -59,10 +65,11 @@ pub struct MotionPlot<'c> {
     pub dampings: Vec<f64>,
 }
 
-/// Table of the histories of a run.
+/// Table of the histories of a run, or of its section forces, joints, bolts or energies over time.
 #[derive(Clone, Debug)]
 pub struct RecordedMotions {
     folder: PathBuf,
+    about: &'static str,
     table: Vec<TableColumn>,
 }
 
@@ -73,13 +80,59 @@ impl RecordedMotions {
     /// [`StudyError::NoHistoryTable`]; a table that cannot be read.
     pub fn of_folder(folder: impl Into<PathBuf>) -> Result<Self, StudyError> {
         let folder = folder.into();
-        let file = folder.join(HISTORIES);
+        let histories = Self::of_table(&folder, TABLES[0])?;
+        histories.ok_or(StudyError::NoHistoryTable { folder })
+    }
+    /// All tables over time in a result folder: histories, section forces, joints, bolts and energies, as far as the run
+    /// has them.
+    ///
+    /// # Errors
+    /// [`StudyError::NoHistoryTable`] without any; a table that cannot be read.
+    pub fn all_of_folder(folder: impl Into<PathBuf>) -> Result<Vec<Self>, StudyError> {
+        let folder = folder.into();
+        let mut tables = Vec::new();
+        for table in TABLES {
+            tables.extend(Self::of_table(&folder, table)?);
+        }
+        match tables.is_empty() {
+            false => Ok(tables),
+            true => Err(StudyError::NoHistoryTable { folder }),
+        }
+    }
+    /// The table that has all named columns or histories, of tables of one folder.
+    ///
+    /// # Errors
+    /// [`StudyError::NoSuchColumn`]; [`StudyError::SeveralTables`] of names in different tables.
+    pub fn with_names<'t>(tables: &'t [Self], names: &[String]) -> Result<&'t Self, StudyError> {
+        for name in names {
+            if !tables.iter().any(|table| table.named(name).is_ok()) {
+                let columns = tables.iter().flat_map(Self::columns);
+                return Err(StudyError::NoSuchColumn {
+                    name: name.clone(),
+                    available: columns.map(|column| column.name.clone()).collect(),
+                });
+            }
+        }
+        let has_all = |table: &&Self| names.iter().all(|name| table.named(name).is_ok());
+        tables
+            .iter()
+            .find(has_all)
+            .ok_or_else(|| StudyError::SeveralTables {
+                names: names.to_vec(),
+            })
+    }
+    /// A table of a result folder; none if there is none, or it has no columns.
+    fn of_table(
+        folder: &Path,
+        (name, about): (&str, &'static str),
+    ) -> Result<Option<Self>, StudyError> {
+        let file = folder.join(name);
         if !file.exists() {
-            return Err(StudyError::NoHistoryTable { folder });
+            return Ok(None);
         }
         let table = read_table(&file).map_err(powerhouse::Error::from)?;
         if table.len() < 2 {
-            return Err(StudyError::NoHistoryTable { folder });
+            return Ok(None);
         }
         for column in &table {
             let is_time = std::ptr::eq(column, &table[0]);
@@ -97,7 +150,11 @@ impl RecordedMotions {
                 });
             }
         }
-        Ok(Self { folder, table })
+        Ok(Some(Self {
+            folder: folder.into(),
+            about,
+            table,
+        }))
     }
     /// Columns of the table but for the time, each with its name and unit.
     pub fn columns(&self) -> &[TableColumn] {
@@ -169,7 +226,7 @@ impl RecordedMotions {
         Ok(table)
     }
     /// Writes a plot (SVG) and its table (CSV) beside it, by default into the folder of the plots of the run; the table
-    /// begins with the warnings of the run about its histories. Returns the two files.
+    /// begins with the warnings of the run about them. Returns the two files.
     ///
     /// # Errors
     /// As [`table`](Self::table); files that cannot be written.
@@ -208,12 +265,12 @@ impl RecordedMotions {
             _ => Ok(file),
         }
     }
-    /// Warnings of the run about its histories.
+    /// Warnings of the run about the table.
     pub fn warnings(&self) -> Vec<String> {
         let summary = std::fs::read(self.folder.join("summary.json")).unwrap_or_default();
         let summary: Value = serde_json::from_slice(&summary).unwrap_or_default();
         let warnings = summary["warnings"].as_array().into_iter().flatten();
-        let about = warnings.filter(|warning| warning["about"] == "histories");
+        let about = warnings.filter(|warning| warning["about"] == self.about);
         let texts = about.filter_map(|warning| warning["text"].as_str());
         texts.map(String::from).collect()
     }
@@ -320,7 +377,7 @@ mod tests {
             TableColumn::new("crown.ux", "m", vec![0.1; times.len()]),
             TableColumn::new("crown.ax", "m/s2", times.iter().map(wave).collect()),
         ];
-        powerhouse::io::write_table(&folder.join(HISTORIES), &table).unwrap();
+        powerhouse::io::write_table(&folder.join(TABLES[0].0), &table).unwrap();
         RecordedMotions::of_folder(folder).unwrap()
     }
 
@@ -399,6 +456,33 @@ mod tests {
         assert!(refused.to_string().contains("'crown.ux' (m)"), "{refused}");
         let refused = motions.named("floor").unwrap_err().to_string();
         assert!(refused.contains("crown.ux, crown.ax"), "{refused}");
+        // Section forces have a table of their own times.
+        let sections = [
+            TableColumn::new("time", "s", vec![0.0, 0.1]),
+            TableColumn::new("lining.moment_across", "N m", vec![1.0, -2.0]),
+        ];
+        let file = motions.folder.join("sections.csv");
+        powerhouse::io::write_table(&file, &sections).unwrap();
+        let tables = RecordedMotions::all_of_folder(&motions.folder).unwrap();
+        assert_eq!(tables.len(), 2);
+        let names = |names: &[&str]| -> Vec<String> { names.iter().map(|n| (*n).into()).collect() };
+        let found = RecordedMotions::with_names(&tables, &names(&["lining"])).unwrap();
+        let moments = MotionPlot {
+            measure: Measure::Time,
+            columns: found.named("lining").unwrap(),
+            dampings: Vec::new(),
+        };
+        let [_, table] = found.write(&moments, None).unwrap();
+        assert_eq!(read_table(&table).unwrap()[1].values, [1.0, -2.0]);
+        assert!(matches!(
+            RecordedMotions::with_names(&tables, &names(&["lining", "crown"])),
+            Err(StudyError::SeveralTables { .. })
+        ));
+        let refused = RecordedMotions::with_names(&tables, &names(&["floor"])).unwrap_err();
+        assert!(
+            refused.to_string().contains("lining.moment_across"),
+            "{refused}"
+        );
         let folder = motions.folder.join("none");
         assert!(matches!(
             RecordedMotions::of_folder(folder),

@@ -154,8 +154,9 @@ struct Peak {
 #[derive(Debug, Serialize)]
 struct Utilisation {
     section: String,
-    /// Of the moment borne with the same normal force; null where none is borne
-    utilisation: f64,
+    /// Of the moment borne with the same normal force; none where no moment is borne
+    #[serde(skip_serializing_if = "Option::is_none")]
+    utilisation: Option<f64>,
     /// s
     time: f64,
     /// N/m, tension positive
@@ -175,7 +176,7 @@ struct Utilisation {
 impl Utilisation {
     fn new(of: SectionUse) -> Self {
         Self {
-            utilisation: of.utilisation,
+            utilisation: Some(of.utilisation).filter(|share| share.is_finite()),
             time: of.time,
             axial: of.axial,
             moment: of.moment,
