@@ -343,15 +343,23 @@ impl fmt::Display for Remark {
                 recovery,
                 integration,
             } => {
-                let erred = match *integration {
-                    0.0 => String::new(),
-                    error => {
-                        format!(", and the time integration of the laws erred by {error:.2e} J")
-                    }
-                };
+                let gave = (*recovery > 0.0).then(|| {
+                    format!(
+                        "the stiffness that returned when cracks closed gave the body {recovery:.2e} J"
+                    )
+                });
+                let erred = (*integration != 0.0).then(|| {
+                    format!("the time integration of the laws erred by {integration:.2e} J")
+                });
+                let causes: Vec<String> = gave.into_iter().chain(erred).collect();
                 write!(
                     f,
-                    "the stiffness that returned when cracks closed gave the body {recovery:.2e} J{erred}, where plastic flow and damage took {dissipated:.2e} J: peaks of acceleration, plastic strain, displacement and section forces of the parts that crack depend on the time step and on rounding, and may be too large by far; compare with a shorter step (`safety = 0.4` in `[time]`), with a law without recovery (`stiffness_recovery = 0`) and with an elastic run"
+                    "{}, where plastic flow and damage took {dissipated:.2e} J: peaks of acceleration, plastic strain, displacement and section forces of the parts that crack depend on the time step and on rounding, and may be too large by far; compare with a shorter step (`safety = 0.4` in `[time]`){} and with an elastic run",
+                    causes.join(", and "),
+                    match *recovery > 0.0 {
+                        true => ", with a law without recovery (`stiffness_recovery = 0`)",
+                        false => "",
+                    }
                 )
             }
             Self::DividedSection {
