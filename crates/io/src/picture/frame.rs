@@ -3,7 +3,7 @@
 use powerhouse_model::Vec3;
 
 use super::colour::{ColourMap, Rgb, darkened, set_colour};
-use super::font::{HEIGHT, text_width, write};
+use super::lettering::Lettering;
 use super::raster::{Point, Raster};
 use super::surface::{Patch, Surface, colours_of_sets};
 use super::{Picture, PictureField};
@@ -15,7 +15,7 @@ const INK: Rgb = [40, 40, 40];
 const FINER: usize = 2;
 const MARGIN: usize = 16;
 /// Width of the colour scale with its numbers (pixels).
-const SIDE: usize = 130;
+const SIDE: usize = 150;
 const BAR: usize = 22;
 /// Offset of lines in front of their surface, relative to the size of the body.
 const LIFT: f64 = 1e-3;
@@ -49,17 +49,22 @@ pub(super) fn draw(picture: &Picture) -> Option<Frame> {
         height: picture.height as usize,
         pixels: raster.reduced(FINER),
     };
-    let size = font_size(picture);
-    write(&mut frame, [MARGIN, MARGIN / 2], &picture.title, size, INK);
+    let lettering = lettering(picture);
+    for (number, line) in picture.title.lines().enumerate() {
+        let top = MARGIN / 2 + number * lettering.line();
+        lettering.write(&mut frame, [MARGIN, top], line, INK);
+    }
     match range {
         Some(_) if !picture.names.is_empty() => {
-            draw_label(&mut frame, &picture.label, size);
-            draw_names(&mut frame, picture.names.iter().copied(), size);
+            let top = below_title(picture, lettering.line());
+            draw_label(&mut frame, &picture.label, (top, &lettering));
+            draw_names(&mut frame, picture.names.iter().copied(), (top, &lettering));
         }
         Some(range) => draw_scale(&mut frame, picture, range),
         None => {
             let sets = picture.mesh.element_sets().keys();
-            draw_names(&mut frame, sets.map(String::as_str), size);
+            let top = below_title(picture, lettering.line());
+            draw_names(&mut frame, sets.map(String::as_str), (top, &lettering));
         }
     }
     Some(frame)
@@ -78,12 +83,10 @@ fn range(picture: &Picture, surface: &Surface) -> Option<[f64; 2]> {
     })
 }
 
-fn font_size(picture: &Picture) -> usize {
-    if picture.width.min(picture.height) < 500 {
-        1
-    } else {
-        2
-    }
+/// Lettering in proportion to the picture.
+fn lettering(picture: &Picture) -> Lettering {
+    let size = picture.width.min(picture.height) as f32 / 50.0;
+    Lettering::new(size.clamp(10.0, 36.0))
 }
 
 /// Mapping of numbers to colours and of positions to pixels.
@@ -112,12 +115,7 @@ impl<'a> Painter<'a> {
             (low, high) = (low.inf(&seen), high.sup(&seen));
         }
         let seen = 0.5 * (low + high);
-        let top = MARGIN
-            + if picture.title.is_empty() {
-                0
-            } else {
-                HEIGHT * 2 + 8
-            };
+        let top = MARGIN + picture.title.lines().count() * lettering(picture).line();
         let width = (picture.width as usize)
             .saturating_sub(2 * MARGIN + SIDE)
             .max(16);
@@ -245,17 +243,17 @@ impl<'a> Painter<'a> {
 
 /// Draws the colour scale with round numbers at the right.
 fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
-    let size = font_size(picture);
-    let line = HEIGHT * size;
-    let top = MARGIN + 3 * line;
+    let lettering = lettering(picture);
+    let line = lettering.line();
+    let top = below_title(picture, line) + 2 * line;
     let bottom = frame.height.saturating_sub(2 * MARGIN).max(top + 2);
     let left = frame.width.saturating_sub(SIDE - 16);
     let scale = Scale::new(low, high, 12, false);
     let mut label = picture.label.clone();
     if scale.exponent != 0 {
-        label.push_str(&format!(" x10^{}", scale.exponent));
+        label.push_str(&format!(" ×10^{}", scale.exponent));
     }
-    draw_label(frame, &label, size);
+    draw_label(frame, &label, (below_title(picture, line), &lettering));
     // With equal ends the axis is wider than the colours; all of it has the middle colour.
     let flat = low == high;
     for row in top..=bottom {
@@ -268,31 +266,34 @@ fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
         let row = bottom - (share * (bottom - top) as f64).round() as usize;
         frame.fill([left + BAR, row], [6, 1], INK);
         let text = scale.text(mark);
-        write(
-            frame,
-            [left + BAR + 10, row.saturating_sub(line / 2)],
-            &text,
-            size,
-            INK,
-        );
+        let corner = [left + BAR + 10, row.saturating_sub(line / 2)];
+        lettering.write(frame, corner, &text, INK);
     }
 }
 
 /// Draws the label of the colour scale at the top right.
-fn draw_label(frame: &mut Frame, label: &str, size: usize) {
-    let start = (frame.width).saturating_sub(text_width(label, size) + MARGIN / 2);
-    let top = MARGIN + HEIGHT * size / 2;
-    write(frame, [start, top], label, size, INK);
+fn draw_label(frame: &mut Frame, label: &str, (top, lettering): (usize, &Lettering)) {
+    let start = (frame.width).saturating_sub(lettering.width(label) + MARGIN / 2);
+    lettering.write(frame, [start, top], label, INK);
+}
+
+/// First row of pixels below the title, with lines of a height (pixels).
+fn below_title(picture: &Picture, line: usize) -> usize {
+    MARGIN / 2 + picture.title.lines().count() * line
 }
 
 /// Draws names with their colours at the right.
-fn draw_names<'a>(frame: &mut Frame, names: impl Iterator<Item = &'a str>, size: usize) {
-    let line = HEIGHT * size;
+fn draw_names<'a>(
+    frame: &mut Frame,
+    names: impl Iterator<Item = &'a str>,
+    (top, lettering): (usize, &Lettering),
+) {
+    let line = lettering.line();
     let left = frame.width.saturating_sub(SIDE - 8);
     for (number, name) in names.enumerate() {
-        let row = MARGIN + 3 * line + number * 2 * line;
+        let row = top + 2 * line + number * 3 * line / 2;
         frame.fill([left, row], [line, line], set_colour(Some(number)));
-        write(frame, [left + line + 6, row], name, size, INK);
+        lettering.write(frame, [left + line + 6, row], name, INK);
     }
 }
 

@@ -4,8 +4,8 @@
 //! card.
 
 mod colour;
-mod font;
 mod frame;
+mod lettering;
 mod raster;
 mod surface;
 mod view;
@@ -74,7 +74,7 @@ pub struct Picture<'a> {
     pub mesh: &'a Mesh,
     /// Field that colours it.
     pub field: PictureField<'a>,
-    /// Title at the top; characters outside of ASCII, which the font has not, become `?`.
+    /// Title at the top, in lines; characters other than Latin and Greek letters and signs become `?`.
     pub title: String,
     /// Label of the colour scale: name and unit of the field.
     pub label: String,
@@ -90,6 +90,8 @@ pub struct Picture<'a> {
     pub view: PictureView,
     /// Cutting plane that opens the body.
     pub section: Option<SectionPlane>,
+    /// Box (lower and upper corner, m) that the picture shows: elements or facets with their centroid outside are not drawn.
+    pub close_up: Option<[Vec3; 2]>,
     /// Active elements, one flag per element: excavated rooms and linings that are not cast yet are not
     /// drawn. `None`: all are active.
     pub present: Option<&'a [bool]>,
@@ -116,6 +118,7 @@ impl<'a> Picture<'a> {
             colours: ColourMap::default(),
             view: PictureView::aslant(),
             section: None,
+            close_up: None,
             present: None,
             deformation: None,
             edges: true,
@@ -149,6 +152,12 @@ impl<'a> Picture<'a> {
                 f64::MIN_POSITIVE,
                 f64::MAX,
             )?;
+        }
+        if let Some([low, high]) = &self.close_up {
+            for axis in 0..3 {
+                within("close_up.low", low[axis], f64::MIN, f64::MAX)?;
+                within("close_up.high", high[axis], low[axis], f64::MAX)?;
+            }
         }
         if let Some([low, high]) = self.range {
             within("range.low", low, f64::MIN, f64::MAX)?;

@@ -35,6 +35,8 @@ impl Surface {
             (picture.section.as_ref()).is_none_or(|section| {
                 let beyond = (position - section.point).dot(&section.normal);
                 beyond <= rounding * section.normal.norm()
+            }) && picture.close_up.is_none_or(|[low, high]| {
+                (0..3).all(|axis| (low[axis]..=high[axis]).contains(&position[axis]))
             })
         };
         if let PictureField::Facets(field) = picture.field {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use powerhouse_io::{
-    FacetField, IoError, Picture, PictureField, Plot, PlotCurve, PlotPanel, SectionPlane,
-    TableColumn, write_picture, write_plot,
+    FacetField, IoError, Picture, PictureField, PictureView, Plot, PlotCurve, PlotPanel,
+    SectionPlane, TableColumn, write_picture, write_plot,
 };
 use powerhouse_model::{Mesh, Vec3};
 
@@ -80,22 +80,169 @@ pub(super) fn interaction(
     write_plot(file, &plot)
 }
 
-/// Writes a picture of a field on the active elements of the body, sectioned across y in the middle of its
-/// bounding box.
-pub(super) fn picture(
-    file: &Path,
-    (mesh, present): (&Mesh, Option<&[bool]>),
-    (name, unit): (&str, &str),
-    field: PictureField,
-) -> Result<(), IoError> {
-    let (low, high) = mesh.bounding_box();
-    let mut picture = Picture::new(mesh, field, format!("{name} ({unit})"));
-    picture.present = present;
-    picture.section = Some(SectionPlane {
-        point: (low + high) / 2.0,
-        normal: -Vec3::y(),
-    });
-    write_picture(file, &picture)
+/// What pictures of fields have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    /// Title of the scene.
+    pub(super) title: &'a str,
+    pub(super) mesh: &'a Mesh,
+    /// Active elements; none if all are.
+    pub(super) present: Option<&'a [bool]>,
+    /// Time at the end of the run (s).
+    pub(super) time: f64,
+}
+
+/// Units of files and those of pictures, with the number of the second in one of the first.
+const UNITS: [(&str, &str, f64); 3] = [("Pa", "MPa", 1e-6), ("m", "mm", 1e3), ("1", "", 1.0)];
+/// Share of the numbers of a field that its colours span, where the greatest is a spike.
+const SPANNED: f64 = 0.995;
+/// Greatest number over that at the end of the colours from which on it is a spike.
+const SPIKE: f64 = 2.0;
+/// Extent of a body over its next larger one (1) below which it is a slice, which is looked at straight on.
+const SLICE: f64 = 0.15;
+/// Surroundings of a structure that are drawn, over its greatest extent (1).
+const SURROUNDINGS: f64 = 0.35;
+
+impl Shown<'_> {
+    /// Writes a picture of a field on the active elements of the body, of a slice straight on, otherwise sectioned across y in
+    /// the middle; of a box (m) alone if one is given. Single numbers far beyond all others do not stretch the colours.
+    pub(super) fn picture(
+        &self,
+        file: &Path,
+        (name, unit): (&str, &str),
+        field: PictureField,
+        close_up: Option<[Vec3; 2]>,
+    ) -> Result<(), IoError> {
+        let known = UNITS.iter().find(|(of_files, ..)| *of_files == unit);
+        let (unit, factor) = known.map_or((unit, 1.0), |(_, shown, factor)| (*shown, *factor));
+        let scaled = |values: &[f64]| -> Vec<f64> { values.iter().map(|v| factor * v).collect() };
+        let (values, is_nodal) = match field {
+            PictureField::Nodal(values) => (scaled(values), true),
+            PictureField::Elemental(values) => (scaled(values), false),
+            PictureField::Sets | PictureField::Facets(_) => (Vec::new(), false),
+        };
+        let field = match is_nodal {
+            true => PictureField::Nodal(&values),
+            false => PictureField::Elemental(&values),
+        };
+        let (low, high) = self.mesh.bounding_box();
+        let [low, high] = close_up.unwrap_or([low, high]);
+        let mut picture = Picture::new(self.mesh, field, unit);
+        picture.present = self.present;
+        picture.close_up = close_up;
+        match slice(&(high - low)) {
+            Some(direction) => picture.view = PictureView::along(direction),
+            None => {
+                picture.section = Some(SectionPlane {
+                    point: (low + high) / 2.0,
+                    normal: -Vec3::y(),
+                });
+            }
+        }
+        let seen = self.seen(&values, is_nodal, close_up);
+        let mut title = format!(
+            "{}\n{name} of the run to {:.4} s: {} {unit}",
+            self.title,
+            self.time,
+            number(extreme(&seen)),
+        );
+        title.truncate(title.trim_end().len());
+        picture.range = colours(&seen);
+        if let Some([least, most]) = picture.range {
+            title.push_str(&format!(
+                ", colours from {} to {}",
+                number(least),
+                number(most)
+            ));
+        }
+        picture.title = title;
+        write_picture(file, &picture)
+    }
+
+    /// Numbers of the active elements, or of their nodes, in a box.
+    fn seen(&self, values: &[f64], is_nodal: bool, close_up: Option<[Vec3; 2]>) -> Vec<f64> {
+        let is_shown = |element: &u32| {
+            let centre = self.mesh.centroid(*element);
+            self.present
+                .is_none_or(|present| present[*element as usize])
+                && close_up.is_none_or(|[low, high]| {
+                    (0..3).all(|axis| (low[axis]..=high[axis]).contains(&centre[axis]))
+                })
+        };
+        let elements = 0..self.mesh.element_count() as u32;
+        let elements: Vec<u32> = elements.filter(is_shown).collect();
+        let of = |indices: &[u32]| {
+            indices
+                .iter()
+                .map(|&index| values[index as usize])
+                .collect()
+        };
+        match is_nodal {
+            true => of(&self.mesh.nodes_of_elements(&elements)),
+            false => of(&elements),
+        }
+    }
+}
+
+/// The number of largest magnitude; zero without numbers.
+fn extreme(values: &[f64]) -> f64 {
+    let larger = |most: f64, value: &f64| {
+        if value.abs() > most.abs() {
+            *value
+        } else {
+            most
+        }
+    };
+    values.iter().fold(0.0, larger)
+}
+
+/// A number with four digits.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if (1e-2..1e5).contains(&size) => {
+            let digits = (3 - size.log10().floor() as i32).max(0) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.3e}"),
+    }
+}
+
+/// Ends of the colours of a field with a spike at one end; none without.
+fn colours(values: &[f64]) -> Option<[f64; 2]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (least, most) = (*sorted.first()?, *sorted.last()?);
+    let beyond = ((1.0 - SPANNED) * sorted.len() as f64) as usize;
+    let (lower, upper) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
+    let is_high = upper > 0.0 && most > SPIKE * upper;
+    let is_low = lower < 0.0 && least < SPIKE * lower;
+    (is_high || is_low).then_some([
+        if is_low { lower } else { least },
+        if is_high { upper } else { most },
+    ])
+}
+
+/// Direction across a body of given extents that is a slice.
+fn slice(extents: &Vec3) -> Option<Vec3> {
+    let thin = extents.imin();
+    let others = (0..3).filter(|axis| *axis != thin);
+    let next = others
+        .map(|axis| extents[axis])
+        .fold(f64::INFINITY, f64::min);
+    let directions = [-Vec3::x(), Vec3::y(), -Vec3::z()];
+    (extents[thin] < SLICE * next).then_some(directions[thin])
+}
+
+/// Box of a structure with its surroundings (m); none if that is most of the body.
+pub(super) fn close_up(mesh: &Mesh, structure: Option<[Vec3; 2]>) -> Option<[Vec3; 2]> {
+    let [low, high] = structure?;
+    let around = Vec3::repeat(SURROUNDINGS * (high - low).max());
+    let (low, high) = (low - around, high + around);
+    let (least, most) = mesh.bounding_box();
+    let seen = high.inf(&most) - low.sup(&least);
+    let is_smaller = (0..3).any(|axis| seen[axis] < 0.7 * (most - least)[axis]);
+    is_smaller.then_some([low, high])
 }
 
 /// Writes a picture of the facets of a joint, viewed along their mean normal; closed surfaces are sectioned across y

@@ -39,6 +39,7 @@ use crate::{Error, Simulation, StageSink};
 /// | `envelope.vtu` | greatest values with their times |
 /// | `state.vtu` | envelopes of the history variables of laws, such as damage, with times; damage type and yield state at the end |
 /// | `pictures/NAME.png` | picture of each envelope on the body, sectioned in the middle |
+/// | `pictures/NAME-structure.png` | the same, of the surroundings of the parts that touch no absorbing face |
 /// | `pictures/joint-NAME-WHAT.png` | picture of the facets of a joint: final contact state and bond, contact states reached in the run, slip and peak opening if there were any |
 /// | `stages/NUMBER-NAME.vtu` | body at the end of a stage: displacement, stress, history variables of laws, active elements; also the facets of joints (`-JOINT.vtu`) and the axial forces of bolts (`-BOLTS.csv`) |
 /// | `bolts.csv`, `plots/bolts-NAME.svg` | greatest axial force of each bolt group against time |
@@ -78,6 +79,8 @@ const SECTIONS: &str = "sections.csv";
 pub(super) const ENVELOPE: &str = "envelope.vtu";
 /// Name of the file of history variable envelopes.
 pub(super) const STATE: &str = "state.vtu";
+/// End of the names of pictures of the structure.
+pub(super) const CLOSE_UP: &str = "structure";
 /// Start of the names of test files.
 const PROBE: &str = ".writable";
 
@@ -309,9 +312,21 @@ impl ResultFolder {
             files.write(name, |file| fields.write(file, (mesh, present), time));
             #[cfg(feature = "pictures")]
             for (name, field, unit) in fields.peaks() {
-                files.write(&format!("pictures/{}.png", file_name(name)), |file| {
-                    drawing::picture(file, (mesh, present), (name, unit), field)
+                let plain = file_name(name);
+                let shown = drawing::Shown {
+                    title,
+                    mesh,
+                    present,
+                    time,
+                };
+                files.write(&format!("pictures/{plain}.png"), |file| {
+                    shown.picture(file, (name, unit), field, None)
                 });
+                if let Some(close_up) = drawing::close_up(mesh, results.structure) {
+                    files.write(&format!("pictures/{plain}-{CLOSE_UP}.png"), |file| {
+                        shown.picture(file, (name, unit), field, Some(close_up))
+                    });
+                }
             }
         }
         for (surface, table) in results.joint_surfaces.iter().zip(&results.joints) {

@@ -3,7 +3,7 @@
 use powerhouse_model::{HistoryKind, HistoryVariable};
 
 use super::file_name;
-use super::folder::{ENVELOPE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
+use super::folder::{CLOSE_UP, ENVELOPE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
 use super::{OutputPlan, joints, vtu};
 
 /// Output plan and named objects of a run, after which files are named.
@@ -51,6 +51,7 @@ impl Named<'_> {
         let peaks = peaks.filter(|variable| variable.kind == HistoryKind::Amount);
         for name in vtu::ENVELOPES.into_iter().chain(peaks.map(|v| v.name)) {
             add("pictures", name, ".png");
+            add("pictures", &format!("{name}-{CLOSE_UP}"), ".png");
         }
         for joint in &self.joints {
             add("joints", joint, ".vtu");

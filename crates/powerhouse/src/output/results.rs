@@ -8,7 +8,7 @@ use powerhouse_contact::JointSurface;
 use powerhouse_elements::BoltSet;
 use powerhouse_model::{
     Cadence, HandOverReport, HourglassShare, JointRecord, Mesh, ModelError, Observer, RunReport,
-    StageReport,
+    StageReport, Vec3,
 };
 use powerhouse_observe::{
     BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
@@ -80,6 +80,9 @@ pub struct Results {
     pub joint_surfaces: Vec<JointSurface>,
     /// Which elements of the mesh are active in the dynamic run, one flag per element; none if all are.
     pub present: Option<Vec<bool>>,
+    /// Box (lower and upper corner, m) of the parts that touch no absorbing face, such as a lining, of which pictures are drawn
+    /// closer; none without an absorbing boundary or such parts.
+    pub structure: Option<[Vec3; 2]>,
     /// Number of snapshots that the receiver has taken.
     pub snapshots: u64,
     /// Reports of the construction stages before the run, in their order; empty without stages.
@@ -263,6 +266,8 @@ pub(crate) struct Recordings {
     joint_surfaces: Vec<NamedSurface>,
     bolts: Option<Recording<BoltTables>>,
     present: Option<Vec<bool>>,
+    /// Box of the parts that touch no absorbing face.
+    pub(crate) structure: Option<[Vec3; 2]>,
 }
 
 /// Reports of a run beside its recordings.
@@ -298,6 +303,7 @@ impl Recordings {
             joint_surfaces: Vec::new(),
             bolts: None,
             present: present.map(<[bool]>::to_vec),
+            structure: None,
         };
         let (history, mut without_state) = histories(plan, mesh, present, state_variables)?;
         remarks.append(&mut without_state);
@@ -471,6 +477,7 @@ impl Recordings {
             envelope: self.envelope.map(|recording| recording.copy()),
             state: self.state.map(|recording| recording.copy()),
             present: self.present,
+            structure: self.structure,
             snapshots,
             stages: Vec::new(),
             in_situ_stress: false,

@@ -146,6 +146,15 @@ impl Scene {
         {
             return Ok(centre);
         }
+        let [low, high] = match self.structure()? {
+            Some(structure) => structure,
+            None => self.mesh.bounding_box().into(),
+        };
+        Ok((low + high) / 2.0)
+    }
+
+    /// Box (lower and upper corner, m) of the parts that touch no absorbing face; none if all do.
+    pub(crate) fn structure(&self) -> Result<Option<[Vec3; 2]>, Error> {
         let behind = self.parts_behind_boundary()?;
         let inner = self
             .parts
@@ -156,19 +165,15 @@ impl Scene {
         for (_, part) in inner {
             elements.extend_from_slice(self.mesh.element_set(&part.set)?);
         }
-        let (low, high) = if elements.is_empty() {
-            self.mesh.bounding_box()
-        } else {
-            let nodes = self.mesh.nodes_of_elements(&elements);
-            let positions = nodes
-                .iter()
-                .map(|&node| self.mesh.positions()[node as usize]);
-            let infinite = Vec3::repeat(f64::INFINITY);
-            positions.fold((infinite, -infinite), |(low, high), x| {
-                (low.inf(&x), high.sup(&x))
-            })
-        };
-        Ok((low + high) / 2.0)
+        let nodes = self.mesh.nodes_of_elements(&elements);
+        let positions = nodes
+            .iter()
+            .map(|&node| self.mesh.positions()[node as usize]);
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let [low, high] = positions.fold([infinite, -infinite], |[low, high], x| {
+            [low.inf(&x), high.sup(&x)]
+        });
+        Ok((!nodes.is_empty()).then_some([low, high]))
     }
 }
 

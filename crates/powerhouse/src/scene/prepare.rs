@@ -80,6 +80,10 @@ impl Scene {
             &state_variables,
             &mut remarks,
         )?;
+        recordings.structure = match self.boundary {
+            Some(_) => self.structure()?,
+            None => None,
+        };
         for (request, geometry) in (self.output.cuts.iter()).zip(recordings.section_geometry()) {
             let coarse = coarse_in_bending(&self.mesh, request, geometry, &self.parts);
             remarks.extend(coarse);
