@@ -95,7 +95,7 @@ pub use joint::{
     Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
 pub use kernel::{ElementKernel, Geometry, Hourglass, OwnStep};
-pub use lane::{Lane, Scalar, array, each};
+pub use lane::{Lane, Repeated, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, RemainingStiffness, point_energy,
     point_stress_change,
