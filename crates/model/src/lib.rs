@@ -47,6 +47,7 @@ mod mesh;
 mod nodal;
 mod periodic;
 mod point_law;
+mod program;
 mod ranks;
 mod rayleigh;
 mod reach;
@@ -110,6 +111,9 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
+pub use program::{
+    NumberFormat, Program, ProgramBranch, ProgramError, ProgramLoop, ProgramOperation, ProgramParts,
+};
 pub use ranks::{Message, RankError, RankForecast, Ranks, SingleRank, ThreadRanks};
 pub use reach::{Reach, Selection};
 pub use run::{
