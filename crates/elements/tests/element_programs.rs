@@ -7,7 +7,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{
     BlockContext, BlockOptions, BlockPart, ElementKind, Lane, Mesh, NodalView, NodalViewMut,
-    Precision, Program, ProgramError, Quad, Rayleigh, Scalar, StepTime, Stress, Vec3,
+    Precision, ProgramError, Quad, Rayleigh, Scalar, StepTime, Stress, Vec3,
 };
 use powerhouse_program::Replay;
 
@@ -70,21 +70,21 @@ fn compare<S: Scalar + Lane<Scalar = S, Token = (), Mask = bool>>(
     mesh: &Mesh,
     compared: &mut Compared,
 ) {
-    let mut programs: Vec<Program> = Vec::new();
-    for element in 0..mesh.element_count() as u32 {
-        let nodes = mesh.nodes_of(element).to_vec();
-        let elements = [element];
-        let part = BlockPart::new(mesh, &elements, &nodes);
+    let block_of = |element: u32| {
+        let (elements, nodes) = ([element], mesh.nodes_of(element));
+        let part = BlockPart::new(mesh, &elements, nodes);
         let factory = kernel.factory("rock", law.clone(), options);
         let mut block = factory.build(&part).unwrap();
         block.set_initial_stress(&[Stress([-2.0e6, -1.5e6, -1.0e6, 2.0e5, 0.0, -1.0e5])]);
-        if programs.is_empty() {
-            programs.push(block.program(STEP, 1).unwrap());
-        }
-        let program = &programs[0];
-        let mut replay = Replay::<S>::new(program).unwrap();
+        block
+    };
+    let program = block_of(0).program(STEP, 1).unwrap();
+    let mut replay = Replay::<S>::new(&program).unwrap();
+    for element in 0..mesh.element_count() as u32 {
+        let nodes = mesh.nodes_of(element);
+        let mut block = block_of(element);
         let mut found = vec![S::default(); program.outputs().len()];
-        let size = 10.0_f64.powf(-4.75 + 1.25 * noise(element as usize));
+        let size = 10.0_f64.powf(-4.0 + 1.25 * noise(element as usize));
         for step in 1..=STEPS {
             let u = nodal(nodes.len(), element, step, size);
             let v = nodal(nodes.len(), element, step, size / STEP);
