@@ -177,7 +177,7 @@ fn programs_of_laws_have_their_bits() {
     ));
     check(Mazars::new(presets::PAPER_CONCRETE_MAZARS).unwrap());
     let paper = presets::paper_concrete().unwrap();
-    check(paper.clone());
+    check(paper);
     let listed = PlasticDamageParameters {
         surface: TwoSurface::new(presets::PAPER_CONCRETE_LISTED).unwrap(),
         tension: paper.parameters().tension,
