@@ -16,9 +16,13 @@ pub(crate) fn workspace() -> PathBuf {
 /// The engine that the facade chooses.
 const ENGINE: &str = "powerhouse-explicit-core";
 
-/// The crates around the model; none knows another.
-const AROUND_MODEL: [&str; 9] = [
+/// The crate of programs, which the elements use to record theirs.
+const PROGRAM: &str = "powerhouse-program";
+
+/// The crates around the model; none knows another, but elements record programs.
+const AROUND_MODEL: [&str; 10] = [
     ENGINE,
+    PROGRAM,
     "powerhouse-elements",
     "powerhouse-observe",
     "powerhouse-wavefield",
@@ -37,11 +41,13 @@ const SHELVES: [&str; 3] = [
 ];
 
 /// Crates around the model that tests of another one may use besides: an engine is tested with elements and
-/// observers, and observers with elements.
+/// observers, observers with elements, programs of elements with laws, and programs of laws.
 fn permitted_in_tests(package: &str) -> &'static [&'static str] {
     match package {
         "powerhouse-explicit-core" => &["powerhouse-elements", "powerhouse-observe"],
         "powerhouse-observe" => &["powerhouse-elements"],
+        "powerhouse-elements" => &["powerhouse-material-damage"],
+        "powerhouse-material-damage" => &[PROGRAM],
         _ => &[],
     }
 }
@@ -57,6 +63,7 @@ fn permitted(package: &str) -> Vec<&'static str> {
         "powerhouse" => [&[model][..], &AROUND_MODEL].concat(),
         "powerhouse-study" => vec!["powerhouse"],
         "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
+        "powerhouse-elements" => vec![model, PROGRAM],
         around if AROUND_MODEL.contains(&around) => vec![model],
         shelf if SHELVES.contains(&shelf) => {
             let mut below = [
@@ -85,6 +92,7 @@ fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
         "powerhouse-contact" => Some(&["nalgebra", "thiserror", "rayon", "pulp", "serde"]),
         "powerhouse-wavefield" => Some(&["nalgebra", "thiserror", "realfft"]),
         "powerhouse-observe" => Some(&["thiserror", "serde"]),
+        PROGRAM => Some(&[]),
         "powerhouse-elements" => Some(&["pulp", "serde"]),
         "powerhouse-mpi" => Some(&["thiserror", "mpi"]),
         "powerhouse-explicit-core" => {

@@ -1,6 +1,6 @@
 //! The command `powerhouse`: runs and checks scenes, sweeps and trade studies, and tests materials at a point.
 //!
-//! Exit status: 0 on success, 1 if a check has warnings, no choice meets a permitted error or a report has gaps, 2 if
+//! Exit status: 0 on success, 1 if a check has warnings, no choice meets a permitted error, a report has gaps or elements have no program, 2 if
 //! an input is invalid or a run fails, 130 if a run was interrupted by Ctrl-C, SIGTERM or SIGHUP (its output is complete
 //! up to then). A closed standard output changes neither files nor status.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -11,6 +11,7 @@ mod check;
 mod checkpoint;
 mod converge;
 mod drive;
+mod emit;
 mod forecast;
 mod look;
 mod manual;
@@ -132,6 +133,20 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Write the arithmetic of a scene's elements, with their laws and its time step, as CUDA C (and WGSL, of single
+    /// precision), for other processors.
+    Emit {
+        /// Scene file.
+        scene: PathBuf,
+        /// Folder of the sources, which is made.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// Name of a case, which is taken in place of the scene itself.
+        #[arg(long, value_name = "NAME")]
+        case: Option<String>,
+        #[command(flatten)]
+        changes: Changes,
+    },
     /// Generate the mesh of a machine bay and write it for Gmsh and ParaView.
     Mesh {
         /// File of the bay with its mesh density and dimensions.
@@ -230,7 +245,8 @@ const EXIT_STATUS: &str = "\
 Exit status:
   0    success; also if the standard output was closed, as in `powerhouse run ... | head -1`
   1    a check has warnings, no boundary or box meets the permitted error, no run of a trade study meets the goal, a
-       result of a convergence study does not converge or not within the permitted error, or a report has missing results
+       result of a convergence study does not converge or not within the permitted error, a report has missing results, or
+       elements have no program to emit
   2    invalid input or failed run; `check`, `advise` and `schema` also if their output cannot be written (full disk)
   130  interrupted by Ctrl-C, SIGTERM or SIGHUP: output is complete up to then; a second signal ends at once";
 
@@ -341,6 +357,12 @@ fn main() -> ExitCode {
             material,
             out,
         } => drive::drive(&law, &path, material.as_deref(), out),
+        Command::Emit {
+            scene,
+            out,
+            case,
+            changes,
+        } => emit::emit(&scene, &changes.of(case), &out),
         Command::Sweep {
             scene,
             out,

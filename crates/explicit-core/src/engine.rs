@@ -2,9 +2,9 @@
 
 use powerhouse_model::{
     Engine, EngineModel, FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh,
-    ModelError, ModelSpec, Observer, Progress, RankForecast, Renewal, RunError, RunFailure,
-    RunOptions, RunReport, StableStep, State, StaticError, StaticOptions, StaticProgress,
-    StaticReport, Stress, TimeIntegrator, Vec3,
+    ModelError, ModelSpec, Observer, Program, ProgramError, Progress, RankForecast, Renewal,
+    RunError, RunFailure, RunOptions, RunReport, StableStep, State, StaticError, StaticOptions,
+    StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
 };
 
 use crate::{BuildModel, Model, run_reporting};
@@ -53,6 +53,16 @@ impl EngineModel for Model {
     }
     fn hourglass_shares(&self) -> Vec<HourglassShare> {
         self.hourglass_shares()
+    }
+    fn programs(&self, step: f64, forks: usize) -> Vec<Result<Program, ProgramError>> {
+        let mut programs = Vec::new();
+        for block in &self.blocks {
+            let program = block.program(step, forks);
+            if !programs.contains(&program) {
+                programs.push(program);
+            }
+        }
+        programs
     }
     fn set_initial(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
         self.set_initial(displacement, velocity)

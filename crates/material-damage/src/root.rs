@@ -1,12 +1,12 @@
 //! Zeros of functions of one unknown, on lanes.
 
-use powerhouse_model::Lane;
+use powerhouse_model::{Lane, Repeated};
 
 /// Greatest number of evaluations. Smooth functions take three to six; the worst halve the bracket at
 /// every third, and a zero may be at the 1e-130th part of it.
 const MOST: usize = 1500;
 /// Number of evaluations after which a bracket that has not become half as wide is halved.
-const HALVING_INTERVAL: usize = 3;
+const HALVING_INTERVAL: f64 = 3.0;
 
 /// Function of one unknown.
 ///
@@ -40,19 +40,45 @@ pub(crate) fn zero_between<L: Lane>(
     function: &impl Function<L>,
 ) -> L {
     let number = |value: f64| tolerance.constant(value);
-    let (zero, one, half) = (number(0.0), number(1.0), number(0.5));
-    let [mut a, mut value_a] = first;
-    let [mut b, mut value_b] = second;
+    let [a, value_a] = first;
+    let [b, value_b] = second;
     let a_is_less = value_a.abs().less(value_b.abs());
-    let mut best = a.select(a_is_less, b);
-    // Smallest value, or zero in a lane that is done.
-    let mut least = value_a.abs().min(value_b.abs());
-    let mut width = (b - a).abs();
-    for evaluation in 1..=MOST {
-        let open = tolerance.less(least);
-        if !zero.any(open) {
-            break;
-        }
+    let state = [
+        a,
+        value_a,
+        b,
+        value_b,
+        a.select(a_is_less, b),
+        value_a.abs().min(value_b.abs()),
+        (b - a).abs(),
+        number(1.0),
+    ];
+    let search = FalsePosition {
+        tolerance,
+        function,
+    };
+    let [_, _, _, _, best, ..] = L::repeat(MOST, state, &search);
+    best
+}
+
+/// Turns of [`zero_between`]: the ends of the bracket with their values, the best argument, its value or zero in a
+/// lane that is done, the width after the last halving, and the number of the evaluation in the interval of halvings.
+struct FalsePosition<'a, L, F> {
+    tolerance: L,
+    function: &'a F,
+}
+
+impl<L: Lane, F: Function<L>> Repeated<L, 8> for FalsePosition<'_, L, F> {
+    #[inline(always)]
+    fn open(&self, &[.., least, _, _]: &[L; 8]) -> L::Mask {
+        self.tolerance.less(least)
+    }
+    #[inline(always)]
+    fn next(&self, state: [L; 8]) -> [L; 8] {
+        let [a, value_a, b, value_b, best, least, width, evaluation] = state;
+        let number = |value: f64| a.constant(value);
+        let (zero, one, half) = (number(0.0), number(1.0), number(0.5));
+        let open = self.open(&state);
         let (left, right) = (a.min(b), a.max(b));
         let middle = half.mul_add(right - left, left);
         let rise = value_b - value_a;
@@ -60,34 +86,37 @@ pub(crate) fn zero_between<L: Lane>(
         let guess = b - value_b * ((b - a) / divisor);
         let guess = guess.select(left.less(guess), middle);
         let guess = guess.select(guess.less(right), middle);
-        let guess = if evaluation % HALVING_INTERVAL == 0 {
-            let now = right - left;
-            let narrowed = (now + now).less(width);
-            width = now;
-            guess.select(narrowed, middle)
-        } else {
-            guess
-        };
-        let value = function.at(guess);
+        let is_halving = number(HALVING_INTERVAL - 0.5).less(evaluation);
+        let now = right - left;
+        let narrowed = (now + now).less(width);
+        let width = now.select(is_halving, width);
+        let guess = guess.select(narrowed, middle).select(is_halving, guess);
+        let evaluation = one.select(is_halving, evaluation + one);
+        let value = self.function.at(guess);
 
         let is_less = value.abs().less(least);
-        best = guess.select(is_less, best).select(open, best);
+        let best = guess.select(is_less, best).select(open, best);
         let seen = value.abs().min(least);
         // The bracket has closed if no number is between its ends.
         let seen = seen.select(left.less(middle), zero);
         let seen = seen.select(middle.less(right), zero);
-        least = seen.select(open, least);
+        let least = seen.select(open, least);
 
         let crosses = (value * value_b).less(zero);
         let divisor = value_b.select(zero.less(value_b.abs()), one);
         let share = one - value / divisor;
         let kept = value_a * share.select(zero.less(share), half);
-        a = b.select(crosses, a).select(open, a);
-        value_a = value_b.select(crosses, kept).select(open, value_a);
-        b = guess.select(open, b);
-        value_b = value.select(open, value_b);
+        [
+            b.select(crosses, a).select(open, a),
+            value_b.select(crosses, kept).select(open, value_a),
+            guess.select(open, b),
+            value.select(open, value_b),
+            best,
+            least,
+            width,
+            evaluation,
+        ]
     }
-    best
 }
 
 /// Greatest relative change of a Newton step by curvature.
@@ -110,35 +139,59 @@ pub(crate) trait Differentiable<L> {
 #[inline(always)]
 pub(crate) fn zero_by_slope<L: Lane>(
     guess: L,
-    [mut low, at_low]: [L; 2],
-    mut high: L,
+    [low, at_low]: [L; 2],
+    high: L,
     tolerance: L,
     function: &impl Differentiable<L>,
 ) -> L {
-    let number = |value: f64| tolerance.constant(value);
-    let (zero, half) = (number(0.0), number(0.5));
-    let (mut argument, mut best) = (guess, low);
-    // Smallest value, or zero in a lane that is done.
-    let mut least = at_low;
-    let mut stride = high - low;
-    let (mut before, mut value_before) = (low, at_low);
-    for _ in 1..=MOST {
-        let open = tolerance.less(least);
-        if !zero.any(open) {
-            break;
-        }
-        let [value, slope] = function.at(argument);
+    let search = Newton {
+        tolerance,
+        function,
+    };
+    let state = [guess, low, low, high, at_low, high - low, low, at_low];
+    let [_, best, ..] = L::repeat(MOST, state, &search);
+    best
+}
+
+/// Turns of [`zero_by_slope`]: the argument, the best one, the ends of the bracket, the smallest value or zero in a
+/// lane that is done, the length of the last step, and the argument and the value before.
+struct Newton<'a, L, F> {
+    tolerance: L,
+    function: &'a F,
+}
+
+impl<L: Lane, F: Differentiable<L>> Repeated<L, 8> for Newton<'_, L, F> {
+    #[inline(always)]
+    fn open(&self, &[_, _, _, _, least, ..]: &[L; 8]) -> L::Mask {
+        self.tolerance.less(least)
+    }
+    #[inline(always)]
+    fn next(&self, state: [L; 8]) -> [L; 8] {
+        let [
+            argument,
+            best,
+            low,
+            high,
+            least,
+            stride,
+            before,
+            value_before,
+        ] = state;
+        let number = |value: f64| argument.constant(value);
+        let (zero, half) = (number(0.0), number(0.5));
+        let open = self.open(&state);
+        let [value, slope] = self.function.at(argument);
         let size = value.abs();
-        best = argument.select(size.less(least), best).select(open, best);
+        let best = argument.select(size.less(least), best).select(open, best);
         let is_low = zero.less(value);
-        low = argument.select(is_low, low);
-        high = high.select(is_low, argument);
+        let low = argument.select(is_low, low);
+        let high = high.select(is_low, argument);
         let middle = half.mul_add(high - low, low);
         let seen = size.min(least);
         // The bracket has closed if no number is between its ends.
         let seen = seen.select(low.less(middle), zero);
         let seen = seen.select(middle.less(high), zero);
-        least = seen.select(open, least);
+        let least = seen.select(open, least);
 
         let inverse = number(1.0) / slope;
         let step = value * inverse;
@@ -153,11 +206,9 @@ pub(crate) fn zero_by_slope<L: Lane>(
         let next = next.select(low.less(next), middle);
         let next = next.select(next.less(high), middle);
         let next = next.select(is_short, middle);
-        stride = (next - argument).abs();
-        (before, value_before) = (argument, value);
-        argument = next;
+        let stride = (next - argument).abs();
+        [next, best, low, high, least, stride, argument, value]
     }
-    best
 }
 
 #[cfg(test)]

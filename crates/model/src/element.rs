@@ -1,7 +1,8 @@
 //! Blocks of elements, behind which an engine knows neither kernels nor laws.
 
 use crate::{
-    HistoryField, Mat3, NodalView, NodalViewMut, Quad, StateError, StepTime, Stress, Vec3,
+    HistoryField, Mat3, NodalView, NodalViewMut, Program, ProgramError, Quad, StateError, StepTime,
+    Stress, Vec3,
 };
 
 /// Storage of the new history variables of a force evaluation.
@@ -291,6 +292,34 @@ pub trait ElementBlock: Send + Sync {
     /// and with or without energy bookkeeping. If not, the velocity of the context may be empty. True by default.
     fn reads_velocity(&self, _damping_shift: f64, _ledger: bool) -> bool {
         true
+    }
+    /// Program of one element of the block in a dynamic step of a length (s): the arithmetic of [`forces`](Self::forces)
+    /// from the displacement of its nodes to their forces, without ledger, for other processors. None by default.
+    ///
+    /// Its inputs and outputs have names, with nodes, components, integration points and history variables. Inputs are
+    /// `displacement` of the nodes (m), that of the elements' first node subtracted where elements are computed in single
+    /// precision; `velocity` likewise (m/s), if damping or flow needs it; the numbers of `geometry`; with a law that is not linear
+    /// also `initial` stress (Pa), `extents` (m2), `history` of every point and `element_history`. Outputs are `force` (N)
+    /// and the new histories. With a linear law the `displacement` is that with the velocity, times the coefficient of stiffness damping,
+    /// added. The displacement is that since the reference displacement. `forks` is the number of forks at most.
+    ///
+    /// # Errors
+    /// What has no program, with the reason.
+    fn program(&self, _step: f64, _forks: usize) -> Result<Program, ProgramError> {
+        Err(ProgramError::None {
+            name: self.label().to_owned(),
+        })
+    }
+    /// Inputs of the [program](Self::program) for an element, given by its index in [`elements`](Self::elements), in the order
+    /// of their names: at a displacement (m) and a velocity (m/s) of the block's nodes, from the committed history variables. Empty for
+    /// blocks without a program.
+    fn program_inputs(
+        &self,
+        _index: usize,
+        _displacement: NodalView,
+        _velocity: NodalView,
+    ) -> Vec<f64> {
+        Vec::new()
     }
     /// Writes the internal forces (N) of every node of the block, stiffness damping included, and computes
     /// new history variables without committing them.

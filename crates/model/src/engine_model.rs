@@ -3,9 +3,9 @@
 use crate::stage::run_stages;
 use crate::{
     FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh, ModelError, ModelSpec,
-    Observer, Progress, RankForecast, Renewal, RunError, RunFailure, RunOptions, RunReport,
-    StableStep, Stage, StageError, StageEvent, StageReport, State, StaticError, StaticOptions,
-    StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
+    Observer, Program, ProgramError, Progress, RankForecast, Renewal, RunError, RunFailure,
+    RunOptions, RunReport, StableStep, Stage, StageError, StageEvent, StageReport, State,
+    StaticError, StaticOptions, StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
 };
 
 /// A finite element engine: it builds models from their specification.
@@ -99,6 +99,14 @@ pub trait EngineModel: Send {
             format!("{ranks} ranks"),
             "the engine computes on one",
         ))
+    }
+    /// Programs of the elements in dynamic steps of a length (s), [`ElementBlock::program`](crate::ElementBlock::program),
+    /// with `forks` forks at most; of equal ones the first alone. In place of those that do not exist the reason; by default,
+    /// for engines without programs, that alone.
+    fn programs(&self, _step: f64, _forks: usize) -> Vec<Result<Program, ProgramError>> {
+        vec![Err(ProgramError::None {
+            name: "engine".into(),
+        })]
     }
     /// Integrates the model in time and calls observers; `progress` is called after every step.
     ///

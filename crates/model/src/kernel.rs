@@ -4,17 +4,17 @@ use crate::{ElasticMedium, ElementKind, Lane, Strain, Stress, Vec3};
 
 /// Geometry numbers of one batch of elements, computed once by a kernel and read at every step.
 ///
-/// Number `i` of all lanes is at `numbers[i * WIDTH..(i + 1) * WIDTH]`.
+/// They are lanes: a number is that of one element in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<'a, L: Lane> {
     token: L::Token,
-    numbers: &'a [L::Scalar],
+    numbers: &'a [L],
 }
 
 impl<'a, L: Lane> Geometry<'a, L> {
-    /// A view of the stored numbers of a batch.
+    /// A view of the numbers of a batch.
     #[inline(always)]
-    pub fn new(token: L::Token, numbers: &'a [L::Scalar]) -> Self {
+    pub fn new(token: L::Token, numbers: &'a [L]) -> Self {
         Self { token, numbers }
     }
     /// One geometry number of every lane.
@@ -23,10 +23,7 @@ impl<'a, L: Lane> Geometry<'a, L> {
     /// If the batch holds fewer numbers.
     #[inline(always)]
     pub fn get(&self, index: usize) -> L {
-        L::load(
-            self.token,
-            &self.numbers[index * L::WIDTH..(index + 1) * L::WIDTH],
-        )
+        self.numbers[index]
     }
     /// Three successive geometry numbers of every lane, such as a vector.
     ///

@@ -109,6 +109,26 @@ pub trait Lane:
     /// A value whose lanes are computed one by one; the numbers are rounded to the storage type.
     fn build(token: Self::Token, value: impl FnMut(usize) -> f64) -> Self;
 
+    /// State after the turns of a loop, at most `most` of them: one turn after the other while any lane is
+    /// [open](Repeated::open). `N` is at least one.
+    ///
+    /// A loop whose end depends on numbers is written with this method instead of one of Rust, so that a lane type that
+    /// records operations can record the loop.
+    #[inline(always)]
+    fn repeat<const N: usize>(
+        most: usize,
+        start: [Self; N],
+        turns: &impl Repeated<Self, N>,
+    ) -> [Self; N] {
+        let mut state = start;
+        for _ in 0..most {
+            if !state[0].any(turns.open(&state)) {
+                break;
+            }
+            state = turns.next(state);
+        }
+        state
+    }
     /// A constant in every lane, with the token of this value.
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
@@ -135,6 +155,37 @@ pub trait Lane:
     fn power_of_two(self) -> Self {
         Self::build(self.token(), |lane| 2.0_f64.powi(self.extract(lane) as i32))
     }
+}
+
+/// Turns of a loop whose end depends on lanes, for [`Lane::repeat`].
+///
+/// Lanes that are done go through the further turns of the others: numbers that are used after the loop must keep their
+/// bits in them, and they must stay done.
+///
+/// The square root by Newton's method, to a relative error of 1e-12 of the square:
+/// ```
+/// use powerhouse_model::{Lane, Repeated};
+///
+/// struct Root<L>(L);
+///
+/// impl<L: Lane> Repeated<L, 1> for Root<L> {
+///     fn open(&self, [root]: &[L; 1]) -> L::Mask {
+///         (self.0 * root.constant(1e-12)).less((*root * *root - self.0).abs())
+///     }
+///     fn next(&self, [root]: [L; 1]) -> [L; 1] {
+///         let better = (root + self.0 / root) * root.constant(0.5);
+///         [better.select(self.open(&[root]), root)]
+///     }
+/// }
+///
+/// let [root] = f64::repeat(50, [1.0], &Root(2.0));
+/// assert!((root - 2.0_f64.sqrt()).abs() < 1e-12);
+/// ```
+pub trait Repeated<L: Lane, const N: usize> {
+    /// Lanes that need a further turn.
+    fn open(&self, state: &[L; N]) -> L::Mask;
+    /// State after one more turn.
+    fn next(&self, state: [L; N]) -> [L; N];
 }
 
 /// Array of `f` of each value of an array.

@@ -302,6 +302,12 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn uses_location(&self) -> bool {
         false
     }
+    /// Whether the law computes with lanes alone, so that a [`Program`](crate::Program) of it can be recorded; true by
+    /// default. A law that evaluates its points one by one returns false, as [`PointAdapter`](crate::PointAdapter) does, and
+    /// so does a law within which there is one.
+    fn is_in_lanes(&self) -> bool {
+        true
+    }
     /// The change of stress (Pa) against the initial stress; writes every new history variable.
     ///
     /// The values that `new_history` holds before the call have no meaning.

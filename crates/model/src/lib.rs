@@ -47,6 +47,7 @@ mod mesh;
 mod nodal;
 mod periodic;
 mod point_law;
+mod program;
 mod ranks;
 mod rayleigh;
 mod reach;
@@ -95,7 +96,7 @@ pub use joint::{
     Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
 pub use kernel::{ElementKernel, Geometry, Hourglass, OwnStep};
-pub use lane::{Lane, Scalar, array, each};
+pub use lane::{Lane, Repeated, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, RemainingStiffness, point_energy,
     point_stress_change,
@@ -110,6 +111,9 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
+pub use program::{
+    NumberFormat, Program, ProgramBranch, ProgramError, ProgramLoop, ProgramOperation, ProgramParts,
+};
 pub use ranks::{Message, RankError, RankForecast, Ranks, SingleRank, ThreadRanks};
 pub use reach::{Reach, Selection};
 pub use run::{

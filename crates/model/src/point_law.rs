@@ -87,6 +87,9 @@ impl ConstitutiveLaw for PointAdapter {
     fn uses_location(&self) -> bool {
         self.0.uses_location()
     }
+    fn is_in_lanes(&self) -> bool {
+        false
+    }
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let token = input.strain.0[0].token();
         let count = input.history.len();

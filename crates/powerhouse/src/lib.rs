@@ -106,6 +106,7 @@ mod message;
 mod output;
 mod part;
 pub mod prelude;
+mod program_sources;
 mod reduction;
 #[cfg(feature = "scene-files")]
 mod registry;
@@ -123,6 +124,7 @@ pub use powerhouse_io as io;
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_mpi as mpi;
+pub use powerhouse_program as program;
 pub use powerhouse_wavefield as wavefield;
 
 /// The crate of linear algebra whose types stand in public signatures, in the version in use.
@@ -154,6 +156,7 @@ pub use output::{
     file_name,
 };
 pub use part::{Kernel, Material, Part};
+pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 #[cfg(feature = "scene-files")]
 pub use registry::Registry;

@@ -292,7 +292,7 @@ where
     }
 
     /// Checks the greatest and the least width of an element by the law.
-    fn check_extents<S>(
+    fn check_extents<S: NodeScalar>(
         &self,
         part: &BlockPart,
         element: u32,

@@ -3,6 +3,7 @@
 use powerhouse_model::{ElementKernel, Geometry, Hourglass, Stress};
 
 use super::law::HistoryAccess;
+use super::memory::as_lanes;
 use super::operations::{BatchStress, Energy, Material, Response};
 use super::own::OwnHistory;
 use super::remaining::{damped_share, less, product, times};
@@ -57,7 +58,7 @@ where
         let whole = self.moduli.hourglass::<L>(token);
         let moduli = [whole[0] * share, whole[1] * share, whole[2] * share];
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
-        let geometry = Geometry::<L>::new(token, batch.geometry);
+        let geometry = Geometry::new(token, as_lanes::<L>(token, batch.geometry));
         let by_law = !matches!(response, Response::Elastic);
         let own = match by_law {
             true => {

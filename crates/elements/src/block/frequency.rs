@@ -31,15 +31,19 @@ where
         let mut squares = Vec::with_capacity(self.elements.len());
         let length = self.kernel.geometry_len();
         let mut one = vec![0.0; length];
-        let mut numbers = vec![0.0; length * L::WIDTH];
+        let mut rows = vec![[0.0; MOST_LANES]; length];
+        let mut numbers = vec![L::splat(token, 0.0); length];
         let mut workspace = Workspace::new(L::splat(token, 0.0));
         for batch in self.elements.chunks(L::WIDTH) {
             let element = |lane: usize| &batch[lane.min(batch.len() - 1)];
             for lane in 0..L::WIDTH {
                 self.kernel.geometry(&element(lane).0, &mut one);
-                for (index, number) in one.iter().enumerate() {
-                    numbers[index * L::WIDTH + lane] = *number;
+                for (row, number) in rows.iter_mut().zip(&one) {
+                    row[lane] = *number;
                 }
+            }
+            for (number, row) in numbers.iter_mut().zip(&rows) {
+                *number = L::load(token, row);
             }
             let mut scale = [L::splat(token, 0.0); N];
             for (a, scale) in scale.iter_mut().enumerate() {
@@ -51,7 +55,7 @@ where
             }
             let operator = Operator {
                 kernel: self.kernel,
-                geometry: Geometry::<L>::new(token, &numbers),
+                geometry: Geometry::new(token, &numbers),
                 lambda: L::splat(token, self.moduli.lambda),
                 shear: L::splat(token, self.moduli.shear),
                 moduli: self.moduli.hourglass::<L>(token),

@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents, HistoryVariable, LawEnergy, LawInput,
-    ModelError, Scalar, Strain, Stress, point_energy, point_stress_change,
+    ModelError, RemainingStiffness, Scalar, Strain, Stress, point_energy, point_stress_change,
 };
+use powerhouse_program::Traced;
 
 use super::exchange::REMAINING;
 use super::history::History;
@@ -68,7 +69,7 @@ pub(crate) struct Evaluation<'a, 'm, S> {
     pub(super) remaining: Option<RemainingOutput<'a, S>>,
 }
 
-/// Output of the numbers of a [`RemainingStiffness`](powerhouse_model::RemainingStiffness).
+/// Output of the numbers of a [`RemainingStiffness`].
 pub(super) struct RemainingOutput<'a, S> {
     pub(super) numbers: &'a mut [S],
     /// Whether all of them are required, or the hourglass share alone.
@@ -82,6 +83,7 @@ pub(crate) trait ErasedLaw: Send + Sync {
     fn is_linear(&self) -> bool;
     fn history(&self) -> &[HistoryVariable];
     fn uses_location(&self) -> bool;
+    fn is_in_lanes(&self) -> bool;
     fn accept_size(&self, size: f64) -> Result<(), ModelError>;
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
     fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>>;
@@ -92,11 +94,17 @@ pub(crate) trait ErasedLaw: Send + Sync {
 }
 
 /// A law for batches in one scalar type.
-pub(crate) trait BatchLaw<S>: ErasedLaw {
+pub(crate) trait BatchLaw<S: Scalar>: ErasedLaw {
     /// Evaluates the law; returns whether it has energies.
     fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> bool;
     /// The law discretised in time for steps of a length (s).
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>>;
+    /// Records the evaluation of the law at one point: its change of stress and the remaining stiffness.
+    fn record(
+        &self,
+        input: &LawInput<Traced<S>>,
+        new_history: &mut [Traced<S>],
+    ) -> (Stress<Traced<S>>, RemainingStiffness<Traced<S>>);
 }
 
 /// A law for batches in both scalar types.
@@ -119,6 +127,9 @@ impl<M: ConstitutiveLaw> ErasedLaw for M {
     }
     fn uses_location(&self) -> bool {
         ConstitutiveLaw::uses_location(self)
+    }
+    fn is_in_lanes(&self) -> bool {
+        ConstitutiveLaw::is_in_lanes(self)
     }
     fn accept_size(&self, size: f64) -> Result<(), ModelError> {
         ConstitutiveLaw::accept_size(self, size)
@@ -152,6 +163,15 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchLaw<S> for M {
     }
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>> {
         Arc::new(ConstitutiveLaw::for_step(self, length))
+    }
+    fn record(
+        &self,
+        input: &LawInput<Traced<S>>,
+        new_history: &mut [Traced<S>],
+    ) -> (Stress<Traced<S>>, RemainingStiffness<Traced<S>>) {
+        let change = ConstitutiveLaw::stress_change(self, input, new_history);
+        let remaining = self.remaining_stiffness(input, new_history, &change);
+        (change, remaining)
     }
 }
 

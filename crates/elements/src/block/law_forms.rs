@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use powerhouse_model::ElasticDomain;
+use powerhouse_model::{ElasticDomain, Scalar};
 
 use super::law::BatchLaw;
 
 /// Static form of a law, and its form discretised in time for steps of one length; neither for linear laws,
 /// which their moduli define.
-pub(super) struct LawForms<S> {
+pub(super) struct LawForms<S: Scalar> {
     static_form: Option<Arc<dyn BatchLaw<S>>>,
     dynamic_form: Option<DynamicForm<S>>,
 }
 
 /// A law discretised in time for steps of one length.
-struct DynamicForm<S> {
+struct DynamicForm<S: Scalar> {
     /// Length of the steps (s).
     length: f64,
     law: Arc<dyn BatchLaw<S>>,
@@ -22,7 +22,7 @@ struct DynamicForm<S> {
     domain: Option<ElasticDomain>,
 }
 
-impl<S> LawForms<S> {
+impl<S: Scalar> LawForms<S> {
     pub(super) fn new(law: Option<Arc<dyn BatchLaw<S>>>) -> Self {
         Self {
             static_form: law,

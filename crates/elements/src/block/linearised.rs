@@ -152,8 +152,17 @@ where
         }
     }
 
+    /// Initial stress of an element (Pa); zero if there is none.
+    pub(super) fn initial_of(&self, element: usize) -> [f64; 6] {
+        let initial = self.initial.as_slice();
+        core::array::from_fn(|i| {
+            let value = initial.get(self.arrangement.place(element, i, 6));
+            value.map_or(0.0, |value| value.to_f64())
+        })
+    }
+
     /// Widths of an element.
-    fn extents_of(&self, element: usize) -> Extents<f64> {
+    pub(super) fn extents_of(&self, element: usize) -> Extents<f64> {
         let (numbers, width) = (self.extents.as_slice(), self.arrangement.width);
         let is_one_batch = numbers.len() == 6 * width;
         let element = if is_one_batch {
@@ -225,11 +234,7 @@ where
         strains: &[Strain; P],
         mut evaluate: impl FnMut(&LawInput<f64>, &mut [f64]) -> T,
     ) -> [T; P] {
-        let initial = self.initial.as_slice();
-        let initial = core::array::from_fn(|i| {
-            let value = initial.get(self.arrangement.place(element, i, 6));
-            value.map_or(0.0, |value| value.to_f64())
-        });
+        let initial = self.initial_of(element);
         let extents = self.extents_of(element);
         let variables = self.history.variables();
         let mut new = vec![0.0; variables];

@@ -18,6 +18,7 @@ mod memory;
 mod numbers;
 mod operations;
 mod own;
+mod program;
 mod remaining;
 mod saved;
 mod survey;
@@ -30,8 +31,8 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, ElementKernel, FrequencyBound,
-    HistoryField, HistoryUpdate, Mat3, NodalView, NodalViewMut, Operator, Quad, Rayleigh,
-    StateError, Stress, Vec3,
+    HistoryField, HistoryUpdate, Mat3, NodalView, NodalViewMut, Operator, Program, ProgramError,
+    Quad, Rayleigh, StateError, Stress, Vec3,
 };
 
 use crate::lanes::{Arrangement, BatchScalar, Lanes};
@@ -61,7 +62,7 @@ thread_local! {
 }
 
 /// Block of elements with a kernel of `N` nodes and `P` integration points and a law, in the scalar `S`.
-struct Block<K, S, const N: usize, const P: usize> {
+struct Block<K, S: NodeScalar, const N: usize, const P: usize> {
     label: Arc<str>,
     kernel: K,
     law: LawForms<S>,
@@ -425,6 +426,17 @@ where
     }
     fn nodes(&self) -> &[u32] {
         &self.nodes
+    }
+    fn program(&self, step: f64, forks: usize) -> Result<Program, ProgramError> {
+        self.recorded(step, forks)
+    }
+    fn program_inputs(
+        &self,
+        index: usize,
+        displacement: NodalView,
+        velocity: NodalView,
+    ) -> Vec<f64> {
+        self.inputs_of(index, displacement, velocity)
     }
     fn reads_velocity(&self, damping_shift: f64, ledger: bool) -> bool {
         let damped = self.damping.stiffness + damping_shift != 0.0;

@@ -10,6 +10,7 @@ use super::batches::Batches;
 use super::exchange::{Exchange, PointBuffers};
 use super::law::{BatchLaw, Evaluation, HistoryAccess, RemainingOutput};
 use super::locations::Locations;
+use super::memory::as_lanes;
 use super::numbers::Aligned;
 use super::own::MOST_OWN;
 use super::survey::{
@@ -78,7 +79,7 @@ where
             let batch = self
                 .batches
                 .batch(index, L::WIDTH, self.kernel.geometry_len());
-            let geometry = Geometry::<L>::new(token, batch.geometry);
+            let geometry = Geometry::new(token, as_lanes::<L>(token, batch.geometry));
             gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);
             let modes = self.kernel.modes(&nodal);
             let short = (self.kernel).elastic_forces(geometry, [lambda, shear], &modes);
@@ -184,7 +185,7 @@ pub(super) struct Required {
 }
 
 /// Forces of a nonlinear law; returns whether all is finite.
-pub(super) struct Material<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
+pub(super) struct Material<'a, K, A: BatchScalar, S: BatchScalar, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) law: &'a dyn BatchLaw<S>,
     /// Elastic domain, in which the law need not be evaluated.
@@ -306,7 +307,7 @@ where
         index: usize,
     ) -> ([[L; 3]; N], [Strain<L>; P], [L; MOST_OWN]) {
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
-        let geometry = Geometry::<L>::new(token, batch.geometry);
+        let geometry = Geometry::new(token, as_lanes::<L>(token, batch.geometry));
         let nodes = self.batches.connectivity.over(self.nodes);
         let mut nodal = [[L::splat(token, 0.0); 3]; N];
         gather::<f64, L, N>(token, nodes.elements(batch.first, L::WIDTH), &mut nodal);

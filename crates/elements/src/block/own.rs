@@ -1,9 +1,12 @@
 //! History of elements as a whole: what a kernel keeps beside the history variables of its law.
 
-use powerhouse_model::{ElementKernel, Geometry, OwnStep, RemainingStiffness, Strain, Stress};
+use powerhouse_model::{
+    ElementKernel, Geometry, Lane, OwnStep, RemainingStiffness, Strain, Stress,
+};
 
 use super::batches::Batch;
 use super::law::HistoryAccess;
+use super::memory::as_lanes;
 use super::operations::{Material, Required};
 use super::remaining::{less, product, times};
 use super::transfer::gather;
@@ -111,7 +114,7 @@ fn differ<L: BatchLane>(a: &[L; MOST_OWN], b: &[L; MOST_OWN]) -> bool {
 
 /// Deviatoric elastic part of strain increments over the whole, mean over the points.
 #[inline(always)]
-fn elastic_share<L: BatchLane, const P: usize>(
+pub(super) fn elastic_share<L: Lane, const P: usize>(
     remaining: &[RemainingStiffness<L>; P],
     increments: &[Strain<L>; P],
 ) -> L {
@@ -135,7 +138,7 @@ fn elastic_share<L: BatchLane, const P: usize>(
 
 /// Share of differences of stress that plastic flow at the points leaves, mean over the points.
 #[inline(always)]
-fn kept<L: BatchLane, const P: usize>(
+pub(super) fn kept<L: Lane, const P: usize>(
     remaining: &[RemainingStiffness<L>; P],
     changes: &[Stress<L>; P],
     initial: &Stress<L>,
@@ -159,7 +162,7 @@ fn kept<L: BatchLane, const P: usize>(
 
 /// Square of the deviator of a strain with engineering shears.
 #[inline(always)]
-fn deviator<L: BatchLane>(strain: &Strain<L>) -> L {
+fn deviator<L: Lane>(strain: &Strain<L>) -> L {
     let [xx, yy, zz, xy, yz, zx] = strain.0;
     let mean = (xx + yy + zz) * xx.constant(1.0 / 3.0);
     let (x, y, z) = (xx - mean, yy - mean, zz - mean);
@@ -170,7 +173,7 @@ fn deviator<L: BatchLane>(strain: &Strain<L>) -> L {
 
 /// Whether any lane flows plastically.
 #[inline(always)]
-fn flows<L: BatchLane, const P: usize>(remaining: &[RemainingStiffness<L>; P]) -> bool {
+pub(super) fn flows<L: Lane, const P: usize>(remaining: &[RemainingStiffness<L>; P]) -> bool {
     let zero = remaining[0].hourglass.constant(0.0);
     let mut sum = zero;
     for point in remaining {
@@ -299,7 +302,7 @@ where
             for batch in 0..pending {
                 let index = first + batch;
                 let geometry = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
-                let geometry = Geometry::<L>::new(token, geometry.geometry);
+                let geometry = Geometry::new(token, as_lanes::<L>(token, geometry.geometry));
                 let (stresses, _) = self.exchange.response::<L, P>(token, batch, false);
                 let mut own = self.exchange.own::<L>(token, batch);
                 let before = &mut before[batch];

@@ -1,6 +1,8 @@
 //! Stiffness damping and hourglass stiffness that remain after damage and plastic flow.
 
-use powerhouse_model::{ElementKernel, Geometry, Hourglass, RemainingStiffness, Strain, Stress};
+use powerhouse_model::{
+    ElementKernel, Geometry, Hourglass, Lane, RemainingStiffness, Strain, Stress,
+};
 
 use crate::lanes::BatchLane;
 
@@ -10,7 +12,7 @@ use crate::lanes::BatchLane;
 /// Without it the velocity of the faces of an opening crack would transmit tension, and plastic flow would
 /// overshoot the strength.
 #[inline(always)]
-pub(super) fn damped_share<L: BatchLane>(
+pub(super) fn damped_share<L: Lane>(
     remaining: &RemainingStiffness<L>,
     resisted: &Stress<L>,
     rate: &Strain<L>,
@@ -27,7 +29,7 @@ pub(super) fn damped_share<L: BatchLane>(
 
 /// Modal values times a factor.
 #[inline(always)]
-pub(super) fn times<L: BatchLane, const N: usize>(modes: &[[L; 3]; N], factor: L) -> [[L; 3]; N] {
+pub(super) fn times<L: Lane, const N: usize>(modes: &[[L; 3]; N], factor: L) -> [[L; 3]; N] {
     let mut out = *modes;
     for mode in &mut out {
         for value in mode {

@@ -237,6 +237,9 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     fn uses_location(&self) -> bool {
         self.reference.uses_location()
     }
+    fn is_in_lanes(&self) -> bool {
+        self.reference.is_in_lanes()
+    }
     #[inline(always)]
     fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
         let own = new_history.len() - 6 * self.terms.count;
