@@ -65,7 +65,7 @@ impl Cubes {
 
     /// The stiffness (N/m) between two corners of a cube, by 2 x 2 x 2 points of Gauss.
     fn stiffness(&self) -> [[Mat3; 8]; 8] {
-        let side = |a: usize, c: usize| if a >> c & 1 == 1 { 1.0 } else { -1.0 };
+        let side = |a: usize, c: usize| if (a >> c) & 1 == 1 { 1.0 } else { -1.0 };
         let mut stiffness = [[Mat3::zeros(); 8]; 8];
         for point in 0..8 {
             let gradient = [0, 1, 2, 3, 4, 5, 6, 7].map(|a| {
@@ -111,7 +111,7 @@ impl Cubes {
             .filter(|at| (0..3).all(|c| at[c] < self.cells[c]));
         let corners = |[i, j, k]: [usize; 3]| {
             [0, 1, 2, 3, 4, 5, 6, 7]
-                .map(|a| self.node([i + (a & 1), j + (a >> 1 & 1), k + (a >> 2)]))
+                .map(|a| self.node([i + (a & 1), j + ((a >> 1) & 1), k + (a >> 2)]))
         };
         let cubes: Vec<[usize; 8]> = inner.map(corners).collect();
         for &node in cubes.iter().flatten() {

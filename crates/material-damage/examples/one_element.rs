@@ -33,7 +33,7 @@ const SHORTENING: f64 = 0.02;
 const STEPS: usize = 100;
 /// Corner `a` is on the far side of axis `c` if bit `c` of `a` is set.
 fn side(a: usize, c: usize) -> f64 {
-    f64::from((a >> c & 1) as u8) * 2.0 - 1.0
+    f64::from(((a >> c) & 1) as u8) * 2.0 - 1.0
 }
 
 /// Strain of nodal displacements at a point of Gauss, rows xx yy zz xy yz zx.
