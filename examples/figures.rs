@@ -3,6 +3,7 @@
 pub mod block;
 pub mod cavity;
 pub mod column;
+pub mod fe_loop;
 pub mod interface;
 pub mod prices;
 pub mod process;

@@ -11,11 +11,13 @@ Units are SI (m, s, kg, N, Pa), z points up, tension is positive.
 
 from ._core import version as __version__
 from .errors import Error, FolderError, InputError, Interrupted, RunError, SceneError
+from .laws import Law, LawPoints
 from .meshes import Mesh
 from .records import Record
-from .results import EnergyResidual, Field, Peak, Results, Snapshot
+from .results import EnergyResidual, Field, Peak, Results, Snapshot, write_report
 from .scenes import Check, Scene
 from .simulations import Simulation
+from .studies import Sweep, Trade
 from .tables import Table
 
 __all__ = [
@@ -26,6 +28,8 @@ __all__ = [
     "FolderError",
     "InputError",
     "Interrupted",
+    "Law",
+    "LawPoints",
     "Mesh",
     "Peak",
     "Record",
@@ -35,6 +39,9 @@ __all__ = [
     "SceneError",
     "Simulation",
     "Snapshot",
+    "Sweep",
     "Table",
+    "Trade",
     "__version__",
+    "write_report",
 ]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 version: str
 
 def toml_of(keys: dict[str, object]) -> str: ...
+def write_report(folder: PathLike[str]) -> str: ...
 
 class Table:
     times: NDArray[np.float64]
@@ -109,6 +110,28 @@ class Steps:
     def history(self, name: str) -> NDArray[np.float64]: ...
     def finish(self) -> Results | None: ...
 
+class LawPoints:
+    strain: NDArray[np.float64]
+    initial_stress: NDArray[np.float64]
+    history: dict[str, NDArray[np.float64]]
+    widths: NDArray[np.float64]
+    positions: NDArray[np.float64] | None
+    parameters: dict[str, float]
+    def __len__(self) -> int: ...
+
+class Trade:
+    folder: str
+    factors: list[str]
+    cases: list[tuple[str, list[str], float, float, float, int, int, float, float, str]]
+    sensitive: list[tuple[str, float]]
+    failed: list[tuple[str, str]]
+    reference_error: float | None
+    mesh_error: tuple[float, str] | None
+    partial_window: float | None
+    front: list[int]
+    chosen: int | None
+    files: list[str]
+
 class Scene:
     title: str
     text: str
@@ -119,7 +142,11 @@ class Scene:
     folder: str
     mesh: Mesh
     @staticmethod
-    def from_file(path: PathLike[str], case: str | None) -> Scene: ...
+    def from_file(
+        path: PathLike[str],
+        case: str | None,
+        laws: list[tuple[str, Callable[[LawPoints], object], list[tuple[str, str]], bool, str]],
+    ) -> Scene: ...
     @staticmethod
     def from_text(
         text: str,
@@ -127,6 +154,7 @@ class Scene:
         case: str | None,
         mesh: Mesh | None,
         records: list[tuple[str, float, NDArray[np.float64]]],
+        laws: list[tuple[str, Callable[[LawPoints], object], list[tuple[str, str]], bool, str]],
     ) -> Scene: ...
     def with_load(self, set: str, function: Callable[..., object]) -> Scene: ...
     def with_field(self, function: Callable[..., object], young: float, poisson: float, density: float) -> Scene: ...
@@ -139,3 +167,26 @@ class Scene:
         checkpoint_every: str | None,
     ) -> Results: ...
     def simulation(self, folder: PathLike[str] | None, every: int, threads: int | None) -> Steps: ...
+    def sweep(
+        self,
+        folder: PathLike[str] | None,
+        cases: list[str] | None,
+        duration: float | None,
+        jobs: int,
+        checkpoint_every: str | None,
+        callback: Callable[[list[str], dict[str, tuple[int, int, float]]], object] | None,
+    ) -> tuple[str, list[str]]: ...
+    def trade(
+        self,
+        folder: PathLike[str] | None,
+        goal: tuple[float | None, float | None],
+        reference: str,
+        window: float | None,
+        quantities: list[str] | None,
+        factors: list[str] | None,
+        every_history: bool,
+        every_combination: bool,
+        mesh: bool,
+        checkpoint_every: str | None,
+        callback: Callable[[list[str], dict[str, tuple[int, int, float]]], object] | None,
+    ) -> Trade: ...

@@ -162,6 +162,12 @@ class Results:
         found: dict[str, Any] = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
         return found
 
+    def report(self) -> Path:
+        """Writes ``report.html`` into the folder, as ``powerhouse report`` does, and returns its path."""
+        if self.folder is None:
+            raise InputError("the run has no folder for a report: give one to `Scene.run`")
+        return write_report(self.folder)
+
     def peak(self, name: str) -> Peak:
         """The peak of a quantity by its name."""
         for peak in self.peaks:
@@ -251,4 +257,12 @@ def _files_of(collection: Path) -> dict[float, Any]:
     return found
 
 
-__all__ = ["EnergyResidual", "Field", "Peak", "Results", "Snapshot"]
+def write_report(folder: Path | str) -> Path:
+    """Writes the report ``report.html`` of a folder with the results of a run or a sweep, and returns its path.
+
+    Raises :class:`InputError` for a folder without results.
+    """
+    return Path(_core.write_report(Path(folder)))
+
+
+__all__ = ["EnergyResidual", "Field", "Peak", "Results", "Snapshot", "write_report"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Union
 
@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .laws import Law, LawFunction, _arguments
 from .meshes import Mesh
 from .progress import Display
 from .records import records_of
 from .results import Results
 from .simulations import Simulation
+from .studies import StudyDisplay, StudyProgress, Sweep, Trade
 
 PathLike = Union[str, "os.PathLike[str]"]
 #: Called with the stage that is being solved or ``None``, steps done, steps planned, and the time (s).
@@ -91,6 +93,7 @@ class Scene:
     s, kg, N, Pa), z points up, tension is positive. ``keys["mesh"]`` may be a :class:`Mesh`, or a table with one as its
     ``file``, and the ``file`` of a ``record`` a :class:`Record`, a trace of ObsPy or a tuple of time step (s) and values, the
     latter two with ``units``. Paths are relative to ``folder``. A key whose value is ``None`` is one that is not given.
+    ``laws`` has constitutive laws of one's own by the names that materials give, see :class:`Law`.
 
     Line and column of a :class:`SceneError` refer to :attr:`text`, the same scene in TOML.
 
@@ -101,29 +104,45 @@ class Scene:
     >>> results = scene.run()  # doctest: +SKIP
     """
 
-    def __init__(self, keys: Mapping[str, Any], folder: PathLike = ".", case: str | None = None) -> None:
+    def __init__(
+        self,
+        keys: Mapping[str, Any],
+        folder: PathLike = ".",
+        case: str | None = None,
+        *,
+        laws: Mapping[str, Law | LawFunction] | None = None,
+    ) -> None:
         tables = dict(keys)
         mesh = _mesh_of(tables)
         records = records_of(tables)
         text = _core.toml_of(tables)
         path = Path(folder) / "scene.toml"
-        self._scene = _core.Scene.from_text(text, path, case, mesh._mesh if mesh else None, records)
+        self._scene = _core.Scene.from_text(text, path, case, mesh._mesh if mesh else None, records, _arguments(laws))
 
     @classmethod
-    def from_file(cls, path: PathLike, case: str | None = None) -> Scene:
-        """The scene of a file in TOML, or one of its cases.
+    def from_file(
+        cls, path: PathLike, case: str | None = None, *, laws: Mapping[str, Law | LawFunction] | None = None
+    ) -> Scene:
+        """The scene of a file in TOML, or one of its cases, with ``laws`` of one's own by name.
 
         Raises :class:`SceneError` with line and column for a fault, :class:`InputError` for a file that cannot be read.
         """
         found = cls.__new__(cls)
-        found._scene = _core.Scene.from_file(Path(path), case)
+        found._scene = _core.Scene.from_file(Path(path), case, _arguments(laws))
         return found
 
     @classmethod
-    def from_text(cls, text: str, folder: PathLike = ".", case: str | None = None) -> Scene:
-        """The scene of a text in TOML, with paths relative to ``folder``."""
+    def from_text(
+        cls,
+        text: str,
+        folder: PathLike = ".",
+        case: str | None = None,
+        *,
+        laws: Mapping[str, Law | LawFunction] | None = None,
+    ) -> Scene:
+        """The scene of a text in TOML, with paths relative to ``folder`` and ``laws`` of one's own by name."""
         found = cls.__new__(cls)
-        found._scene = _core.Scene.from_text(text, Path(folder) / "scene.toml", case, None, [])
+        found._scene = _core.Scene.from_text(text, Path(folder) / "scene.toml", case, None, [], _arguments(laws))
         return found
 
     @property
@@ -252,6 +271,83 @@ class Scene:
         by :meth:`Simulation.finish`.
         """
         return Simulation(self._scene.simulation(None if folder is None else Path(folder), every, threads))
+
+    def sweep(
+        self,
+        folder: PathLike | None = None,
+        progress: bool | StudyProgress = True,
+        *,
+        cases: Sequence[str] | None = None,
+        duration: float | None = None,
+        jobs: int = 1,
+        checkpoint_every: str | None = None,
+    ) -> Sweep:
+        """Runs the cases of the scene file, as ``powerhouse sweep`` does, and returns their outcomes.
+
+        ``folder`` receives the results, one folder for each case, :attr:`folder` by default. Cases that an earlier sweep
+        has finished there, with the same inputs, are not run again, and unfinished ones go on from their last checkpoint.
+        ``cases`` are those to run, all by default but those that run on request. ``duration`` (s) takes the place of the
+        scene's. ``jobs`` is the number of cases at once; the results do not depend on it. ``checkpoint_every`` is that of
+        :meth:`run`. ``progress`` shows what the command prints; a function is called some times in a second with new lines
+        and a dictionary of the runs that go on: steps done and planned, and the time (s).
+
+        The scene file is read again. Scenes in memory are refused: a sweep that is continued needs their files. Ctrl-C
+        raises :class:`Interrupted`; another sweep continues from there. Raises what :meth:`run` raises, with the name of
+        the case.
+        """
+        with StudyDisplay.of(progress) as report:
+            found = self._scene.sweep(
+                None if folder is None else Path(folder),
+                None if cases is None else list(cases),
+                duration,
+                jobs,
+                checkpoint_every,
+                report,
+            )
+        return Sweep(*found)
+
+    def trade(
+        self,
+        folder: PathLike | None = None,
+        progress: bool | StudyProgress = True,
+        *,
+        error: float | None = None,
+        budget: float | None = None,
+        window: float | None = None,
+        reference: str = "finest",
+        of: Sequence[str] | None = None,
+        factors: Sequence[str] | None = None,
+        every_combination: bool = False,
+        every_history: bool = False,
+        mesh: bool = False,
+        checkpoint_every: str | None = None,
+    ) -> Trade:
+        """Measures errors against costs of numerical options of the scene file, as ``powerhouse trade`` does.
+
+        ``folder`` receives the results, ``trade`` in :attr:`folder` by default. With a permitted relative ``error`` (1),
+        or a permitted wall time ``budget`` of a whole run (s), the scene of the cheapest or the most accurate run that
+        meets it is written. ``window`` (s) is the duration of the runs; by default they contain half of the intensity of
+        the records. ``reference`` is ``"finest"``, the most accurate run, or ``"closed-form"``. ``of`` are quantities whose
+        errors count, ``factors`` those that are varied, by name; all by default. ``every_combination`` runs all
+        combinations, ``every_history`` counts histories that depend sensitively on the input, ``mesh`` estimates the error
+        of the mesh by one more run, sixteen times as long. ``progress`` and ``checkpoint_every`` are those of :meth:`sweep`,
+        as are files, interruption and errors.
+        """
+        with StudyDisplay.of(progress) as report:
+            found = self._scene.trade(
+                None if folder is None else Path(folder),
+                (error, budget),
+                reference,
+                window,
+                None if of is None else list(of),
+                None if factors is None else list(factors),
+                every_history,
+                every_combination,
+                mesh,
+                checkpoint_every,
+                report,
+            )
+        return Trade(found)
 
     def __repr__(self) -> str:
         case = f", case '{self.case}'" if self.case else ""

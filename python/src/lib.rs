@@ -18,11 +18,13 @@ mod fault;
 mod folder;
 mod functions;
 mod keys;
+mod laws;
 mod mesh;
 mod results;
 mod run;
 mod scene;
 mod steps;
+mod studies;
 mod table;
 mod turns;
 mod waiting;
@@ -39,7 +41,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<results::Results>()?;
     module.add_class::<results::KeptSnapshot>()?;
     module.add_class::<steps::Steps>()?;
+    module.add_class::<studies::Trade>()?;
+    module.add_class::<laws::LawPoints>()?;
     module.add_class::<table::Table>()?;
     module.add_function(wrap_pyfunction!(scene::toml_of, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::write_report, module)?)?;
     Ok(())
 }

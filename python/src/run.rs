@@ -207,6 +207,9 @@ pub(crate) fn make(
     observer: Option<Box<dyn Observer>>,
 ) -> Result<Ran, End> {
     let stop = &alarm.stop;
+    if let Some(folder) = &order.folder {
+        order.source.keep_file(folder)?;
+    }
     let mut scene = order.source.compose(alarm)?;
     if let Some(threads) = order.threads {
         scene = scene.with_threads(threads);

@@ -1,12 +1,13 @@
 //! Scenes: what is composed anew for every check and run.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::PyReadonlyArray1;
 use powerhouse::model::ElasticMedium;
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Error, Registry, Scene as Composed};
+use powerhouse::{Error, Registry, ResultFolder, Scene as Composed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,10 +16,12 @@ use crate::check::Check;
 use crate::fault::{self, Failure, exception, text_of};
 use crate::folder::interval;
 use crate::functions::Function;
+use crate::laws::{self, Law};
 use crate::mesh::Mesh;
 use crate::results::Results;
 use crate::run::{Order, run};
 use crate::steps::Steps;
+use crate::studies::{self, SweepOrder, Trade, TradeOrder};
 use crate::waiting::wait_for;
 
 /// Name of the mesh generator that returns a mesh of arrays.
@@ -32,6 +35,7 @@ pub(crate) struct Source {
     case: Option<String>,
     registry: Registry,
     functions: Vec<Function>,
+    laws: Vec<Law>,
     /// Whether the text is that of the file at the path.
     pub(crate) is_file: bool,
 }
@@ -40,13 +44,60 @@ impl Source {
     /// The scene, with mesh and records as their files are now; the alarm is raised by an exception of a function of it.
     pub(crate) fn compose(&self, alarm: &Arc<Alarm>) -> Result<Composed, Error> {
         let (text, path) = (self.text.clone(), self.path.clone());
+        let registry = self.registry(alarm);
         let scene = match &self.case {
-            Some(case) => Composed::case_from_toml(text, path, case, &self.registry),
-            None => Composed::from_toml(text, path, &self.registry),
+            Some(case) => Composed::case_from_toml(text, path, case, &registry),
+            None => Composed::from_toml(text, path, &registry),
         }?;
         let mut functions = self.functions.iter();
         functions.try_fold(scene, |scene, function| function.add_to(scene, alarm))
     }
+
+    /// Checks that the results in a folder would not take the place of the scene file.
+    pub(crate) fn keep_file(&self, folder: &Path) -> Result<(), Error> {
+        match self.is_file {
+            true => ResultFolder::new(folder).keep_scene(&self.path),
+            false => Ok(()),
+        }
+    }
+
+    /// What names of the scene mean; the alarm is raised by an exception of a law.
+    fn registry(&self, alarm: &Arc<Alarm>) -> Registry {
+        laws::register(self.registry.clone(), &self.laws, alarm)
+    }
+
+    /// The path of the scene file and what its names mean, for a study.
+    fn for_study(&self, py: Python<'_>, alarm: &Arc<Alarm>) -> PyResult<(PathBuf, Registry)> {
+        let reason = match (self.is_file, &self.case) {
+            (false, _) => {
+                "a study needs a scene file, from which another one can continue: write `scene.text` to a file, and its meshes and records"
+            }
+            (true, Some(_)) => "a study needs the whole scene file: leave out the case",
+            (true, None) if !self.functions.is_empty() => {
+                "a study has no loads or fields of functions: it reads the scene file"
+            }
+            (true, None) => return Ok((self.path.clone(), self.registry(alarm))),
+        };
+        Err(exception(py, "InputError", reason))
+    }
+}
+
+/// A law in Python: name, function, history variables (name and unit), whether it uses locations, version.
+type LawArguments = (String, Py<PyAny>, Vec<(String, String)>, bool, String);
+
+/// Laws in Python under names that are not those of the software.
+fn own_laws(py: Python<'_>, laws: Vec<LawArguments>, known: &Registry) -> PyResult<Vec<Law>> {
+    let laws = laws
+        .into_iter()
+        .map(|(name, function, history, locations, version)| {
+            if known.law_names().any(|known| known == name) {
+                let message =
+                    format!("laws: '{name}' is a law of the software; choose another name");
+                return Err(exception(py, "InputError", &message));
+            }
+            Ok(Law::new(name, (function, version), history, locations))
+        });
+    laws.collect()
 }
 
 /// A scene: text in TOML, mesh and records.
@@ -94,12 +145,19 @@ impl Scene {
 impl Scene {
     /// The scene of a file, or a case of it.
     #[staticmethod]
-    fn from_file(py: Python<'_>, path: PathBuf, case: Option<String>) -> PyResult<Self> {
+    fn from_file(
+        py: Python<'_>,
+        path: PathBuf,
+        case: Option<String>,
+        laws: Vec<LawArguments>,
+    ) -> PyResult<Self> {
         let registry = powerhouse_study::registry();
+        let laws = own_laws(py, laws, &registry)?;
+        let all = laws::register(registry.clone(), &laws, &Arc::default());
         let found = wait_for(py, || {
             let composed = match &case {
-                Some(case) => Composed::case_from_file_with(&path, case, &registry),
-                None => Composed::from_file_with(&path, &registry),
+                Some(case) => Composed::case_from_file_with(&path, case, &all),
+                None => Composed::from_file_with(&path, &all),
             }?;
             let text = composed.source().map(|source| source.text.clone());
             let source = Source {
@@ -108,6 +166,7 @@ impl Scene {
                 case: case.clone(),
                 registry: registry.clone(),
                 functions: Vec::new(),
+                laws: laws.clone(),
                 is_file: true,
             };
             Ok::<_, Error>(Self::new(source, &composed))
@@ -124,8 +183,10 @@ impl Scene {
         case: Option<String>,
         mesh: Option<PyRef<'_, Mesh>>,
         records: Vec<(PathBuf, f64, PyReadonlyArray1<'_, f64>)>,
+        laws: Vec<LawArguments>,
     ) -> PyResult<Self> {
         let mut registry = powerhouse_study::registry();
+        let laws = own_laws(py, laws, &registry)?;
         if let Some(mesh) = mesh {
             let mesh = mesh.mesh.clone();
             registry.add_mesh_generator(ARRAYS, move |_: &Path| {
@@ -146,6 +207,7 @@ impl Scene {
             case,
             registry,
             functions: Vec::new(),
+            laws,
             is_file: false,
         };
         let found = wait_for(py, || {
@@ -251,6 +313,68 @@ impl Scene {
             .map_err(|error| exception(py, "InputError", &error.to_string()))?;
         let function = Arc::new(function);
         Ok(self.with(Function::Field { medium, function }))
+    }
+    /// Runs the cases of the scene file; returns the folder of the results and the names of the cases.
+    fn sweep(
+        &self,
+        py: Python<'_>,
+        folder: Option<PathBuf>,
+        cases: Option<Vec<String>>,
+        duration: Option<f64>,
+        jobs: usize,
+        checkpoint_every: Option<String>,
+        callback: Option<Py<PyAny>>,
+    ) -> PyResult<(String, Vec<String>)> {
+        let refused = |message: String| exception(py, "InputError", &message);
+        let jobs = NonZeroUsize::new(jobs)
+            .ok_or_else(|| refused("jobs: found 0, expected 1 or more".into()))?;
+        let order = SweepOrder {
+            folder,
+            cases,
+            duration,
+            jobs,
+            checkpoint_every: interval(checkpoint_every.as_deref()).map_err(refused)?,
+        };
+        let alarm = Arc::new(Alarm::default());
+        let of_file = self.source.for_study(py, &alarm)?;
+        studies::sweep(py, of_file, order, &alarm, callback.as_ref())
+    }
+    /// Makes the trade study of the scene file.
+    fn trade(
+        &self,
+        py: Python<'_>,
+        folder: Option<PathBuf>,
+        goal: (Option<f64>, Option<f64>),
+        reference: String,
+        window: Option<f64>,
+        quantities: Option<Vec<String>>,
+        factors: Option<Vec<String>>,
+        every_history: bool,
+        every_combination: bool,
+        mesh: bool,
+        checkpoint_every: Option<String>,
+        callback: Option<Py<PyAny>>,
+    ) -> PyResult<Trade> {
+        let refused = |message: String| exception(py, "InputError", &message);
+        let quantities = quantities.map(|names| {
+            let names = names.iter();
+            names.map(|name| TradeOrder::quantity(name)).collect()
+        });
+        let order = TradeOrder {
+            folder,
+            goal: TradeOrder::goal(goal.0, goal.1).map_err(refused)?,
+            reference: TradeOrder::reference(&reference).map_err(refused)?,
+            window,
+            quantities: quantities.transpose().map_err(refused)?,
+            factors,
+            every_history,
+            every_combination,
+            mesh,
+            checkpoint_every: interval(checkpoint_every.as_deref()).map_err(refused)?,
+        };
+        let alarm = Arc::new(Alarm::default());
+        let of_file = self.source.for_study(py, &alarm)?;
+        studies::trade(py, of_file, order, &alarm, callback.as_ref())
     }
     /// Starts a run that waits at every step, or at every one of some steps.
     fn simulation(

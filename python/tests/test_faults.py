@@ -130,3 +130,17 @@ def test_meshes_of_arrays_are_checked() -> None:
     ]:
         with pytest.raises(ph.InputError, match=text):
             ph.Mesh(*arguments)
+
+
+def test_a_scene_is_not_overwritten(scene_file: Path, command: Any) -> None:
+    """A folder in which the copy of the scene would take the place of the scene has the message of the command."""
+    before = scene_file.read_bytes()
+    said = command("run", scene_file, "--out", scene_file.parent)
+    assert said.returncode == 2
+    with pytest.raises(ph.FolderError, match="would take the place of") as raised:
+        ph.Scene.from_file(scene_file).run(scene_file.parent, progress=False)
+    assert f"error: {raised.value}\n" == said.stderr
+    assert scene_file.read_bytes() == before and not (scene_file.parent / "summary.json").exists()
+    # A scene of a text has no file that could be lost.
+    text = scene_file.read_text()
+    assert ph.Scene.from_text(text, scene_file.parent).run(scene_file.parent / "out", progress=False).files

@@ -204,3 +204,20 @@ def test_the_mesh_of_a_scene() -> None:
     assert mesh.cells["hex8"].shape == (216, 8)
     assert set(mesh.facet_sets) == {"left", "right", "front", "back", "bottom", "top"}
     assert box().element_count == mesh.element_count
+
+
+def test_a_report_is_that_of_the_command(scene_file: Path, command: Any) -> None:
+    """The report of a run is that of the command; a folder without results is refused with its message."""
+    out = scene_file.parent / "out"
+    results = ph.Scene.from_file(scene_file).run(out, progress=False)
+    page = results.report()
+    assert page == out / "report.html"
+    written = page.read_bytes()
+    assert command("report", out).returncode == 0
+    assert page.read_bytes() == written
+    with pytest.raises(ph.InputError, match="no folder"):
+        ph.Scene(keys()).run(progress=False).report()
+    empty = scene_file.parent / "empty"
+    with pytest.raises(ph.InputError) as raised:
+        ph.write_report(empty)
+    assert f"error: {raised.value}\n" == command("report", empty).stderr

@@ -5,8 +5,9 @@ use powerhouse::{Kernel, Material};
 use powerhouse_elements::{AnyLaw, Hex8Full, SolidKernel};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, presets};
 use powerhouse_model::{
-    BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane, LawInput, Mesh, Precision,
-    RunOptions, State, StepChoice, Stress, Vec3,
+    BlockLaw, BlockLawInput, BlockOptions, ConstitutiveLaw, ElasticMedium, HistoryVariable, Lane,
+    LawInput, Mesh, PointLaw, PointLocation, Precision, RunOptions, State, StepChoice, Stress,
+    Vec3,
 };
 
 /// Cells of the column, each 1 m high.
@@ -51,6 +52,40 @@ impl ConstitutiveLaw for Soil {
         let lambda = xy.constant(self.medium.lambda());
         let shear = xy.constant(self.medium.shear());
         Stress::elastic(lambda, shear, &input.strain) * share
+    }
+}
+
+/// A law for one point, evaluated for all points of a block at once.
+struct InBlocks(AnyLaw);
+
+impl BlockLaw for InBlocks {
+    fn name(&self) -> &str {
+        PointLaw::name(&self.0)
+    }
+    fn medium(&self) -> ElasticMedium {
+        PointLaw::medium(&self.0)
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        PointLaw::history(&self.0)
+    }
+    fn uses_location(&self) -> bool {
+        PointLaw::uses_location(&self.0)
+    }
+    fn stress_changes(&self, points: &BlockLawInput, stresses: &mut [Stress], new: &mut [f64]) {
+        // All of the column are one block.
+        assert!(points.len() >= CELLS, "{}", points.len());
+        for (point, (stress, new)) in stresses.iter_mut().zip(new.chunks_mut(1)).enumerate() {
+            let input = LawInput::new(points.strains[point], points.history_of(point))
+                .with_initial(points.initial[point])
+                .with_extents(points.extents[point]);
+            *stress = match points.positions.get(point) {
+                None => self.0.stress_change(&input, new),
+                Some(&position) => {
+                    let location = PointLocation::new(position, &points.elements[point..=point]);
+                    self.0.stress_change(&input.with_location(&location), new)
+                }
+            };
+        }
     }
 }
 
@@ -105,7 +140,7 @@ fn motion(state: &State) -> Vec<u64> {
 }
 
 /// A strength that grows with depth in one law for one element set gives the same motion, bit by bit in double
-/// precision, as an element set with a uniform law for each cell; also as a law for one point.
+/// precision, as an element set with a uniform law for each cell; also as a law for one point, and for a block at once.
 #[test]
 fn a_graded_law_has_the_motion_of_many_sets() {
     for kernel in [SolidKernel::ALL[0], SolidKernel::Hex8Full] {
@@ -121,6 +156,10 @@ fn a_graded_law_has_the_motion_of_many_sets() {
         for (material, equal) in [
             (Material::new(soil(None)), true),
             (Material::from_point_law(AnyLaw::new(soil(None))), true),
+            (
+                Material::from_block_law(InBlocks(AnyLaw::new(soil(None)))),
+                true,
+            ),
             (uniform, false),
         ] {
             let parts = [("soil".to_string(), material)];

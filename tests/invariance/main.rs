@@ -1,5 +1,6 @@
 //! Independence of the results from threads, lanes and the direction of the axes.
 
+mod at_once;
 mod bits;
 mod blocks;
 mod bonded_cavern;

@@ -20,9 +20,6 @@ use crate::ranks::{NoSnapshots, Place};
 use crate::terminal::{say, say_warning, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 
-/// Name of the copy of a scene among its results.
-const SCENE: &str = "scene.toml";
-
 /// Scene that is run, and where its results are.
 pub(crate) enum Choice {
     /// A new run of a scene, or of a case of it.
@@ -84,7 +81,7 @@ impl Choice {
                 let path = scene;
                 let scene = read(&path, &of_file)?;
                 let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
-                keep_scene(&path, &folder)?;
+                folder.keep_scene(&path)?;
                 Ok(Planned {
                     folder,
                     inputs: RunInputs::of(&scene),
@@ -154,17 +151,6 @@ fn read_as(
     changes.extend(further);
     let case = inputs.case.clone();
     Ok(read(&path, &SceneChoice { case, changes })?)
-}
-
-/// Refuses a folder of results whose copy of the scene would take the place of the scene.
-fn keep_scene(scene: &Path, folder: &ResultFolder) -> Result<(), String> {
-    match is_same(scene, &folder.path().join(SCENE)) {
-        false => Ok(()),
-        true => Err(format!(
-            "the copy of the scene among the results would take the place of {}: choose another folder with --out",
-            scene.display()
-        )),
-    }
 }
 
 /// Whether two paths are those of one file or folder that exists.

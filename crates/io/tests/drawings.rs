@@ -38,7 +38,7 @@ fn middle(picture: &Picture, name: &str) -> [u8; 3] {
         (picture.width as usize, picture.height as usize)
     );
     // The body is left of the colour scale.
-    pixels[height * 11 / 20 * width + (width - 130) * 11 / 20]
+    pixels[height * 11 / 20 * width + (width - 150) * 11 / 20]
 }
 
 /// The pixels of a picture.
@@ -54,7 +54,7 @@ fn pixels(picture: &Picture, name: &str) -> (usize, Vec<[u8; 3]>) {
 /// Colours along a line through the middle of the picture, without those of edges of facets.
 fn colours(picture: &Picture, name: &str) -> Vec<[u8; 3]> {
     let (width, pixels) = pixels(picture, name);
-    let row = &pixels[picture.height as usize * 11 / 20 * width..][..width - 130];
+    let row = &pixels[picture.height as usize * 11 / 20 * width..][..width - 150];
     let drawn: Vec<[u8; 3]> = row.iter().copied().filter(|p| *p != [255; 3]).collect();
     // Where two facets meet the finer pixels of both are averaged.
     let mean = |k: &usize| drawn[*k - 1] != drawn[*k] && drawn[*k] != drawn[*k + 1];
@@ -65,8 +65,9 @@ fn colours(picture: &Picture, name: &str) -> Vec<[u8; 3]> {
 /// The colours beside the names of a picture, from the top.
 fn beside(picture: &Picture, name: &str) -> Vec<[u8; 3]> {
     let (width, pixels) = pixels(picture, name);
-    let rows = pixels.chunks(width).map(|row| row[width - 130 + 8 + 2]);
-    let plain = |colour: &[u8; 3]| *colour != [255; 3] && *colour != [40; 3];
+    let rows = pixels.chunks(width).map(|row| row[width - 150 + 8 + 2]);
+    // Letters and their edges are grey.
+    let plain = |colour: &[u8; 3]| colour.iter().any(|part| part.abs_diff(colour[0]) > 8);
     let mut colours: Vec<[u8; 3]> = rows.filter(plain).collect();
     colours.dedup();
     colours
@@ -133,7 +134,7 @@ fn nodal_numbers_are_interpolated() {
     write_picture(&file, &picture).unwrap();
     let (width, height, pixels) = decoded(&file);
     std::fs::remove_dir_all(folder).unwrap();
-    let row = &pixels[height / 2 * width..][..width - 130];
+    let row = &pixels[height / 2 * width..][..width - 150];
     let body: Vec<u8> = row
         .iter()
         .filter(|p| **p != [255; 3])
@@ -167,11 +168,11 @@ fn a_displacement_moves_the_body() {
         let (width, height, pixels) = decoded(&file);
         std::fs::remove_dir_all(folder).unwrap();
         let drawn = |x: usize, y: usize| pixels[y * width + x] != [255; 3];
-        let wide = (0..width - 130)
+        let wide = (0..width - 150)
             .filter(|&x| drawn(x, height * 11 / 20))
             .count();
         let high = (0..height)
-            .filter(|&y| drawn((width - 130) * 11 / 20, y))
+            .filter(|&y| drawn((width - 150) * 11 / 20, y))
             .count();
         wide as f64 / high as f64
     };

@@ -20,6 +20,7 @@
 //! [`ConstitutiveLaw`].
 
 mod assembly;
+mod block_law;
 mod boundary;
 mod checksum;
 mod constraint;
@@ -66,6 +67,7 @@ mod support;
 mod tensor;
 
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
+pub use block_law::{BlockLaw, BlockLawInput};
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };

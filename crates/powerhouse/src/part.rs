@@ -7,8 +7,8 @@ use powerhouse_material_damage::{
     ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
 };
 use powerhouse_model::{
-    BlockFactory, BlockOptions, ConstitutiveLaw, ElasticMedium, ElementKernel, ElementKind,
-    HistoryVariable, ModelError, ParameterError, PointAdapter, PointLaw,
+    BlockFactory, BlockLaw, BlockOptions, ConstitutiveLaw, ElasticMedium, ElementKernel,
+    ElementKind, HistoryVariable, ModelError, ParameterError, PointAdapter, PointLaw,
 };
 
 use crate::{Damping, Error};
@@ -42,8 +42,11 @@ impl Material {
     /// For the laws of the software use `Material::from(law)`: such a program compiles faster, and flat damping
     /// is possible.
     pub fn new(law: impl ConstitutiveLaw) -> Self {
+        Self::of(AnyLaw::new(law))
+    }
+    fn of(law: AnyLaw) -> Self {
         Self {
-            law: AnyLaw::new(law),
+            law,
             warnings: Arc::new([]),
             default_damping: Damping::None,
             damped: None,
@@ -113,6 +116,11 @@ impl Material {
     /// A material with a law for one integration point: simpler to write, slower to run.
     pub fn from_point_law(law: impl PointLaw + 'static) -> Self {
         Self::new(PointAdapter::new(law))
+    }
+    /// A material with a law for all integration points of an element block at once: for laws of which every call is
+    /// costly, as those of other languages.
+    pub fn from_block_law(law: impl BlockLaw + 'static) -> Self {
+        Self::of(AnyLaw::of_blocks(law))
     }
     /// Name of the law, such as `mohr-coulomb`.
     pub fn name(&self) -> &str {

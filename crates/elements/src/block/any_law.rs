@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use powerhouse_model::{
-    ConstitutiveLaw, ElasticMedium, HistoryVariable, LawEnergy, LawInput, ModelError, PointLaw,
-    Stress,
+    BlockLaw, ConstitutiveLaw, ElasticMedium, HistoryVariable, LawEnergy, LawInput, ModelError,
+    PointLaw, Stress,
 };
 
+use super::at_once::AtOnce;
 use super::law::{BatchLaws, ErasedLaw};
 
 /// Constitutive law of any type with its type erased, which every element kernel evaluates in lanes.
@@ -56,6 +57,14 @@ impl AnyLaw {
             };
         }
         let law = Arc::new(law);
+        Self {
+            law: law.clone(),
+            in_lanes: Some(law),
+        }
+    }
+    /// A law that is evaluated for all integration points of an element block at once; slower than one in lanes.
+    pub fn of_blocks(law: impl BlockLaw + 'static) -> Self {
+        let law = Arc::new(AtOnce::new(law));
         Self {
             law: law.clone(),
             in_lanes: Some(law),

@@ -14,7 +14,7 @@ use crate::lanes::{BatchLane, BatchScalar};
 /// A call has a cost, and history variables that are read and written in long rows arrive sooner: with flat
 /// damping by three mechanisms a step of 110,592 elements takes 58 ns per element with 4 points per call
 /// and 52 with 32, in mixed precision 47 and 41.
-const POINTS: usize = 32;
+pub(super) const POINTS: usize = 32;
 
 /// Buffers of the strains of successive batches, and of the stresses and energies of their law, in lanes,
 /// batch by batch and point by point.
@@ -46,10 +46,16 @@ pub(super) struct PointBuffers<'a, S> {
 pub(super) const REMAINING: usize = 8;
 
 impl<S: BatchScalar> Exchange<S> {
-    /// Makes room for batches with a number of nodes and points per element; returns the number of batches.
+    /// Makes room for batches with a number of nodes and points per element, of so many points at once; returns the number
+    /// of batches.
     #[inline(always)]
-    pub(super) fn prepare(&mut self, nodes: usize, points: usize, width: usize) -> usize {
-        let batches = (POINTS / points).max(1);
+    pub(super) fn prepare(
+        &mut self,
+        (nodes, points): (usize, usize),
+        width: usize,
+        at_once: usize,
+    ) -> usize {
+        let batches = (at_once / points).max(1);
         self.modes.grow(3 * nodes * batches * width);
         self.own.grow(MOST_OWN * batches * width);
         self.strains.grow(6 * points * batches * width);

@@ -84,6 +84,10 @@ pub(crate) trait ErasedLaw: Send + Sync {
     fn history(&self) -> &[HistoryVariable];
     fn uses_location(&self) -> bool;
     fn is_in_lanes(&self) -> bool;
+    /// Whether the law is evaluated for all points of a block at once, and linearised by its medium.
+    fn takes_blocks(&self) -> bool {
+        false
+    }
     fn accept_size(&self, size: f64) -> Result<(), ModelError>;
     fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress;
     fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>>;
@@ -328,7 +332,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
 ///
 /// A law that changes any variable mostly changes its first one, which is therefore compared alone.
 #[inline(always)]
-fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
+pub(super) fn differ<L: BatchLane>(old: &[L], new: &[L]) -> bool {
     let Some(&first) = new.first() else {
         return false;
     };

@@ -189,7 +189,7 @@ where
     ) -> ([Stiffness; P], [f64; 3]) {
         let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
         let law = match self.law.static_form() {
-            Some(law) if operator != Operator::Elastic => law,
+            Some(law) if operator != Operator::Elastic && !law.takes_blocks() => law,
             _ => return ([elastic; P], self.moduli.hourglass),
         };
         let nodal = self.connectivity.as_slice()[element]

@@ -2,6 +2,7 @@
 
 mod account;
 mod any_law;
+mod at_once;
 mod batches;
 mod element_forces;
 mod exchange;
@@ -352,7 +353,8 @@ where
 
     fn apply_to<A: NodeScalar>(&self, operator: Operator, x: &[Quad<A>], out: &mut [Quad<A>]) {
         out.fill(Quad::default());
-        if operator == Operator::Elastic || self.is_linear() {
+        let takes_blocks = |law: &dyn law::BatchLaw<S>| law.takes_blocks();
+        if operator == Operator::Elastic || self.law.static_form().is_none_or(takes_blocks) {
             if const { size_of::<A>() < size_of::<S>() } {
                 let mut sums = vec![Quad::default(); out.len()];
                 self.apply_to::<f64>(operator, &doubled(x), &mut sums);

@@ -7,7 +7,7 @@ use powerhouse_model::{
 
 use super::account::{PreviousStep, StepSums};
 use super::batches::Batches;
-use super::exchange::{Exchange, PointBuffers};
+use super::exchange::{Exchange, POINTS, PointBuffers};
 use super::law::{BatchLaw, Evaluation, HistoryAccess, RemainingOutput};
 use super::locations::Locations;
 use super::memory::as_lanes;
@@ -228,8 +228,13 @@ where
                 || (self.moduli.resist() && self.kernel.own_history() > 0),
             hourglass: self.moduli.resist(),
         };
-        let capacity = self.exchange.prepare(N, P, L::WIDTH);
         let count = self.batches.count(L::WIDTH);
+        let at_once = if self.law.takes_blocks() {
+            P * count
+        } else {
+            POINTS
+        };
+        let capacity = self.exchange.prepare((N, P), L::WIDTH, at_once);
         // Number of the last batches for which the law is still to be evaluated.
         let mut pending = 0;
         for index in 0..count {

@@ -59,6 +59,8 @@ pub struct ResultFolder {
     path: PathBuf,
 }
 
+/// Name of the copy of the scene.
+pub(super) const SCENE: &str = "scene.toml";
 /// Name of the snapshot collection file.
 pub(super) const SNAPSHOTS: &str = "snapshots.pvd";
 /// Name of the subfolder of stages.
@@ -123,6 +125,25 @@ impl ResultFolder {
     /// [`FolderError::Busy`] if another run holds the lock; the file that could not be written.
     pub fn lock(&self) -> Result<FolderLock, Error> {
         FolderLock::take(&self.path)
+    }
+
+    /// Path of the copy of the scene among the results.
+    pub fn scene(&self) -> PathBuf {
+        self.path.join(SCENE)
+    }
+
+    /// Checks that the copy of a scene among the results would not take the place of the scene file itself.
+    ///
+    /// # Errors
+    /// [`FolderError::OfScene`].
+    pub fn keep_scene(&self, scene: &Path) -> Result<(), Error> {
+        match (scene.canonicalize(), self.scene().canonicalize()) {
+            (Ok(file), Ok(copy)) if file == copy => {
+                let scene = scene.to_path_buf();
+                Err(FolderError::OfScene { scene }.into())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Checks that a run can write all its files: that no folder has the path of a file, that the system permits the
@@ -296,7 +317,7 @@ impl ResultFolder {
         files.write(SUMMARY, |file| write_summary(file, &summary));
         files.written.clear();
         if let Some(text) = scene {
-            files.write("scene.toml", |file| write_whole(file, text.as_bytes()));
+            files.write(SCENE, |file| write_whole(file, text.as_bytes()));
         }
         self.write_tables(&mut files, results, notes);
         let present = results.present.as_deref();

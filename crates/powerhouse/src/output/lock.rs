@@ -64,6 +64,16 @@ pub enum FolderError {
         /// Free disk space (bytes).
         free: u64,
     },
+    /// Folder whose copy of the scene would take the place of the scene itself, in
+    /// [`ResultFolder::keep_scene`](crate::ResultFolder::keep_scene).
+    #[error(
+        "the copy of the scene among the results would take the place of {}: choose another folder with --out",
+        scene.display()
+    )]
+    OfScene {
+        /// Path of the scene file.
+        scene: PathBuf,
+    },
     /// Folder with the path of a result file, in [`ResultFolder::prove`](crate::ResultFolder::prove).
     #[error("{}: there is a folder of this name, which a result file needs", file.display())]
     InTheWay {

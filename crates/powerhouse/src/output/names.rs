@@ -3,7 +3,7 @@
 use powerhouse_model::{HistoryKind, HistoryVariable};
 
 use super::file_name;
-use super::folder::{CLOSE_UP, ENVELOPE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
+use super::folder::{CLOSE_UP, ENVELOPE, SCENE, SNAPSHOTS, STAGES, STATE, SUMMARY, TABLES};
 use super::{OutputPlan, joints, vtu};
 
 /// Output plan and named objects of a run, after which files are named.
@@ -20,7 +20,7 @@ impl Named<'_> {
     /// Paths of the files that the run may write, relative to its folder.
     pub(crate) fn files(&self) -> Vec<String> {
         let plan = self.plan;
-        let mut files: Vec<String> = [SUMMARY, "scene.toml", ENVELOPE, STATE, SNAPSHOTS]
+        let mut files: Vec<String> = [SUMMARY, SCENE, ENVELOPE, STATE, SNAPSHOTS]
             .into_iter()
             .chain(TABLES)
             .map(str::to_owned)

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use powerhouse::ResultFolder;
+
 use super::page::{Page, Table};
 use super::run_warnings::RunWarnings;
 use super::{forces, motions, read_json, report_gaps, tables};
@@ -91,7 +93,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         }
     }
     page.section("The scene");
-    page.file(&folder.join("scene.toml"))?;
+    page.file(&ResultFolder::new(folder).scene())?;
     Ok(page)
 }
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::file_name;
 use powerhouse::io::{TableColumn, read_table};
+use powerhouse::{ResultFolder, file_name};
 
 use super::page::{Page, Table};
 use super::run_warnings::RunWarnings;
@@ -52,7 +52,7 @@ pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyErro
     sweep.energy(&mut page)?;
     page.section("The scene");
     page.paragraph("The scene as it was run; mesh and records are the files that it names.");
-    page.file(&cases[0].folder.join("scene.toml"))?;
+    page.file(&ResultFolder::new(&cases[0].folder).scene())?;
     Ok(page)
 }
 
