@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockLaw, BlockLawInput, ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents,
-    HistoryVariable, Lane, LawEnergy, LawInput, ModelError, Scalar, Strain, Stress,
+    HistoryVariable, Lane, LawEnergy, LawInput, ModelError, RemainingStiffness, Scalar, Strain,
+    Stress,
 };
+
+use powerhouse_program::Traced;
 
 use super::exchange::REMAINING;
 use super::law::{
@@ -94,6 +97,16 @@ impl<S: BatchScalar> BatchLaw<S> for AtOnce {
     }
     fn for_step(&self, _length: f64) -> Arc<dyn BatchLaw<S>> {
         Arc::new(self.clone())
+    }
+    /// Leaves its lanes, for which the recording is refused: the law is a function of a whole block.
+    fn record(
+        &self,
+        input: &LawInput<Traced<S>>,
+        _new_history: &mut [Traced<S>],
+    ) -> (Stress<Traced<S>>, RemainingStiffness<Traced<S>>) {
+        let first = input.strain.0[0];
+        let left = first.constant(first.extract(0));
+        (Stress([left; 6]), RemainingStiffness::whole(left))
     }
 }
 
