@@ -163,10 +163,12 @@ impl SectionCapacity {
     }
 
     /// Utilisation of a normal force (N/m) and a moment (N m/m): distance of the moment from the middle of those that the section
-    /// bears with the same normal force, over half of their range. Above one it fails; infinite where no moment is borne.
+    /// bears with the same normal force, over half of their range; of a normal force that it does not bear, that force over
+    /// the one it bears. Above one it fails; infinite where nothing is borne.
     pub fn utilisation(&self, axial: f64, moment: f64) -> f64 {
         let Some([least, greatest]) = self.moments(axial) else {
-            return f64::INFINITY;
+            let [pressure, tension] = self.axial_range();
+            return axial / if axial > 0.0 { tension } else { pressure };
         };
         let half = 0.5 * (greatest - least);
         let distance = (moment - 0.5 * (least + greatest)).abs();

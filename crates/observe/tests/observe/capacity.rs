@@ -58,6 +58,8 @@ fn special_points_are_those_of_statics() {
         let error = (high - moment).abs().max((low + moment).abs());
         assert!(error < 1e-5 * pressed * h, "{low:e} {high:e}");
     }
+    assert!((section.utilisation(2.0 * greatest, 0.0) - 2.0).abs() < 1e-12);
+    assert!((section.utilisation(1.5 * least, 1.0) - 1.5).abs() < 1e-12);
     // Bars at the tension face alone: As fy (d - As fy / 2 f).
     let single = SectionCapacity::new(h, reinforced([0.0, area])).unwrap();
     let pull = area * 435.0e6;

@@ -126,7 +126,8 @@ impl Shown<'_> {
             false => PictureField::Elemental(&values),
         };
         let (low, high) = self.mesh.bounding_box();
-        let [low, high] = close_up.unwrap_or([low, high]);
+        let [low, high] =
+            close_up.map_or([low, high], |[from, to]| [low.sup(&from), high.inf(&to)]);
         let mut picture = Picture::new(self.mesh, field, unit);
         picture.present = self.present;
         picture.close_up = close_up;

@@ -333,7 +333,7 @@ impl fmt::Display for Remark {
                     )?,
                     None => write!(
                         f,
-                        "at {time:.3} s it does not bear N = {axial:.4} kN/m with any moment"
+                        "at {time:.3} s it does not bear N = {axial:.4} kN/m with any moment (utilisation {utilisation:.3})"
                     )?,
                 }
                 f.write_str("; an elastic lining is then computed too stiff, and its forces are not those of the concrete")
