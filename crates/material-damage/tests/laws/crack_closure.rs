@@ -12,7 +12,7 @@ use crate::random::Random;
 const TORN: usize = 8;
 const DAMAGE: usize = 10;
 
-fn concrete(stiffness_recovery: f64) -> impl ConstitutiveLaw + Clone {
+fn concrete(stiffness_recovery: f64) -> impl ConstitutiveLaw {
     PlasticDamage::new(PlasticDamageParameters {
         stiffness_recovery,
         ..*presets::paper_concrete().unwrap().parameters()
@@ -20,7 +20,7 @@ fn concrete(stiffness_recovery: f64) -> impl ConstitutiveLaw + Clone {
     .unwrap()
 }
 
-fn lee_fenves(stiffness_recovery: f64) -> impl ConstitutiveLaw + Clone {
+fn lee_fenves(stiffness_recovery: f64) -> impl ConstitutiveLaw {
     LeeFenves::new(LeeFenvesParameters {
         stiffness_recovery,
         ..presets::eurocode_lee_fenves(25.0).unwrap()
