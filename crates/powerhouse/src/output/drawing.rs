@@ -101,7 +101,7 @@ const SPIKE: f64 = 2.0;
 /// Extent of a body over its next larger one (1) below which it is a slice, which is looked at straight on.
 const SLICE: f64 = 0.15;
 /// Surroundings of a structure that are drawn, over its greatest extent (1).
-const SURROUNDINGS: f64 = 0.35;
+const SURROUNDINGS: f64 = 0.25;
 
 impl Shown<'_> {
     /// Writes a picture of a field on the active elements of the body, of a slice straight on, otherwise sectioned across y in
@@ -142,9 +142,9 @@ impl Shown<'_> {
         }
         let seen = self.seen(&values, is_nodal, close_up);
         let mut title = format!(
-            "{}\n{name} of the run to {:.4} s: {} {unit}",
+            "{}\n{name} of the run to {} s: {} {unit}",
             self.title,
-            self.time,
+            number(self.time),
             number(extreme(&seen)),
         );
         title.truncate(title.trim_end().len());
