@@ -83,7 +83,7 @@ struct Drawn {
 impl Drawn {
     fn point(&mut self, (x, y): (f64, f64)) {
         let letter = if self.text.is_empty() { "M" } else { " " };
-        let _ = write!(self.text, "{letter}{x:.2} {y:.2}");
+        let _ = write!(self.text, "{letter}{x:.1} {y:.1}");
     }
 }
 
@@ -104,7 +104,7 @@ mod tests {
             (800.0 * i as f64 / count as f64, y)
         });
         let path = path(points);
-        assert!(path.contains(" -5.25"));
+        assert!(path.contains(" -5.2"));
         assert!(path.split_whitespace().count() < 2 * 4 * 1601);
     }
 
@@ -114,9 +114,9 @@ mod tests {
         let points = [(0.0, 1.0), (0.1, 2.0), (0.05, 3.0), (0.0, 4.0)];
         assert_eq!(
             path(points.into_iter()),
-            "M0.00 1.00 0.10 2.00 0.05 3.00 0.00 4.00"
+            "M0.0 1.0 0.1 2.0 0.1 3.0 0.0 4.0"
         );
         let few = [(0.0, 1.0), (1.0, 2.0), (2.0, 1.5)];
-        assert_eq!(path(few.into_iter()), "M0.00 1.00 1.00 2.00 2.00 1.50");
+        assert_eq!(path(few.into_iter()), "M0.0 1.0 1.0 2.0 2.0 1.5");
     }
 }
