@@ -104,7 +104,7 @@ mod tests {
             (800.0 * i as f64 / count as f64, y)
         });
         let path = path(points);
-        assert!(path.contains(" -5.2"));
+        assert!(path.split_whitespace().any(|number| number == "-5.2"));
         assert!(path.split_whitespace().count() < 2 * 4 * 1601);
     }
 
@@ -112,10 +112,7 @@ mod tests {
     #[test]
     fn a_curve_that_turns_back_is_kept() {
         let points = [(0.0, 1.0), (0.1, 2.0), (0.05, 3.0), (0.0, 4.0)];
-        assert_eq!(
-            path(points.into_iter()),
-            "M0.0 1.0 0.1 2.0 0.1 3.0 0.0 4.0"
-        );
+        assert_eq!(path(points.into_iter()), "M0.0 1.0 0.1 2.0 0.1 3.0 0.0 4.0");
         let few = [(0.0, 1.0), (1.0, 2.0), (2.0, 1.5)];
         assert_eq!(path(few.into_iter()), "M0.0 1.0 1.0 2.0 2.0 1.5");
     }
