@@ -84,20 +84,20 @@ impl CrackClosure {
 
     /// Whether a lane has cracks whose closure counts.
     #[inline(always)]
-    pub(crate) fn counts<L: Lane>(&self, torn: L) -> bool {
+    fn counts<L: Lane>(&self, torn: L) -> bool {
         let zero = torn.constant(0.0);
         self.recovery > 0.0 && torn.any(zero.less(torn))
     }
 
     /// Change of the nominal stress for one of the effective stress (Pa), by the damage in tension and compression of the
     /// history; writes `D` and the damage type to the history. `axes` are those of the effective stress after the
-    /// change; they are needed where closure [counts](Self::counts).
+    /// change, if they are known.
     #[inline(always)]
     pub(crate) fn nominal_change<L: Lane>(
         &self,
         change: &Stress<L>,
         initial: &Stress<L>,
-        axes: Option<&PrincipalAxes<L>>,
+        axes: Option<PrincipalAxes<L>>,
         history: &mut [L],
     ) -> Stress<L> {
         let number = |value: f64| history[DAMAGE].constant(value);
@@ -110,7 +110,8 @@ impl CrackClosure {
         let lost = one - intact;
         history[DAMAGE] = lost;
         let mut nominal = Stress(array(|i| intact * change.0[i] - lost * initial.0[i]));
-        if let Some(axes) = axes {
+        if self.counts(torn) {
+            let axes = axes.unwrap_or_else(|| PrincipalAxes::of(&(*initial + *change)));
             let is_cracked = zero.less(closed);
             let carried = self.closed_stress(&axes.values);
             let in_mesh = axes.tensor(&each(&carried, |s| closed * s));

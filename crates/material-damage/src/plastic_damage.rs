@@ -305,12 +305,7 @@ impl<S: YieldSurface> ConstitutiveLaw for PlasticDamage<S> {
             });
         }
         let closure = self.closure();
-        if !closure.counts(now[DAMAGE_TENSION]) {
-            axes = None;
-        } else if axes.is_none() {
-            axes = Some(PrincipalAxes::of(&trial));
-        }
-        let nominal = closure.nominal_change(&change, &input.initial, axes.as_ref(), &mut now);
+        let nominal = closure.nominal_change(&change, &input.initial, axes, &mut now);
         history::store(&now, new_history);
         nominal
     }

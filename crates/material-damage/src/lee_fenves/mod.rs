@@ -446,13 +446,7 @@ impl ConstitutiveLaw for LeeFenves {
             }
         }
         let closure = self.closure();
-        if !closure.counts(now[DAMAGE_TENSION]) {
-            axes_after = None;
-        } else if axes_after.is_none() {
-            axes_after = Some(PrincipalAxes::of(&stress));
-        }
-        let nominal =
-            closure.nominal_change(&change, &input.initial, axes_after.as_ref(), &mut now);
+        let nominal = closure.nominal_change(&change, &input.initial, axes_after, &mut now);
         history::store(&now, new_history);
         nominal
     }
