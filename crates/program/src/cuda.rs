@@ -116,15 +116,10 @@ impl Language for Cuda {
     fn input(&self, index: u32) -> String {
         format!("x[{index} * stride]")
     }
-    fn result(&self, operation: ProgramOperation, operands: &[String]) -> String {
+    fn function(&self, operation: ProgramOperation, operands: &[String]) -> String {
         let f = if self.single { "f" } else { "" };
         let of = |index: usize| operands[index].as_str();
         match operation {
-            ProgramOperation::Add(..) => format!("{} + {}", of(0), of(1)),
-            ProgramOperation::Sub(..) => format!("{} - {}", of(0), of(1)),
-            ProgramOperation::Mul(..) => format!("{} * {}", of(0), of(1)),
-            ProgramOperation::Div(..) => format!("{} / {}", of(0), of(1)),
-            ProgramOperation::Less(..) => format!("{} < {}", of(0), of(1)),
             ProgramOperation::Neg(_) => format!("-{}", of(0)),
             ProgramOperation::MulAdd(..) => format!("fma{f}({}, {}, {})", of(0), of(1), of(2)),
             ProgramOperation::Sqrt(_) => format!("sqrt{f}({})", of(0)),
@@ -136,10 +131,8 @@ impl Language for Cuda {
                 format!("power_of_two({} + {})", of(0), self.shift())
             }
             ProgramOperation::Select(..) => format!("{} ? {} : {}", of(0), of(1), of(2)),
-            ProgramOperation::Constant(_)
-            | ProgramOperation::Input(_)
-            | ProgramOperation::LoopState(..)
-            | ProgramOperation::LoopEnd(..) => String::new(),
+            // Translated alike into every language, or no results.
+            _ => String::new(),
         }
     }
     fn named(&self, name: &str, is_mask: bool, value: &str) -> String {

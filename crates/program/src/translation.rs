@@ -10,8 +10,8 @@ pub(crate) trait Language {
     fn constant(&self, value: f64) -> String;
     /// An input, by its number.
     fn input(&self, index: u32) -> String;
-    /// The result of an operation on operands that are names or constants.
-    fn result(&self, operation: ProgramOperation, operands: &[String]) -> String;
+    /// The result of an operation other than those that all languages write alike, on operands that are names or constants.
+    fn function(&self, operation: ProgramOperation, operands: &[String]) -> String;
     /// Statement that names a result, of a mask or of a number.
     fn named(&self, name: &str, is_mask: bool, value: &str) -> String;
     /// Statement that declares a number that changes.
@@ -103,7 +103,10 @@ impl<T: Language> Writer<'_, T> {
             ProgramOperation::Input(input) => self.language.input(input),
             operation => {
                 let operands: Vec<String> = operation.operands().map(|id| self.name(id)).collect();
-                self.language.result(operation, &operands)
+                match infix(operation) {
+                    Some(sign) => format!("{} {sign} {}", operands[0], operands[1]),
+                    None => self.language.function(operation, &operands),
+                }
             }
         };
         let named = (self.language).named(&format!("v{index}"), operation.is_mask(), &value);
@@ -135,6 +138,18 @@ impl<T: Language> Writer<'_, T> {
             }
         });
         self.line("}");
+    }
+}
+
+/// Sign between the two operands of an operation that all languages write alike.
+fn infix(operation: ProgramOperation) -> Option<char> {
+    match operation {
+        ProgramOperation::Add(..) => Some('+'),
+        ProgramOperation::Sub(..) => Some('-'),
+        ProgramOperation::Mul(..) => Some('*'),
+        ProgramOperation::Div(..) => Some('/'),
+        ProgramOperation::Less(..) => Some('<'),
+        _ => None,
     }
 }
 

@@ -67,14 +67,9 @@ impl Language for Wgsl {
     fn input(&self, index: u32) -> String {
         format!("x[{index}u * stride + point]")
     }
-    fn result(&self, operation: ProgramOperation, operands: &[String]) -> String {
+    fn function(&self, operation: ProgramOperation, operands: &[String]) -> String {
         let of = |index: usize| operands[index].as_str();
         match operation {
-            ProgramOperation::Add(..) => format!("{} + {}", of(0), of(1)),
-            ProgramOperation::Sub(..) => format!("{} - {}", of(0), of(1)),
-            ProgramOperation::Mul(..) => format!("{} * {}", of(0), of(1)),
-            ProgramOperation::Div(..) => format!("{} / {}", of(0), of(1)),
-            ProgramOperation::Less(..) => format!("{} < {}", of(0), of(1)),
             ProgramOperation::Neg(_) => format!("-({})", of(0)),
             ProgramOperation::MulAdd(..) => format!("fma({}, {}, {})", of(0), of(1), of(2)),
             ProgramOperation::Sqrt(_) => format!("sqrt({})", of(0)),
@@ -83,10 +78,8 @@ impl Language for Wgsl {
             ProgramOperation::Round(_) => format!("round({})", of(0)),
             ProgramOperation::PowerOfTwo(_) => format!("power_of_two({} + 12582912.0f)", of(0)),
             ProgramOperation::Select(..) => format!("select({}, {}, {})", of(2), of(1), of(0)),
-            ProgramOperation::Constant(_)
-            | ProgramOperation::Input(_)
-            | ProgramOperation::LoopState(..)
-            | ProgramOperation::LoopEnd(..) => String::new(),
+            // Translated alike into every language, or no results.
+            _ => String::new(),
         }
     }
     fn named(&self, name: &str, _is_mask: bool, value: &str) -> String {
