@@ -7,7 +7,6 @@ use powerhouse_model::{
     HistoryVariable, Lane, LawEnergy, LawInput, ModelError, RemainingStiffness, Scalar, Strain,
     Stress,
 };
-
 use powerhouse_program::Traced;
 
 use super::exchange::REMAINING;

@@ -60,7 +60,7 @@ pub(super) fn draw(picture: &Picture) -> Option<Frame> {
             draw_label(&mut frame, &picture.label, (top, &lettering));
             draw_names(&mut frame, picture.names.iter().copied(), (top, &lettering));
         }
-        Some(range) => draw_scale(&mut frame, picture, range),
+        Some(range) => draw_scale(&mut frame, picture, (range, &lettering)),
         None => {
             let sets = picture.mesh.element_sets().keys();
             let top = below_title(picture, lettering.line());
@@ -242,8 +242,11 @@ impl<'a> Painter<'a> {
 }
 
 /// Draws the colour scale with round numbers at the right.
-fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
-    let lettering = lettering(picture);
+fn draw_scale(
+    frame: &mut Frame,
+    picture: &Picture,
+    ([low, high], lettering): ([f64; 2], &Lettering),
+) {
     let line = lettering.line();
     let top = below_title(picture, line) + 2 * line;
     let bottom = frame.height.saturating_sub(2 * MARGIN).max(top + 2);
@@ -253,7 +256,7 @@ fn draw_scale(frame: &mut Frame, picture: &Picture, [low, high]: [f64; 2]) {
     if scale.exponent != 0 {
         label.push_str(&format!(" ×10^{}", scale.exponent));
     }
-    draw_label(frame, &label, (below_title(picture, line), &lettering));
+    draw_label(frame, &label, (below_title(picture, line), lettering));
     // With equal ends the axis is wider than the colours; all of it has the middle colour.
     let flat = low == high;
     for row in top..=bottom {

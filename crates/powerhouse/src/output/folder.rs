@@ -325,25 +325,28 @@ impl ResultFolder {
         let envelope = envelope.map(|envelope| vtu::EnvelopeFields::new(envelope, mesh));
         let state = results.state.as_ref();
         let state = state.map(|state| vtu::EnvelopeFields::of_state(state, mesh));
+        let time = results.run.time;
+        #[cfg(feature = "pictures")]
+        let shown = drawing::Shown {
+            title,
+            mesh,
+            present,
+            time,
+        };
+        #[cfg(feature = "pictures")]
+        let close_up = drawing::close_up(mesh, results.structure);
         for (name, fields) in [(ENVELOPE, envelope), (STATE, state)] {
             let Some(fields) = fields else {
                 continue;
             };
-            let time = results.run.time;
             files.write(name, |file| fields.write(file, (mesh, present), time));
             #[cfg(feature = "pictures")]
             for (name, field, unit) in fields.peaks() {
                 let plain = file_name(name);
-                let shown = drawing::Shown {
-                    title,
-                    mesh,
-                    present,
-                    time,
-                };
                 files.write(&format!("pictures/{plain}.png"), |file| {
                     shown.picture(file, (name, unit), field, None)
                 });
-                if let Some(close_up) = drawing::close_up(mesh, results.structure) {
+                if let Some(close_up) = close_up {
                     files.write(&format!("pictures/{plain}-{CLOSE_UP}.png"), |file| {
                         shown.picture(file, (name, unit), field, Some(close_up))
                     });
