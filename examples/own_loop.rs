@@ -1,13 +1,13 @@
 //! The free field and the boundary of this project in the loop of another finite element code.
 //!
-//! Builds on `free_field`. The loop, `fe_loop.rs`, has its own mesh, elements and time integration, and takes the crates
-//! `powerhouse-wavefield` and `powerhouse-boundary` (with `powerhouse-model`, whose words they exchange) alone.
+//! Builds on `free_field`. The loop, `fe_loop.rs`, a hundred lines, has its own elements, masses and time integration. It
+//! takes the crates `powerhouse-wavefield` and `powerhouse-boundary`, with `powerhouse-model` for the mesh, alone.
 //!
 //! ```text
 //!            free surface, z = 120 m
 //!        +-----------x-----------+      x  monitoring point
-//!   =))  |     8 x 6 x 4 cubes   |  ((=     =))  springs, dashpots and input forces
-//!   =))  |     of 30 m           |  ((=
+//!   =))  |     8 x 6 x 4 bricks  |  ((=     =))  springs, dashpots and input forces
+//!   =))  |     of some 30 m      |  ((=
 //!        +-----------------------+
 //!      ^    ^  ^^   ^^   ^^   ^^        SV and P waves at 20 degrees, azimuth 30
 //! ```
@@ -25,7 +25,7 @@ use powerhouse::engine::observe::Motion;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{Boundary, Material, OutputPlan, Part, RunHooks, Scene, TimeStep};
-use powerhouse_examples::fe_loop::Cubes;
+use powerhouse_examples::fe_loop::Ground;
 use powerhouse_examples::{Figures, Outcome};
 use powerhouse_wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, RaisedCosinePulse, WaveKind, first_hit_corner,
@@ -41,6 +41,16 @@ fn high() -> Vec3 {
     Vec3::new(CELLS[0] as f64, CELLS[1] as f64, CELLS[2] as f64) * EDGE
 }
 
+/// Bricks whose corners within the ground are shifted by a few metres.
+fn mesh() -> Outcome<Mesh> {
+    let straight = Mesh::box_of_hexes(Vec3::zeros(), high(), CELLS, "rock")?;
+    let inside = |at: &Vec3| {
+        let bumps = [0, 1, 2].map(|c| (std::f64::consts::PI * at[c] / high()[c]).sin());
+        bumps.iter().product::<f64>()
+    };
+    Ok(straight.map_positions(|at| at + Vec3::new(4.0, -3.0, 2.0) * inside(&at))?)
+}
+
 fn field(kind: WaveKind, rock: ElasticMedium) -> Outcome<PlaneWave> {
     let mut parameters = PlaneWaveParameters::vertical(kind, rock, high().z);
     parameters.incidence = Angle::from_degrees(20.0);
@@ -53,24 +63,23 @@ fn field(kind: WaveKind, rock: ElasticMedium) -> Outcome<PlaneWave> {
 /// Largest difference of the motions of both codes over the largest motion, and the latter (m).
 fn difference(kind: WaveKind) -> Outcome<(f64, f64)> {
     let rock = ElasticMedium::new(9.0e9, 0.27, 2750.0)?;
-    let cubes = Cubes {
-        medium: rock,
-        edge: EDGE,
-        cells: CELLS,
-    };
-    let numbers = [5, 3, CELLS[2]];
+    let faces = ["left", "right", "front", "back", "bottom"];
     let scatterer = Vec3::new(0.5 * high().x, 0.5 * high().y, high().z);
-    let field_of_loop = field(kind, rock)?;
-    let probe = cubes.node(numbers);
-    let own = cubes.run((&field_of_loop, scatterer), (STEPS, STEP), probe)?;
+    let ground = Ground {
+        mesh: mesh()?,
+        medium: rock,
+        absorbing: faces.map(String::from).to_vec(),
+        scatterer,
+    };
+    let point = Vec3::new(5.0, 3.0, CELLS[2] as f64) * EDGE;
+    let near = ground.mesh.nodes_in_box(&point, &point);
+    let probe = *near.first().ok_or("there is no node at the point")?;
+    let own = ground.run(&field(kind, rock)?, (STEPS, STEP), probe)?;
 
-    let mesh = Mesh::box_of_hexes(Vec3::zeros(), high(), CELLS, "rock")?;
     let mut part = Part::new("rock", Material::from(LinearElastic::new(rock)));
     part.kernel = Some(SolidKernel::Hex8Full.into());
-    let point = Vec3::new(numbers[0] as f64, numbers[1] as f64, numbers[2] as f64) * EDGE;
-    let faces = ["left", "right", "front", "back", "bottom"];
     let boundary = Boundary::new(ViscousSpring::default(), faces).with_scatterer(scatterer);
-    let results = Scene::new("own loop", mesh)
+    let results = Scene::new("own loop", ground.mesh)
         .part(part)
         .with_boundary(boundary)
         .with_field(field(kind, rock)?)

@@ -114,6 +114,14 @@ pub enum ObserveError {
         /// What does not fit.
         reason: String,
     },
+    /// Sections around a lining that is not there, or about an axis without direction.
+    #[error("the sections of ring '{ring}': {reason}")]
+    Ring {
+        /// Name of the ring.
+        ring: String,
+        /// What is not there, or out of range.
+        reason: String,
+    },
     /// Section forces in a run of an engine without element forces, at the first observed step.
     #[error("section '{section}': the engine does not provide the forces of its elements")]
     NoForces {

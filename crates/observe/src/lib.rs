@@ -51,7 +51,9 @@ pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, ObservationPoint, Place, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
-pub use section::{CrossSection, SectionForces, SectionGeometry, SectionPiece};
+pub use section::{
+    CrossSection, RingSection, SectionForces, SectionGeometry, SectionPiece, SectionRing,
+};
 pub use snapshots::{Snapshot, SnapshotFields, SnapshotSink, Snapshots};
 pub use state::{StatePeaks, StateTable};
 pub use table::{Column, HistoryTable};

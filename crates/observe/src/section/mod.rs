@@ -3,6 +3,7 @@
 mod functional;
 mod pieces;
 mod plane;
+mod ring;
 
 use powerhouse_model::{
     Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView, Vec3,
@@ -12,6 +13,7 @@ use super::{HistoryTable, ObserveError, Recording, check_cadence};
 use functional::Functional;
 pub use pieces::SectionPiece;
 use plane::{Plane, intersect};
+pub use ring::{RingSection, SectionRing};
 
 /// A cross section: a named plane through elements, of which section forces are recorded.
 #[derive(Clone, Debug, PartialEq)]

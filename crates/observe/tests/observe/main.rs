@@ -6,6 +6,7 @@ mod envelope;
 mod history;
 mod plain;
 mod principal;
+mod ring;
 mod section;
 mod snapshots;
 

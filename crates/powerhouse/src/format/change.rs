@@ -17,6 +17,23 @@ pub(crate) const NAMED: [(&str, &str); 6] = [
     ("bolt", "name"),
     ("stage", "name"),
 ];
+/// Keys that tables have beside those of their `law`: a change that names another law keeps these alone.
+const BESIDE_LAW: [(&str, &[&str]); 2] = [
+    ("material", &["name"]),
+    (
+        "joint",
+        &[
+            "name",
+            "between",
+            "facets",
+            "tolerance",
+            "corner",
+            "preload",
+            "gap",
+            "unbonded",
+        ],
+    ),
+];
 /// Tables that a scene has once.
 const SINGLE: [&str; 2] = ["boundary", "time"];
 
@@ -43,6 +60,15 @@ pub(super) fn apply(root: &mut DeTable, case: &str) -> Result<(), Fault> {
                 };
                 return Err(Fault::new(name.span(), problem));
             };
+            if let Some((_, kept)) = BESIDE_LAW.iter().find(|(of, _)| *of == section)
+                && let (Some(new), Some(old)) = (text(change, "law"), text(table, "law"))
+                && new.get_ref() != old.get_ref()
+            {
+                let keys: Vec<_> = table.keys().map(|key| key.get_ref().clone()).collect();
+                for of_old in keys.iter().filter(|key| !kept.contains(&&***key)) {
+                    table.remove(&**of_old);
+                }
+            }
             replace(table, change, key);
         }
     }
@@ -106,5 +132,35 @@ fn text<'a>(table: &'a DeTable, key: &str) -> Option<Spanned<&'a str>> {
     match value.get_ref() {
         DeValue::String(text) => Some(Spanned::new(value.span(), &**text)),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use schemars::{JsonSchema, schema_for};
+
+    use super::BESIDE_LAW;
+    use crate::format::{JointSection, Material};
+
+    fn keys<T: JsonSchema>() -> Vec<String> {
+        let schema = schema_for!(T);
+        let keys = schema.get("properties").and_then(|all| all.as_object());
+        keys.unwrap().keys().cloned().collect()
+    }
+
+    /// The keys beside those of a law are all keys that its table has, but for `law`.
+    #[test]
+    fn keys_beside_a_law_are_those_of_its_table() {
+        for (section, keys) in [
+            ("material", keys::<Material>()),
+            ("joint", keys::<JointSection>()),
+        ] {
+            let (_, kept) = BESIDE_LAW.iter().find(|(of, _)| *of == section).unwrap();
+            let mut kept = [kept, &["law"][..]].concat();
+            kept.sort_unstable();
+            let mut keys = keys;
+            keys.sort_unstable();
+            assert_eq!(keys, kept, "{section}");
+        }
     }
 }

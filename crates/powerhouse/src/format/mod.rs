@@ -60,7 +60,9 @@ pub(crate) use load::WATER_DENSITY;
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
 pub use motion::Motion;
-pub use output::{History, JointHistory, JointQuantity, Output, Quantity, Section};
+pub use output::{
+    History, JointHistory, JointQuantity, Output, Quantity, Reinforcement, Ring, Section,
+};
 pub use parameters::Parameters;
 pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,

@@ -26,6 +26,9 @@ pub struct Output {
     /// Section force requests: normal force, shear forces and moments of linings and pillars.
     #[serde(rename = "section", default)]
     pub sections: Vec<Section>,
+    /// Requests for the forces of sections around linings.
+    #[serde(rename = "ring", default)]
+    pub rings: Vec<Ring>,
     /// Joint history requests, for joints or zones of them. Contact state, slip, peak opening and energies of
     /// every whole joint are recorded in any case.
     #[serde(rename = "joint", default)]
@@ -127,6 +130,29 @@ pub struct Section {
     pub half_extent: Option<Positive>,
     /// Reinforcement of concrete, by which the moments are compared with those that the section bears with its normal
     /// force; none by default.
+    pub reinforcement: Option<At<Reinforcement>>,
+}
+
+/// Request for the forces of sections around the lining of a tunnel or cavern: normal to its centre line, at equal angles about an
+/// axis. They are sections like any other, named after the ring and their angle, such as `lining-090`, and have a table and a
+/// plot in common.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ring {
+    /// Name in results, before the angles of the sections; 1 to 100 characters.
+    pub name: At<String>,
+    /// Element set of the lining.
+    pub set: At<String>,
+    /// Point within the lining (m), from which rays go out: x, y, z. The nearest wall is cut where a ray meets several, and
+    /// none where it meets none.
+    pub centre: At<[Finite; 3]>,
+    /// Axis of the tunnel, a vector of any length. The first ray goes upward, along x about a vertical axis; the others turn about
+    /// the axis by the right-hand rule.
+    pub axis: At<[Finite; 3]>,
+    /// Number of rays, 4 to 360; 24 by default.
+    pub rays: Option<At<usize>>,
+    /// Reinforcement of all sections, by which the moments are compared with those that a section bears with its normal
+    /// force; none by default. The side of positive `t` is the inner face.
     pub reinforcement: Option<At<Reinforcement>>,
 }
 

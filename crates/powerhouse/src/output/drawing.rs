@@ -8,8 +8,8 @@ use powerhouse_io::{
 };
 use powerhouse_model::{Mesh, Vec3};
 
-use super::file_name;
 use super::joints::JointPicture;
+use super::{file_name, rings};
 
 /// Writes a plot of a table against its first column.
 pub(super) fn plot(file: &Path, title: &str, columns: &[TableColumn]) -> Result<(), IoError> {
@@ -76,6 +76,57 @@ pub(super) fn interaction(
                 },
             ],
         }],
+    };
+    write_plot(file, &plot)
+}
+
+/// Writes a plot of the forces of the sections around a lining against their angle; a closed ring ends where it began.
+pub(super) fn ring(file: &Path, name: &str, table: &[TableColumn]) -> Result<(), IoError> {
+    let Some((angles, columns)) = table.split_first() else {
+        return Ok(());
+    };
+    let is_closed = angles.values.windows(2).all(|pair| {
+        let step = 360.0 / angles.values.len() as f64;
+        (pair[1] - pair[0] - step).abs() < 1e-6
+    });
+    let around = |values: &[f64], factor: f64, turn: f64| -> Vec<f64> {
+        let end = values.first().filter(|_| is_closed).map(|v| v + turn);
+        values
+            .iter()
+            .copied()
+            .chain(end)
+            .map(|v| factor * v)
+            .collect()
+    };
+    let angles = around(&angles.values, 1.0, 360.0);
+    let curves = rings::FORCES.map(|(force, ..)| {
+        rings::VALUES.map(|value| {
+            let column = columns
+                .iter()
+                .find(|c| c.name == format!("{force}.{value}"));
+            around(column.map_or(&[], |column| &column.values), 1e-3, 0.0)
+        })
+    });
+    let mut panels = Vec::new();
+    for ((_, unit, quantity), curves) in rings::FORCES.into_iter().zip(&curves) {
+        let named = rings::VALUES.into_iter().zip(curves);
+        panels.push(PlotPanel {
+            label: quantity.into(),
+            unit: format!("k{unit}"),
+            curves: named
+                .map(|(name, y)| PlotCurve {
+                    name,
+                    x: &angles,
+                    y,
+                })
+                .collect(),
+        });
+    }
+    let plot = Plot {
+        title: name.into(),
+        label: "angle".into(),
+        unit: "degrees".into(),
+        panels,
     };
     write_plot(file, &plot)
 }

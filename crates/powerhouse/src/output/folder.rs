@@ -20,7 +20,7 @@ use super::lock::{FolderError, FolderLock};
 use super::running::RunningTables;
 use super::stages::StageFiles;
 use super::summary::{Begun, Summary};
-use super::{Results, file_name, vtu};
+use super::{Results, file_name, rings, vtu};
 use crate::message::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
 
@@ -31,6 +31,7 @@ use crate::{Error, Simulation, StageSink};
 /// | `summary.json` | steps, step, wall time, peaks, energies at the end, warnings and remarks, the names of all files; written last, `incomplete` until then |
 /// | `histories.csv` | histories and relative displacements |
 /// | `sections.csv` | section forces |
+/// | `rings/NAME.csv`, `plots/ring-NAME.svg` | forces of the sections around a lining against their angle: at the start, least and greatest |
 /// | `capacity/NAME.csv`, `plots/capacity-NAME.svg` | normal forces and moments that a reinforced section bears; with those of the run |
 /// | `energies.csv` | energy balance |
 /// | `joints.csv` | contact state, slip, opening, tractions and energies of joints and of zones of them |
@@ -206,6 +207,7 @@ impl ResultFolder {
             old.extend(self.files_in("joints", "", ".vtu"));
             old.extend(self.files_in("bolts", "", ".csv"));
             old.extend(self.files_in("capacity", "", ".csv"));
+            old.extend(self.files_in("rings", "", ".csv"));
             // The summary is removed last, so that the removal can be repeated after a failure.
             old.push(self.path.join(SUMMARY));
         }
@@ -229,6 +231,7 @@ impl ResultFolder {
             "joints",
             "bolts",
             "capacity",
+            "rings",
             "checkpoint",
         ] {
             for file in self.files_in(folder, "", "") {
@@ -422,6 +425,19 @@ impl ResultFolder {
                 });
             }
         }
+        for ring in &results.section_rings {
+            let Some(table) = rings::table(ring, results) else {
+                continue;
+            };
+            let plain = file_name(&ring.name);
+            files.write(&format!("rings/{plain}.csv"), |file| {
+                write_table(file, &table)
+            });
+            #[cfg(feature = "pictures")]
+            files.write(&format!("plots/ring-{plain}.svg"), |file| {
+                drawing::ring(file, &ring.name, &table)
+            });
+        }
         #[cfg(feature = "pictures")]
         Self::write_plots(files, results);
         for bolts in &results.bolts {
@@ -439,7 +455,16 @@ impl ResultFolder {
             ("joint-", &results.joint_histories),
             ("bolts-", &results.bolt_histories),
         ] {
-            for (name, plot) in drawing::plots(&columns(table)) {
+            // Sections around a lining have one plot in common.
+            let mut columns = columns(table);
+            let around: Vec<&str> = (results.section_rings.iter())
+                .flat_map(|ring| ring.sections.iter().map(|(_, name)| name.as_str()))
+                .collect();
+            columns.retain(|column| {
+                let of = column.name.rsplit_once('.').map_or("", |(of, _)| of);
+                !around.contains(&of)
+            });
+            for (name, plot) in drawing::plots(&columns) {
                 files.write(&format!("plots/{kind}{name}.svg"), plot);
             }
         }

@@ -5,6 +5,7 @@ mod bolts;
 mod capacity;
 #[cfg(feature = "pictures")]
 mod drawing;
+mod energy_residual;
 mod failure;
 mod folder;
 mod joints;
@@ -13,6 +14,7 @@ mod names;
 mod naming;
 mod plan;
 mod results;
+mod rings;
 mod running;
 mod sampling;
 mod sections;
@@ -25,6 +27,7 @@ pub use bending::BendingError;
 pub(crate) use bending::coarse_in_bending;
 pub use bolts::BoltForces;
 pub use capacity::SectionUse;
+pub use energy_residual::EnergyResidual;
 pub(crate) use failure::advice;
 pub use folder::ResultFolder;
 pub use lock::{FolderError, FolderLock};
@@ -35,7 +38,8 @@ pub use plan::{
     EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
     SnapshotRequest, StateRequest, StressRequest,
 };
-pub use results::{EnergyResidual, Results};
+pub use results::Results;
 pub(crate) use results::{FinishedRun, Recordings};
+pub use rings::RingRequest;
 pub use running::RunningTables;
 pub(crate) use state_variables::StateVariables;

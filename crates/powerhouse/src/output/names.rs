@@ -38,6 +38,10 @@ impl Named<'_> {
         for name in names {
             add("plots", name, ".svg");
         }
+        for ring in &plan.rings {
+            add("rings", &ring.name, ".csv");
+            add("plots", &format!("ring-{}", ring.name), ".svg");
+        }
         for request in plan.cuts.iter().filter(|cut| cut.reinforcement.is_some()) {
             add("capacity", &request.cut.name, ".csv");
             add("plots", &format!("capacity-{}", request.cut.name), ".svg");

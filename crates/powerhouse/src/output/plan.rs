@@ -5,6 +5,7 @@ use powerhouse_observe::{
     SnapshotFields, StressPlace,
 };
 
+use super::RingRequest;
 use crate::JointZone;
 
 /// Request for the motion at a place against time.
@@ -93,6 +94,8 @@ pub struct SectionRequest {
     pub cut: CrossSection,
     /// The element set that is cut.
     pub set: String,
+    /// Elements of the set (mesh indices) to which the cut is confined; all of it without them.
+    pub elements: Option<Vec<u32>>,
     /// Reinforcement of the section, by which its utilisation is computed; none without one.
     pub reinforcement: Option<SectionReinforcement>,
 }
@@ -103,6 +106,7 @@ impl SectionRequest {
         Self {
             cut,
             set: set.into(),
+            elements: None,
             reinforcement: None,
         }
     }
@@ -281,6 +285,8 @@ pub struct OutputPlan {
     pub relative: Vec<RelativeRequest>,
     /// Requests for section forces against time.
     pub cuts: Vec<SectionRequest>,
+    /// Sections among them that go around linings, added by [`ring`](Self::ring).
+    pub rings: Vec<RingRequest>,
     /// Requests for joints, or zones of them, beside what is recorded of every joint as a whole.
     pub joints: Vec<JointRequest>,
     /// Time between samples of the energy balance (s); without one it is not recorded, and a check of its residual reads
@@ -304,6 +310,7 @@ impl Default for OutputPlan {
             stresses: Vec::new(),
             relative: Vec::new(),
             cuts: Vec::new(),
+            rings: Vec::new(),
             joints: Vec::new(),
             energies: None,
             envelope: None,

@@ -17,7 +17,9 @@ use powerhouse_observe::{
     StateTable, StressPlace,
 };
 
-use super::{BoltForces, JointRequest, OutputPlan, SectionUse, StateVariables};
+use super::{
+    BoltForces, EnergyResidual, JointRequest, OutputPlan, RingRequest, SectionUse, StateVariables,
+};
 use super::{capacity, sampling, sections};
 use crate::joint::NamedSurface;
 use crate::{Error, Remark};
@@ -26,18 +28,6 @@ use crate::{Error, Remark};
 const RESIDUAL: &str = "residual";
 /// Columns of external work in the energy balance.
 const INPUTS: [&str; 2] = ["loads", "prescribed motion"];
-
-/// Residual of the energy balance of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnergyResidual {
-    /// Residual at the end of the run (J).
-    pub energy: f64,
-    /// Its absolute value over the work of loads and prescribed motions at the end (1); none without such work.
-    pub share_of_input: Option<f64>,
-    /// Largest absolute residual at the samples of the run, over the largest stored energy or external work until then
-    /// (1).
-    pub largest: f64,
-}
 
 /// Recorded output and reports of a run.
 ///
@@ -63,6 +53,8 @@ pub struct Results {
     pub section_geometry: Vec<SectionGeometry>,
     /// Names and capacities of the sections with a reinforcement.
     pub section_capacities: Vec<(String, SectionCapacity)>,
+    /// Sections that go around linings.
+    pub section_rings: Vec<RingRequest>,
     /// Columns of the energy balance (J) against time.
     pub energies: HistoryTable,
     /// Envelopes of motions and principal stresses: greatest values over the sampled times.
@@ -259,6 +251,7 @@ pub(crate) struct Recordings {
     sections: Option<Recording<HistoryTable>>,
     section_geometry: Vec<SectionGeometry>,
     section_capacities: Vec<(String, SectionCapacity)>,
+    section_rings: Vec<RingRequest>,
     energies: Option<Recording<HistoryTable>>,
     envelope: Option<Recording<EnvelopeTable>>,
     state: Option<Recording<StateTable>>,
@@ -296,6 +289,7 @@ impl Recordings {
             sections: None,
             section_geometry: Vec::new(),
             section_capacities: Vec::new(),
+            section_rings: plan.rings.clone(),
             energies: None,
             envelope: None,
             state: None,
@@ -315,7 +309,8 @@ impl Recordings {
             let mut forces = SectionForces::new(Cadence::Seconds(plan.every)).map_err(model)?;
             for request in &plan.cuts {
                 let is_there = |e: &u32| present.is_none_or(|present| present[*e as usize]);
-                let set = mesh.element_set(&request.set)?.iter().copied();
+                let set = mesh.element_set(&request.set)?;
+                let set = request.elements.as_deref().unwrap_or(set).iter().copied();
                 let elements: Vec<u32> = set.filter(is_there).collect();
                 let geometry = forces
                     .add_section(mesh, &request.cut, &elements)
@@ -473,6 +468,7 @@ impl Recordings {
             sections: table(self.sections),
             section_geometry: self.section_geometry,
             section_capacities: self.section_capacities,
+            section_rings: self.section_rings,
             energies: table(self.energies),
             envelope: self.envelope.map(|recording| recording.copy()),
             state: self.state.map(|recording| recording.copy()),

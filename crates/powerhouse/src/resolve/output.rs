@@ -3,14 +3,14 @@
 use powerhouse_model::Vec3;
 use powerhouse_observe::{
     CrossSection, JointQuantities, Motion, ObservationPoint, Place, SectionReinforcement,
-    SnapshotFields, StressPlace,
+    SectionRing, SnapshotFields, StressPlace,
 };
 
 use super::{Names, check_reach, no_such_number, one_of, vector};
 use crate::fault::{Fault, Problem};
 use crate::format::{
     At, Finite, History, JointHistory, JointQuantity, NonNegative, Output, Positive, Quantity,
-    Section,
+    Reinforcement, Ring, Section,
 };
 use crate::output::{
     EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
@@ -36,6 +36,7 @@ pub(super) fn plan(
     let all_names = (output.histories.iter().map(|history| &history.name))
         .chain(output.relative.iter().map(|relative| &relative.name))
         .chain(output.sections.iter().map(|section| &section.name))
+        .chain(output.rings.iter().map(|ring| &ring.name))
         .chain(output.joints.iter().map(|joint| &joint.name));
     for name in all_names {
         if used.contains(&name.as_str()) {
@@ -77,6 +78,9 @@ pub(super) fn plan(
     }
     for section in &output.sections {
         plan.cuts.push(cut(names, section)?);
+    }
+    for request in &output.rings {
+        plan = ring(names, request, plan)?;
     }
     for request in &output.joints {
         plan.joints.push(joint(names, request, joints)?);
@@ -403,14 +407,39 @@ fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
             }),
         },
         set: section.set.to_string(),
-        reinforcement: section
-            .reinforcement
-            .as_ref()
-            .map(|bars| SectionReinforcement {
-                concrete_strength: bars.concrete_strength.get(),
-                bars: bars.bars.map(NonNegative::get),
-                cover: bars.cover.get(),
-                yield_stress: bars.yield_stress.get(),
-            }),
+        elements: None,
+        reinforcement: section.reinforcement.as_deref().map(reinforcement),
     })
+}
+
+fn reinforcement(bars: &Reinforcement) -> SectionReinforcement {
+    SectionReinforcement {
+        concrete_strength: bars.concrete_strength.get(),
+        bars: bars.bars.map(NonNegative::get),
+        cover: bars.cover.get(),
+        yield_stress: bars.yield_stress.get(),
+    }
+}
+
+/// Default number of rays of a ring of sections.
+const RAYS: usize = 24;
+
+fn ring(names: &Names, request: &Ring, plan: OutputPlan) -> Result<OutputPlan, Fault> {
+    names.elements(&request.set)?;
+    let rays = request.rays.as_deref().copied().unwrap_or(RAYS);
+    let ring = SectionRing::new(
+        request.name.as_str(),
+        vector(&request.centre),
+        vector(&request.axis),
+        rays,
+    );
+    let bars = request.reinforcement.as_deref().map(reinforcement);
+    plan.ring(names.mesh, &request.set, &ring, bars)
+        .map_err(|error| {
+            let problem = Problem::Value {
+                found: error.to_string(),
+                expected: "a point within the lining, an axis of it, and 4 to 360 rays".into(),
+            };
+            Fault::new(request.centre.span(), problem)
+        })
 }

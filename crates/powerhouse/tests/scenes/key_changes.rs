@@ -189,6 +189,44 @@ fn keys_are_checked_without_the_mesh() {
     }
 }
 
+/// A case that names another law has none of the keys of the law of the scene, and must say those that its own needs.
+#[test]
+fn another_law_of_a_case_has_keys_of_its_own() {
+    let folder = Folder::new("other-law");
+    let path = folder.join("cube.toml");
+    let check = |case: &str| {
+        let joint = "[[joint]]\nname = \"seam\"\nbetween = [\"rock\", \"top\"]\nlaw = \"cohesive\"\ntensile_strength = 1e6\ncohesion = 2e6\nopening_energy = 100\nstatic_friction = 0.8\ndynamic_friction = 0.7\n";
+        let text = format!("{CUBE}{joint}[[case]]\nname = \"other\"\n{case}\n");
+        std::fs::write(&path, text).unwrap();
+        Scene::check_keys(&path, &[], &Registry::default()).map_err(|error| error.to_string())
+    };
+    for accepted in [
+        "material = [{ name = \"granite\", law = \"mohr-coulomb\", preset = \"paper-rock\" }]",
+        "material = [{ name = \"granite\", law = \"elastic\", poisson = 0.2 }]",
+        "joint = [{ name = \"seam\", law = \"tied\" }]",
+        "joint = [{ name = \"seam\", law = \"cohesive\", cohesion = 1e6 }]",
+    ] {
+        assert_eq!(check(accepted), Ok(1), "{accepted}");
+    }
+    for (refused, key) in [
+        (
+            "material = [{ name = \"granite\", law = \"mohr-coulomb\" }]",
+            "young",
+        ),
+        (
+            "joint = [{ name = \"seam\", law = \"bonded-coulomb\", cohesion = 1e6 }]",
+            "static_friction",
+        ),
+        (
+            "joint = [{ name = \"seam\", law = \"tied\", cohesion = 1e6 }]",
+            "cohesion",
+        ),
+    ] {
+        let error = check(refused).unwrap_err();
+        assert!(error.contains(key), "{refused}: {error}");
+    }
+}
+
 /// Keys that a case has for itself are changed there too; what it takes over from the scene is changed in the scene, and a wave
 /// that only the scene has is none of a case with waves of its own.
 #[test]

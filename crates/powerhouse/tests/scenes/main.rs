@@ -30,6 +30,7 @@ mod motions;
 mod names;
 mod nonsense;
 mod region;
+mod rings;
 mod runs;
 mod smaller;
 mod stage_loads;
