@@ -25,20 +25,21 @@ pub struct Ground {
 type Stiffness = [[Mat3; 8]; 8];
 
 impl Ground {
-    /// Volume (m3) and stiffness of a brick.
-    fn brick(&self, corners: &[Vec3]) -> (f64, Stiffness) {
+    /// Masses (kg) of the corners of a brick, and its stiffness.
+    fn brick(&self, corners: &[Vec3]) -> ([f64; 8], Stiffness) {
         let (lambda, shear) = (self.medium.lambda(), self.medium.shear());
-        let (mut volume, mut stiffness) = (0.0, [[Mat3::zeros(); 8]; 8]);
+        let (mut masses, mut stiffness) = ([0.0; 8], [[Mat3::zeros(); 8]; 8]);
         for corner in ElementKind::Hex8.natural_corners() {
-            let mut slopes = [Vec3::zeros(); 8];
+            let (mut values, mut slopes) = ([0.0; 8], [Vec3::zeros(); 8]);
             let point = Vec3::from(*corner) / 3f64.sqrt();
+            ElementKind::Hex8.shape_functions(&point, &mut values);
             ElementKind::Hex8.shape_gradients(&point, &mut slopes);
             let sides = corners.iter().zip(&slopes);
             let jacobian: Mat3 = sides.map(|(x, slope)| x * slope.transpose()).sum();
             let back = jacobian.transpose().try_inverse().unwrap_or_default();
             let gradients = slopes.map(|slope| back * slope);
-            volume += jacobian.determinant();
             for (a, from) in gradients.iter().enumerate() {
+                masses[a] += self.medium.density * values[a] * jacobian.determinant();
                 for (b, to) in gradients.iter().enumerate() {
                     let isotropic = Mat3::identity() * (shear * from.dot(to));
                     let coupled = from * to.transpose() * lambda + to * from.transpose() * shear;
@@ -46,7 +47,7 @@ impl Ground {
                 }
             }
         }
-        (volume, stiffness)
+        (masses, stiffness)
     }
 
     /// The displacement (m) of a node after 0, 1, 2 ... steps of a length (s) from rest, in a free field.
@@ -80,9 +81,9 @@ impl Ground {
                 .iter()
                 .map(|&n| mesh.positions()[n as usize])
                 .collect();
-            let (volume, stiffness) = self.brick(&corners);
-            for &node in nodes {
-                mass[node as usize] += self.medium.density * volume / 8.0;
+            let (masses, stiffness) = self.brick(&corners);
+            for (&node, of_corner) in nodes.iter().zip(masses) {
+                mass[node as usize] += of_corner;
             }
             bricks.push((nodes, stiffness));
         }
