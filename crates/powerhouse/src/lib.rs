@@ -160,7 +160,7 @@ pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 #[cfg(feature = "scene-files")]
 pub use registry::Registry;
-pub use remark::Remark;
+pub use remark::{EquivalentLayer, Remark};
 #[cfg(feature = "scene-files")]
 pub use resolve::read_mesh;
 #[cfg(feature = "scene-files")]

@@ -21,5 +21,6 @@ mod precision;
 mod principal;
 mod random;
 mod softening_plasticity;
+mod strain_curves;
 mod tangent;
 mod two_surface;

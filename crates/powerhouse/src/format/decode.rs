@@ -17,7 +17,7 @@ use super::{Material, Parameters, SceneFile, change};
 use crate::fault::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, have a variant selected by `kind`.
-const TAGGED: [&str; 9] = [
+const TAGGED: [&str; 10] = [
     "baseline",
     "damping",
     "function",
@@ -26,6 +26,7 @@ const TAGGED: [&str; 9] = [
     "load",
     "preload",
     "pulse",
+    "strain_curves",
     "support",
 ];
 /// Key of a tagged table in whose place a text may stand, and this text.

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Azimuth, Finite, Incidence, NonNegative, Parameters, Positive, Pulse, Share};
+use super::{
+    At, Azimuth, EquivalentLinear, Finite, Incidence, NonNegative, Parameters, Positive, Pulse,
+    Share,
+};
 
 /// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
 /// to a peak.
@@ -225,6 +228,8 @@ pub struct Ground {
     /// Height z of the free surface (m), by default that of the upper edge of the absorbing sides of the mesh (of its top, if no
     /// side absorbs). A warning is given if the top of the mesh along the absorbing faces lies elsewhere.
     pub surface: Option<At<Finite>>,
+    /// Settings of the equivalent linear method of layers with `strain_curves`.
+    pub equivalent_linear: Option<At<EquivalentLinear>>,
 }
 
 /// Domain in which the incident waves travel.

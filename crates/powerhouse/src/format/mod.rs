@@ -55,7 +55,7 @@ pub use ground::{
     Units, Wave, WaveAxis, WaveKind, Within,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
-pub use layer::Layer;
+pub use layer::{EquivalentLinear, Layer, StrainCurves};
 pub(crate) use load::WATER_DENSITY;
 pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};

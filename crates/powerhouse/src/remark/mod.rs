@@ -61,6 +61,26 @@ pub enum Remark {
         /// Memory of the tables of the absorbing faces (bytes), at most.
         bytes: usize,
     },
+    /// Fact: modulus and damping of layers by the equivalent linear method.
+    EquivalentLinear {
+        /// The layers, from the uppermost down.
+        layers: Vec<EquivalentLayer>,
+        /// Effective strain over the greatest one (1).
+        strain_ratio: f64,
+        /// Number of iterations.
+        iterations: usize,
+        /// Change of modulus or damping in the last one, over its value (1).
+        change: f64,
+    },
+    /// Warning: the effective strain of an equivalent linear layer is beyond its curves.
+    BeyondStrainCurves {
+        /// Material of the layer.
+        material: String,
+        /// Effective shear strain (1).
+        strain: f64,
+        /// Greatest strain of the curves (1).
+        greatest: f64,
+    },
     /// Fact: the run started from a state of another run.
     StartedFrom {
         /// The [origin](crate::RunInputs::origin), in words.
@@ -405,6 +425,20 @@ pub enum Remark {
     Scene(SceneRemark),
 }
 
+/// Modulus and damping of a layer by the equivalent linear method.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct EquivalentLayer {
+    /// Material of the layer.
+    pub material: String,
+    /// Effective engineering shear strain (1).
+    pub strain: f64,
+    /// Shear modulus over that at small strain (1).
+    pub modulus: f64,
+    /// Damping ratio (1).
+    pub damping: f64,
+}
+
 impl Remark {
     /// Topic of the remark: the results that it concerns.
     pub fn topic(&self) -> Topic {
@@ -414,6 +448,8 @@ impl Remark {
             | Self::WeakRecord { .. }
             | Self::PastCritical { .. }
             | Self::Layered { .. }
+            | Self::EquivalentLinear { .. }
+            | Self::BeyondStrainCurves { .. }
             | Self::Conversion { .. }
             | Self::Split { .. }
             | Self::DelayedMotion { .. }
@@ -481,6 +517,7 @@ impl Remark {
             | Self::CrackEnergy { .. }
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
+            | Self::BeyondStrainCurves { .. }
             | Self::UnusedRecord { .. }
             | Self::UnusedMaterial { .. }
             | Self::WeakRecord { .. }
@@ -499,6 +536,7 @@ impl Remark {
             | Self::QuietStart { .. }
             | Self::PastCritical { .. }
             | Self::Layered { .. }
+            | Self::EquivalentLinear { .. }
             | Self::StartedFrom { .. }
             | Self::Region { .. }
             | Self::Through { .. }

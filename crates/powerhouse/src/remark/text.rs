@@ -111,6 +111,40 @@ impl fmt::Display for Remark {
                     ),
                 }
             }
+            Self::EquivalentLinear {
+                layers,
+                strain_ratio,
+                iterations,
+                change,
+            } => {
+                write!(
+                    f,
+                    "equivalent linear method, {iterations} iteration(s) to {:.2} %, bulk moduli as at small strain:",
+                    100.0 * change
+                )?;
+                for (index, layer) in layers.iter().enumerate() {
+                    write!(
+                        f,
+                        "{} '{}' has an effective shear strain of {:.4} % ({strain_ratio} of the greatest), {:.3} of its shear modulus, and damping of {:.2} %",
+                        if index == 0 { "" } else { ";" },
+                        layer.material,
+                        100.0 * layer.strain,
+                        layer.modulus,
+                        100.0 * layer.damping
+                    )?;
+                }
+                Ok(())
+            }
+            Self::BeyondStrainCurves {
+                material,
+                strain,
+                greatest,
+            } => write!(
+                f,
+                "the effective shear strain of '{material}', {:.3} %, is beyond the last of its strain curves, {:.3} %: it has the modulus and the damping of that; a law that yields says more",
+                100.0 * strain,
+                100.0 * greatest
+            ),
             Self::StartedFrom { origin } => write!(f, "the run {origin}"),
             Self::UnusedMaterial { name } => {
                 write!(f, "material '{name}' is used by no part and no stage")

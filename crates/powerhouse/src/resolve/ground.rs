@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
-    Angle, EndDisplacement, Ground, HarmonicBurst, InputConvention, PlaneWave, PlaneWaveParameters,
-    QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, WaveError,
-    WaveKind, ZeroMeanPulse, critical_angle, first_hit_corner,
+    Angle, EndDisplacement, Ground, HarmonicBurst, InputConvention, LayerDamping, PlaneWave,
+    PlaneWaveParameters, QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site,
+    SmoothPulse, WaveError, WaveKind, ZeroMeanPulse, critical_angle, first_hit_corner,
 };
 
 use super::motion;
@@ -26,12 +26,13 @@ const ONE_MEDIUM: &str = "where a tunnel or lining runs through, its part in `th
 /// Hint on a filtered record whose motion at the start of the run is not negligible.
 pub(super) const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
-/// Adds the sum of all waves to the scene, in the medium along the absorbing faces.
+/// Adds the sum of all waves to the scene, in the medium along the absorbing faces, or in layers with a damping.
 pub(super) fn field(
     file: &SceneFile,
     mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
     materials: &BTreeMap<String, Material>,
+    damping: &[LayerDamping],
 ) -> Result<Scene, Fault> {
     let first = match (file.waves.first(), file.motions.first()) {
         (Some(wave), _) => Some(wave.incidence.span()),
@@ -47,7 +48,7 @@ pub(super) fn field(
         (None, None, _) => return Ok(scene),
     };
     if !file.layers.is_empty() {
-        return layers::field(file, scene, records, materials);
+        return layers::field(file, scene, records, materials, damping);
     }
     let faces = scene.places.faces.clone();
     let refused = |error: Error| Fault::refused(faces.clone(), error);

@@ -10,7 +10,7 @@ use powerhouse_wavefield::{
 
 use super::damping::damping;
 use super::ground::{QUIETER, kind, motion, refused_wave, truncated, unclear_axis};
-use super::motion::split;
+use super::motion::{Split, split};
 use super::origin::Origin;
 use super::record::PreparedRecord;
 use super::{named, vector};
@@ -22,42 +22,26 @@ use crate::{LayerError, Material, Remark, Scene};
 /// Share of a layer's thickness by which its interface may be off a plane of the mesh.
 const OFF_PLANE: f64 = 1e-3;
 
-/// Adds the sum of all waves in layered ground to the scene.
+/// Adds the sum of all waves in layered ground to the scene; `damping` is that of the layers above the half-space.
 pub(super) fn field(
     file: &SceneFile,
     mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
     materials: &BTreeMap<String, Material>,
+    damping: &[LayerDamping],
 ) -> Result<Scene, Fault> {
-    let ground = ground(file, &scene, materials)?;
+    let ground = ground(file, &scene, materials, damping)?;
     let (low, high) = scene.mesh.bounding_box();
     let points = outermost(&ground, &low, &high);
-    let (mut waves, mut origins) = (Vec::new(), Vec::new());
-    let lowest = low.z.min(ground.surface());
     for table in &file.waves {
-        let mut parameters = LayeredWaveParameters::vertical(kind(table), ground.clone(), lowest);
-        parameters.incidence = Angle::from_degrees(table.incidence.get());
-        parameters.azimuth = Angle::from_degrees(table.azimuth.map_or(0.0, Azimuth::get));
-        parameters.reference = match &table.reference {
-            Some(reference) => vector(reference),
-            None => {
-                let (half_space, surface) = (ground.half_space(), ground.surface());
-                let mut plane = PlaneWaveParameters::vertical(kind(table), half_space, surface);
-                plane.incidence = parameters.incidence;
-                plane.azimuth = parameters.azimuth;
-                first_hit_corner(&low, &high, &plane.direction())
-            }
-        };
-        if let Some(remark) = unclear_axis(table, file) {
-            scene.remarks.push(remark);
-        }
-        let motion = motion(table, records, scene.magnitudes_allowed)?;
-        parameters.convention = motion.convention;
-        parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
-        parameters.arrival -= motion.lead;
-        parameters.until = Some(needed(&parameters, &*motion.signal, &points, &scene));
-        let wave = LayeredWave::new(parameters, motion.signal)
-            .map_err(|error| refused_wave(table, motion.span, error))?;
+        scene.remarks.extend(unclear_axis(table, file));
+    }
+    let Waves {
+        waves,
+        origins,
+        splits,
+    } = waves(file, &scene, records, &ground)?;
+    for wave in &waves[..file.waves.len()] {
         let convention = wave.parameters().convention;
         if convention != InputConvention::Incident {
             scene.remarks.push(Remark::Conversion {
@@ -66,30 +50,6 @@ pub(super) fn field(
                 conversion: *wave.conversion(),
             });
         }
-        origins.push(Origin::of_wave(table, records)?);
-        waves.push(wave);
-    }
-    let mut splits = Vec::with_capacity(file.motions.len());
-    for table in &file.motions {
-        let split = split(table, &ground, records, &scene)?;
-        let parameters = split.waves.iter().map(|wave| {
-            let mut parameters = LayeredWaveParameters::vertical(wave.kind, ground.clone(), lowest);
-            parameters.incidence = wave.incidence;
-            parameters.azimuth = split.azimuth;
-            parameters.reference = split.reference;
-            parameters
-        });
-        let parameters: Vec<LayeredWaveParameters> = parameters.collect();
-        let travel = parameters.iter().map(|wave| earliest(wave, &points));
-        let arrival = split.arrival(travel, scene.start);
-        for (mut parameters, wave) in parameters.into_iter().zip(&split.waves) {
-            parameters.arrival = arrival - split.origin.lead;
-            parameters.until = Some(needed(&parameters, &*wave.signal, &points, &scene));
-            let wave = LayeredWave::new(parameters, wave.signal.clone());
-            waves.push(wave.map_err(|error| Fault::refused(table.incidence.span(), error))?);
-            origins.push(split.origin.clone());
-        }
-        splits.push((waves.len() - 1, split));
     }
     let nodes = nodes_of_faces(&scene)?;
     scene
@@ -110,11 +70,85 @@ pub(super) fn field(
     driven.map_err(|error| Fault::refused(place, error))
 }
 
-/// Ground of the layers of a file, their interfaces on planes of the mesh.
-fn ground(
+/// Waves of a file in layered ground, those of `[[wave]]` before those of `[[motion]]`.
+pub(super) struct Waves<'r> {
+    pub(super) waves: Vec<LayeredWave>,
+    origins: Vec<Origin<'r>>,
+    /// Motions that were split into waves, with the index of the last wave of each.
+    splits: Vec<(usize, Split<'r>)>,
+}
+
+/// The waves of a file in a ground, before any delay for a start at rest.
+pub(super) fn waves<'r>(
+    file: &SceneFile,
+    scene: &Scene,
+    records: &'r BTreeMap<String, PreparedRecord>,
+    ground: &Ground,
+) -> Result<Waves<'r>, Fault> {
+    let (low, high) = scene.mesh.bounding_box();
+    let points = outermost(ground, &low, &high);
+    let (mut waves, mut origins) = (Vec::new(), Vec::new());
+    let lowest = low.z.min(ground.surface());
+    for table in &file.waves {
+        let mut parameters = LayeredWaveParameters::vertical(kind(table), ground.clone(), lowest);
+        parameters.incidence = Angle::from_degrees(table.incidence.get());
+        parameters.azimuth = Angle::from_degrees(table.azimuth.map_or(0.0, Azimuth::get));
+        parameters.reference = match &table.reference {
+            Some(reference) => vector(reference),
+            None => {
+                let (half_space, surface) = (ground.half_space(), ground.surface());
+                let mut plane = PlaneWaveParameters::vertical(kind(table), half_space, surface);
+                plane.incidence = parameters.incidence;
+                plane.azimuth = parameters.azimuth;
+                first_hit_corner(&low, &high, &plane.direction())
+            }
+        };
+        let motion = motion(table, records, scene.magnitudes_allowed)?;
+        parameters.convention = motion.convention;
+        parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
+        parameters.arrival -= motion.lead;
+        parameters.until = Some(needed(&parameters, &*motion.signal, &points, scene));
+        let wave = LayeredWave::new(parameters, motion.signal)
+            .map_err(|error| refused_wave(table, motion.span, error))?;
+        origins.push(Origin::of_wave(table, records)?);
+        waves.push(wave);
+    }
+    let mut splits = Vec::with_capacity(file.motions.len());
+    for table in &file.motions {
+        let split = split(table, ground, records, scene)?;
+        let parameters = split.waves.iter().map(|wave| {
+            let mut parameters = LayeredWaveParameters::vertical(wave.kind, ground.clone(), lowest);
+            parameters.incidence = wave.incidence;
+            parameters.azimuth = split.azimuth;
+            parameters.reference = split.reference;
+            parameters
+        });
+        let parameters: Vec<LayeredWaveParameters> = parameters.collect();
+        let travel = parameters.iter().map(|wave| earliest(wave, &points));
+        let arrival = split.arrival(travel, scene.start);
+        for (mut parameters, wave) in parameters.into_iter().zip(&split.waves) {
+            parameters.arrival = arrival - split.origin.lead;
+            parameters.until = Some(needed(&parameters, &*wave.signal, &points, scene));
+            let wave = LayeredWave::new(parameters, wave.signal.clone());
+            waves.push(wave.map_err(|error| Fault::refused(table.incidence.span(), error))?);
+            origins.push(split.origin.clone());
+        }
+        splits.push((waves.len() - 1, split));
+    }
+    Ok(Waves {
+        waves,
+        origins,
+        splits,
+    })
+}
+
+/// Ground of the layers of a file, their interfaces on planes of the mesh; `damping` is that of the layers above the
+/// half-space.
+pub(super) fn ground(
     file: &SceneFile,
     scene: &Scene,
     materials: &BTreeMap<String, Material>,
+    damping: &[LayerDamping],
 ) -> Result<Ground, Fault> {
     let Some((last, above)) = file.layers.split_last() else {
         return Err(Fault::new(
@@ -159,7 +193,7 @@ fn ground(
         };
         let medium = named("material", &layer.material, materials)?.medium();
         let layer = GroundLayer::new(bottom.get(), medium);
-        layers.push(layer.with_damping(damping_of(&above[layers.len()])?));
+        layers.push(layer.with_damping(damping[layers.len()].clone()));
     }
     let made = |layers: Vec<GroundLayer>| {
         Ground::new(surface, layers, half_space).map_err(|error| {
@@ -183,8 +217,8 @@ fn ground(
     made(layers)
 }
 
-/// Damping of a layer.
-fn damping_of(layer: &Layer) -> Result<LayerDamping, Fault> {
+/// Damping of a layer by its own key.
+pub(super) fn damping_of(layer: &Layer) -> Result<LayerDamping, Fault> {
     let Some(table) = &layer.damping else {
         return Ok(LayerDamping::None);
     };

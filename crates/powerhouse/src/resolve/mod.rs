@@ -1,6 +1,7 @@
 //! Composition of a scene from its file: resolves names into sets, materials, fields and loads.
 
 mod damping;
+mod equivalent_linear;
 mod ground;
 mod joints;
 mod layers;
@@ -35,7 +36,7 @@ pub(crate) fn compose(
     file: &SceneFile,
     registry: &Registry,
 ) -> Result<Scene, Fault> {
-    let materials = materials(file, registry)?;
+    let mut materials = materials(file, registry)?;
     let parts = parts(file, &materials, registry)?;
     let boundary = match &file.boundary {
         Some(section) => Some(registry.boundary(section)?),
@@ -148,7 +149,8 @@ pub(crate) fn compose(
     scene.remarks.extend(unused_records(file));
     scene.remarks.extend(unused_materials(file));
     scene.remarks.extend(empty_sets(&names, file));
-    scene = ground::field(file, scene, &records, &materials)?;
+    let of_layers = equivalent_linear::apply(file, &mut scene, &records, &mut materials)?;
+    scene = ground::field(file, scene, &records, &materials, &of_layers)?;
     damping::default_rims(file, &mut scene)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));

@@ -1,5 +1,7 @@
 //! Layered ground: boxes without a structure against their free field, and scenes with layers.
 
+mod equivalent_linear;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -204,7 +206,7 @@ fn a_damped_box_moves_like_damped_layers() {
     assert!(errors[0] <= 0.04 && errors[1] <= 0.01, "{errors:?}");
 }
 
-const SITE: &str = include_str!("../../../data/scenes/layered_site.toml");
+const SITE: &str = include_str!("../../../../data/scenes/layered_site.toml");
 
 fn read(text: &str) -> Result<Scene, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");

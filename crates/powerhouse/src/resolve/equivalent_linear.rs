@@ -1,0 +1,387 @@
+//! Equivalent linear layers of a scene file: modulus and damping at the strain that the motion causes.
+
+use std::collections::BTreeMap;
+
+use powerhouse_material_damage::{
+    DampingBand, DarendeliSoil, LinearElastic, ReferenceFrequency, RelaxationSpectrum, StrainCurves,
+};
+use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Mat3, Vec3};
+use powerhouse_wavefield::{Ground, LayerDamping, LayeredWave};
+
+use super::record::PreparedRecord;
+use super::{layers, named, ordered};
+use crate::fault::{Fault, Problem};
+use crate::format::{self, At, EquivalentLinear, Layer, Positive, SceneFile};
+use crate::scene::damping_of_layer;
+use crate::{Damping, EquivalentLayer, Material, Remark, Scene};
+
+/// Law of the materials of these layers.
+const LAW: &str = "elastic";
+/// Default effective strain over the greatest one, as is usual since Schnabel, Lysmer and Seed (1972).
+const STRAIN_RATIO: f64 = 0.65;
+/// Defaults of the tolerance, of the greatest number of iterations and of the band of the damping (Hz).
+const TOLERANCE: f64 = 0.01;
+const ITERATIONS: usize = 30;
+const BAND: [f64; 2] = [0.5, 20.0];
+/// Number of relaxation mechanisms.
+const MECHANISMS: usize = 3;
+/// Greatest damping ratio of flat damping.
+const GREATEST_RATIO: f64 = 0.2;
+/// Distance of the points from which strains are taken, over the thickness of the layer.
+const APART: f64 = 0.02;
+/// Most samples of the strain of a layer.
+const SAMPLES: f64 = 1e5;
+
+/// A layer with strain curves.
+struct Soil<'f> {
+    /// Place among the layers.
+    index: usize,
+    material: &'f At<String>,
+    place: core::ops::Range<usize>,
+    curves: StrainCurves,
+    /// Medium at small strain.
+    whole: ElasticMedium,
+    /// Secant modulus over that at small strain, and damping ratio.
+    modulus: f64,
+    ratio: f64,
+    /// Effective shear strain of ground with these.
+    strain: f64,
+}
+
+/// Gives layers with strain curves, and the parts of their materials, the modulus and damping of the strain that the waves cause
+/// in them; returns the damping of all layers above the half-space.
+pub(super) fn apply(
+    file: &SceneFile,
+    scene: &mut Scene,
+    records: &BTreeMap<String, PreparedRecord>,
+    materials: &mut BTreeMap<String, Material>,
+) -> Result<Vec<LayerDamping>, Fault> {
+    let Some((last, above)) = file.layers.split_last() else {
+        return unused(file, Vec::new());
+    };
+    if let Some(curves) = &last.strain_curves {
+        let expected = "a half-space of one modulus, without `strain_curves`";
+        return Err(value(
+            curves.span(),
+            "strain curves of the last layer",
+            expected,
+        ));
+    }
+    let dampings: Result<Vec<LayerDamping>, Fault> = above.iter().map(layers::damping_of).collect();
+    let mut dampings = dampings?;
+    let mut soils = Vec::new();
+    for (index, layer) in above.iter().enumerate() {
+        if let Some(curves) = &layer.strain_curves {
+            soils.push(soil(file, materials, (index, layer), curves)?);
+        }
+    }
+    let is_driven = !(file.waves.is_empty() && file.motions.is_empty()) && scene.boundary.is_some();
+    if soils.is_empty() || !is_driven {
+        return unused(file, dampings);
+    }
+    let settings = file.ground.equivalent_linear.as_deref();
+    let share = |key: fn(&EquivalentLinear) -> Option<format::Share>, default: f64| {
+        settings.and_then(key).map_or(default, |share| share.get())
+    };
+    let strain_ratio = share(|s| s.strain_ratio, STRAIN_RATIO);
+    let tolerance = share(|s| s.tolerance, TOLERANCE);
+    let most = settings.and_then(|s| s.iterations.as_ref());
+    let most = most.map_or(ITERATIONS, |most| **most).max(1);
+    let band = match settings.and_then(|s| s.band.as_ref()) {
+        Some(band) => {
+            ordered(band.span(), band.map(Positive::get)).map(|()| band.map(Positive::get))?
+        }
+        None => BAND,
+    };
+    let mut of_parts: Vec<Damping> = Vec::new();
+    for iteration in 0..=most {
+        of_parts.clear();
+        for soil in &soils {
+            let medium = soil.medium()?;
+            let material = Material::from(LinearElastic::new(medium));
+            materials.insert(soil.material.to_string(), material);
+            let damping = soil.damping(band)?;
+            dampings[soil.index] = damping_of_layer(&damping).unwrap_or(LayerDamping::None);
+            of_parts.push(damping);
+        }
+        let ground = layers::ground(file, scene, materials, &dampings)?;
+        let waves = layers::waves(file, scene, records, &ground)?.waves;
+        let mut change = 0.0_f64;
+        for soil in &mut soils {
+            let greatest = greatest_strain(scene, &ground, &waves, soil.index);
+            let greatest = greatest.map_err(|error| Fault::refused(soil.place.clone(), error))?;
+            soil.strain = strain_ratio * greatest;
+            change = change.max(soil.change());
+        }
+        if change <= tolerance {
+            finish(file, scene, materials, &soils, &of_parts)?;
+            let beyond = soils.iter().filter_map(|soil| {
+                let greatest = soil.curves.greatest_strain();
+                (soil.strain > greatest).then(|| Remark::BeyondStrainCurves {
+                    material: soil.material.to_string(),
+                    strain: soil.strain,
+                    greatest,
+                })
+            });
+            scene.remarks.extend(beyond);
+            scene.remarks.push(Remark::EquivalentLinear {
+                layers: soils.iter().map(Soil::told).collect(),
+                strain_ratio,
+                iterations: iteration + 1,
+                change,
+            });
+            return Ok(dampings);
+        }
+        if iteration == most {
+            let found = format!(
+                "a change of modulus or damping by {:.2} % in iteration {}",
+                100.0 * change,
+                iteration + 1
+            );
+            let expected = format!(
+                "at most {} %; more `iterations` or a greater `tolerance` in `equivalent_linear` of the ground",
+                100.0 * tolerance
+            );
+            return Err(value(soils[0].place.clone(), &found, &expected));
+        }
+        soils.iter_mut().for_each(Soil::follow);
+    }
+    Ok(dampings)
+}
+
+fn value(span: core::ops::Range<usize>, found: &str, expected: &str) -> Fault {
+    let (found, expected) = (found.into(), expected.into());
+    Fault::new(span, Problem::Value { found, expected })
+}
+
+/// Refuses settings of the method that no layer needs.
+fn unused(file: &SceneFile, dampings: Vec<LayerDamping>) -> Result<Vec<LayerDamping>, Fault> {
+    let needed = file
+        .layers
+        .iter()
+        .any(|layer| layer.strain_curves.is_some());
+    match &file.ground.equivalent_linear {
+        Some(settings) if !needed => {
+            let expected = "a layer with `strain_curves`";
+            Err(value(
+                settings.span(),
+                "settings of the equivalent linear method",
+                expected,
+            ))
+        }
+        _ => Ok(dampings),
+    }
+}
+
+/// A layer with strain curves, and what it must not have beside them.
+fn soil<'f>(
+    file: &'f SceneFile,
+    materials: &BTreeMap<String, Material>,
+    (index, layer): (usize, &'f Layer),
+    table: &At<format::StrainCurves>,
+) -> Result<Soil<'f>, Fault> {
+    if let Some(damping) = &layer.damping {
+        let expected = "no damping of a layer with `strain_curves`, which has that of the curves";
+        return Err(value(damping.span(), "a damping", expected));
+    }
+    let name = layer.material.as_str();
+    let whole = named("material", &layer.material, materials)?.medium();
+    let of_file = file.materials.iter().find(|of| of.name.as_str() == name);
+    if let Some(law) = of_file.map(|of| &of.law).filter(|law| law.as_str() != LAW) {
+        let found = format!("the law '{}' of a layer with `strain_curves`", law.as_str());
+        let expected = "the law 'elastic', with the moduli of small strain";
+        return Err(value(law.span(), &found, expected));
+    }
+    if (file.layers.iter().enumerate()).any(|(of, l)| of != index && l.material.as_str() == name) {
+        let expected = "a material of its own for each layer with `strain_curves`";
+        return Err(value(
+            layer.material.span(),
+            "a material of two layers",
+            expected,
+        ));
+    }
+    let damped = file
+        .parts
+        .iter()
+        .filter(|part| part.material.as_str() == name);
+    if let Some(damping) = damped.filter_map(|part| part.damping.as_ref()).next() {
+        let expected =
+            "no damping of a part in a layer with `strain_curves`, which has that of the curves";
+        return Err(value(damping.span(), "a damping", expected));
+    }
+    let curves = curves(table)?;
+    Ok(Soil {
+        index,
+        material: &layer.material,
+        place: table.span(),
+        whole,
+        modulus: curves.modulus(0.0),
+        ratio: curves.damping(0.0),
+        strain: 0.0,
+        curves,
+    })
+}
+
+fn curves(table: &At<format::StrainCurves>) -> Result<StrainCurves, Fault> {
+    let made = match &**table {
+        format::StrainCurves::Points {
+            strain,
+            modulus,
+            damping_ratio,
+        } => StrainCurves::new(
+            strain.iter().map(|of| of.get()).collect(),
+            modulus.iter().map(|of| of.get()).collect(),
+            damping_ratio.iter().map(|of| of.get()).collect(),
+        ),
+        format::StrainCurves::Darendeli {
+            plasticity,
+            pressure,
+            overconsolidation,
+            frequency,
+            cycles,
+        } => {
+            let usual = DarendeliSoil::new(plasticity.get(), pressure.get());
+            let or = |given: &Option<Positive>, usual: f64| given.map_or(usual, |of| of.get());
+            StrainCurves::darendeli(&DarendeliSoil {
+                overconsolidation: or(overconsolidation, usual.overconsolidation),
+                frequency: or(frequency, usual.frequency),
+                cycles: or(cycles, usual.cycles),
+                ..usual
+            })
+        }
+    };
+    made.map_err(|error| Fault::refused(table.span(), error))
+}
+
+impl Soil<'_> {
+    /// Medium with the secant shear modulus and the bulk modulus of small strain.
+    fn medium(&self) -> Result<ElasticMedium, Fault> {
+        let (bulk, shear) = (self.whole.bulk(), self.modulus * self.whole.shear());
+        let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
+        let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+        ElasticMedium::new(young, poisson, self.whole.density)
+            .map_err(|error| Fault::refused(self.place.clone(), error))
+    }
+
+    /// Damping in a band (Hz).
+    fn damping(&self, [lowest, highest]: [f64; 2]) -> Result<Damping, Fault> {
+        if self.ratio == 0.0 {
+            return Ok(Damping::None);
+        }
+        if self.ratio > GREATEST_RATIO {
+            let found = format!(
+                "a damping ratio of {:.3} at an effective shear strain of {:.3e} of '{}'",
+                self.ratio,
+                self.strain,
+                self.material.as_str()
+            );
+            let expected = "at most 0.2, the most that flat damping has: the motion is too strong for the equivalent linear method";
+            return Err(value(self.place.clone(), &found, expected));
+        }
+        let band = DampingBand {
+            ratio: self.ratio,
+            lowest,
+            highest,
+            mechanisms: MECHANISMS,
+        };
+        let spectrum = RelaxationSpectrum::fit(band)
+            .map_err(|error| Fault::refused(self.place.clone(), error))?;
+        Ok(Damping::Flat {
+            spectrum,
+            reference: ReferenceFrequency::Centre,
+        })
+    }
+
+    /// The larger change of modulus and damping over their values if both became those of the strain.
+    fn change(&self) -> f64 {
+        let change = |new: f64, old: f64| match new == old {
+            true => 0.0,
+            false => (new / old - 1.0).abs(),
+        };
+        let of_modulus = change(self.curves.modulus(self.strain), self.modulus);
+        of_modulus.max(change(self.curves.damping(self.strain), self.ratio))
+    }
+
+    /// Takes modulus and damping of the strain.
+    fn follow(&mut self) {
+        self.modulus = self.curves.modulus(self.strain);
+        self.ratio = self.curves.damping(self.strain);
+    }
+
+    fn told(&self) -> EquivalentLayer {
+        EquivalentLayer {
+            material: self.material.to_string(),
+            strain: self.strain,
+            modulus: self.modulus,
+            damping: self.ratio,
+        }
+    }
+}
+
+/// Greatest engineering shear strain (1) over the run in the middle of a layer, of any direction: the difference of the
+/// greatest and least principal strain.
+fn greatest_strain(
+    scene: &Scene,
+    ground: &Ground,
+    waves: &[LayeredWave],
+    index: usize,
+) -> Result<f64, powerhouse_model::ModelError> {
+    let bottom = ground.layers()[index].bottom;
+    let top = match index {
+        0 => ground.surface(),
+        _ => ground.layers()[index - 1].bottom,
+    };
+    let (low, high) = scene.mesh.bounding_box();
+    let middle = Vec3::new(
+        0.5 * (low.x + high.x),
+        0.5 * (low.y + high.y),
+        0.5 * (top + bottom),
+    );
+    let apart = APART * (top - bottom);
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let points = axes.map(|axis| [middle + axis * apart, middle - axis * apart]);
+    let mut samplers = Vec::with_capacity(waves.len());
+    let mut step = f64::INFINITY;
+    for wave in waves {
+        samplers.push(wave.prepare(points.as_flattened())?);
+        step = step.min(wave.report().step);
+    }
+    let step = step.max(scene.duration / SAMPLES);
+    let count = (scene.duration / step).ceil() as usize;
+    let mut greatest = 0.0_f64;
+    for sample in 0..=count {
+        let mut motion = [FieldMotion::default(); 6];
+        for sampler in &samplers {
+            sampler.add_motion(scene.start + step * sample as f64, &mut motion);
+        }
+        let slopes = [0, 1, 2].map(|axis| {
+            (motion[2 * axis].displacement - motion[2 * axis + 1].displacement) / (2.0 * apart)
+        });
+        let gradient = Mat3::from_columns(&slopes);
+        let strains = ((gradient + gradient.transpose()) * 0.5).symmetric_eigenvalues();
+        greatest = greatest.max(strains.max() - strains.min());
+    }
+    Ok(greatest)
+}
+
+/// Gives the parts of the layers their media and damping.
+fn finish(
+    file: &SceneFile,
+    scene: &mut Scene,
+    materials: &BTreeMap<String, Material>,
+    soils: &[Soil],
+    dampings: &[Damping],
+) -> Result<(), Fault> {
+    for (part, table) in scene.parts.iter_mut().zip(&file.parts) {
+        let of = (soils.iter().zip(dampings))
+            .find(|(soil, _)| soil.material.as_str() == table.material.as_str());
+        let Some((_, damping)) = of else {
+            continue;
+        };
+        part.material = named("material", &table.material, materials)?.clone();
+        part.damping = damping.clone();
+        let moving = part.moving_material();
+        moving.map_err(|error| Fault::refused(table.material.span(), error))?;
+    }
+    Ok(())
+}
