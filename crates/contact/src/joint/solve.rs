@@ -16,12 +16,18 @@ const TOLERANCE: f64 = 1e-11;
 /// Number of sweeps after which the tolerance grows, see [`tolerance`].
 const LONG: u32 = 256;
 
+/// Relative change of motion that a solution may have at last, after [`MOST_SWEEPS`]: the effort of the joint states it.
+const ROUGH: f64 = 1e-3;
+
 /// Tolerance after a number of sweeps.
 ///
 /// It grows with their number: the shares of the faces of a corner are not unique under friction, and
 /// where rounding has left gaps between them the sweeps may pass a force around for ever. Any motion that
 /// obeys all of them is a solution, and a gap that it leaves is closed in the next step.
 fn tolerance(sweeps: u32) -> f64 {
+    if sweeps >= MOST_SWEEPS {
+        return ROUGH;
+    }
     TOLERANCE * (f64::from(sweeps.max(LONG)) / f64::from(LONG)).powi(3)
 }
 

@@ -190,14 +190,14 @@ impl Cohesive {
         Strengths { tensile, cohesion }
     }
 
-    /// Whether an intact bond carries a traction (Pa).
-    fn carries(&self, strengths: &Strengths, traction: &Vec3) -> bool {
+    /// Whether an intact bond carries a traction (Pa) with a friction coefficient (1).
+    fn carries(&self, strengths: &Strengths, traction: &Vec3, friction: f64) -> bool {
         let shear = shear(traction);
         if traction.x > 0.0 {
             let (n, s) = (traction.x / strengths.tensile, shear / strengths.cohesion);
             n * n + s * s <= 1.0
         } else {
-            shear <= strengths.cohesion - self.0.static_friction * traction.x
+            shear <= strengths.cohesion - friction * traction.x
         }
     }
 
@@ -218,6 +218,55 @@ impl Cohesive {
         let strength = -self.0.dynamic_friction * trial.x;
         let slid = state.with_contact(ContactState::Slide);
         JointResponse::new(with_shear(trial.x, &trial, size, strength), slid)
+    }
+
+    /// The bond of a closed pair that softens, if it does not slide in a step: with its secant stiffness up to the separation that
+    /// it had, else on the envelope at the mean displacement, as if it slid by nothing.
+    fn still(
+        &self,
+        strengths: &Strengths,
+        stiffness: f64,
+        now: &Split,
+        before: &Split,
+    ) -> StillBond {
+        let Strengths { tensile, cohesion } = *strengths;
+        let ratio = cohesion / tensile;
+        let last = 2.0 * self.0.shear_energy / tensile;
+        let reached = tensile / (stiffness + tensile / last);
+        if ratio * now.shear() <= reached {
+            let own = ratio * ratio * stiffness;
+            return StillBond {
+                traction: now.tangential.map(|part| own * part),
+                stored: 0.5 * own * now.shear().powi(2),
+                ..StillBond::default()
+            };
+        }
+        let mean = [0, 1].map(|c| 0.25 * (3.0 * now.tangential[c] + before.tangential[c]));
+        let along = mean[0].hypot(mean[1]);
+        let separation = (ratio * along).max(reached);
+        let dissipated = 0.5 * tensile * (separation.min(last) - reached).max(0.0);
+        if separation >= last {
+            return StillBond {
+                dissipated,
+                damage: 1.0,
+                failed: true,
+                ..StillBond::default()
+            };
+        }
+        let bearing = tensile * (1.0 - separation / last);
+        let share = if along > 0.0 {
+            ratio * bearing / along
+        } else {
+            0.0
+        };
+        StillBond {
+            traction: mean.map(|part| share * part),
+            stored: 0.5 * bearing * separation,
+            dissipated,
+            compliance: separation / bearing,
+            damage: separation / last,
+            failed: false,
+        }
     }
 
     /// Response of a pair whose bond begins to soften or softens.
@@ -256,20 +305,22 @@ impl Cohesive {
         // Friction beside the bond.
         let mut friction = [0.0; 2];
         if closed {
-            let own = if intact {
-                0.0
-            } else {
-                ratio * ratio * stiffness
-            };
             let stick = [0, 1].map(|c| (free.tangential[c] - now.tangential[c]) / compliance);
-            let beside = [0, 1].map(|c| stick[c] - own * now.tangential[c]);
+            let still = match intact {
+                true => StillBond::default(),
+                false => self.still(strengths, stiffness, &now, &before),
+            };
+            let beside = [0, 1].map(|c| stick[c] - still.traction[c]);
             let (size, most) = (beside[0].hypot(beside[1]), -law.dynamic_friction * trial.x);
             if !intact && size <= most {
-                new[STORED] = 0.5 * own * (now.tangential[0].powi(2) + now.tangential[1].powi(2));
+                still.record(new);
                 let traction = Vec3::new(trial.x, stick[0], stick[1]);
-                let state = state
-                    .with_contact(ContactState::Slide)
-                    .with_bond(Bond::Softening);
+                let bond = if still.failed {
+                    Bond::Broken
+                } else {
+                    Bond::Softening
+                };
+                let state = state.with_contact(ContactState::Slide).with_bond(bond);
                 return JointResponse::new(traction, state);
             }
             if size > 0.0 {
@@ -329,39 +380,31 @@ impl Cohesive {
                 true,
             )
         } else {
-            let quarter = 0.25 * compliance;
+            // In scaled space, where the bond is the same in all directions: tractions along the end of the step if the bond did not
+            // soften, as where it unloads, so that small changes of the trial cause small changes of the traction.
+            let along = match intact {
+                true => free.map(|opening| opening, |_, sliding| sliding / ratio),
+                false => secant_end.map(|opening| opening, |_, sliding| ratio * sliding),
+            };
+            let length = along.normal.hypot(along.shear());
+            let along = along.map(|part| part / length, |_, part| part / length);
             let envelope = |separation: f64| tensile * (1.0 - separation / last);
-            let parts = |separation: f64| {
-                let weight = quarter * envelope(separation);
-                [
-                    mean.normal / (separation + weight),
-                    slid / (separation + ratio * ratio * weight),
-                ]
+            let mean_after = |separation: f64| {
+                let taken = 0.25 * compliance * envelope(separation);
+                let slid = [0, 1]
+                    .map(|c| ratio * (mean.tangential[c] - ratio * taken * along.tangential[c]));
+                (mean.normal - taken * along.normal).hypot(slid[0].hypot(slid[1]))
             };
-            let beyond = |separation: f64| {
-                let [normal, sliding] = parts(separation);
-                normal * normal + sliding * sliding - 1.0
-            };
-            let root = bisected(beyond, size);
-            let [normal, sliding] = parts(root.max(ONSET * last));
-            let length = normal.hypot(sliding);
+            let root = bisected(|separation| mean_after(separation) - separation, last);
             let separation = root.max(reached).max(ONSET * last);
             let bearing = envelope(separation);
             new[COMPLIANCE] = new[COMPLIANCE].max(separation / bearing);
             new[DAMAGE] = new[DAMAGE].max(separation / last);
             new[DISSIPATED] += 0.5 * tensile * (separation - reached).max(0.0);
             new[STORED] = 0.5 * bearing * separation;
-            let (share, along) = (bearing / length, mean.shear());
-            let direction = |c: usize| {
-                if along > 0.0 {
-                    mean.tangential[c] / along
-                } else {
-                    0.0
-                }
-            };
             let traction = Split {
-                normal: share * normal,
-                tangential: [0, 1].map(|c| ratio * share * sliding * direction(c)),
+                normal: bearing * along.normal,
+                tangential: along.tangential.map(|part| ratio * bearing * part),
             };
             (traction, false)
         };
@@ -390,6 +433,29 @@ impl Cohesive {
             Bond::Softening
         };
         JointResponse::new(total, state.with_contact(contact).with_bond(after))
+    }
+}
+
+/// Bond of a closed pair that does not slide in a step.
+#[derive(Clone, Copy, Debug, Default)]
+struct StillBond {
+    /// Traction along the tangents (Pa).
+    traction: [f64; 2],
+    /// Energy stored, and newly dissipated (J/m2).
+    stored: f64,
+    dissipated: f64,
+    /// Secant compliance (m/Pa) and damage at least.
+    compliance: f64,
+    damage: f64,
+    failed: bool,
+}
+
+impl StillBond {
+    fn record(&self, new: &mut [f64]) {
+        new[COMPLIANCE] = new[COMPLIANCE].max(self.compliance);
+        new[DAMAGE] = new[DAMAGE].max(self.damage);
+        new[DISSIPATED] += self.dissipated;
+        new[STORED] = self.stored;
     }
 }
 
@@ -447,7 +513,12 @@ impl ContactLaw for Cohesive {
         }
         let strengths = self.strengths(input.spacing);
         let intact = input.history[COMPLIANCE] == 0.0;
-        if intact && self.carries(&strengths, &input.trial) {
+        // A bond that was let go in this step has slid: with static friction again it would hold and slide in turn.
+        let friction = match input.state.bond {
+            Bond::Softening => self.0.dynamic_friction,
+            _ => self.0.static_friction,
+        };
+        if intact && self.carries(&strengths, &input.trial, friction) {
             let state = input.state.with_contact(ContactState::Stick);
             return JointResponse::new(input.trial, state.with_bond(Bond::Intact));
         }

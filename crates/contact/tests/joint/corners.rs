@@ -1,12 +1,12 @@
 //! Nodes at the corner of a block, with a pair for each of its faces.
 
-use powerhouse_contact::{BondedCoulomb, Joint};
+use powerhouse_contact::{BondedCoulomb, Cohesive, CohesiveParameters, Joint, StrengthReduction};
 use powerhouse_model::{
     Bond, Constraint, ContactState, JointHistory, JointPair, JointRecord, JointState, Mat3,
     PredictedMotion, StepTime, Vec3,
 };
 
-use crate::Noise;
+use crate::{Bodies, Noise};
 
 const FRICTION: f64 = 0.8;
 
@@ -80,5 +80,57 @@ fn corners_are_solved_whatever_they_do() {
             energy(&velocity) <= energy(&predicted) * (1.0 + loose),
             "{trial}"
         );
+    }
+}
+
+/// The faces of a corner fail gradually under forces of any direction, two or three of them, at any angle to each other: every
+/// step has a solution, and the bonds take no more than their energies.
+#[test]
+fn cohesive_corners_are_solved_while_they_fail() {
+    let mut noise = Noise(29);
+    for trial in 0..800 {
+        let normals = [Vec3::x(), Vec3::z(), Vec3::y()];
+        let faces = 2 + trial % 2;
+        let slant = [0.0, 0.3, 0.9][trial % 3];
+        let area = 3.0 * 2.0_f64.powf(noise.next());
+        let pairs: Vec<JointPair> = (normals[..faces].iter())
+            .map(|normal| JointPair::new([0, 1], normal + noise.vector() * slant, area))
+            .collect();
+        let law = Cohesive::new(CohesiveParameters {
+            tensile_strength: 0.3e6,
+            cohesion: 0.8e6,
+            opening_energy: 100.0,
+            shear_energy: 1000.0,
+            mode_exponent: 2.0,
+            static_friction: 0.84,
+            dynamic_friction: [0.755, 0.84, 0.3][trial % 3],
+            reduction: StrengthReduction::None,
+        })
+        .unwrap();
+        let mut joint = Joint::new("corner", pairs, law).unwrap();
+        let mut bodies = Bodies::at_rest(&[2e4, 2e4 * 4.0_f64.powf(noise.next())], 1.37e-4);
+        // On a plane of symmetry, as at the ends of a slice.
+        if trial % 5 < 2 {
+            bodies.free = Mat3::identity() - Vec3::y() * Vec3::y().transpose();
+        }
+        let size = 3e6 * area * 4.0_f64.powf(noise.next());
+        let pressed = Vec3::new(1.0, 0.0, 1.0) * [0.0, 1.0, 3.0][trial % 3];
+        let mut push = Vec3::zeros();
+        for number in 0..600 {
+            if number % 40 == 0 {
+                push = (noise.vector() * 1.5 - pressed) * size;
+            }
+            let forces = |body: usize| if body == 0 { push * 0.5 } else { push * -0.5 };
+            bodies
+                .step(&mut joint, forces)
+                .unwrap_or_else(|e| panic!("{trial} {number}: {e}"));
+        }
+        for (pair, record) in joint.records().iter().enumerate() {
+            let dissipated = joint.history_of(pair)[3];
+            assert!(
+                (0.0..=1000.0 * (1.0 + 1e-9)).contains(&dissipated),
+                "{record:?}"
+            );
+        }
     }
 }
