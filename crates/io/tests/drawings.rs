@@ -375,7 +375,8 @@ fn a_curve_agrees_with_the_axes() {
     let text = std::fs::read_to_string(&file).unwrap();
     std::fs::remove_dir_all(folder).unwrap();
     let numbers = |part: &str| -> Vec<f64> {
-        let words = part.split([' ', 'M', 'v', 'h', '"']);
+        let part = part.replace('-', " -");
+        let words = part.split([' ', 'M', 'l', 'v', 'h', '"']);
         words.filter_map(|word| word.parse().ok()).collect()
     };
     let line = |mark: &str| text.lines().rfind(|l| l.contains(mark)).unwrap();
@@ -388,9 +389,11 @@ fn a_curve_agrees_with_the_axes() {
     let right = numbers(vertical.next_back().unwrap().split("d=").nth(1).unwrap())[0];
     let top = grid.rfind(|l| l.contains("<text")).unwrap();
     let top = numbers(top.split("d=").nth(1).unwrap().split("/>").next().unwrap())[1];
+    // From its first point by a step.
     assert_eq!(curve.len(), 4);
+    let end = [curve[0] + curve[2], curve[1] + curve[3]];
     assert!(
-        (curve[2] - right).abs() < 0.02 && (curve[3] - top).abs() < 0.02,
+        (end[0] - right).abs() < 0.02 && (end[1] - top).abs() < 0.02,
         "{curve:?} {right} {top}"
     );
 }
