@@ -29,6 +29,7 @@ struct Coupling {
 pub struct ReductionLayer {
     nodes: Vec<u32>,
     positions: Vec<Vec3>,
+    inner: Vec<bool>,
     couplings: Vec<Coupling>,
 }
 
@@ -109,6 +110,7 @@ impl ReductionLayer {
             positions: (nodes.iter())
                 .map(|&node| mesh.positions()[node as usize])
                 .collect(),
+            inner: nodes.iter().map(|&node| on_region[node as usize]).collect(),
             nodes,
             couplings,
         })
@@ -120,8 +122,21 @@ impl ReductionLayer {
         &self.nodes
     }
 
+    /// Positions of the nodes (m), in their order.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Whether each of the nodes belongs to the region: to the inner side of the layer.
+    #[must_use]
+    pub fn inner(&self) -> &[bool] {
+        &self.inner
+    }
+
     /// Effective nodal forces of a field, as loads.
     fn loads(&self, field: &dyn IncidentField) -> Result<Vec<Box<dyn NodalLoad>>, ModelError> {
+        field.check_layer(&self.positions, &self.inner)?;
         let mut loads: Vec<Box<dyn NodalLoad>> = Vec::new();
         for couplings in self.couplings.chunks(ELEMENTS_PER_LOAD) {
             let touched = couplings

@@ -53,6 +53,15 @@ pub enum BoundaryError {
         /// Name of the field.
         field: String,
     },
+    /// A field without stress is to enter through springs and dashpots
+    /// ([`IncidentField::carries_stress`](powerhouse_model::IncidentField::carries_stress)).
+    #[error(
+        "the field '{field}' has motions and no stress: it can enter through the layer of elements around a region (domain reduction), not through springs and dashpots"
+    )]
+    NoStress {
+        /// Name of the field.
+        field: String,
+    },
 }
 
 impl From<BoundaryError> for ModelError {

@@ -40,6 +40,10 @@ pub(crate) fn input_loads(
     let Some(field) = site.field else {
         return Ok(Vec::new());
     };
+    if !field.carries_stress() && *mode != InputMode::Nothing {
+        let field = field.name().into();
+        return Err(BoundaryError::NoStress { field }.into());
+    }
     match mode {
         InputMode::Nothing => Ok(Vec::new()),
         InputMode::FullField => field_loads(site, coefficients, field, |_| true),

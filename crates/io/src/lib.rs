@@ -6,6 +6,7 @@
 //! | meshes of Abaqus input files, [`read_inp`] | |
 //! | accelerograms, [`read_record`] | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
 //! | tables, [`read_table`] | fields for ParaView, [`VtuWriter`] and [`PvdCollection`] |
+//! | motions of stations, [`read_station_motions`] | |
 //! | | curves as SVG, [`write_plot`]; the mesh as PNG, [`write_picture`] |
 //!
 //! The crate is independent of scenes, waves and engines: it reads and writes samples, meshes and
@@ -27,7 +28,7 @@
 //! ```
 //!
 //! # Features
-//! All are on by default; tables (CSV) are always there. A program that needs one format compiles what that
+//! All but `h5drm` are on by default; tables (CSV) are always there. A program that needs one format compiles what that
 //! format needs: `default-features = false, features = ["vtu"]`.
 //!
 //! | feature | what it adds | crates it brings |
@@ -40,6 +41,7 @@
 //! | `pictures` | pictures as PNG | `png` |
 //! | `json` | summaries as JSON | `serde`, `serde_json` |
 //! | `free-space` | free space of a file system | `nix` (Unix) |
+//! | `h5drm` | motions of stations in H5DRM files | `hdf5-pure`, `flate2` |
 //!
 //! # Why so
 //! *All input is validated*: files come from other programs, other people and damaged disks. An error
@@ -75,6 +77,7 @@ mod scale;
 #[cfg(any(feature = "gmsh", feature = "inp"))]
 mod second_order;
 mod section_file;
+mod stations;
 #[cfg(feature = "json")]
 mod summary;
 mod table;
@@ -112,6 +115,9 @@ pub use records::{
 pub use second_order::MeshOptions;
 pub use section_file::{
     FileSection, SectionFault, SectionFileError, parse_sections, read_sections, write_sections,
+};
+pub use stations::{
+    StationFileError, StationFileFault, StationForm, StationMotions, read_station_motions,
 };
 #[cfg(feature = "json")]
 pub use summary::write_summary;

@@ -59,6 +59,24 @@ pub trait IncidentField: Send + Sync {
     fn medium_at(&self, _point: &Vec3) -> ElasticMedium {
         self.medium()
     }
+    /// Whether the field has a stress, as boundaries need whose springs and dashpots it enters through; true by default.
+    /// A field without one, such as motions that are given in a file, enters through the layer of a domain reduction alone,
+    /// and the stress of its motion is zero.
+    fn carries_stress(&self) -> bool {
+        true
+    }
+    /// Stations (m): the points at which alone the field is given; none by default, for a field that is given everywhere.
+    fn stations(&self) -> Option<&[Vec3]> {
+        None
+    }
+    /// Checks the field against the nodes of a layer (m) through which it enters a region by domain reduction; `inner` says
+    /// of each node whether it belongs to the region. By default there is nothing to check.
+    ///
+    /// # Errors
+    /// If the field is not given at a node, or says that a node is on the other side.
+    fn check_layer(&self, _nodes: &[Vec3], _inner: &[bool]) -> Result<(), ModelError> {
+        Ok(())
+    }
     /// The incident waves alone, without reflections of the free surface; none if the field has no such decomposition.
     fn incident_part(&self) -> Option<Box<dyn IncidentField>>;
     /// A sampler of the field at fixed points (m), with all constants precomputed.

@@ -3,8 +3,8 @@
 //! Registry, advice and trades take them from here, and a test compares them with the keys that scene files
 //! have: a name that changes does so in one place.
 
-/// Keys of every `[boundary]` table, whatever its kind: kind, faces, scatterer, through, region.
-pub const BOUNDARY: [&str; 5] = [KIND, FACES, "scatterer", THROUGH, REGION];
+/// Keys of every `[boundary]` table, whatever its kind: kind, faces, scatterer, through, region, stations.
+pub const BOUNDARY: [&str; 6] = [KIND, FACES, "scatterer", THROUGH, REGION, "stations"];
 /// Name of the table of the boundary.
 pub const BOUNDARY_TABLE: &str = "boundary";
 /// Key of a `[boundary]` table: the name of the boundary in the registry.

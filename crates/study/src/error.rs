@@ -277,6 +277,14 @@ pub enum StudyError {
     /// A scene without an incident field, for which no free-field check exists.
     #[error("the scene has no incident field to check")]
     NoField,
+    /// A field without stress, such as motions at stations, for which no free-field check exists.
+    #[error(
+        "the free-field check needs the stress of the incident field, for the springs and dashpots of a box without structure: the field '{field}' has motions at stations alone"
+    )]
+    FieldWithoutStress {
+        /// Name of the field.
+        field: String,
+    },
     /// A side of the mesh's bounding box, other than the top, that neither absorbs nor is supported as a whole, which the
     /// free-field check needs.
     #[error(

@@ -98,12 +98,16 @@ impl FreeFieldCheck {
     /// Builds the free-field box of a scene.
     ///
     /// # Errors
-    /// A scene without an incident field, with a field that does not move the points, or with a side of its box, other
+    /// A scene without an incident field, with a field without stress, with a field that does not move the points, or with a side of its box, other
     /// than the top, that neither absorbs nor is supported.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
         let (Some(field), Some(boundary)) = (scene.field(), scene.boundary()) else {
             return Err(StudyError::NoField);
         };
+        if !field.carries_stress() {
+            let field = field.name().into();
+            return Err(StudyError::FieldWithoutStress { field });
+        }
         let (low, high) = extent(scene);
         let strata = strata(scene, &**field)?;
         let (cells, mut mesh) = ground_box(scene, &strata)?;

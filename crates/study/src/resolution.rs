@@ -118,8 +118,13 @@ pub(crate) fn incoming(scene: &Scene) -> Result<Option<Spectrum>, StudyError> {
     };
     let (low, high) = scene.mesh().bounding_box();
     let middle = (low + high) / 2.0;
+    let point = Vec3::new(middle.x, middle.y, high.z);
+    // Of a field that is given at stations, that next to it.
+    let distance = |station: &&Vec3| (**station - point).norm();
+    let stations = field.stations().unwrap_or_default().iter();
+    let nearest = stations.min_by(|a, b| distance(a).total_cmp(&distance(b)));
     let sampler = field
-        .prepare(&[Vec3::new(middle.x, middle.y, high.z)])
+        .prepare(&[*nearest.unwrap_or(&point)])
         .map_err(Error::from)?;
     let run = scene.duration();
     let fading = LEAST_FADING.max(FADING_SHARE * run);

@@ -8,7 +8,7 @@
 //! [`Superposition`]. A [`LayeredWave`] is its form in horizontal layers over a half-space
 //! ([`Ground`]). The motion that a record represents (the incident wave, an outcrop, the
 //! surface, the motion at a depth) is its [`InputConvention`]; [`SplitParameters`] split a record of three
-//! components into P, SV and SH waves.
+//! components into P, SV and SH waves. A [`StationField`] has the motions of a regional model at stations.
 //!
 //! ```
 //! use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Vec3};
@@ -93,6 +93,7 @@ mod sampled;
 mod signal;
 mod spectrum;
 mod split;
+mod stations;
 mod superposition;
 mod wave;
 mod within;
@@ -115,6 +116,9 @@ pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
 pub use signal::{Signal, SignalMotion, SignalSupport};
 pub use spectrum::{OscillatorResponse, SpectralLine};
 pub use split::{RecordedAt, SplitMotion, SplitParameters, SplitReport};
+pub use stations::{
+    StationError, StationField, StationInterpolation, StationParameters, StationReport,
+};
 pub use superposition::Superposition;
 pub use wave::{PlaneWave, PlaneWaveParameters, Site, first_hit_corner};
 pub use within::WithinReport;

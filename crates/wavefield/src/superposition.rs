@@ -55,6 +55,20 @@ impl IncidentField for Superposition {
         self.fields[0].medium_at(point)
     }
 
+    fn carries_stress(&self) -> bool {
+        self.fields.iter().all(|field| field.carries_stress())
+    }
+
+    /// Those of the first field that has stations: a point without one is refused by that field.
+    fn stations(&self) -> Option<&[Vec3]> {
+        self.fields.iter().find_map(|field| field.stations())
+    }
+
+    fn check_layer(&self, nodes: &[Vec3], inner: &[bool]) -> Result<(), ModelError> {
+        let mut fields = self.fields.iter();
+        fields.try_for_each(|field| field.check_layer(nodes, inner))
+    }
+
     /// Sum of the incident parts, if every field has one.
     fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
         let parts = self.fields.iter().map(|field| field.incident_part());

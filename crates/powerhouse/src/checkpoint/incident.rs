@@ -25,9 +25,10 @@ impl core::fmt::Debug for IncidentMotion {
 }
 
 impl IncidentMotion {
-    /// The incident motion of a scene at nodes spread over its mesh.
+    /// The incident motion of a scene at nodes spread over its mesh, or at some of the stations of its field.
     pub(super) fn of(scene: &Scene) -> Self {
-        let nodes = scene.mesh().positions();
+        let stations = scene.field().and_then(|field| field.stations());
+        let nodes = stations.unwrap_or(scene.mesh().positions());
         let stride = nodes.len().div_ceil(POINTS).max(1);
         Self {
             field: scene.field().cloned(),

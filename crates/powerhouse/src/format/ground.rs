@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::{
     At, Azimuth, EquivalentLinear, Finite, Incidence, NonNegative, Parameters, Positive, Pulse,
-    Share,
+    Share, Stations,
 };
 
 /// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
@@ -302,6 +302,8 @@ pub struct BoundarySection {
     /// layer of elements around it, and the absorbing faces absorb the scattered waves. Outside the layer
     /// results are the scattered motion alone. By default waves enter through the absorbing faces.
     pub region: Option<At<Region>>,
+    /// Motions at the nodes of that layer from a file, such as those of a regional model, in place of waves; none by default.
+    pub stations: Option<At<Stations>>,
     /// All other keys of the table: parameters of the boundary kind.
     #[serde(skip)]
     pub parameters: Parameters,

@@ -32,6 +32,7 @@ mod quantity;
 mod reference;
 mod residual;
 mod stage;
+mod stations;
 mod strict;
 mod survey;
 mod time;
@@ -70,6 +71,7 @@ pub use quantity::{
 pub use reference::Reference;
 pub use residual::Residual;
 pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod};
+pub use stations::{Interpolation, StationAxis, Stations};
 pub(crate) use survey::survey;
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 
@@ -156,6 +158,14 @@ pub struct SceneFile {
     /// ignores them.
     #[serde(rename = "case", default)]
     pub cases: Vec<Case>,
+}
+
+impl SceneFile {
+    /// Whether a free field moves the ground: waves, recorded motions or those at stations.
+    pub fn has_field(&self) -> bool {
+        let stations = self.boundary.as_ref().and_then(|b| b.stations.as_ref());
+        !self.waves.is_empty() || !self.motions.is_empty() || stations.is_some()
+    }
 }
 
 /// Kind of fault that a scene may downgrade to a warning.

@@ -1,11 +1,13 @@
 //! Remarks: facts and warnings about a scene and its results.
 
+mod stations;
 mod text;
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
 use powerhouse_wavefield::{
-    BaselineReport, InputConversion, LayeredReport, QuietStart, RecordReport, SplitReport, WaveKind,
+    BaselineReport, InputConversion, LayeredReport, QuietStart, RecordReport, SplitReport,
+    StationReport, WaveKind,
 };
 
 use crate::BendingError;
@@ -215,6 +217,28 @@ pub enum Remark {
         inside: usize,
         /// Number of elements of the layer.
         layer: usize,
+    },
+    /// Fact: motions at the stations of a file enter around the region.
+    Stations {
+        /// Path of the file.
+        file: String,
+        /// Metres in a unit of its coordinates.
+        scale: f64,
+        /// Directions of its coordinates in the mesh.
+        axes: [&'static str; 3],
+        /// Directions of the rows of its motions.
+        rows: [&'static str; 3],
+        /// Sampling.
+        report: StationReport,
+    },
+    /// Warning: the run goes on after the motions of a file of stations, or, a fact, begins before them.
+    StationWindow {
+        /// Path of the file.
+        file: String,
+        /// Start and end of the run (s).
+        run: [f64; 2],
+        /// Sampling.
+        report: StationReport,
     },
     /// Warning: a record is used by no wave or prescribed motion.
     UnusedRecord {
@@ -455,6 +479,8 @@ impl Remark {
             | Self::DelayedMotion { .. }
             | Self::TruncatedRecord { .. }
             | Self::RotatedAxis { .. }
+            | Self::Stations { .. }
+            | Self::StationWindow { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. }
             | Self::DividedSection { .. }
@@ -501,6 +527,8 @@ impl Remark {
                 report.condition > LARGE_CONDITION || report.misfit > LARGE_MISFIT
             }
             Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
+            Self::StationWindow { run, report, .. } => run[1] > report.end,
+            Self::Stations { report, .. } => report.error > LARGE_MISFIT,
             Self::Unbalanced { .. }
             | Self::Undersampled { .. }
             | Self::SparseEnvelope { .. }

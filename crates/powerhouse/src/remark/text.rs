@@ -5,6 +5,7 @@ use core::fmt;
 use powerhouse_model::Renewal;
 use powerhouse_observe::SectionPiece;
 
+use super::stations::{station_window, stations};
 use super::{LARGE_PEAK, Remark, STANDARD_GRAVITY};
 use crate::Results;
 
@@ -295,6 +296,14 @@ impl fmt::Display for Remark {
                 f,
                 "the waves enter through {layer} elements around a region of {inside} elements; outside of them results are the scattered motion alone"
             ),
+            Self::Stations {
+                file,
+                scale,
+                axes,
+                rows,
+                report,
+            } => stations(f, (file, *scale), (axes, rows), report),
+            Self::StationWindow { file, run, report } => station_window(f, file, *run, report),
             Self::UnusedRecord { name } => {
                 write!(
                     f,

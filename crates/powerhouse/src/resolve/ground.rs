@@ -13,8 +13,8 @@ use powerhouse_wavefield::{
 use super::motion;
 use super::origin::Origin;
 use super::record::{PreparedRecord, cut_short, of_component};
-use super::{layers, named, vector};
-use crate::fault::{Fault, Problem};
+use super::{layers, named, stations, vector};
+use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{
     self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneFile, Space, Wave, WaveAxis,
 };
@@ -26,14 +26,18 @@ const ONE_MEDIUM: &str = "where a tunnel or lining runs through, its part in `th
 /// Hint on a filtered record whose motion at the start of the run is not negligible.
 pub(super) const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
-/// Adds the sum of all waves to the scene, in the medium along the absorbing faces, or in layers with a damping.
+/// Adds the sum of all waves to the scene, in the medium along the absorbing faces, or in layers with a damping; or the motions
+/// at stations.
 pub(super) fn field(
-    file: &SceneFile,
+    (text, file): (&SceneText, &SceneFile),
     mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
     materials: &BTreeMap<String, Material>,
     damping: &[LayerDamping],
 ) -> Result<Scene, Fault> {
+    if let Some(stations) = stations::section(file)? {
+        return stations::field(text, stations, scene);
+    }
     let first = match (file.waves.first(), file.motions.first()) {
         (Some(wave), _) => Some(wave.incidence.span()),
         (None, Some(motion)) => Some(motion.incidence.span()),

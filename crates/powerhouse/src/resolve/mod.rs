@@ -12,6 +12,7 @@ mod origin;
 mod output;
 mod record;
 mod stages;
+mod stations;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -150,7 +151,7 @@ pub(crate) fn compose(
     scene.remarks.extend(unused_materials(file));
     scene.remarks.extend(empty_sets(&names, file));
     let of_layers = equivalent_linear::apply(file, &mut scene, &records, &mut materials)?;
-    scene = ground::field(file, scene, &records, &materials, &of_layers)?;
+    scene = ground::field((text, file), scene, &records, &materials, &of_layers)?;
     damping::default_rims(file, &mut scene)?;
     if scene.initial == InitialMotion::Field && scene.field.is_none() {
         return Err(Fault::refused(file.time.initial.span(), Error::NoField));
@@ -337,7 +338,7 @@ fn parts(
                     own.span()
                 }
                 None => {
-                    if !(file.waves.is_empty() && file.motions.is_empty()) {
+                    if file.has_field() {
                         part = part.with_damping(material.default_damping().clone());
                     }
                     table.material.span()

@@ -87,6 +87,7 @@ impl Scene {
         }
         let part = self.part_of_layer(&elements, field, present)?;
         let layer = reduction_layer(&self.mesh, region, &self.parts[part])?;
+        field.check_layer(layer.positions(), layer.inner())?;
         let remark = Remark::Region {
             inside: region.len(),
             layer: elements.len(),

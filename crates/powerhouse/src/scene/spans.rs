@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{EngineError, ModelError, RunError, StageError};
 use powerhouse_observe::ObserveError;
+use powerhouse_wavefield::StationError;
 
 use crate::{Error, Fault, MagnitudeOf, SceneFault, SceneText};
 
@@ -163,6 +164,9 @@ impl SceneSpans {
         }
         if let Some(EngineError::ElementSize { set, .. }) = source.downcast_ref() {
             return self.materials.get(set).cloned();
+        }
+        if source.is::<StationError>() {
+            return Some(self.field.clone()).filter(|place| !place.is_empty());
         }
         match source.downcast_ref() {
             Some(

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use powerhouse_boundary::nodes_in_other_media;
+use powerhouse_boundary::{BoundaryError, nodes_in_other_media};
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
 
 use super::{InitialMotion, Scene};
@@ -18,6 +18,8 @@ const PEAK_INSTANTS: usize = 12_000;
 /// Largest traction of a field on a free surface, over shear impedance times peak velocity, that rounding of a mesh
 /// file or interpolation of a table can explain.
 pub(super) const TRACTION_OF_NOTE: f64 = 0.01;
+/// Number of stations at which the start of motions at stations is evaluated.
+const START_STATIONS: usize = 1000;
 /// Numbers of instants and points at which the traction is evaluated.
 pub(super) const TRACTION_INSTANTS: usize = 500;
 pub(super) const TRACTION_POINTS: usize = 256;
@@ -38,6 +40,40 @@ impl Scene {
     /// Rejects a field of another medium than that along the absorbing faces, and a field that is not negligible at the
     /// start of a body at rest.
     pub(super) fn check_field(
+        &self,
+        field: &dyn IncidentField,
+        (faces, site): (&[(&str, &[Facet])], &BoundarySite),
+    ) -> Result<(), Error> {
+        // Through faces around a region nothing enters, and what the ground of stations is, is not known.
+        if field.carries_stress() {
+            self.check_media(field, (faces, site))?;
+        } else if self.boundary.as_ref().is_none_or(|b| b.region.is_none()) {
+            let field = field.name().into();
+            return Err(Error::Model(BoundaryError::NoStress { field }.into()));
+        }
+        if self.initial == InitialMotion::Field {
+            return Ok(());
+        }
+        let points = match field.stations() {
+            None => self.outermost(site),
+            Some(stations) => {
+                let stride = stations.len().div_ceil(START_STATIONS).max(1);
+                stations.iter().step_by(stride).copied().collect()
+            }
+        };
+        let level = start_level(field.prepare(&points)?.as_ref(), self.start, self.duration);
+        if level < LEVEL_AT_REST {
+            return Ok(());
+        }
+        Err(Error::NotAtRest {
+            field: field.name().into(),
+            level,
+            time: self.start,
+        })
+    }
+
+    /// Rejects a field of another medium than that along the absorbing faces.
+    fn check_media(
         &self,
         field: &dyn IncidentField,
         (faces, site): (&[(&str, &[Facet])], &BoundarySite),
@@ -63,19 +99,7 @@ impl Scene {
                 count: foreign.len(),
             });
         }
-        if self.initial == InitialMotion::Field {
-            return Ok(());
-        }
-        let sampler = field.prepare(&self.outermost(site))?;
-        let level = start_level(sampler.as_ref(), self.start, self.duration);
-        if level < LEVEL_AT_REST {
-            return Ok(());
-        }
-        Err(Error::NotAtRest {
-            field: field.name().into(),
-            level,
-            time: self.start,
-        })
+        Ok(())
     }
 
     /// Nodes of the boundary or region through which the field enters that are nearest to the corners of their bounding
@@ -164,7 +188,8 @@ impl Scene {
         remarks.extend(self.absorbing_surfaces(faces));
         let (open, rest) = self.open_sides(&free);
         remarks.extend(open);
-        if let Some(field) = site.field {
+        // Motions at stations are known neither at supports nor at surfaces, and have no traction.
+        if let Some(field) = site.field.filter(|field| field.stations().is_none()) {
             remarks.extend(self.field_at_supports(field, (faces, site))?);
             remarks.extend(self.loaded_surface(field, &rest, site)?);
             remarks.extend(self.relief(faces, &rest));

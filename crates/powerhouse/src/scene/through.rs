@@ -65,6 +65,15 @@ impl IncidentField for FieldInGround<'_> {
     fn medium_at(&self, point: &Vec3) -> ElasticMedium {
         self.0.medium_at(point)
     }
+    fn carries_stress(&self) -> bool {
+        self.0.carries_stress()
+    }
+    fn stations(&self) -> Option<&[Vec3]> {
+        self.0.stations()
+    }
+    fn check_layer(&self, nodes: &[Vec3], inner: &[bool]) -> Result<(), ModelError> {
+        self.0.check_layer(nodes, inner)
+    }
     fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
         self.0.incident_part()
     }

@@ -51,6 +51,9 @@ pub(super) fn closed_form(
     let field = scene
         .field()
         .ok_or(no_closed_form("it has no incident field"))?;
+    if field.stations().is_some() {
+        return Err(no_closed_form("its field is given at stations alone"));
+    }
     if scene.boundary().is_none() {
         return Err(no_closed_form("it has no absorbing boundary"));
     }

@@ -323,7 +323,7 @@ fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
 
 /// Input: the full field on every face, or only the incident wave at the bottom.
 fn input(scene: &Scene, file: &Table) -> Option<Factor> {
-    scene.field()?;
+    scene.field().filter(|field| field.carries_stress())?;
     let boundary = file.get("boundary")?.as_table()?;
     let kind = boundary.get(keys::KIND)?.as_str()?;
     let takes = scene.registry()?.boundary_keys(kind)?;
