@@ -5,8 +5,8 @@ mod h5drm;
 mod refused;
 mod support;
 
+use powerhouse::Remark;
 use powerhouse::model::{FieldMotion, IncidentField, Vec3};
-use powerhouse::{Remark, Scene};
 
 use support::*;
 
@@ -141,21 +141,4 @@ fn what_is_taken_and_what_is_held_is_told() {
                 .contains("the displacements of the last sample are held"),
         "{told:?}"
     );
-}
-
-/// A scene in Rust takes the field as one from a file does.
-#[test]
-fn a_field_from_rust_is_that_of_the_file() {
-    let site = Site::new("rust");
-    site.write_table("wave.csv", |_, _, _| {});
-    let from_file = site.read("file = \"wave.csv\"").unwrap();
-    let field = from_file.field().unwrap().clone();
-    let boundary = from_file.boundary().unwrap().clone();
-    let part = || from_file.parts().iter().cloned();
-    let scene = part().fold(Scene::new("rust", site.mesh.clone()), Scene::part);
-    let scene = scene
-        .with_shared_field(field)
-        .with_boundary(boundary)
-        .with_duration(0.1);
-    assert!(scene.prepare().is_ok());
 }
