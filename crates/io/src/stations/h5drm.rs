@@ -48,6 +48,17 @@ fn damaged(object: &'static str, error: hdf5_pure::Error) -> StationFileFault {
     StationFileFault::Damaged { object, reason }
 }
 
+/// Checks that as many numbers were read as the shape of their object has: a damaged object may have fewer.
+fn check_count(object: &'static str, found: usize, expected: u64) -> Result<(), StationFileFault> {
+    match found as u64 == expected {
+        true => Ok(()),
+        false => Err(StationFileFault::Damaged {
+            object,
+            reason: format!("{found} numbers are there, {expected} expected"),
+        }),
+    }
+}
+
 struct Source {
     file: File,
     size: u64,
@@ -95,6 +106,8 @@ impl Source {
             });
         }
         let numbers = dataset.read_f64().map_err(|error| damaged(object, error))?;
+        let count = expected.iter().product();
+        check_count(object, numbers.len(), count)?;
         match numbers.iter().position(|number| !number.is_finite()) {
             None => Ok(numbers),
             Some(index) => Err(StationFileFault::Value {
@@ -150,7 +163,6 @@ impl Source {
         };
         let width = if velocity.is_some() { 6 } else { 3 };
         check_memory((stations, samples, width), most)?;
-        let positions = self.numbers(POSITIONS, &[stations, 3])?;
         let (step, start) = (self.number(STEP)?, self.number(START)?);
         if step <= 0.0 {
             return Err(StationFileFault::Value {
@@ -160,6 +172,7 @@ impl Source {
                 expected: "a time step (s) above zero".into(),
             });
         }
+        let positions = self.numbers(POSITIONS, &[stations, 3])?;
         let mut motions = StationMotions {
             form: StationForm::H5drm,
             positions: positions
@@ -203,16 +216,7 @@ impl Source {
     ) -> Result<Vec<f64>, StationFileFault> {
         let rows = dataset.read_f64_rows(first, 3);
         let rows = rows.map_err(|error| damaged(object, error))?;
-        if rows.len() as u64 != 3 * samples {
-            return Err(StationFileFault::Damaged {
-                object,
-                reason: format!(
-                    "{} numbers from row {first} on, expected {}",
-                    rows.len(),
-                    3 * samples
-                ),
-            });
-        }
+        check_count(object, rows.len(), 3 * samples)?;
         match rows.iter().position(|number| !number.is_finite()) {
             None => Ok(rows),
             Some(index) => Err(StationFileFault::Value {
@@ -251,6 +255,7 @@ impl Source {
             });
         }
         let sides = dataset.read_i32().map_err(|error| damaged(INNER, error))?;
+        check_count(INNER, sides.len(), stations)?;
         match sides.iter().position(|side| *side != 0 && *side != 1) {
             None => Ok(sides.into_iter().map(|side| side == 1).collect()),
             Some(index) => Err(StationFileFault::Value {
