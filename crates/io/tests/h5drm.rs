@@ -28,7 +28,7 @@ fn read_bytes(name: &str, bytes: &[u8]) -> Result<StationMotions, StationFileFau
     })
 }
 
-/// The sample with one number in the place of another, wherever that stands.
+/// The sample with one number in the place of another, wherever that is.
 fn changed(old: &[u8], new: &[u8]) -> Vec<u8> {
     let mut bytes = std::fs::read(sample("two_layer_sv15.h5drm")).unwrap();
     let places = bytes.windows(old.len()).enumerate();
@@ -67,7 +67,7 @@ fn a_compressed_file_is_read() {
 }
 
 /// The rows of another writer (single precision, not compressed, flags as numbers, stations in another order, rows of vertical,
-/// east, north) are those of the same motions, and their order is told by the control point.
+/// east, north) are those of the same motions, and their order is found by the control point.
 #[test]
 fn another_writers_file_is_read() {
     let (found, sample) = (

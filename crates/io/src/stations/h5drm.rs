@@ -25,7 +25,7 @@ const LARGEST_RATIO: u64 = 2048;
 const MOST_STATIONS: u64 = 10_000_000;
 /// Greatest number of samples: those of an hour at 1000 a second.
 const MOST_SAMPLES: u64 = 4_000_000;
-/// Difference of the declared end of the motions from their last sample that is told, over the step.
+/// Difference of the declared end of the motions from their last sample that is warned of, over the step.
 const OTHER_END: f64 = 1.5;
 
 /// Reads an H5DRM file station by station.
@@ -162,7 +162,7 @@ impl Source {
             }
         };
         let width = if velocity.is_some() { 6 } else { 3 };
-        check_memory((stations, samples, width), most)?;
+        check_memory(stations, samples, width, most)?;
         let (step, start) = (self.number(STEP)?, self.number(START)?);
         if step <= 0.0 {
             return Err(StationFileFault::Value {
@@ -190,9 +190,9 @@ impl Source {
             warnings: Vec::new(),
         };
         for first in self.first_rows(stations, rows)? {
-            let u = self.rows(&displacement, (DISPLACEMENT, first, samples))?;
+            let u = self.rows(&displacement, DISPLACEMENT, first, samples)?;
             let v = match &velocity {
-                Some(velocity) => self.rows(velocity, (VELOCITY, first, samples))?,
+                Some(velocity) => self.rows(velocity, VELOCITY, first, samples)?,
                 None => Vec::new(),
             };
             let samples = samples as usize;
@@ -212,7 +212,9 @@ impl Source {
     fn rows(
         &self,
         dataset: &Dataset,
-        (object, first, samples): (&'static str, u64, u64),
+        object: &'static str,
+        first: u64,
+        samples: u64,
     ) -> Result<Vec<f64>, StationFileFault> {
         let rows = dataset.read_f64_rows(first, 3);
         let rows = rows.map_err(|error| damaged(object, error))?;

@@ -38,7 +38,7 @@ pub struct StationMotions {
     pub motion: Vec<f64>,
     /// Order of the components of the stations in which they resemble those of the control point, if that is another one:
     /// component `i` of the control point is component `order[i]` of the stations. None if theirs is the order, or if it
-    /// cannot be told.
+    /// cannot be found.
     pub other_order: Option<[usize; 3]>,
     /// Warnings of differences between the motions and the declarations of their file.
     pub warnings: Vec<String>,
@@ -90,7 +90,9 @@ fn of_h5drm(_file: &Path, _most: u64) -> Result<StationMotions, StationFileFault
 
 /// Checks that the motions of stations fit into a given memory (bytes).
 fn check_memory(
-    (stations, samples, width): (u64, u64, u64),
+    stations: u64,
+    samples: u64,
+    width: u64,
     most: u64,
 ) -> Result<(), StationFileFault> {
     let numbers = u128::from(stations) * u128::from(samples) * u128::from(width);

@@ -9,15 +9,15 @@ const ORDERS: [[usize; 3]; 6] = [
     [2, 0, 1],
     [2, 1, 0],
 ];
-/// How much better another order must fit to be told.
+/// How much better another order must fit to be taken for theirs.
 const CLEARLY: f64 = 1.2;
 
 /// Order of the components of a station in which their energies resemble those of a control point, if it fits clearly better
 /// than their own: component `i` of the control point is component `order[i]` of the station.
 ///
 /// The measure is the sum of the products of their roots mean square, greatest where both have the same order of strength. It does
-/// not depend on the time by which a wave passes one before the other; of motions as strong in all directions it tells
-/// nothing.
+/// not depend on the time by which a wave passes one before the other; motions as strong in all directions have no other
+/// order.
 #[cfg_attr(
     not(feature = "h5drm"),
     expect(dead_code, reason = "tables have names of components")
@@ -32,9 +32,9 @@ pub(super) fn other_order(control: [f64; 3], station: [f64; 3]) -> Option<[usize
 mod tests {
     use super::*;
 
-    /// An order is told where the strength of the components gives it away, and only there.
+    /// An order is found where the strength of the components differs, and only there.
     #[test]
-    fn an_order_is_told_by_the_strength_of_components() {
+    fn an_order_is_found_by_the_strength_of_components() {
         assert_eq!(other_order([4.0, 0.0, 1.0], [3.9, 0.1, 1.1]), None);
         assert_eq!(
             other_order([4.0, 0.1, 1.0], [1.1, 3.9, 0.1]),

@@ -62,11 +62,9 @@ fn of_columns(columns: &[TableColumn], most: u64) -> Result<StationMotions, Stat
         return Err(fault(0, reason));
     }
     check_memory(
-        (
-            (rows / samples) as u64,
-            samples as u64,
-            motions.len() as u64,
-        ),
+        (rows / samples) as u64,
+        samples as u64,
+        motions.len() as u64,
         most,
     )?;
     let mut found = StationMotions {

@@ -101,9 +101,9 @@ fn axes_rows_scale_origin_and_factor_are_those_of_the_scene() {
     }
 }
 
-/// A run that goes on after the motions says what is held, and what was taken from the file is told.
+/// A run that goes on after the motions says what is held, and what was taken from the file is reported.
 #[test]
-fn what_is_taken_and_what_is_held_is_told() {
+fn what_is_taken_and_what_is_held_is_reported() {
     let site = Site::new("window");
     site.write_table("wave.csv", |_, _, _| {});
     let remarks = |duration: f64| {

@@ -105,7 +105,7 @@ fn outside_of_the_samples_the_displacement_is_held() {
     assert!(at(&field, 1, end).velocity.norm() > 0.1);
 }
 
-/// A node without a station is an error with both places; of stations in another unit the extents are told.
+/// A node without a station is an error with both places; of stations in another unit the extents are there.
 #[test]
 fn nodes_without_a_station_are_named() {
     let field = StationField::new(parameters(4, false)).unwrap();
