@@ -3,6 +3,8 @@
 mod error;
 #[cfg(feature = "h5drm")]
 mod h5drm;
+// Tables have names of components.
+#[cfg(any(feature = "h5drm", test))]
 mod order;
 mod table;
 

@@ -18,10 +18,6 @@ const CLEARLY: f64 = 1.2;
 /// The measure is the sum of the products of their roots mean square, greatest where both have the same order of strength. It does
 /// not depend on the time by which a wave passes one before the other; motions as strong in all directions have no other
 /// order.
-#[cfg_attr(
-    not(feature = "h5drm"),
-    expect(dead_code, reason = "tables have names of components")
-)]
 pub(super) fn other_order(control: [f64; 3], station: [f64; 3]) -> Option<[usize; 3]> {
     let fit = |order: &[usize; 3]| -> f64 { (0..3).map(|i| control[i] * station[order[i]]).sum() };
     let best = ORDERS.iter().max_by(|a, b| fit(a).total_cmp(&fit(b)))?;
