@@ -34,7 +34,7 @@ pub struct DarendeliSoil {
     pub overconsolidation: f64,
     /// Mean effective confining pressure (Pa), 1 kPa to 10 MPa.
     pub pressure: f64,
-    /// Frequency of the cycles (Hz), 0.01 to 100.
+    /// Frequency of the cycles (Hz), 0.1 to 100.
     pub frequency: f64,
     /// Number of cycles, 1 to 1000.
     pub cycles: f64,
@@ -53,6 +53,8 @@ impl DarendeliSoil {
     }
 }
 
+/// Greatest shear strain of curves (1): numbers beyond are of per cent.
+const GREATEST: f64 = 0.2;
 /// Pressure of one atmosphere (Pa), to which the pressures of Darendeli refer.
 const ATMOSPHERE: f64 = 101_325.0;
 /// Range of shear strains that the curves of Darendeli cover (1).
@@ -61,11 +63,11 @@ const COVERED: [f64; 2] = [1e-6, 1e-2];
 const PER_DECADE: usize = 8;
 
 impl StrainCurves {
-    /// Curves by amplitudes of the engineering shear strain (1), rising from above 0, with the secant modulus over that
-    /// at small strain, above 0 and at most 1, and the damping ratio, from 0 to below 1, at each.
+    /// Curves by amplitudes of the engineering shear strain (1), rising from above 0 to 0.2 at most, with the secant modulus over
+    /// that at small strain, 0.001 to 1 and not rising, and the damping ratio, from 0 to below 1, at each.
     ///
     /// # Errors
-    /// Lists that are empty or of unequal length (named `strain`, with the number of values); a value outside its range.
+    /// Lists that are empty or of unequal length (named after their numbers of values); a value outside its range.
     pub fn new(
         strain: Vec<f64>,
         modulus: Vec<f64>,
@@ -73,19 +75,26 @@ impl StrainCurves {
     ) -> Result<Self, ParameterError> {
         let count = strain.len() as f64;
         let lengths = [modulus.len() as f64, damping.len() as f64];
-        ParameterError::check("strain", count, 1.0, 1e4)?;
-        ParameterError::check("modulus", lengths[0], count, count)?;
-        ParameterError::check("damping", lengths[1], count, count)?;
+        ParameterError::check("number of values of strain", count, 1.0, 1e4)?;
+        ParameterError::check("number of values of modulus", lengths[0], count, count)?;
+        ParameterError::check(
+            "number of values of damping_ratio",
+            lengths[1],
+            count,
+            count,
+        )?;
         let mut least = f64::MIN_POSITIVE;
         for &value in &strain {
-            ParameterError::check("strain", value, least, 1.0)?;
+            ParameterError::check("strain, which rises,", value, least, GREATEST)?;
             least = value.next_up();
         }
+        let mut most = 1.0;
         for &value in &modulus {
-            ParameterError::check("modulus", value, 1e-3, 1.0)?;
+            ParameterError::check("modulus, which does not rise,", value, 1e-3, most)?;
+            most = value;
         }
         for &value in &damping {
-            ParameterError::check("damping", value, 0.0, 0.99)?;
+            ParameterError::check("damping_ratio", value, 0.0, 0.99)?;
         }
         Ok(Self {
             strain,
@@ -111,7 +120,7 @@ impl StrainCurves {
         ParameterError::check("plasticity", soil.plasticity, 0.0, 200.0)?;
         ParameterError::check("overconsolidation", soil.overconsolidation, 1.0, 50.0)?;
         ParameterError::check("pressure", soil.pressure, 1e3, 1e7)?;
-        ParameterError::check("frequency", soil.frequency, 0.01, 100.0)?;
+        ParameterError::check("frequency", soil.frequency, 0.1, 100.0)?;
         ParameterError::check("cycles", soil.cycles, 1.0, 1000.0)?;
         let pressure = soil.pressure / ATMOSPHERE;
         let (plasticity, history) = (soil.plasticity, soil.overconsolidation);

@@ -202,6 +202,9 @@ pub(crate) const S_SPEED: UsualRange =
 /// P wave speed.
 pub(crate) const P_SPEED: UsualRange =
     UsualRange::new("m/s", [10.0, 30e3]).alternatives([100.0, 12e3], &[("km/s", 1e3)]);
+/// Yield stresses of steel.
+pub(crate) const STEEL: UsualRange = UsualRange::new("Pa", [5e7, 3e9])
+    .alternatives([1e8, 2e9], &[("MPa", 1e6), ("kPa", 1e3), ("GPa", 1e9)]);
 /// Strengths of materials and of bonds.
 pub(crate) const STRENGTH: UsualRange = UsualRange::new("Pa", [100.0, 5e9])
     .or_zero()

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use powerhouse::model::{ElasticMedium, Vec3};
+use powerhouse::boundary::{ReductionLayer, Viscous};
+use powerhouse::material::{LinearElastic, media};
+use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{StationField, StationParameters};
-use powerhouse::{RunHooks, Scene};
-use powerhouse_study::{FreeFieldCheck, StudyError};
+use powerhouse::{Boundary, Material, Part, RunHooks, Scene};
+use powerhouse_study::{FreeFieldCheck, StudyError, check};
 
 fn site() -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/layered_site.toml");
@@ -45,4 +47,41 @@ fn a_field_without_stress_is_refused() {
         panic!("not refused: {error:?}")
     };
     assert_eq!(field, "site.h5drm");
+}
+
+/// A scene whose waves are known at stations alone is checked as others are: its spectrum is that of a station.
+#[test]
+fn a_scene_of_stations_is_checked() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(70.0), [7; 3], "rock").unwrap();
+    let region = mesh.elements_in_box(&Vec3::new(20.0, 20.0, 30.0), &Vec3::new(50.0, 50.0, 70.0));
+    let layer = mesh.nodes_of_elements(&ReductionLayer::elements(&mesh, &region));
+    let places = layer.iter().map(|&node| mesh.positions()[node as usize]);
+    let positions: Vec<Vec3> = places.collect();
+    // A pulse of 0.2 s at all stations at once.
+    let pulse = |sample: usize| {
+        let turn = (sample as f64 * 0.025).min(1.0) * core::f64::consts::TAU;
+        [0.005 * (1.0 - turn.cos()), 0.0, 0.0]
+    };
+    let motion = (0..60 * positions.len()).flat_map(|index| pulse(index % 60));
+    let field = StationField::new(StationParameters {
+        name: "pulse.csv".into(),
+        inner: None,
+        medium: media::ROCK,
+        start: 0.0,
+        step: 0.005,
+        samples: 60,
+        has_velocity: false,
+        motion: motion.collect(),
+        positions,
+        tolerance: 0.01,
+    });
+    let faces = ["left", "right", "front", "back", "bottom"];
+    let rock = Material::from(LinearElastic::new(media::ROCK));
+    let scene = Scene::new("stations", mesh)
+        .part(Part::new("rock", rock))
+        .with_field(field.unwrap())
+        .with_boundary(Boundary::new(Viscous::default(), faces).with_region(region))
+        .with_duration(0.25);
+    let report = check(scene).unwrap();
+    assert!(!report.resolution.is_empty());
 }

@@ -61,6 +61,11 @@ struct Met {
     elements: Vec<u32>,
     /// Normal to the ray if the body ends there, as at a plane of symmetry.
     face: Option<Vec3>,
+    /// Element of the section that reaches behind the centre.
+    around_centre: Option<u32>,
+    /// Distance from the centre, and thickness (m).
+    distance: f64,
+    depth: f64,
 }
 
 impl Met {
@@ -129,7 +134,9 @@ impl SectionRing {
     /// The sections through some elements (mesh indices), in the order of their angles.
     ///
     /// # Errors
-    /// An axis without length, a number of rays outside 4 to 360, a ring of which no ray meets an element.
+    /// An axis without length, a number of rays outside 4 to 360, a ring of which no ray meets an element, a centre outside of
+    /// the lining or in it, elements that are no lining. A lining that ends at planes of symmetry, met by rays, may be less than half
+    /// of a ring.
     pub fn sections(
         &self,
         mesh: &Mesh,
@@ -184,7 +191,15 @@ impl SectionRing {
                     .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], h| {
                         [a.min(h), b.max(h)]
                     });
+                let inward = |&&element: &&u32| {
+                    let nodes = mesh.nodes_of(element).iter();
+                    let mut at = nodes.map(|&node| mesh.positions()[node as usize] - self.centre);
+                    at.any(|at| at.dot(&outward) < -tolerance)
+                };
                 met.push(Met {
+                    around_centre: nearest.elements.iter().find(inward).copied(),
+                    distance: distance(&nearest.centroid),
+                    depth: nearest.depth,
                     ray,
                     centroid: nearest.centroid,
                     elements,
@@ -194,6 +209,29 @@ impl SectionRing {
         }
         if met.is_empty() {
             return Err(refused("no ray from its centre meets an element".into()));
+        }
+        if let Some(element) = met.iter().find_map(|of_ray| of_ray.around_centre) {
+            let number = mesh.element_tags()[element as usize];
+            return Err(refused(format!(
+                "its centre lies in element {number} of the lining, not in the opening"
+            )));
+        }
+        // Models of a half or a quarter end at planes of symmetry.
+        let gap = self.largest_gap(&met);
+        let is_cut_off = |of_ray: &Met| of_ray.face.is_some();
+        let ends = met.iter().filter(|of_ray| is_cut_off(of_ray)).count();
+        let step = 360.0 / self.rays as f64;
+        if gap > 180.0 + 1.5 * step && ends < 2 {
+            return Err(refused(format!(
+                "its centre is not within the lining: rays meet it within {} degrees alone",
+                360.0 - gap
+            )));
+        }
+        let is_thick = |of_ray: &&Met| of_ray.depth > of_ray.distance;
+        if met.iter().filter(is_thick).count() > met.len() / 2 {
+            return Err(refused(
+                "most sections are thicker than their distance from its centre: the elements are no lining".into(),
+            ));
         }
         let tangents: Vec<Vec3> = (0..met.len())
             .map(|index| self.tangent(&met, index, axis))
@@ -217,6 +255,17 @@ impl SectionRing {
             });
         }
         Ok(sections)
+    }
+
+    /// Largest angle between two neighbouring rays that meet the lining (degrees).
+    fn largest_gap(&self, met: &[Met]) -> f64 {
+        let step = 360.0 / self.rays as f64;
+        let next = met.iter().cycle().skip(1);
+        let gaps = met.iter().zip(next).map(|(from, to)| {
+            let rays = (to.ray + self.rays - from.ray) % self.rays;
+            step * if rays == 0 { self.rays } else { rays } as f64
+        });
+        gaps.fold(0.0, f64::max)
     }
 
     /// Direction of the centre line at one of the places where rays meet it, from the places before and after it, at an end from

@@ -32,9 +32,10 @@ pub struct Layer {
 pub enum StrainCurves {
     /// Curves by their points.
     Points {
-        /// Amplitudes of the engineering shear strain (dimensionless: 1e-4 is 0.01 %), above 0 and rising.
+        /// Amplitudes of the engineering shear strain (dimensionless: 1e-4 is 0.01 %), above 0, rising, at most 0.2.
         strain: Vec<Positive>,
-        /// Secant shear modulus over that of small strain at each (dimensionless), 0.001 to 1.
+        /// Secant shear modulus over that of small strain at each (dimensionless), 0.001 to 1, not rising, at least 0.9 at the
+        /// first.
         modulus: Vec<Share>,
         /// Damping ratio at each (share of critical damping: 0.05 is 5 %), not negative and below 1.
         damping_ratio: Vec<NonNegative>,
@@ -47,7 +48,7 @@ pub enum StrainCurves {
         pressure: Positive,
         /// Overconsolidation ratio (dimensionless), 1 to 50; 1 by default.
         overconsolidation: Option<Positive>,
-        /// Frequency of the cycles (Hz), 0.01 to 100; 1 by default.
+        /// Frequency of the cycles (Hz), 0.1 to 100; 1 by default.
         frequency: Option<Positive>,
         /// Number of cycles, 1 to 1000; 10 by default.
         cycles: Option<Positive>,

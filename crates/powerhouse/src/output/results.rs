@@ -323,6 +323,7 @@ impl Recordings {
                 remarks.extend(sections::hollow(request, geometry));
                 remarks.extend(sections::through_tetrahedra(mesh, request, &elements));
             }
+            remarks.extend(plan.rings.iter().filter_map(RingRequest::partial));
             recordings.section_geometry = forces.geometries().cloned().collect();
             recordings.sections = Some(forces.recording());
             observers.push(Box::new(forces));

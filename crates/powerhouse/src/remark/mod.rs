@@ -74,6 +74,15 @@ pub enum Remark {
         /// Change of modulus or damping in the last one, over its value (1).
         change: f64,
     },
+    /// Warning: effective strains for which the equivalent linear method is too crude.
+    LargeStrains {
+        /// Materials of the layers.
+        materials: Vec<String>,
+        /// Effective shear strain (1) above which a warning is given.
+        limit: f64,
+    },
+    /// Warning: construction stages of a scene with layers that soften with strain.
+    SoftenedStages,
     /// Warning: the effective strain of an equivalent linear layer is beyond its curves.
     BeyondStrainCurves {
         /// Material of the layer.
@@ -87,6 +96,15 @@ pub enum Remark {
     StartedFrom {
         /// The [origin](crate::RunInputs::origin), in words.
         origin: String,
+    },
+    /// Warning: rays of a ring of sections meet no element.
+    PartialRing {
+        /// Name of the ring.
+        ring: String,
+        /// Number of rays that meet none, and of all.
+        missed: [usize; 2],
+        /// Angles of the first and last of them (degrees).
+        angles: [f64; 2],
     },
     /// Warning: no part and no stage uses a material.
     UnusedMaterial {
@@ -474,6 +492,8 @@ impl Remark {
             | Self::Layered { .. }
             | Self::EquivalentLinear { .. }
             | Self::BeyondStrainCurves { .. }
+            | Self::LargeStrains { .. }
+            | Self::SoftenedStages
             | Self::Conversion { .. }
             | Self::Split { .. }
             | Self::DelayedMotion { .. }
@@ -483,6 +503,7 @@ impl Remark {
             | Self::StationWindow { .. }
             | Self::UnusedRecord { .. } => Topic::Input,
             Self::TetrahedralSection { .. }
+            | Self::PartialRing { .. }
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
             | Self::Hinge { .. }
@@ -546,6 +567,9 @@ impl Remark {
             | Self::NonlinearRim { .. }
             | Self::Material { .. }
             | Self::BeyondStrainCurves { .. }
+            | Self::LargeStrains { .. }
+            | Self::SoftenedStages
+            | Self::PartialRing { .. }
             | Self::UnusedRecord { .. }
             | Self::UnusedMaterial { .. }
             | Self::WeakRecord { .. }

@@ -136,6 +136,23 @@ impl fmt::Display for Remark {
                 }
                 Ok(())
             }
+            Self::LargeStrains { materials, limit } => write!(
+                f,
+                "the effective shear strain of '{}' is above {} %: the equivalent linear method damps high frequencies too much there, and the dispersion of flat damping changes strains by tens of per cent; compare with a law that yields",
+                materials.join("', '"),
+                100.0 * limit
+            ),
+            Self::SoftenedStages => f.write_str(
+                "the stages have the moduli that layers with `strain_curves` have in the motion, not those of small strain: their static displacements are too large there",
+            ),
+            Self::PartialRing {
+                ring,
+                missed: [missed, of],
+                angles: [from, to],
+            } => write!(
+                f,
+                "ring '{ring}': {missed} of {of} rays meet no element, between {from} and {to} degrees from upward: there are no sections"
+            ),
             Self::BeyondStrainCurves {
                 material,
                 strain,

@@ -23,8 +23,14 @@ const STRAIN_RATIO: f64 = 0.65;
 const TOLERANCE: f64 = 0.01;
 const ITERATIONS: usize = 30;
 const BAND: [f64; 2] = [0.5, 20.0];
+/// Time (s) after the end of the longest record in which layers still ring.
+const RINGING: f64 = 2.0;
+/// Effective strain (1) above which the method is warned of.
+const LARGE: f64 = 2e-3;
 /// Number of relaxation mechanisms.
 const MECHANISMS: usize = 3;
+/// Least modulus at the first strain of curves over that of small strain.
+const LEAST_FIRST: f64 = 0.9;
 /// Greatest damping ratio of flat damping.
 const GREATEST_RATIO: f64 = 0.2;
 /// Distance of the points from which strains are taken, over the thickness of the layer.
@@ -86,7 +92,10 @@ pub(super) fn apply(
     let strain_ratio = share(|s| s.strain_ratio, STRAIN_RATIO);
     let tolerance = share(|s| s.tolerance, TOLERANCE);
     let most = settings.and_then(|s| s.iterations.as_ref());
-    let most = most.map_or(ITERATIONS, |most| **most).max(1);
+    if let Some(none) = most.filter(|most| ***most == 0) {
+        return Err(value(none.span(), "0", "at least 1"));
+    }
+    let most = most.map_or(ITERATIONS, |most| **most);
     let band = match settings.and_then(|s| s.band.as_ref()) {
         Some(band) => {
             ordered(band.span(), band.map(Positive::get)).map(|()| band.map(Positive::get))?
@@ -94,7 +103,11 @@ pub(super) fn apply(
         None => BAND,
     };
     let mut of_parts: Vec<Damping> = Vec::new();
-    for iteration in 0..=most {
+    // The strain is that of the whole motion, whatever the duration of the run: a shorter run is of the same ground.
+    let duration = scene.duration;
+    let lengths = records.values().map(|record| record.history.duration());
+    scene.duration = lengths.fold(duration, f64::max) + RINGING;
+    for iteration in 1..=most {
         of_parts.clear();
         for soil in &soils {
             let medium = soil.medium()?;
@@ -114,7 +127,19 @@ pub(super) fn apply(
             change = change.max(soil.change());
         }
         if change <= tolerance {
+            scene.duration = duration;
             finish(file, scene, materials, &soils, &of_parts)?;
+            let large = soils.iter().filter(|soil| soil.strain > LARGE);
+            let large: Vec<String> = large.map(|soil| soil.material.to_string()).collect();
+            if !large.is_empty() {
+                scene.remarks.push(Remark::LargeStrains {
+                    materials: large,
+                    limit: LARGE,
+                });
+            }
+            if !file.stages.is_empty() {
+                scene.remarks.push(Remark::SoftenedStages);
+            }
             let beyond = soils.iter().filter_map(|soil| {
                 let greatest = soil.curves.greatest_strain();
                 (soil.strain > greatest).then(|| Remark::BeyondStrainCurves {
@@ -127,16 +152,15 @@ pub(super) fn apply(
             scene.remarks.push(Remark::EquivalentLinear {
                 layers: soils.iter().map(Soil::told).collect(),
                 strain_ratio,
-                iterations: iteration + 1,
+                iterations: iteration,
                 change,
             });
             return Ok(dampings);
         }
         if iteration == most {
             let found = format!(
-                "a change of modulus or damping by {:.2} % in iteration {}",
-                100.0 * change,
-                iteration + 1
+                "a change of modulus or damping by {:.2} % in iteration {iteration}",
+                100.0 * change
             );
             let expected = format!(
                 "at most {} %; more `iterations` or a greater `tolerance` in `equivalent_linear` of the ground",
@@ -210,6 +234,12 @@ fn soil<'f>(
         return Err(value(damping.span(), "a damping", expected));
     }
     let curves = curves(table)?;
+    let first = curves.modulus(0.0);
+    if first < LEAST_FIRST {
+        let found = format!("{first} of the shear modulus at the first strain of the curves");
+        let expected = "curves that begin at a small strain, with at least 0.9 of its modulus";
+        return Err(value(table.span(), &found, expected));
+    }
     Ok(Soil {
         index,
         material: &layer.material,

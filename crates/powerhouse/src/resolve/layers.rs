@@ -19,6 +19,9 @@ use crate::format::{Azimuth, Layer, SceneFile, Space};
 use crate::scene::{InitialMotion, box_corners, damping_of_layer};
 use crate::{LayerError, Material, Remark, Scene};
 
+/// Time after the run (s), and over its duration, up to which the field is known as well: spectra of the input fade out there.
+const AFTER: f64 = 1.0;
+const AFTER_SHARE: f64 = 0.05;
 /// Share of a layer's thickness by which its interface may be off a plane of the mesh.
 const OFF_PLANE: f64 = 1e-3;
 
@@ -88,7 +91,11 @@ pub(super) fn waves<'r>(
     let (low, high) = scene.mesh.bounding_box();
     let points = outermost(ground, &low, &high);
     let (mut waves, mut origins) = (Vec::new(), Vec::new());
-    let lowest = low.z.min(ground.surface());
+    // Strains are taken in the middle of their layers, which may reach below the mesh.
+    let soft = file.layers.iter().zip(ground.layers());
+    let bottoms = soft.filter(|(table, _)| table.strain_curves.is_some());
+    let bottoms = bottoms.map(|(_, layer)| layer.bottom);
+    let lowest = bottoms.fold(low.z.min(ground.surface()), f64::min);
     for table in &file.waves {
         let mut parameters = LayeredWaveParameters::vertical(kind(table), ground.clone(), lowest);
         parameters.incidence = Angle::from_degrees(table.incidence.get());
@@ -309,7 +316,7 @@ fn needed(
     points: &[Vec3],
     scene: &Scene,
 ) -> f64 {
-    let end = scene.start + scene.duration;
+    let end = scene.start + scene.duration + AFTER.max(AFTER_SHARE * scene.duration);
     let earliest = earliest(parameters, points) + signal.support().start;
     (end - earliest).max(0.0)
 }

@@ -427,6 +427,17 @@ const RAYS: usize = 24;
 fn ring(names: &Names, request: &Ring, plan: OutputPlan) -> Result<OutputPlan, Fault> {
     names.elements(&request.set)?;
     let rays = request.rays.as_deref().copied().unwrap_or(RAYS);
+    if let (Some(given), false) = (&request.rays, (4..=360).contains(&rays)) {
+        let (found, expected) = (rays.to_string(), "4 to 360 rays".into());
+        return Err(Fault::new(given.span(), Problem::Value { found, expected }));
+    }
+    if vector(&request.axis).norm() == 0.0 {
+        let (found, expected) = ("an axis of zero".into(), "a direction".into());
+        return Err(Fault::new(
+            request.axis.span(),
+            Problem::Value { found, expected },
+        ));
+    }
     let ring = SectionRing::new(
         request.name.as_str(),
         vector(&request.centre),
@@ -438,7 +449,7 @@ fn ring(names: &Names, request: &Ring, plan: OutputPlan) -> Result<OutputPlan, F
         .map_err(|error| {
             let problem = Problem::Value {
                 found: error.to_string(),
-                expected: "a point within the lining, an axis of it, and 4 to 360 rays".into(),
+                expected: "a point in the opening that the lining is around, and its axis".into(),
             };
             Fault::new(request.centre.span(), problem)
         })

@@ -43,7 +43,7 @@ fn figures(scene: &Scene) -> (Vec<EquivalentLayer>, usize, f64) {
 /// Curves of one modulus and damping at all strains.
 fn constant(modulus: f64, damping: f64) -> String {
     format!(
-        "strain_curves = {{ kind = \"points\", strain = [1e-4], modulus = [{modulus:?}], damping_ratio = [{damping:?}] }}"
+        "strain_curves = {{ kind = \"points\", strain = [1e-12, 1e-11, 0.1], modulus = [1, {modulus:?}, {modulus:?}], damping_ratio = [{damping:?}, {damping:?}, {damping:?}] }}"
     )
 }
 
@@ -241,7 +241,7 @@ fn what_does_not_fit_the_method_is_refused() {
             "plasticity",
         ),
         (
-            "{ kind = \"points\", strain = [1e-9], modulus = [0.5], damping_ratio = [0.3] }",
+            "{ kind = \"points\", strain = [1e-9], modulus = [1], damping_ratio = [0.3] }",
             "at most 0.2",
         ),
         ("{ kind = \"seed\" }", "'seed' is not permitted"),

@@ -76,7 +76,7 @@ fn column<'t>(table: &'t [TableColumn], name: &str) -> &'t [f64] {
 #[test]
 fn forces_around_a_ring_under_pressure_are_those_of_lame() {
     let folder = Folder::new("ring-of-lame");
-    write_gmsh(&folder.join("ring.msh"), &quarter()).unwrap();
+    write_gmsh(folder.join("ring.msh"), &quarter()).unwrap();
     let path = folder.join("ring.toml");
     let bars = "reinforcement = { concrete_strength = 30e6, bars = [2e-3, 2e-3], cover = 0.05, yield_stress = 435e6 }\n";
     std::fs::write(&path, format!("{SCENE}{bars}")).unwrap();
@@ -136,7 +136,7 @@ fn forces_around_a_ring_under_pressure_are_those_of_lame() {
 #[test]
 fn rings_that_meet_nothing_are_refused_at_their_key() {
     let folder = Folder::new("ring-refused");
-    write_gmsh(&folder.join("ring.msh"), &quarter()).unwrap();
+    write_gmsh(folder.join("ring.msh"), &quarter()).unwrap();
     let path = folder.join("ring.toml");
     for (old, new, wanted) in [
         (
@@ -144,12 +144,18 @@ fn rings_that_meet_nothing_are_refused_at_their_key() {
             "centre = [600, 0.5, 100]",
             "no ray from its centre",
         ),
-        ("rays = 16", "rays = 2", "permitted are 4 to 360"),
         (
-            "axis = [0, 1, 0]",
-            "axis = [0, 0, 0]",
-            "its axis has no direction",
+            "centre = [0, 0.5, 0]",
+            "centre = [4.5, 0.5, 0.5]",
+            "its centre lies in element",
         ),
+        (
+            "centre = [0, 0.5, 0]",
+            "centre = [60, 0.5, 2]",
+            "its centre is not within the lining",
+        ),
+        ("rays = 16", "rays = 2", "expected 4 to 360 rays"),
+        ("axis = [0, 1, 0]", "axis = [0, 0, 0]", "an axis of zero"),
         (
             "set = \"lining\"\ncentre",
             "set = \"shell\"\ncentre",

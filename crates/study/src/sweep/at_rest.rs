@@ -72,7 +72,7 @@ impl BodyStore {
 /// Key of the equilibrated body of a case; cases with the same key share the body.
 ///
 /// It is the checksum of the software revision, the mesh, the supports, the joints, the start time, at which static
-/// loads are evaluated, the absorbing faces, along which rock is elastic, and all sections of the scene and the case
+/// loads are evaluated, the absorbing faces, along which rock is elastic, media and damping of the parts, and all sections of the scene and the case
 /// on which the stages depend.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
@@ -89,6 +89,11 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
     let start = scene.start_time();
     sum.add_whole(format!("{supports} {joints:?} {faces:?} {start:?}").as_bytes());
+    // Layers that soften with strain change the materials of parts with the motion.
+    for part in scene.parts() {
+        let (set, medium, damping) = (&part.set, part.material.medium(), &part.damping);
+        sum.add_whole(format!("{set} {medium:?} {damping:?}").as_bytes());
+    }
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let cases = table.get("case").and_then(toml::Value::as_array);
     let own = cases.and_then(|cases| cases.iter().find(|own| is_case(own, case)));

@@ -224,8 +224,11 @@ impl LayeredWave {
         };
         let (incident, conversion) =
             record::incident(&arriving, signal.clone(), parameters.convention)?;
+        // The incident wave of a record of the surface or of a depth begins before it, in a window of its own.
+        let earlier = signal.support().start - incident.support().start;
         let arriving = Arriving {
             signal: &*incident,
+            until: parameters.until.map(|until| until + earlier.max(0.0)),
             ..arriving
         };
         let causal = arriving.is_causal();

@@ -26,6 +26,7 @@ pub(super) fn of(table: &str, key: &str) -> UsualRange {
         ("bolt", "section") => usual::SECTION,
         ("reinforcement", "bars") => usual::BARS,
         ("reinforcement", "cover") => usual::COVER,
+        ("reinforcement", "yield_stress") => usual::STEEL,
         ("pattern", "length" | "spacing") => usual::BOLT_LENGTH,
         ("baseline", "corner") => usual::FREQUENCY,
         ("joint", "corner") => usual::NUMBER,
