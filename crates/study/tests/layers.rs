@@ -7,7 +7,9 @@ use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{StationField, StationParameters};
 use powerhouse::{Boundary, Material, Part, RunHooks, Scene};
+use powerhouse_study::sweep::{Sweep, SweepWatch};
 use powerhouse_study::{FreeFieldCheck, StudyError, check};
+use powerhouse_test_support::TestFolder;
 
 fn site() -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/layered_site.toml");
@@ -85,3 +87,36 @@ fn a_scene_of_stations_is_checked() {
     let report = check(scene).unwrap();
     assert!(!report.resolution.is_empty());
 }
+
+/// Cases whose layers soften differently have stages of their own: with those of the other case the motion would not begin in
+/// equilibrium.
+#[test]
+fn cases_of_softened_layers_share_no_stages() {
+    let folder = TestFolder::new("softened-cases");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    let scene = std::fs::read_to_string(data.join("scenes/layered_site.toml")).unwrap();
+    let mesh = data.join("meshes/layered_site.msh");
+    let mut text = scene.replace("../meshes/layered_site.msh", &mesh.display().to_string());
+    let curves = "strain_curves = { kind = \"darendeli\", plasticity = 15, pressure = 1e5 }";
+    text = text.replacen("bottom = -20 ", &format!("{curves}\nbottom = -20 "), 1);
+    let supports = ["left", "right", "front", "back", "bottom"]
+        .map(|set| format!("{{ kind = \"roller\", set = \"{set}\" }}"))
+        .join(", ");
+    text.push_str(&format!(
+        "\n[[load]]\nkind = \"gravity\"\n[[stage]]\nname = \"weight\"\nsupport = [{supports}]\n"
+    ));
+    for (name, size) in [("weak", 1e-4), ("strong", 3e-3)] {
+        text.push_str(&format!(
+            "[[case]]\nname = \"{name}\"\nwave = [{{ kind = \"sv\", incidence = 15, pulse = {{ kind = \"ricker\", displacement = {size:?}, frequency = 3 }} }}]\n"
+        ));
+    }
+    let path = folder.join("site.toml");
+    std::fs::write(&path, text).unwrap();
+    let sweep = Sweep::of_file(&path, Some(folder.join("out"))).unwrap();
+    let outcomes = sweep.with_duration(0.02).unwrap().run(None, &mut Silent);
+    assert_eq!(outcomes.unwrap().len(), 2);
+}
+
+struct Silent;
+
+impl SweepWatch for Silent {}
