@@ -59,9 +59,9 @@ fn a_scene_of_stations_is_checked() {
     let layer = mesh.nodes_of_elements(&ReductionLayer::elements(&mesh, &region));
     let places = layer.iter().map(|&node| mesh.positions()[node as usize]);
     let positions: Vec<Vec3> = places.collect();
-    // A pulse of 0.2 s at all stations at once.
+    // A pulse of 0.2 s at all stations at once, after some rest.
     let pulse = |sample: usize| {
-        let turn = (sample as f64 * 0.025).min(1.0) * core::f64::consts::TAU;
+        let turn = (sample.saturating_sub(8) as f64 * 0.025).min(1.0) * core::f64::consts::TAU;
         [0.005 * (1.0 - turn.cos()), 0.0, 0.0]
     };
     let motion = (0..60 * positions.len()).flat_map(|index| pulse(index % 60));

@@ -179,7 +179,7 @@ impl fmt::Display for Remark {
                 ),
                 Some(within) => write!(
                     f,
-                    "{wave}: the incident wave was computed from a within motion, with a regularisation of {}, with a misfit of {:.2e} of the record; its peak is {:.3} of that of the record, and the transfer function is at least {:.3} in the frequency range of the record",
+                    "{wave}: the incident wave was computed from its record ({convention}) by a transfer function, with a regularisation of {}, with a misfit of {:.2e} of the record; its peak is {:.3} of that of the record, and the transfer function is at least {:.3} in the frequency range of the record",
                     within.regularisation,
                     within.misfit,
                     within.amplification,
