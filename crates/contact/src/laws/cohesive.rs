@@ -237,35 +237,20 @@ impl Cohesive {
             let own = ratio * ratio * stiffness;
             return StillBond {
                 traction: now.tangential.map(|part| own * part),
-                stored: 0.5 * own * now.shear().powi(2),
-                ..StillBond::default()
+                change: BondChange::elastic(0.5 * own * now.shear().powi(2)),
             };
         }
         let mean = [0, 1].map(|c| 0.25 * (3.0 * now.tangential[c] + before.tangential[c]));
         let along = mean[0].hypot(mean[1]);
         let separation = (ratio * along).max(reached);
-        let dissipated = 0.5 * tensile * (separation.min(last) - reached).max(0.0);
-        if separation >= last {
-            return StillBond {
-                dissipated,
-                damage: 1.0,
-                failed: true,
-                ..StillBond::default()
-            };
-        }
-        let bearing = tensile * (1.0 - separation / last);
         let share = if along > 0.0 {
-            ratio * bearing / along
+            ratio * envelope(tensile, last, separation) / along
         } else {
             0.0
         };
         StillBond {
             traction: mean.map(|part| share * part),
-            stored: 0.5 * bearing * separation,
-            dissipated,
-            compliance: separation / bearing,
-            damage: separation / last,
-            failed: false,
+            change: BondChange::on_envelope(tensile, [reached, last], separation),
         }
     }
 
@@ -313,14 +298,11 @@ impl Cohesive {
             let beside = [0, 1].map(|c| stick[c] - still.traction[c]);
             let (size, most) = (beside[0].hypot(beside[1]), -law.dynamic_friction * trial.x);
             if !intact && size <= most {
-                still.record(new);
+                still.change.record(new);
                 let traction = Vec3::new(trial.x, stick[0], stick[1]);
-                let bond = if still.failed {
-                    Bond::Broken
-                } else {
-                    Bond::Softening
-                };
-                let state = state.with_contact(ContactState::Slide).with_bond(bond);
+                let state = state
+                    .with_contact(ContactState::Slide)
+                    .with_bond(still.change.bond());
                 return JointResponse::new(traction, state);
             }
             if size > 0.0 {
@@ -366,19 +348,16 @@ impl Cohesive {
             |_, sliding| sliding / (1.0 + compliance * ratio * ratio * stiffness),
         );
         let end_size = secant_end.normal.hypot(ratio * secant_end.shear());
-        let (traction, failed) = if !intact && end_size <= reached {
-            new[STORED] = 0.5 * stiffness * end_size * end_size;
-            (bond(stiffness, secant_end), false)
+        let (traction, change) = if !intact && end_size <= reached {
+            let stored = 0.5 * stiffness * end_size * end_size;
+            (bond(stiffness, secant_end), BondChange::elastic(stored))
         } else if size >= last {
-            new[DISSIPATED] += 0.5 * tensile * (last - reached).max(0.0);
-            (new[STORED], new[DAMAGE]) = (0.0, 1.0);
-            (
-                Split {
-                    normal: 0.0,
-                    tangential: [0.0; 2],
-                },
-                true,
-            )
+            let none = Split {
+                normal: 0.0,
+                tangential: [0.0; 2],
+            };
+            let change = BondChange::on_envelope(tensile, [reached, last], last);
+            (none, change)
         } else {
             // In scaled space, where the bond is the same in all directions: tractions along the end of the step if the bond did not
             // soften, as where it unloads, so that small changes of the trial cause small changes of the traction.
@@ -388,26 +367,23 @@ impl Cohesive {
             };
             let length = along.normal.hypot(along.shear());
             let along = along.map(|part| part / length, |_, part| part / length);
-            let envelope = |separation: f64| tensile * (1.0 - separation / last);
             let mean_after = |separation: f64| {
-                let taken = 0.25 * compliance * envelope(separation);
+                let taken = 0.25 * compliance * envelope(tensile, last, separation);
                 let slid = [0, 1]
                     .map(|c| ratio * (mean.tangential[c] - ratio * taken * along.tangential[c]));
                 (mean.normal - taken * along.normal).hypot(slid[0].hypot(slid[1]))
             };
             let root = bisected(|separation| mean_after(separation) - separation, last);
             let separation = root.max(reached).max(ONSET * last);
-            let bearing = envelope(separation);
-            new[COMPLIANCE] = new[COMPLIANCE].max(separation / bearing);
-            new[DAMAGE] = new[DAMAGE].max(separation / last);
-            new[DISSIPATED] += 0.5 * tensile * (separation - reached).max(0.0);
-            new[STORED] = 0.5 * bearing * separation;
+            let bearing = envelope(tensile, last, separation);
             let traction = Split {
                 normal: bearing * along.normal,
                 tangential: along.tangential.map(|part| ratio * bearing * part),
             };
-            (traction, false)
+            let change = BondChange::on_envelope(tensile, [reached, last], separation);
+            (traction, change)
         };
+        change.record(new);
 
         let end = [0, 1].map(|c| free.tangential[c] - compliance * traction.tangential[c]);
         let rubbed = [0, 1].map(|c| 0.5 * friction[c] * (end[c] - before.tangential[c]));
@@ -427,13 +403,13 @@ impl Cohesive {
         } else {
             ContactState::Open
         };
-        let after = if failed {
-            Bond::Broken
-        } else {
-            Bond::Softening
-        };
-        JointResponse::new(total, state.with_contact(contact).with_bond(after))
+        JointResponse::new(total, state.with_contact(contact).with_bond(change.bond()))
     }
+}
+
+/// Traction (Pa) of a bond on its envelope at a separation (m), up to the last one, at which it fails.
+fn envelope(tensile: f64, last: f64, separation: f64) -> f64 {
+    (tensile * (1.0 - separation / last)).max(0.0)
 }
 
 /// Bond of a closed pair that does not slide in a step.
@@ -441,16 +417,55 @@ impl Cohesive {
 struct StillBond {
     /// Traction along the tangents (Pa).
     traction: [f64; 2],
+    change: BondChange,
+}
+
+/// Change of the history of a bond that softens in a step.
+#[derive(Clone, Copy, Debug, Default)]
+struct BondChange {
     /// Energy stored, and newly dissipated (J/m2).
     stored: f64,
     dissipated: f64,
     /// Secant compliance (m/Pa) and damage at least.
     compliance: f64,
     damage: f64,
-    failed: bool,
 }
 
-impl StillBond {
+impl BondChange {
+    /// A bond that stores an energy (J/m2) within its envelope.
+    fn elastic(stored: f64) -> Self {
+        Self {
+            stored,
+            ..Self::default()
+        }
+    }
+
+    /// A bond at a separation on its envelope, from the one that it had reached; it fails at the last.
+    fn on_envelope(tensile: f64, [reached, last]: [f64; 2], separation: f64) -> Self {
+        let dissipated = 0.5 * tensile * (separation.min(last) - reached).max(0.0);
+        if separation >= last {
+            return Self {
+                dissipated,
+                damage: 1.0,
+                ..Self::default()
+            };
+        }
+        let bearing = envelope(tensile, last, separation);
+        Self {
+            stored: 0.5 * bearing * separation,
+            dissipated,
+            compliance: separation / bearing,
+            damage: separation / last,
+        }
+    }
+
+    fn bond(&self) -> Bond {
+        match self.damage < 1.0 {
+            true => Bond::Softening,
+            false => Bond::Broken,
+        }
+    }
+
     fn record(&self, new: &mut [f64]) {
         new[COMPLIANCE] = new[COMPLIANCE].max(self.compliance);
         new[DAMAGE] = new[DAMAGE].max(self.damage);
