@@ -61,8 +61,8 @@ pub(super) fn pieces(
         .collect()
 }
 
-/// Sets of the indices of elements that are connected by common nodes, or by nodes within a distance (m) of each other.
-fn connected(mesh: &Mesh, elements: &[u32], tolerance: f64) -> DisjointSets {
+/// Sets of the indices of elements that share nodes, and for each node the index of the first element that has it.
+pub(super) fn joined_by_nodes(mesh: &Mesh, elements: &[u32]) -> (DisjointSets, HashMap<u32, u32>) {
     let mut sets = DisjointSets::new(elements.len());
     let mut first_of: HashMap<u32, u32> = HashMap::new();
     for (index, &element) in elements.iter().enumerate() {
@@ -71,6 +71,12 @@ fn connected(mesh: &Mesh, elements: &[u32], tolerance: f64) -> DisjointSets {
             sets.join(first, index as u32);
         }
     }
+    (sets, first_of)
+}
+
+/// Sets of the indices of elements that are connected by common nodes, or by nodes within a distance (m) of each other.
+fn connected(mesh: &Mesh, elements: &[u32], tolerance: f64) -> DisjointSets {
+    let (mut sets, first_of) = joined_by_nodes(mesh, elements);
     let oblique = Vec3::from(OBLIQUE);
     let place = |(node, index): (u32, u32)| {
         let position = mesh.positions()[node as usize];

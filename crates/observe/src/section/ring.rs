@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use powerhouse_model::{DisjointSets, Mesh, Vec3};
+use powerhouse_model::{Mesh, Vec3};
 
+use super::pieces::joined_by_nodes;
 use super::plane::{Plane, intersect};
 use super::{CrossSection, ObserveError, SectionPiece};
 
@@ -117,10 +118,10 @@ fn pieces_of_cut(
         .map_or(Vec::new(), |cut| cut.geometry(mesh, &section, along).pieces)
 }
 
-/// Least and greatest number of rays of a ring.
-const RAYS: [usize; 2] = [4, 360];
-
 impl SectionRing {
+    /// Least and greatest number of rays of a ring.
+    pub const RAYS: [usize; 2] = [4, 360];
+
     /// Rings of a name about a centre (m) and an axis.
     pub fn new(name: impl Into<String>, centre: Vec3, axis: Vec3, rays: usize) -> Self {
         Self {
@@ -146,7 +147,7 @@ impl SectionRing {
             ring: self.name.clone(),
             reason,
         };
-        let [least, most] = RAYS;
+        let [least, most] = Self::RAYS;
         if !(least..=most).contains(&self.rays) {
             let rays = self.rays;
             return Err(refused(format!(
@@ -163,7 +164,7 @@ impl SectionRing {
         let solid: Vec<u32> = (elements.iter().copied())
             .filter(|&element| mesh.kind(element).is_solid())
             .collect();
-        let bodies = Bodies::of(mesh, &solid);
+        let bodies = bodies(mesh, &solid);
         let (low, high) = mesh.bounding_box();
         let tolerance = 1e-6 * (high - low).norm();
         let mut met: Vec<Met> = Vec::new();
@@ -181,8 +182,8 @@ impl SectionRing {
                 a.total_cmp(&b)
             });
             if let Some(nearest) = nearest {
-                let body = bodies.body_of(nearest.elements[0]);
-                let own = |element: &u32| bodies.body_of(*element) == body;
+                let body = bodies.get(&nearest.elements[0]);
+                let own = |element: &u32| bodies.get(element) == body;
                 let elements: Vec<u32> = side.iter().copied().filter(own).collect();
                 let height =
                     |node: u32| (mesh.positions()[node as usize] - self.centre).dot(&normal);
@@ -291,31 +292,11 @@ impl SectionRing {
     }
 }
 
-/// Bodies of elements that share nodes.
-struct Bodies {
-    index_of: HashMap<u32, u32>,
-    root_of: Vec<u32>,
-}
-
-impl Bodies {
-    fn of(mesh: &Mesh, elements: &[u32]) -> Self {
-        let mut sets = DisjointSets::new(elements.len());
-        let mut first_of: HashMap<u32, u32> = HashMap::new();
-        for (index, &element) in elements.iter().enumerate() {
-            for &node in mesh.nodes_of(element) {
-                let first = *first_of.entry(node).or_insert(index as u32);
-                sets.join(first, index as u32);
-            }
-        }
-        let indices = elements.iter().zip(0..);
-        Self {
-            index_of: indices.map(|(&element, index)| (element, index)).collect(),
-            root_of: (0..elements.len() as u32).map(|i| sets.root(i)).collect(),
-        }
-    }
-
-    fn body_of(&self, element: u32) -> Option<u32> {
-        let index = self.index_of.get(&element)?;
-        self.root_of.get(*index as usize).copied()
-    }
+/// A number of the body of each element: one for all that share nodes.
+fn bodies(mesh: &Mesh, elements: &[u32]) -> HashMap<u32, u32> {
+    let (mut sets, _) = joined_by_nodes(mesh, elements);
+    let indices = elements.iter().zip(0..);
+    indices
+        .map(|(&element, index)| (element, sets.root(index)))
+        .collect()
 }

@@ -449,17 +449,17 @@ impl ResultFolder {
     /// Writes the plots of the tables.
     #[cfg(feature = "pictures")]
     fn write_plots(files: &mut Files, results: &Results) {
+        // Sections around a lining have one plot in common.
+        let around: Vec<&str> = (results.section_rings.iter())
+            .flat_map(|ring| ring.sections.iter().map(|(_, name)| name.as_str()))
+            .collect();
         for (kind, table) in [
             ("", &results.histories),
             ("", &results.sections),
             ("joint-", &results.joint_histories),
             ("bolts-", &results.bolt_histories),
         ] {
-            // Sections around a lining have one plot in common.
             let mut columns = columns(table);
-            let around: Vec<&str> = (results.section_rings.iter())
-                .flat_map(|ring| ring.sections.iter().map(|(_, name)| name.as_str()))
-                .collect();
             columns.retain(|column| {
                 let of = column.name.rsplit_once('.').map_or("", |(of, _)| of);
                 !around.contains(&of)

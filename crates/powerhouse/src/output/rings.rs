@@ -25,13 +25,9 @@ impl RingRequest {
     pub(super) fn partial(&self) -> Option<Remark> {
         let missed = self.rays - self.sections.len();
         let step = 360.0 / self.rays as f64;
-        let is_met = |ray: usize| {
-            let angle = step * ray as f64;
-            let same =
-                |of: &f64| ((of - angle).rem_euclid(360.0)).min((angle - of).rem_euclid(360.0));
-            self.sections.iter().any(|(of, _)| same(of) < 1e-6)
-        };
-        let mut none = (0..self.rays).filter(|ray| !is_met(*ray));
+        let ray_of = |angle: &f64| ((angle / step).round() as isize).rem_euclid(self.rays as isize);
+        let met: Vec<isize> = self.sections.iter().map(|(of, _)| ray_of(of)).collect();
+        let mut none = (0..self.rays).filter(|ray| !met.contains(&(*ray as isize)));
         let first = none.next()?;
         let last = none.next_back().unwrap_or(first);
         Some(Remark::PartialRing {

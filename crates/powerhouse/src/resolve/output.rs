@@ -427,8 +427,9 @@ const RAYS: usize = 24;
 fn ring(names: &Names, request: &Ring, plan: OutputPlan) -> Result<OutputPlan, Fault> {
     names.elements(&request.set)?;
     let rays = request.rays.as_deref().copied().unwrap_or(RAYS);
-    if let (Some(given), false) = (&request.rays, (4..=360).contains(&rays)) {
-        let (found, expected) = (rays.to_string(), "4 to 360 rays".into());
+    let [least, most] = SectionRing::RAYS;
+    if let (Some(given), false) = (&request.rays, (least..=most).contains(&rays)) {
+        let (found, expected) = (rays.to_string(), format!("{least} to {most} rays"));
         return Err(Fault::new(given.span(), Problem::Value { found, expected }));
     }
     if vector(&request.axis).norm() == 0.0 {
