@@ -104,9 +104,9 @@ pub(super) fn apply(
     };
     let mut of_parts: Vec<Damping> = Vec::new();
     // The strain is that of the whole motion, whatever the duration of the run: a shorter run is of the same ground.
-    let duration = scene.duration;
     let lengths = records.values().map(|record| record.history.duration());
-    scene.duration = lengths.fold(duration, f64::max) + RINGING;
+    let duration = lengths.fold(scene.duration, f64::max) + RINGING;
+    let mut change = 0.0_f64;
     for iteration in 1..=most {
         of_parts.clear();
         for soil in &soils {
@@ -118,16 +118,15 @@ pub(super) fn apply(
             of_parts.push(damping);
         }
         let ground = layers::ground(file, scene, materials, &dampings)?;
-        let waves = layers::waves(file, scene, records, &ground)?.waves;
-        let mut change = 0.0_f64;
+        let waves = layers::waves(file, scene, records, (&ground, duration))?.waves;
+        change = 0.0;
         for soil in &mut soils {
-            let greatest = greatest_strain(scene, &ground, &waves, soil.index);
+            let greatest = greatest_strain(scene, duration, &ground, (&waves, soil.index));
             let greatest = greatest.map_err(|error| Fault::refused(soil.place.clone(), error))?;
             soil.strain = strain_ratio * greatest;
             change = change.max(soil.change());
         }
         if change <= tolerance {
-            scene.duration = duration;
             finish(file, scene, materials, &soils, &of_parts)?;
             let large = soils.iter().filter(|soil| soil.strain > LARGE);
             let large: Vec<String> = large.map(|soil| soil.material.to_string()).collect();
@@ -157,20 +156,17 @@ pub(super) fn apply(
             });
             return Ok(dampings);
         }
-        if iteration == most {
-            let found = format!(
-                "a change of modulus or damping by {:.2} % in iteration {iteration}",
-                100.0 * change
-            );
-            let expected = format!(
-                "at most {} %; more `iterations` or a greater `tolerance` in `equivalent_linear` of the ground",
-                100.0 * tolerance
-            );
-            return Err(value(soils[0].place.clone(), &found, &expected));
-        }
         soils.iter_mut().for_each(Soil::follow);
     }
-    Ok(dampings)
+    let found = format!(
+        "a change of modulus or damping by {:.2} % in iteration {most}",
+        100.0 * change
+    );
+    let expected = format!(
+        "at most {} %; more `iterations` or a greater `tolerance` in `equivalent_linear` of the ground",
+        100.0 * tolerance
+    );
+    Err(value(soils[0].place.clone(), &found, &expected))
 }
 
 fn value(span: core::ops::Range<usize>, found: &str, expected: &str) -> Fault {
@@ -348,13 +344,13 @@ impl Soil<'_> {
     }
 }
 
-/// Greatest engineering shear strain (1) over the run in the middle of a layer, of any direction: the difference of the
+/// Greatest engineering shear strain (1) over a duration (s) in the middle of a layer, of any direction: the difference of the
 /// greatest and least principal strain.
 fn greatest_strain(
     scene: &Scene,
+    duration: f64,
     ground: &Ground,
-    waves: &[LayeredWave],
-    index: usize,
+    (waves, index): (&[LayeredWave], usize),
 ) -> Result<f64, powerhouse_model::ModelError> {
     let bottom = ground.layers()[index].bottom;
     let top = match index {
@@ -376,8 +372,8 @@ fn greatest_strain(
         samplers.push(wave.prepare(points.as_flattened())?);
         step = step.min(wave.report().step);
     }
-    let step = step.max(scene.duration / SAMPLES);
-    let count = (scene.duration / step).ceil() as usize;
+    let step = step.max(duration / SAMPLES);
+    let count = (duration / step).ceil() as usize;
     let mut greatest = 0.0_f64;
     for sample in 0..=count {
         let mut motion = [FieldMotion::default(); 6];

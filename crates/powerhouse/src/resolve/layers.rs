@@ -43,7 +43,7 @@ pub(super) fn field(
         waves,
         origins,
         splits,
-    } = waves(file, &scene, records, &ground)?;
+    } = waves(file, &scene, records, (&ground, scene.duration))?;
     for wave in &waves[..file.waves.len()] {
         let convention = wave.parameters().convention;
         if convention != InputConvention::Incident {
@@ -81,15 +81,16 @@ pub(super) struct Waves<'r> {
     splits: Vec<(usize, Split<'r>)>,
 }
 
-/// The waves of a file in a ground, before any delay for a start at rest.
+/// The waves of a file in a ground, known for a duration (s) from the start of the run, before any delay for a start at rest.
 pub(super) fn waves<'r>(
     file: &SceneFile,
     scene: &Scene,
     records: &'r BTreeMap<String, PreparedRecord>,
-    ground: &Ground,
+    (ground, duration): (&Ground, f64),
 ) -> Result<Waves<'r>, Fault> {
     let (low, high) = scene.mesh.bounding_box();
     let points = outermost(ground, &low, &high);
+    let end = scene.start + duration + AFTER.max(AFTER_SHARE * duration);
     let (mut waves, mut origins) = (Vec::new(), Vec::new());
     // Strains are taken in the middle of their layers, which may reach below the mesh.
     let soft = file.layers.iter().zip(ground.layers());
@@ -114,7 +115,7 @@ pub(super) fn waves<'r>(
         parameters.convention = motion.convention;
         parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
         parameters.arrival -= motion.lead;
-        parameters.until = Some(needed(&parameters, &*motion.signal, &points, scene));
+        parameters.until = Some(needed(&parameters, &*motion.signal, &points, end));
         let wave = LayeredWave::new(parameters, motion.signal)
             .map_err(|error| refused_wave(table, motion.span, error))?;
         origins.push(Origin::of_wave(table, records)?);
@@ -135,7 +136,7 @@ pub(super) fn waves<'r>(
         let arrival = split.arrival(travel, scene.start);
         for (mut parameters, wave) in parameters.into_iter().zip(&split.waves) {
             parameters.arrival = arrival - split.origin.lead;
-            parameters.until = Some(needed(&parameters, &*wave.signal, &points, scene));
+            parameters.until = Some(needed(&parameters, &*wave.signal, &points, end));
             let wave = LayeredWave::new(parameters, wave.signal.clone());
             waves.push(wave.map_err(|error| Fault::refused(table.incidence.span(), error))?);
             origins.push(split.origin.clone());
@@ -309,14 +310,13 @@ fn earliest(parameters: &LayeredWaveParameters, points: &[Vec3]) -> f64 {
     arrivals.fold(f64::INFINITY, f64::min)
 }
 
-/// Time (s) from the arrival of a wave at the first of some points to the end of the run.
+/// Time (s) from the arrival of a wave at the first of some points to the end of the time in which it is known.
 fn needed(
     parameters: &LayeredWaveParameters,
     signal: &dyn Signal,
     points: &[Vec3],
-    scene: &Scene,
+    end: f64,
 ) -> f64 {
-    let end = scene.start + scene.duration + AFTER.max(AFTER_SHARE * scene.duration);
     let earliest = earliest(parameters, points) + signal.support().start;
     (end - earliest).max(0.0)
 }
