@@ -1,9 +1,11 @@
 //! Printed reports.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crate::terminal::{say, say_warning};
 use powerhouse::engine::Ended;
+use powerhouse::engine::observe::{PeakRow, PeakTable};
 use powerhouse::model::{Mesh, StepProfile, Vec3};
 use powerhouse::{CompletedStage, Error, Results, RunNotes, Simulation, Topic, merge_messages};
 use powerhouse_study::{FreeFieldReport, PointError, Warning, text};
@@ -128,9 +130,37 @@ pub(crate) fn profile(profile: &StepProfile) {
     lines(&text::of_profile(profile, 0.0));
 }
 
+/// Peaks of a run, of the sections around a lining the largest of each force alone: the table of the ring has the others.
+fn brief_peaks(mesh: &Mesh, results: &Results) -> PeakTable {
+    let mut peaks = results.peaks(mesh);
+    for ring in &results.section_rings {
+        let of_ring = |row: &PeakRow| {
+            let (section, force) = row.name.rsplit_once('.')?;
+            let mut sections = ring.sections.iter();
+            let is_own = sections.any(|(_, name)| name == section);
+            is_own.then(|| force.to_owned())
+        };
+        let mut largest: BTreeMap<String, f64> = BTreeMap::new();
+        for row in &peaks.rows {
+            if let Some(force) = of_ring(row) {
+                let known = largest.entry(force).or_default();
+                *known = known.max(row.value.abs());
+            }
+        }
+        peaks.rows.retain(|row| {
+            of_ring(row).is_none_or(|force| {
+                // Of equal ones the first.
+                let is_largest = largest.get(&force) == Some(&row.value.abs());
+                is_largest && largest.remove(&force).is_some()
+            })
+        });
+    }
+    peaks
+}
+
 /// Prints the results of a run and its files.
 pub(crate) fn results(mesh: &Mesh, results: &Results, (notes, files): (&RunNotes, &[PathBuf])) {
-    say!("\npeaks\n{}", results.peaks(mesh));
+    say!("\npeaks\n{}", brief_peaks(mesh, results));
     let warnings = notes.remarks.iter().filter(|remark| remark.is_warning());
     // Repeated next to the results that they concern.
     let of_sections = warnings.filter(|warning| warning.topic() == Topic::Sections);

@@ -175,7 +175,7 @@ pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
     SceneStage, StageCheckpointSink, StageHook, StageOverview, StageSink, StageSolution,
-    StagingError,
+    StagingError, WeightLayer,
 };
 
 /// Verification: accuracy and cost of modelling choices on problems with known solutions.

@@ -279,6 +279,8 @@ pub struct Part {
     pub kernel: Option<Kernel>,
     /// Damping in the dynamic run; of flat damping the static stiffness holds in construction stages.
     pub damping: Damping,
+    /// Material in construction stages that name none for the part; that of the run if it is none.
+    pub static_material: Option<Material>,
     /// Width (m) of the elastic buffer zone along absorbing faces, where the part is linear elastic and undamped
     /// as the free field behind them: elements that touch the faces, and those with a node closer than this.
     /// None: no such zone.
@@ -293,6 +295,7 @@ impl Part {
             material,
             kernel: None,
             damping: Damping::None,
+            static_material: None,
             rim: None,
         }
     }
@@ -306,6 +309,13 @@ impl Part {
     #[must_use]
     pub fn with_damping(mut self, damping: impl Into<Damping>) -> Self {
         self.damping = damping.into();
+        self
+    }
+    /// The same with another material in construction stages, as long as these name none for the part: ground whose
+    /// moduli depend on the strain of the motion rests with those of small strain.
+    #[must_use]
+    pub fn with_static_material(mut self, material: Material) -> Self {
+        self.static_material = Some(material);
         self
     }
     /// Sets the width of the elastic rim (m): elements within it of an absorbing face are elastic and undamped; 0 for

@@ -82,6 +82,7 @@ fn case(kind: &str, angle: f64, size: f64) -> CaseOutcome {
             joint("joint-arch-main", size),
             joint("joint-wall-main", 0.5 * size),
         ],
+        sections: Vec::new(),
         joint_and_lining: Some(JointAndLining {
             failed: size,
             elements: 20,

@@ -6,7 +6,7 @@ use powerhouse::boundary::{ReductionLayer, Viscous};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{StationField, StationParameters};
-use powerhouse::{Boundary, Material, Part, RunHooks, Scene};
+use powerhouse::{Boundary, Material, Part, Registry, Remark, RunHooks, Scene};
 use powerhouse_study::sweep::{Sweep, SweepWatch};
 use powerhouse_study::{FreeFieldCheck, StudyError, check};
 use powerhouse_test_support::TestFolder;
@@ -88,10 +88,10 @@ fn a_scene_of_stations_is_checked() {
     assert!(!report.resolution.is_empty());
 }
 
-/// Cases whose layers soften differently have stages of their own: with those of the other case the motion would not begin in
-/// equilibrium.
+/// Cases whose layers soften differently share their stages, in which the ground has the moduli of small strain, and begin in
+/// equilibrium; a case with layers, or an in-situ stress, of its own has these.
 #[test]
-fn cases_of_softened_layers_share_no_stages() {
+fn cases_of_softened_layers_share_their_stages() {
     let folder = TestFolder::new("softened-cases");
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
     let scene = std::fs::read_to_string(data.join("scenes/layered_site.toml")).unwrap();
@@ -111,10 +111,27 @@ fn cases_of_softened_layers_share_no_stages() {
         ));
     }
     let path = folder.join("site.toml");
+    std::fs::write(&path, &text).unwrap();
+    let run = |out: &str| {
+        let sweep = Sweep::of_file(&path, Some(folder.join(out))).unwrap();
+        let outcomes = sweep.with_duration(0.02).unwrap().run(None, &mut Silent);
+        let bodies = std::fs::read_dir(folder.join(out).join("at-rest")).unwrap();
+        (outcomes.unwrap().len(), bodies.count())
+    };
+    assert_eq!(run("shared"), (2, 1));
+
+    text.push_str(
+        "[[case]]\nname = \"pressed\"\nin_situ_stress = { kind = \"ground\", level = 0, density = 1900, lateral = 0.5 }\n\
+         [[case]]\nname = \"stiff\"\nlayer = [{ material = \"clay\", bottom = -20 }, { material = \"gravel\", bottom = -40 }, { material = \"rock\" }]\n",
+    );
     std::fs::write(&path, text).unwrap();
-    let sweep = Sweep::of_file(&path, Some(folder.join("out"))).unwrap();
-    let outcomes = sweep.with_duration(0.02).unwrap().run(None, &mut Silent);
-    assert_eq!(outcomes.unwrap().len(), 2);
+    assert_eq!(run("own"), (4, 2));
+    let scene = |case: &str| Scene::case_from_file_with(&path, case, &Registry::default()).unwrap();
+    let softens = |scene: &Scene| {
+        let mut remarks = scene.remarks().iter();
+        remarks.any(|remark| matches!(remark, Remark::EquivalentLinear { .. }))
+    };
+    assert!(softens(&scene("weak")) && !softens(&scene("stiff")));
 }
 
 struct Silent;

@@ -23,7 +23,7 @@ pub enum WaveError {
         least: usize,
     },
     /// An operation on a time history or signal would need more samples than permitted.
-    #[error("{operation} needs {needed} samples, more than the permitted {most}")]
+    #[error("{operation} needs {needed:.0} samples, more than the permitted {most}")]
     TooManySamples {
         /// Operation that needs the samples.
         operation: &'static str,
@@ -219,7 +219,7 @@ pub enum WaveError {
     },
     /// The tables of a layered field take more memory than permitted.
     #[error(
-        "the tables of the layered field at {heights} heights take {bytes} bytes, more than the permitted {most}: fewer heights among the nodes of the absorbing faces (layers of bricks), a shorter record or damped layers take less"
+        "the tables of the layered field at {heights} heights take {bytes} bytes, more than the permitted {most}: a shorter record or damped layers take less"
     )]
     TableMemory {
         /// Number of heights so far.

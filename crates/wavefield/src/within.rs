@@ -91,9 +91,30 @@ pub(crate) fn incident_of(
             before => peak(&filtered[0]) / before,
         },
     };
-    let samples = filtered.each_ref().map(Vec::as_slice);
-    let signal = SampledSignal::new(window.start(), window.step(), samples);
+    let moving = moving(&filtered);
+    let start = window.start() + moving.start as f64 * window.step();
+    let samples = filtered.each_ref().map(|values| &values[moving.clone()]);
+    let signal = SampledSignal::new(start, window.step(), samples);
     Ok((signal, report))
+}
+
+/// Samples between which histories are above a billionth of their peaks, with a margin; at least four of them. The window of the
+/// transform is many times as long as a motion, and all that is computed from the signal takes its length.
+fn moving(histories: &[Vec<f64>; 3]) -> core::ops::Range<usize> {
+    const STILL: f64 = 1e-9;
+    const MARGIN: usize = 8;
+    let length = histories[0].len();
+    let (mut first, mut last) = (length, 0);
+    for values in histories {
+        let limit = STILL * values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let is_moving = |value: &f64| value.abs() > limit;
+        first = first.min(values.iter().position(is_moving).unwrap_or(length));
+        last = last.max(values.iter().rposition(is_moving).unwrap_or(0));
+    }
+    let first = first
+        .saturating_sub(MARGIN)
+        .min(length.saturating_sub(MARGIN));
+    first..(last + MARGIN).clamp(first + 4, length)
 }
 
 /// Transfer function: motion at a depth for unit incident amplitude at the same point.

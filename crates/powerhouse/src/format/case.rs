@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Ground, MeshFile, Motion, SceneFile, Support, Wave};
+use super::{At, Ground, InSituStress, Layer, MeshFile, Motion, SceneFile, Support, Wave};
 
 /// A case of a sweep: a variant of the scene with another mesh, other waves, ground, absorbing faces or supports,
 /// without some of its joints, or with changed keys in some of its tables. Everything else is as in the scene.
@@ -29,6 +29,11 @@ pub struct Case {
     pub motions: Vec<Motion>,
     /// Free-field site of the case; that of the scene by default.
     pub ground: Option<Ground>,
+    /// Layers of the ground of the case, in place of all layers of the scene; those of the scene by default.
+    #[serde(rename = "layer", default)]
+    pub layers: Vec<Layer>,
+    /// In-situ stress of the case; that of the scene by default.
+    pub in_situ_stress: Option<At<InSituStress>>,
     /// Absorbing faces of the case; those of the scene by default.
     pub faces: Option<Vec<At<String>>>,
     /// Supports of the case, in place of all supports of the scene (an empty list: none); those of the scene by
@@ -102,6 +107,12 @@ impl SceneFile {
         }
         if let Some(ground) = &case.ground {
             file.ground = ground.clone();
+        }
+        if !case.layers.is_empty() {
+            file.layers.clone_from(&case.layers);
+        }
+        if let Some(stress) = &case.in_situ_stress {
+            file.in_situ_stress = Some(stress.clone());
         }
         if let (Some(faces), Some(boundary)) = (&case.faces, &mut file.boundary) {
             boundary.faces.clone_from(faces);

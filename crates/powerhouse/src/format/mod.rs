@@ -70,7 +70,7 @@ pub use quantity::{
 };
 pub use reference::Reference;
 pub use residual::Residual;
-pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod};
+pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod, StressLayer};
 pub use stations::{Interpolation, StationAxis, Stations};
 pub(crate) use survey::survey;
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};

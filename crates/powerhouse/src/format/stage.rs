@@ -24,6 +24,14 @@ pub enum InSituStress {
         /// Coefficient of lateral stress K0 along y, 0 or above; that along x by default.
         lateral_y: Option<NonNegative>,
     },
+    /// Geostatic stress of horizontal layers of ground under their own weight (9.81 m/s2), zero above the ground
+    /// surface.
+    Layers {
+        /// Height z of the ground surface (m).
+        level: Finite,
+        /// Layers from the top downwards.
+        layers: At<Vec<StressLayer>>,
+    },
     /// Stress that varies linearly with depth.
     Linear {
         /// Height z from which depth is measured (m).
@@ -40,6 +48,21 @@ pub enum InSituStress {
         /// the mesh.
         file: At<PathBuf>,
     },
+}
+
+/// Layer of ground under its own weight.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StressLayer {
+    /// Height z of the lower end of the layer (m), below that of the layer above. The last layer has none: it reaches to
+    /// any depth.
+    pub bottom: Option<At<Finite>>,
+    /// Density of the layer (kg/m3), above 0.
+    pub density: Positive,
+    /// Coefficient of lateral stress K0 along x: horizontal over vertical stress, 0 or above.
+    pub lateral: NonNegative,
+    /// Coefficient of lateral stress K0 along y, 0 or above; that along x by default.
+    pub lateral_y: Option<NonNegative>,
 }
 
 /// Group of rock bolts with equal properties: bars embedded in the elements that they cross.

@@ -81,8 +81,6 @@ pub enum Remark {
         /// Effective shear strain (1) above which a warning is given.
         limit: f64,
     },
-    /// Warning: construction stages of a scene with layers that soften with strain.
-    SoftenedStages,
     /// Warning: the effective strain of an equivalent linear layer is beyond its curves.
     BeyondStrainCurves {
         /// Material of the layer.
@@ -493,7 +491,6 @@ impl Remark {
             | Self::EquivalentLinear { .. }
             | Self::BeyondStrainCurves { .. }
             | Self::LargeStrains { .. }
-            | Self::SoftenedStages
             | Self::Conversion { .. }
             | Self::Split { .. }
             | Self::DelayedMotion { .. }
@@ -568,7 +565,6 @@ impl Remark {
             | Self::Material { .. }
             | Self::BeyondStrainCurves { .. }
             | Self::LargeStrains { .. }
-            | Self::SoftenedStages
             | Self::PartialRing { .. }
             | Self::UnusedRecord { .. }
             | Self::UnusedMaterial { .. }

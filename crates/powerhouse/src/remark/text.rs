@@ -104,6 +104,14 @@ impl fmt::Display for Remark {
                     "{wave}: tables of the motion at the heights of the absorbing faces, every {:.3e} s, take at most {megabytes:.1} MB",
                     report.step
                 )?;
+                if let Some((heights, [displacement, velocity, stress])) =
+                    report.tables.between_heights
+                {
+                    write!(
+                        f,
+                        "; they are at {heights} heights, between which cubics err by at most {displacement:.1e} of the peak displacement, {velocity:.1e} of the peak velocity and {stress:.1e} of the peak stress"
+                    )?;
+                }
                 match report.causal {
                     true => Ok(()),
                     false => write!(
@@ -141,9 +149,6 @@ impl fmt::Display for Remark {
                 "the effective shear strain of '{}' is above {} %: the equivalent linear method damps high frequencies too much there, and the dispersion of flat damping changes strains by tens of per cent; compare with a law that yields",
                 materials.join("', '"),
                 100.0 * limit
-            ),
-            Self::SoftenedStages => f.write_str(
-                "the stages have the moduli that layers with `strain_curves` have in the motion, not those of small strain: their static displacements are too large there",
             ),
             Self::PartialRing {
                 ring,

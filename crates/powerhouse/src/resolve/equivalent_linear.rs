@@ -136,9 +136,6 @@ pub(super) fn apply(
                     limit: LARGE,
                 });
             }
-            if !file.stages.is_empty() {
-                scene.remarks.push(Remark::SoftenedStages);
-            }
             let beyond = soils.iter().filter_map(|soil| {
                 let greatest = soil.curves.greatest_strain();
                 (soil.strain > greatest).then(|| Remark::BeyondStrainCurves {
@@ -390,7 +387,7 @@ fn greatest_strain(
     Ok(greatest)
 }
 
-/// Gives the parts of the layers their media and damping.
+/// Gives the parts of the layers their media and damping, and in stages the medium of small strain.
 fn finish(
     file: &SceneFile,
     scene: &mut Scene,
@@ -401,9 +398,10 @@ fn finish(
     for (part, table) in scene.parts.iter_mut().zip(&file.parts) {
         let of = (soils.iter().zip(dampings))
             .find(|(soil, _)| soil.material.as_str() == table.material.as_str());
-        let Some((_, damping)) = of else {
+        let Some((soil, damping)) = of else {
             continue;
         };
+        part.static_material = Some(Material::from(LinearElastic::new(soil.whole)));
         part.material = named("material", &table.material, materials)?.clone();
         part.damping = damping.clone();
         let moving = part.moving_material();

@@ -26,6 +26,9 @@ const ONE_MEDIUM: &str = "where a tunnel or lining runs through, its part in `th
 /// Hint on a filtered record whose motion at the start of the run is not negligible.
 pub(super) const QUIETER: &str = "the filter of the record's `baseline` rings before its start: a higher `corner`, or another kind such as velocity-polynomial, leaves less of that";
 
+/// Help where a wave that moves the ground before it arrives leaves no quiet start.
+pub(super) const FASTER: &str = "past a critical angle, and where waves decay in a layer, the ground moves before the wave arrives, the longer before the slower the motion: a `baseline` of the record of kind high-pass (`corner` of 0.1 to 0.3 Hz) leaves less of that";
+
 /// Adds the sum of all waves to the scene, in the medium along the absorbing faces, or in layers with a damping; or the motions
 /// at stations.
 pub(super) fn field(
@@ -352,7 +355,7 @@ fn quiet(
             .with_quiet_start(&corners, scene.start, &limits)
             .map_err(|error| match lead > 0.0 {
                 true => refused(error).with_help(QUIETER),
-                false => refused(error),
+                false => refused(error).with_help(FASTER),
             })?;
         quiet.push((wave, Some(start)));
     }

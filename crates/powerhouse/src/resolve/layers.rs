@@ -9,7 +9,7 @@ use powerhouse_wavefield::{
 };
 
 use super::damping::damping;
-use super::ground::{QUIETER, kind, motion, refused_wave, truncated, unclear_axis};
+use super::ground::{FASTER, QUIETER, kind, motion, refused_wave, truncated, unclear_axis};
 use super::motion::{Split, split};
 use super::origin::Origin;
 use super::record::PreparedRecord;
@@ -55,13 +55,16 @@ pub(super) fn field(
         }
     }
     let nodes = nodes_of_faces(&scene)?;
-    scene
-        .remarks
-        .extend(waves.iter().map(|wave| Remark::Layered {
+    for wave in &waves {
+        let bytes = wave.bytes_for(&nodes);
+        let place = scene.places.field.clone();
+        let bytes = bytes.map_err(|error| Fault::refused(place, error))?;
+        scene.remarks.push(Remark::Layered {
             wave: wave.name().into(),
             report: wave.report(),
-            bytes: wave.bytes_for(&nodes),
-        }));
+            bytes,
+        });
+    }
     let waves = quiet(waves, &origins, &points, &mut scene)?;
     let arrivals: Vec<f64> = waves.iter().map(|wave| wave.parameters().arrival).collect();
     let remarks = splits.iter();
@@ -348,7 +351,7 @@ fn quiet(
         let delayed = wave.with_quiet_start(points, scene.start, &limits);
         let (wave, start) = delayed.map_err(|error| match lead > 0.0 {
             true => refused(error).with_help(QUIETER),
-            false => refused(error),
+            false => refused(error).with_help(FASTER),
         })?;
         quiet.push((wave, Some(start)));
     }

@@ -14,7 +14,7 @@ use crate::fault::{Fault, Problem, SceneText};
 use crate::format::{self, At, Finite, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;
 use crate::stage::{Timeline, check_removal, surface_of};
-use crate::{BoltLayout, InSituStress, Material, Scene, SceneBolts, SceneStage};
+use crate::{BoltLayout, InSituStress, Material, Scene, SceneBolts, SceneStage, WeightLayer};
 
 /// Young's modulus of steel (Pa).
 const STEEL: f64 = 200.0e9;
@@ -148,6 +148,11 @@ fn in_situ(
                 .map(InSituStress::Field)
                 .map_err(|error| Fault::refused(stress.span(), error))
         }
+        format::InSituStress::Layers { level, layers } => {
+            let layers = weight_layers(level.get(), layers)?;
+            InSituStress::layers(level.get(), &layers)
+                .map_err(|error| Fault::refused(stress.span(), error))
+        }
         format::InSituStress::Linear {
             level,
             stress,
@@ -163,6 +168,49 @@ fn in_situ(
             InSituStress::read(&path, mesh).map_err(|error| Fault::refused(file.span(), error))
         }
     }
+}
+
+/// Layers of ground under their own weight, each below the one before, of which the last alone has no lower end.
+fn weight_layers(
+    level: f64,
+    layers: &At<Vec<format::StressLayer>>,
+) -> Result<Vec<WeightLayer>, Fault> {
+    let fault = |span, found: String, expected: String| {
+        Err(Fault::new(span, Problem::Value { found, expected }))
+    };
+    let Some(last) = layers.len().checked_sub(1) else {
+        return fault(layers.span(), "no layers".into(), "at least one".into());
+    };
+    let mut found = Vec::with_capacity(layers.len());
+    let mut top = level;
+    for (index, layer) in layers.iter().enumerate() {
+        let bottom = match &layer.bottom {
+            Some(bottom) if index == last => {
+                let given = format!("a lower end of the last layer, {} m", bottom.get());
+                let expected = "a last layer without `bottom`, which reaches to any depth";
+                return fault(bottom.span(), given, expected.into());
+            }
+            Some(bottom) if bottom.get() >= top => {
+                let expected = format!("a lower end below {top} m, the upper one of the layer");
+                return fault(bottom.span(), format!("{} m", bottom.get()), expected);
+            }
+            None if index < last => {
+                let given = format!("layer {} of {} without `bottom`", index + 1, last + 1);
+                let expected = "the lower end (m) of every layer but the last";
+                return fault(layers.span(), given, expected.into());
+            }
+            Some(bottom) => bottom.get(),
+            None => f64::NEG_INFINITY,
+        };
+        top = bottom;
+        let along_y = layer.lateral_y.unwrap_or(layer.lateral);
+        found.push(WeightLayer {
+            bottom,
+            unit_weight: layer.density.get() * GRAVITY,
+            lateral: [layer.lateral, along_y].map(NonNegative::get),
+        });
+    }
+    Ok(found)
 }
 
 fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {

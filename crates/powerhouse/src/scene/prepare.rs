@@ -14,7 +14,7 @@ use crate::engine::Leapfrog;
 use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, StateVariables, coarse_in_bending};
 use crate::stage::{Staging, Timeline, last_renewal};
-use crate::{Error, InSituStress, Remark, Simulation};
+use crate::{Error, Remark, Simulation};
 
 /// Tolerance of heights above a level, over the diagonal of the mesh.
 const ROUNDING_OF_PLACE: f64 = 1e-9;
@@ -145,9 +145,7 @@ impl Scene {
 
     /// Warning about an in-situ stress that ends below the top of the body in the first stage.
     fn above_ground(&self, timeline: Option<&Timeline>) -> Option<Remark> {
-        let Some(InSituStress::Field(field)) = &self.in_situ_stress else {
-            return None;
-        };
+        let level = self.in_situ_stress.as_ref()?.level()?;
         let absent = &timeline?.absent;
         let there = |element: &u32| absent.binary_search(element).is_err();
         let elements = (0..self.mesh.element_count() as u32).filter(there);
@@ -155,9 +153,8 @@ impl Scene {
         let heights = nodes.map(|&node| self.mesh.positions()[node as usize].z);
         let top = heights.fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = self.mesh.bounding_box();
-        let level = field.surface;
         let above = top - level > ROUNDING_OF_PLACE * (high - low).norm();
-        (field.ends && above).then_some(Remark::AboveGround { level, top })
+        above.then_some(Remark::AboveGround { level, top })
     }
 
     /// Specification of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.

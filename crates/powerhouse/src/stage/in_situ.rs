@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use powerhouse_io::{IoError, TableColumn, read_table};
-use powerhouse_model::{Mesh, Stress, StressField};
+use powerhouse_model::{Mesh, ParameterError, Stress, StressField, Vec3};
 use thiserror::Error;
 
 /// Names of the stress components, in the order of [`Stress`].
@@ -15,11 +15,57 @@ const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 pub enum InSituStress {
     /// Stress linear in depth, evaluated at the centroid of each element.
     Field(StressField),
+    /// Stress linear in depth from layer to layer, from the top downwards, each from its `surface` to that of the next,
+    /// evaluated at the centroid of each element; see [`layers`](Self::layers).
+    Layers(Vec<StressField>),
     /// Stress of each element of the mesh (Pa), in mesh order.
     Elements(Vec<Stress>),
 }
 
+/// Layer of ground under its own weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightLayer {
+    /// Height z of its lower end (m), below that of the layer above; that of the last layer does not count.
+    pub bottom: f64,
+    /// Weight per volume (N/m3), positive.
+    pub unit_weight: f64,
+    /// Ratios K0 of horizontal to vertical stress along x and y.
+    pub lateral: [f64; 2],
+}
+
 impl InSituStress {
+    /// The geostatic stress of horizontal layers below a height `level` (m), zero above: vertical stress is the weight of
+    /// what lies above, horizontal stress its share in each layer.
+    ///
+    /// # Errors
+    /// [`ParameterError`] of a layer, or of a lower end that is not below the upper one.
+    pub fn layers(level: f64, layers: &[WeightLayer]) -> Result<Self, ParameterError> {
+        let (mut top, mut weight) = (level, 0.0);
+        let mut fields = Vec::with_capacity(layers.len());
+        for (index, layer) in layers.iter().enumerate() {
+            let mut field = StressField::geostatic(top, layer.unit_weight, layer.lateral)?;
+            let [x, y] = layer.lateral.map(|share| -share * weight);
+            field.at_surface = Stress([x, y, -weight, 0.0, 0.0, 0.0]);
+            fields.push(field);
+            if index + 1 < layers.len() {
+                ParameterError::check("bottom", layer.bottom, -f64::MAX, top.next_down())?;
+                weight += layer.unit_weight * (top - layer.bottom);
+                top = layer.bottom;
+            }
+        }
+        Ok(Self::Layers(fields))
+    }
+
+    /// Height (m) above which the stress is zero; `None` where it ends nowhere.
+    pub(crate) fn level(&self) -> Option<f64> {
+        let first = match self {
+            Self::Field(field) => field,
+            Self::Layers(fields) => fields.first()?,
+            Self::Elements(_) => return None,
+        };
+        first.ends.then_some(first.surface)
+    }
+
     /// Reads the in-situ stress of every element of a mesh from a CSV table.
     ///
     /// Columns, in any order: `element [1]` (number in the mesh file), `xx [Pa]`, `yy [Pa]`, `zz [Pa]`, `xy [Pa]`,
@@ -78,9 +124,24 @@ impl InSituStress {
     pub(crate) fn of_elements(&self, mesh: &Mesh) -> Vec<Stress> {
         match self {
             Self::Field(field) => field.of_elements(mesh),
+            Self::Layers(fields) => {
+                let elements = 0..mesh.element_count() as u32;
+                elements
+                    .map(|element| in_layer(fields, &mesh.centroid(element)))
+                    .collect()
+            }
             Self::Elements(stresses) => stresses.clone(),
         }
     }
+}
+
+/// Stress of the layer that contains a point; zero above the first.
+fn in_layer(fields: &[StressField], point: &Vec3) -> Stress {
+    let below = fields.iter().rev();
+    let mut above = below.filter(|field| point.z <= field.surface);
+    above
+        .next()
+        .map_or(Stress::default(), |field| field.at(point))
 }
 
 /// Values of a column in SI units.

@@ -13,7 +13,7 @@ mod timeline;
 pub(crate) use bolts::surface_of;
 pub use bolts::{BoltLayout, SceneBolts};
 pub use error::StagingError;
-pub use in_situ::{InSituError, InSituStress};
+pub use in_situ::{InSituError, InSituStress, WeightLayer};
 pub use list::SceneStage;
 pub(crate) use list::last_renewal;
 pub use overview::StageOverview;

@@ -286,8 +286,9 @@ impl Staging {
     ) -> Result<ModelSpec<'a>, Error> {
         let (scene, configuration) = (&self.scene, &self.timeline.configurations[index]);
         for piece in &self.pieces {
-            let own = configuration.materials.get(&piece.part);
-            let factory = piece.resting(&scene.parts[piece.part], own);
+            let part = &scene.parts[piece.part];
+            let of_stage = configuration.materials.get(&piece.part);
+            let factory = piece.resting(part, of_stage.or(part.static_material.as_ref()));
             spec = spec.elements(piece.elements.clone(), factory);
         }
         let mut spec = scene.acted_on(spec, Some(index));

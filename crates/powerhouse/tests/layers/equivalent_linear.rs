@@ -194,6 +194,26 @@ fn a_box_moves_like_its_equivalent_layers() {
     assert!(of_small_strain > 0.2, "{of_small_strain}");
 }
 
+/// Ground at rest has the moduli of small strain, whatever the motion makes of them: stages settle as without curves, and
+/// stages that name a material have that.
+#[test]
+fn stages_have_the_moduli_of_small_strain() {
+    let settled = |clay: &str, of_stage: &str| {
+        let stage = format!(
+            "[[load]]\nkind = \"gravity\"\n[[stage]]\nname = \"rest\"\n{of_stage}support = [{{ kind = \"roller\", set = \"left\" }}, {{ kind = \"roller\", set = \"right\" }}, {{ kind = \"roller\", set = \"bottom\" }}]\n[boundary]"
+        );
+        let text = site(clay, "", &[("[boundary]", &stage), MODERATE]);
+        let simulation = read(&text).unwrap().prepare().unwrap();
+        let body = simulation.equilibrate(None, None).unwrap().unwrap();
+        body.stages()[0].largest_displacement.0
+    };
+    let elastic = settled("", "");
+    let own = settled(CLAY, "");
+    assert!((own / elastic - 1.0).abs() < 1e-9, "{own} {elastic}");
+    let other = settled(CLAY, "part = [{ set = \"clay\", material = \"gravel\" }]\n");
+    assert!(other < 0.8 * elastic, "{other} {elastic}");
+}
+
 /// What the method cannot have is refused at its key; strains beyond the curves are warned of.
 #[test]
 fn what_does_not_fit_the_method_is_refused() {

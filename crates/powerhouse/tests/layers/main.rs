@@ -314,6 +314,24 @@ fn layers_that_do_not_fit_are_refused() {
     }
 }
 
+/// Past the critical angle a slow motion moves the ground long before it arrives: the error names the way out.
+#[test]
+fn a_motion_that_is_too_slow_for_its_angle_is_refused() {
+    let slow = |frequency: f64| {
+        let text = SITE.replacen("incidence = 15 ", "incidence = 60 ", 1);
+        let text = text.replacen("frequency = 3 ", &format!("frequency = {frequency} "), 1);
+        read(&text).err().map(|error| match error {
+            Error::Scene(fault) => fault.render(false),
+            other => panic!("{other}"),
+        })
+    };
+    let told = slow(0.05).unwrap();
+    for passage in ["20 s of padding", "help", "high-pass"] {
+        assert!(told.contains(passage), "{told}");
+    }
+    assert_eq!(slow(1.0), None);
+}
+
 /// From Rust, too: an interface between the nodes of a face, and a medium that is not the layer's.
 #[test]
 fn a_body_of_other_layers_is_refused() {

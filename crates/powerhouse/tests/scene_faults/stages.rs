@@ -9,6 +9,8 @@ fn staged() -> String {
     SOUND.replace("[time]", STAGES) + "\n"
 }
 
+const GROUND: &str = "kind = \"ground\"\nlevel = 0\ndensity = 2750\nlateral = 0.6";
+
 const STAGES: &str = r#"[in_situ_stress]
 kind = "ground"
 level = 0
@@ -61,6 +63,26 @@ fn faults_of_stages_have_their_place() {
             "'grund' is not permitted here",
         ),
         ("lateral = 0.6", "lateral = §-0.6", "a number of 0 or above"),
+        (
+            GROUND,
+            "kind = \"layers\"\nlevel = 0\nlayers = §[]",
+            "found no layers, expected at least one",
+        ),
+        (
+            GROUND,
+            "kind = \"layers\"\nlevel = 0\nlayers = [{ bottom = §4, density = 2000, lateral = 1 }, { density = 2700, lateral = 0.5 }]",
+            "a lower end below 0 m",
+        ),
+        (
+            GROUND,
+            "kind = \"layers\"\nlevel = 0\nlayers = [{ bottom = -4, density = 2000, lateral = 1 }, { bottom = §-9, density = 2700, lateral = 0.5 }]",
+            "a last layer without `bottom`",
+        ),
+        (
+            GROUND,
+            "kind = \"layers\"\nlevel = 0\nlayers = §[{ density = 2000, lateral = 1 }, { density = 2700, lateral = 0.5 }]",
+            "layer 1 of 2 without `bottom`",
+        ),
         ("diameter = 0.025", "diameter = §0", "a number above 0"),
         (
             "name = \"roof\"\ndiameter",

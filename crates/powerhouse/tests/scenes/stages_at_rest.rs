@@ -276,3 +276,74 @@ fn ground_has_no_stress_above_its_level() {
         }
     }
 }
+
+/// Layers of ground are in equilibrium under their weights: vertical stress is the weight above, horizontal stress the share
+/// of its layer, and nothing moves.
+#[test]
+fn layers_of_ground_rest_under_their_weights() {
+    const DENSITIES: [f64; 3] = [1800.0, 2100.0, 2650.0];
+    const ENDS: [f64; 3] = [32.0, 20.0, 0.0];
+    for lateral in [[0.9, 0.45, 0.2], [0.3, 1.4, 0.7]] {
+        let folder = Folder::new("weights");
+        let high = Vec3::new(4.0, 4.0, 40.0);
+        let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), high, [1, 1, 10], "all").unwrap();
+        let (mut text, mut layers) = (String::from("title = \"weights\"\n"), Vec::new());
+        text += "mesh = { file = \"trench.msh\" }\nload = [{ kind = \"gravity\" }]\n";
+        text += "time = { duration = 0.01 }\n";
+        let mut top = 40.0;
+        let mut parts = String::new();
+        for (i, bottom) in ENDS.into_iter().enumerate() {
+            let (name, density) = (format!("layer{i}"), DENSITIES[i]);
+            let lies_in = |e: &u32| (bottom..top).contains(&mesh.centroid(*e).z);
+            let elements = (0..10).filter(lies_in).collect();
+            mesh.set_element_set(&name, elements).unwrap();
+            parts += &format!(
+                "[[material]]\nname = \"{name}\"\nlaw = \"elastic\"\nyoung = 2e9\npoisson = 0.25\n\
+                 density = {density}\n[[part]]\nset = \"{name}\"\nmaterial = \"{name}\"\n"
+            );
+            let end = if i < 2 {
+                format!("bottom = {bottom}, ")
+            } else {
+                String::new()
+            };
+            let along_y = lateral[i] + 0.1;
+            layers.push(format!(
+                "{{ {end}density = {density}, lateral = {}, lateral_y = {along_y} }}",
+                lateral[i]
+            ));
+            top = bottom;
+        }
+        text += &format!(
+            "in_situ_stress = {{ kind = \"layers\", level = 40, layers = [{}] }}\n{parts}[[stage]]\nname = \"ground\"\n",
+            layers.join(", ")
+        );
+        for face in ["left", "right", "front", "back", "bottom"] {
+            text += &format!("[[support]]\nkind = \"roller\"\nset = \"{face}\"\n");
+        }
+        write_gmsh(folder.join("trench.msh"), &mesh).unwrap();
+        let simulation = read(&folder, &text).unwrap().prepare().unwrap();
+        let stresses = Stresses::default();
+        let body = simulation
+            .equilibrate(None, Some(Box::new(stresses.clone())))
+            .unwrap();
+        let moved = body.unwrap().stages()[0].largest_displacement.0;
+        assert!(moved < 1e-12, "{moved}");
+        for (z, stress) in stresses.0.lock().unwrap().iter() {
+            let (mut above, mut weight, mut share) = (40.0, 0.0, 0.0);
+            for (i, bottom) in ENDS.into_iter().enumerate() {
+                weight += 9.81 * DENSITIES[i] * (above - bottom.max(*z)).max(0.0);
+                if *z < above {
+                    share = lateral[i];
+                }
+                above = bottom;
+            }
+            let expected = [-share * weight, -(share + 0.1) * weight, -weight];
+            for (found, expected) in stress.iter().zip(expected) {
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-9,
+                    "{z}: {found} {expected}"
+                );
+            }
+        }
+    }
+}

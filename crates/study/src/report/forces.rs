@@ -8,6 +8,7 @@ use super::column;
 use super::page::Table;
 use crate::StudyError;
 use crate::rounded::rounded;
+use crate::sweep::{CaseOutcome, Utilisation};
 
 /// Columns of a section (N/m and N m/m), their symbols and units in the table.
 const FORCES: [(&str, &str, &str); 3] = [
@@ -56,6 +57,46 @@ pub(super) fn utilisation(summary: &serde_json::Value) -> Option<Table> {
         .to_vec(),
         rows: uses.iter().map(row).collect(),
     })
+}
+
+/// The extremes of each ring, and of each section that is of none, a line for each case; `None` without sections.
+pub(super) fn of_cases(outcomes: &[CaseOutcome]) -> Option<Table> {
+    let mut names: Vec<&str> = Vec::new();
+    for section in outcomes.iter().flat_map(|outcome| &outcome.sections) {
+        if !names.contains(&section.name.as_str()) {
+            names.push(&section.name);
+        }
+    }
+    let row = |name: &str, outcome: &CaseOutcome| {
+        let section = outcome.sections.iter().find(|of| of.name == name)?;
+        let forces = [&section.axial, &section.shear, &section.moment];
+        let forces = forces.into_iter().flatten();
+        let utilisation = section.utilisation.map(|of| match of {
+            Utilisation::Of(value) => rounded(value),
+            Utilisation::Beyond => "beyond".to_owned(),
+        });
+        let names = [name.to_owned(), outcome.name.clone()].into_iter();
+        let forces = forces.map(|peak| rounded(1e-3 * peak.value));
+        Some(names.chain(forces).chain(utilisation).collect())
+    };
+    let rows: Vec<Vec<String>> = (names.iter())
+        .flat_map(|name| outcomes.iter().filter_map(|outcome| row(name, outcome)))
+        .collect();
+    let extremes = FORCES.iter().flat_map(|(_, letter, _)| {
+        ["least", "greatest"].map(|extreme| format!("{extreme} {letter}"))
+    });
+    let heads = ["section", "case"].into_iter().map(str::to_owned);
+    let mut header: Vec<String> = heads.chain(extremes).collect();
+    if rows.iter().any(|row| row.len() > header.len()) {
+        header.push("greatest utilisation".into());
+    }
+    let columns = header.len();
+    let rows = rows.into_iter().map(|mut row| {
+        row.resize(columns, String::new());
+        row
+    });
+    let rows: Vec<_> = rows.collect();
+    (!rows.is_empty()).then_some(Table { header, rows })
 }
 
 /// The static, the least and the greatest force of each section in a result folder, the latter with their times; `None`

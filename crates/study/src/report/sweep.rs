@@ -312,6 +312,14 @@ impl Sweep<'_> {
              linings and floors, per metre along the halls, including the static forces of the stages: the \
              static values, and the least and greatest values of the motion with their times.",
         );
+        if self.cases.len() > 1
+            && let Some(table) = forces::of_cases(&self.outcomes)
+        {
+            page.paragraph(
+                "Extremes over the run (kN/m, kN m/m), of a ring over all its sections; single sections by case below.",
+            );
+            page.table(&table);
+        }
         let headline = &self.headline().outcome.name;
         for (name, table) in &tables {
             if *name == headline {

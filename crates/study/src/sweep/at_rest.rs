@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Checksum;
-use powerhouse::{EquilibratedBody, Registry, Scene};
+use powerhouse::{Damping, EquilibratedBody, Registry, Scene};
 
 use super::locked;
 use crate::StudyError;
@@ -72,8 +72,8 @@ impl BodyStore {
 /// Key of the equilibrated body of a case; cases with the same key share the body.
 ///
 /// It is the checksum of the software revision, the mesh, the supports, the joints, the start time, at which static
-/// loads are evaluated, the absorbing faces, along which rock is elastic, media and damping of the parts, and all sections of the scene and the case
-/// on which the stages depend.
+/// loads are evaluated, the absorbing faces, along which rock is elastic, media and damping of the parts at rest, and all
+/// sections of the scene and the case on which the stages depend.
 pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
     let mut sum = Checksum::default();
     sum.add_whole(REVISION.as_bytes());
@@ -89,10 +89,14 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);
     let start = scene.start_time();
     sum.add_whole(format!("{supports} {joints:?} {faces:?} {start:?}").as_bytes());
-    // Layers that soften with strain change the materials of parts with the motion.
+    // Layers that soften with strain have other moduli and damping in the motion.
     for part in scene.parts() {
-        let (set, medium, damping) = (&part.set, part.material.medium(), &part.damping);
-        sum.add_whole(format!("{set} {medium:?} {damping:?}").as_bytes());
+        let (material, damping) = match &part.static_material {
+            Some(material) => (material, &Damping::None),
+            None => (&part.material, &part.damping),
+        };
+        let medium = material.medium();
+        sum.add_whole(format!("{} {medium:?} {damping:?}", part.set).as_bytes());
     }
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let cases = table.get("case").and_then(toml::Value::as_array);
@@ -103,8 +107,14 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
             sum.add_whole(text.as_bytes());
         }
     }
-    let stress = table.get("in_situ_stress");
-    if let Some(name) = stress.and_then(|stress| stress.get("file")?.as_str()) {
+    let stress = |of: &toml::Table| {
+        of.get("in_situ_stress")?
+            .get("file")?
+            .as_str()
+            .map(str::to_owned)
+    };
+    let of_case = own.and_then(toml::Value::as_table).and_then(stress);
+    if let Some(name) = of_case.or_else(|| stress(&table)) {
         let path = file.parent().unwrap_or(Path::new("")).join(name);
         sum.add_whole(&std::fs::read(path).unwrap_or_default());
     }

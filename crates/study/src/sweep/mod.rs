@@ -25,6 +25,7 @@ mod ground;
 mod input;
 mod outcome;
 mod pictures;
+mod sections;
 mod table;
 mod workers;
 
@@ -53,6 +54,7 @@ pub use damage::PartDamage;
 pub(crate) use finished::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
+pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.
 pub(crate) const OUTCOME: &str = "outcome.json";

@@ -9,6 +9,7 @@ use super::contact::{JointAndLining, JointCase};
 use super::coverage::Coverage;
 use super::damage::{DAMAGED, Damage, PartDamage, STRUCTURE};
 use super::input::CaseInput;
+use super::sections::{self, SectionExtremes};
 use crate::StudyError;
 use crate::json::read_json;
 
@@ -85,6 +86,9 @@ pub struct CaseOutcome {
     /// Relation between joint failure and damage of the structure; `None` without joints.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub joint_and_lining: Option<JointAndLining>,
+    /// Extremes of the forces of each ring, and of each section that is of none.
+    #[serde(default)]
+    pub sections: Vec<SectionExtremes>,
     /// Greatest axial force over the dynamic run (N, tension positive) of each bolt group.
     pub bolts: Vec<Peak>,
     /// Greatest axial force (N, tension positive) of each bolt group after the stages, before the dynamic run.
@@ -150,6 +154,7 @@ impl CaseOutcome {
             joints: joints_of(joints),
             joint_parts: joints_of(joint_parts),
             joint_and_lining: JointAndLining::of(mesh, results, of_parts.as_ref()),
+            sections: sections::of(results),
             bolts,
             bolts_at_rest,
         }

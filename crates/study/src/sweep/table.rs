@@ -46,6 +46,20 @@ fn cells(outcome: &CaseOutcome) -> Vec<(String, f64)> {
     put("relative displacement", "m", &outcome.relative);
     put("relative displacement of the ground", "m", &outcome.ground);
     put("bolt force", "N", &outcome.bolts);
+    for section in &outcome.sections {
+        let name = &section.name;
+        for (what, unit, [least, greatest]) in [
+            ("axial force", "N/m", &section.axial),
+            ("shear force", "N/m", &section.shear),
+            ("moment", "N m/m", &section.moment),
+        ] {
+            cells.push((format!("least {what} {name} [{unit}]"), least.value));
+            cells.push((format!("greatest {what} {name} [{unit}]"), greatest.value));
+        }
+        if let Some(utilisation) = section.utilisation {
+            cells.push((format!("utilisation {name}"), utilisation.value()));
+        }
+    }
     for damage in &outcome.damage {
         cells.push((format!("greatest {}", damage.name), damage.greatest));
         let name = format!("elements with {} above 0.1", damage.name);

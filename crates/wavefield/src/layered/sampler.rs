@@ -15,8 +15,10 @@ pub(crate) struct LayeredPoint {
     pub(crate) table: u32,
     /// Table of the relaxing modulus times velocity, in damped layers.
     pub(crate) product: Option<u32>,
-    /// Time of arrival of the incident wave at the point (s).
+    /// Time of arrival of the incident wave at the height of the table (s).
     pub(crate) delay: f64,
+    /// Weight of the table in the motion of the point (1).
+    pub(crate) weight: f64,
     /// Stress along the layer per normal stress (1), and per velocity (Pa s/m).
     pub(crate) share: f64,
     pub(crate) coupling: f64,
@@ -24,7 +26,7 @@ pub(crate) struct LayeredPoint {
     pub(crate) across: f64,
 }
 
-/// Sampler of waves in layers: per point one look-up in the table of its height.
+/// Sampler of waves in layers: per point one look-up in the table of its height, or four in those around it.
 ///
 /// Of P and SV `sxx = l/(l + 2 G) szz - 4 p G (l + G)/(l + 2 G) vx` and
 /// `syy = l/(2 (l + G)) (sxx + szz)`, of SH `sxy = -p G vy`, in the medium of the point.
@@ -32,8 +34,10 @@ pub(crate) struct LayeredSampler {
     pub(crate) of: Arc<LayeredTables>,
     pub(crate) tables: Vec<Arc<Table>>,
     pub(crate) products: Vec<Arc<Table>>,
-    /// Points in the order of their tables.
+    /// Points in the order of their tables, once for each of their tables.
     pub(crate) points: Vec<LayeredPoint>,
+    /// Number of points.
+    pub(crate) count: usize,
     /// Cosine and sine of the azimuth.
     pub(crate) turn: [f64; 2],
 }
@@ -87,6 +91,27 @@ impl Table {
     }
 }
 
+impl Table {
+    /// Number of records, of waves with a number of displacements in their plane.
+    pub(crate) fn samples(&self, order: usize) -> usize {
+        self.values.len() / (4 * order)
+    }
+
+    /// Two displacements, velocities and tractions at a time; of SH waves the second ones are zero. None outside of the table.
+    pub(crate) fn state(&self, order: usize, time: f64) -> Option<[f64; 6]> {
+        Some(match order {
+            1 => {
+                let ([u, syz], [v]) = self.values::<2, 4, 1>(time)?;
+                [u, 0.0, v, 0.0, syz, 0.0]
+            }
+            _ => {
+                let ([ux, uz, szz, sxz], [vx, vz]) = self.values::<4, 8, 2>(time)?;
+                [ux, uz, vx, vz, szz, sxz]
+            }
+        })
+    }
+}
+
 impl LayeredSampler {
     /// Displacement and velocity outside of a table: what remains, or the far part of a field that is
     /// not causal.
@@ -128,7 +153,9 @@ impl LayeredSampler {
                     let ([ux, uz], velocity) = self.outside(table, local);
                     ([ux, uz, 0.0, 0.0], velocity)
                 });
-            let sheared = self.under_modulus(point, local, vx);
+            let w = point.weight;
+            let sheared = w * self.under_modulus(point, local, vx);
+            let [ux, uz, szz, sxz, vx, vz] = [ux, uz, szz, sxz, vx, vz].map(|value| w * value);
             let sxx = point.share * szz - point.coupling * sheared;
             let syy = point.across * (sxx + szz);
             let sum = &mut motion[point.index as usize];
@@ -156,7 +183,9 @@ impl LayeredSampler {
                 let ([u, _], [v, _]) = self.outside(table, local);
                 ([u, 0.0], [v])
             });
-            let sxy = -point.coupling * self.under_modulus(point, local, v);
+            let w = point.weight;
+            let sxy = -point.coupling * w * self.under_modulus(point, local, v);
+            let [u, syz, v] = [u, syz, v].map(|value| w * value);
             let sum = &mut motion[point.index as usize];
             sum.displacement.x -= s * u;
             sum.displacement.y += c * u;
@@ -173,11 +202,11 @@ impl LayeredSampler {
 
 impl FieldSampler for LayeredSampler {
     fn len(&self) -> usize {
-        self.points.len()
+        self.count
     }
 
     fn add_motion(&self, time: f64, motion: &mut [FieldMotion]) {
-        let motion = &mut motion[..self.points.len()];
+        let motion = &mut motion[..self.count];
         match self.of.stack.order {
             1 => self.add_across(time, motion),
             _ => self.add_in_plane(time, motion),

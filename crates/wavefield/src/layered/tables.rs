@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::ground::Ground;
+use super::heights::Heights;
 use super::stack::{Amplitudes, Stack};
 use super::window::{Window, held};
 use crate::analytic::{AnalyticSignal, AnalyticTables, Level};
@@ -65,6 +66,9 @@ pub struct LayeredTablesReport {
     /// Estimated largest errors of interpolation in time of displacement, velocity and stress over
     /// the peaks at the same height (1).
     pub interpolation: [f64; 3],
+    /// Number of heights between which those of many points are interpolated, and the errors of displacement, velocity and
+    /// stress over their peaks at twice their distance (1); `None` where each height has its table.
+    pub between_heights: Option<(usize, [f64; 3])>,
 }
 
 /// Motion of a layered field at some heights; of displacement (m), velocity (m/s) and stress (Pa).
@@ -93,6 +97,7 @@ struct Made {
     states: BTreeMap<i64, Arc<Table>>,
     products: BTreeMap<(i64, usize), Arc<Table>>,
     report: LayeredTablesReport,
+    heights: Option<Arc<Heights>>,
 }
 
 /// Amplitudes in all layers at all frequencies, spectra of the signal, and tables made from them.
@@ -250,6 +255,24 @@ impl LayeredTables {
             .max(0.0) as i64
     }
 
+    /// Depth of a height below the surface, as a multiple of the unit.
+    pub(crate) fn depth(&self, height: f64) -> f64 {
+        ((self.ground.surface() - height) / self.unit).max(0.0)
+    }
+
+    /// Heights between which those of many points are interpolated, chosen at the first request.
+    pub(crate) fn heights(&self, ground: &Ground, lowest: f64) -> Result<Arc<Heights>, WaveError> {
+        let lock = || self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &lock().heights {
+            return Ok(known.clone());
+        }
+        let heights = Arc::new(Heights::new(self, ground, lowest)?);
+        let mut made = lock();
+        made.report.between_heights = Some((heights.count(), heights.errors));
+        made.heights = Some(heights.clone());
+        Ok(heights)
+    }
+
     /// Layer and depth in it of a key; on an interface those of the layer below.
     fn place(&self, key: i64) -> (usize, f64) {
         let height = self.ground.surface() - key as f64 * self.unit;
@@ -328,6 +351,15 @@ impl LayeredTables {
             });
         }
         Ok(())
+    }
+
+    /// Error of tables at more heights than there may be.
+    pub(crate) fn too_large(&self, heights: usize) -> WaveError {
+        WaveError::TableMemory {
+            heights,
+            bytes: heights * self.most_bytes(),
+            most: MOST_BYTES,
+        }
     }
 
     /// Spectrum of the state at a place, for a unit incident displacement at the top of the half-space.
