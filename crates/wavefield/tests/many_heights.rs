@@ -24,23 +24,20 @@ fn ground(bottom: f64, damping: &LayerDamping) -> Ground {
     Ground::new(0.0, layers, medium(2300.0, 900.0, 2000.0)).unwrap()
 }
 
-/// Largest differences of displacement, velocity and stress at some points over their peaks, if all are asked for at once and if
-/// they are asked for in groups of a few heights each, which have tables of their own.
+/// Largest differences of displacement, velocity and stress at every fifth of some points over their peaks, if all are asked for
+/// at once and if these are asked for alone: so few heights have tables of their own.
 fn difference(wave: &LayeredWave, points: &[Vec3], times: &[f64]) -> [f64; 3] {
     let together = wave.prepare(points).unwrap();
     assert_eq!(together.len(), points.len());
-    let groups: Vec<_> = (points.chunks(400))
-        .map(|points| wave.prepare(points).unwrap())
-        .collect();
+    let some: Vec<Vec3> = points.iter().copied().step_by(5).collect();
+    let alone = wave.prepare(&some).unwrap();
     let (mut worst, mut peaks) = ([0.0_f64; 3], [0.0_f64; 3]);
     for &time in times {
         let mut found = vec![FieldMotion::default(); points.len()];
         together.add_motion(time, &mut found);
-        let mut expected = vec![FieldMotion::default(); points.len()];
-        for (group, motion) in groups.iter().zip(expected.chunks_mut(400)) {
-            group.add_motion(time, motion);
-        }
-        for (found, expected) in found.iter().zip(&expected) {
+        let mut expected = vec![FieldMotion::default(); some.len()];
+        alone.add_motion(time, &mut expected);
+        for (found, expected) in found.iter().step_by(5).zip(&expected) {
             let stress = |motion: &FieldMotion| nalgebra::Vector6::from(motion.stress.0);
             let pairs = [
                 (
@@ -99,20 +96,30 @@ fn many_heights_are_interpolated() {
                 Vec3::new(f64::from(i % 37), f64::from(i % 11), -depth * share)
             })
             .collect();
-        for (point, z) in points.iter_mut().zip([0.0, -20.0, bottom, bottom - 25.0]) {
+        for (point, z) in points
+            .iter_mut()
+            .step_by(5)
+            .zip([0.0, -20.0, bottom, bottom - 25.0])
+        {
             point.z = z;
         }
         let times: Vec<f64> = (0..60).map(|i| 0.05 * f64::from(i)).collect();
         let off = difference(&wave, &points, &times);
         let (heights, measured) = wave.report().tables.between_heights.unwrap();
-        println!("{kind} {degrees}: {heights} heights, measured {measured:.1e?}, found {off:.1e?}");
+        let [told, found] = [measured, off].map(|of| of.map(|value| format!("{value:.1e}")));
+        println!("{kind} {degrees}: {heights} heights, told {told:?}, found {found:?}");
         assert!((20..700).contains(&heights), "{heights}");
         for ((off, measured), most) in off.into_iter().zip(measured).zip([1e-4, 1e-3, 1e-3]) {
-            assert!(measured <= most && off <= most, "{off} {measured} {most}");
+            // At half of the distance a sixteenth of what is told.
+            assert!(
+                measured <= most && off <= 0.25 * measured,
+                "{off} {measured} {most}"
+            );
         }
         for (all, off) in all.iter_mut().zip(off) {
             *all = all.max(off);
         }
     }
-    println!("figure many_heights {all:.1e?}");
+    let [u, v, s] = all;
+    println!("figure many_heights {u:.1e} {v:.1e} {s:.1e}");
 }
