@@ -279,7 +279,8 @@ pub struct Part {
     pub kernel: Option<Kernel>,
     /// Damping in the dynamic run; of flat damping the static stiffness holds in construction stages.
     pub damping: Damping,
-    /// Material in construction stages that name none for the part; that of the run if it is none.
+    /// Material in construction stages that name none for the part; that of the run if it is none. The run begins with the mean
+    /// stress of each element in its own material, at rest.
     pub static_material: Option<Material>,
     /// Width (m) of the elastic buffer zone along absorbing faces, where the part is linear elastic and undamped
     /// as the free field behind them: elements that touch the faces, and those with a node closer than this.

@@ -17,6 +17,9 @@ use crate::{BoltForces, Error, RunHooks, Scene};
 /// Largest permitted change of the nodal forces at the transfer to the dynamic run, over the internal forces: rounding
 /// of single precision is below, a lost load above.
 const FORCE_TOLERANCE: f64 = 1.0e-3;
+/// The same where elements take another material in the run, and their stress becomes an initial one: forces are carried that were
+/// internal ones before, so that nothing is compared.
+const RENEWED_TOLERANCE: f64 = 1.0;
 
 /// Completed construction stage, in static equilibrium.
 #[derive(Debug)]
@@ -324,6 +327,10 @@ impl Staging {
                 *first = first.map(|_| scene.start);
             }
         }
+        let tolerance = match self.renew_materials(&mut state)? {
+            true => RENEWED_TOLERANCE,
+            false => FORCE_TOLERANCE,
+        };
         let spec = ModelSpec::new(&scene.mesh).start(state);
         let found = scene.moving(spec, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
         let mut model = scene.engine.build(found.spec)?;
@@ -333,8 +340,37 @@ impl Staging {
             }
         }
         let report = model
-            .hand_over(FORCE_TOLERANCE)
+            .hand_over(tolerance)
             .map_err(|source| Error::HandOver { source })?;
         Ok((model, report))
+    }
+
+    /// Lets the parts with a static material begin the run anew: their stress becomes the initial stress of the material of the
+    /// run, at the present displacement. Returns whether there are such parts.
+    fn renew_materials(&self, state: &mut State) -> Result<bool, Error> {
+        let (scene, last) = (&self.scene, self.timeline.configurations.len() - 1);
+        let present = &self.timeline.configurations[last].present;
+        let renewed = self.pieces.iter();
+        let renewed = renewed.filter(|piece| scene.parts[piece.part].static_material.is_some());
+        let mut renewed: Vec<u32> = renewed
+            .flat_map(|piece| piece.elements.iter().copied())
+            .filter(|&element| present[element as usize])
+            .collect();
+        if renewed.is_empty() {
+            return Ok(false);
+        }
+        renewed.sort_unstable();
+        let spec = ModelSpec::new(&scene.mesh).start(state.clone());
+        let model = scene.engine.build(self.static_model(spec, last)?)?;
+        let changes = model.stress_changes();
+        let mut stress = state.initial_stress.clone();
+        stress.resize(scene.mesh.element_count(), Stress::default());
+        state.cast(&renewed);
+        state.initial_stress.resize(stress.len(), Stress::default());
+        for element in renewed.into_iter().map(|element| element as usize) {
+            let (before, change) = (stress[element].0, changes[element].0);
+            state.initial_stress[element] = Stress(core::array::from_fn(|i| before[i] + change[i]));
+        }
+        Ok(true)
     }
 }

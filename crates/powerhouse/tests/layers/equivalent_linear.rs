@@ -214,6 +214,53 @@ fn stages_have_the_moduli_of_small_strain() {
     assert!(other < 0.8 * elastic, "{other} {elastic}");
 }
 
+/// The run begins in equilibrium, with the stress of the stages and the moduli of the motion: until the wave arrives nothing moves,
+/// and stress is the weight above.
+#[test]
+fn a_run_begins_at_rest_under_the_weight_of_soft_ground() {
+    let stage = "[[load]]\nkind = \"gravity\"\n[[stage]]\nname = \"rest\"\nsupport = [{ kind = \"roller\", set = \"left\" }, { kind = \"roller\", set = \"right\" }, { kind = \"roller\", set = \"bottom\" }]\n[boundary]";
+    let below = "[[output.history]]\nname = \"below\"\nat = [2, 2, -10]\nquantities = [\"stress\"]\n[[output.history]]\nname = \"surface\"";
+    let still = ("displacement = 0.01", "displacement = 0.0003");
+    let text = site(
+        CLAY,
+        GRAVEL,
+        &[
+            ("[boundary]", stage),
+            still,
+            ("duration = 3", "duration = 2.5"),
+            ("[[output.history]]\nname = \"surface\"", below),
+        ],
+    );
+    let scene = read(&text).unwrap();
+    let (layers, ..) = figures(&scene);
+    assert!(layers[0].modulus < 0.9, "{layers:?}");
+    let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
+    let column = |name: &str| results.histories.column(name).unwrap().values.clone();
+    let (moved, stress) = (column("surface.ux"), column("below.zz"));
+    let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    // The wave comes after 0.2 s; its motion is a thousand times what the start may move.
+    let early = results
+        .histories
+        .times
+        .iter()
+        .take_while(|time| **time < 0.05)
+        .count();
+    assert!(early > 3 && most(&moved[..early]) < 1e-3 * most(&moved));
+    let vertical = column("surface.uz");
+    assert!(
+        most(&vertical[..early]) < 1e-3 * most(&moved),
+        "{}",
+        most(&vertical[..early])
+    );
+    // The centre of the element lies 10 m deep, to half of an element.
+    let weight = 1800.0 * 9.81 * 10.0;
+    assert!(
+        (stress[0] / -weight - 1.0).abs() < 0.02,
+        "{} {weight}",
+        stress[0]
+    );
+}
+
 /// What the method cannot have is refused at its key; strains beyond the curves are warned of.
 #[test]
 fn what_does_not_fit_the_method_is_refused() {
