@@ -106,11 +106,11 @@ fn many_heights_are_interpolated() {
         let times: Vec<f64> = (0..60).map(|i| 0.05 * f64::from(i)).collect();
         let off = difference(&wave, &points, &times);
         let (heights, measured) = wave.report().tables.between_heights.unwrap();
-        let [told, found] = [measured, off].map(|of| of.map(|value| format!("{value:.1e}")));
-        println!("{kind} {degrees}: {heights} heights, told {told:?}, found {found:?}");
+        let [reported, found] = [measured, off].map(|of| of.map(|value| format!("{value:.1e}")));
+        println!("{kind} {degrees}: {heights} heights, reported {reported:?}, found {found:?}");
         assert!((20..700).contains(&heights), "{heights}");
         for ((off, measured), most) in off.into_iter().zip(measured).zip([1e-4, 1e-3, 1e-3]) {
-            // At half of the distance a sixteenth of what is told.
+            // At half of the distance a sixteenth of the reported error.
             assert!(
                 measured <= most && off <= 0.25 * measured,
                 "{off} {measured} {most}"
