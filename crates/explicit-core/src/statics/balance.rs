@@ -26,7 +26,8 @@ impl Model {
     /// # Errors
     /// [`StaticError::CarriedForcesChanged`] if the carried forces differ from those of the stage before by more than
     /// `tolerance` (0 to 1) times the internal forces: a load, an element or a bolt is missing or
-    /// new; with 1 they may be any, as where elements take another material. [`StaticError::Viscoelastic`] if a law would relax the static stress.
+    /// new; with 1 nothing is compared, as where elements take another material. [`StaticError::Viscoelastic`] if a law
+    /// would relax the static stress.
     pub fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError> {
         powerhouse_model::ParameterError::check("tolerance", tolerance, 0.0, 1.0)?;
         self.in_pool(|model| {

@@ -6,8 +6,8 @@ use crate::WaveError;
 
 /// Most heights of the points of one sampler that have a table each.
 pub(crate) const MOST_HEIGHTS: usize = 1000;
-/// Permitted errors of displacement, velocity and stress at half of the final distance between heights, over their peaks.
-/// At the final distance they are a sixteenth of what is measured.
+/// Permitted errors of displacement, velocity and stress, over their peaks, at twice the final distance between heights, where
+/// they are measured: sixteen times those at the final one.
 const PERMITTED: [f64; 3] = [1e-4, 1e-3, 1e-3];
 /// Intervals of a layer at first, and at most.
 const FIRST: usize = 4;

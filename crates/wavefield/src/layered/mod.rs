@@ -420,8 +420,7 @@ impl LayeredWave {
         if self.heights_of(points) <= MOST_HEIGHTS {
             return Ok(None);
         }
-        let LayeredWaveParameters { ground, lowest, .. } = &self.parameters;
-        Ok(Some(self.tables.heights(ground, *lowest)?))
+        Ok(Some(self.tables.heights(self.parameters.lowest)?))
     }
 
     fn sampler(

@@ -261,12 +261,12 @@ impl LayeredTables {
     }
 
     /// Heights between which those of many points are interpolated, chosen at the first request.
-    pub(crate) fn heights(&self, ground: &Ground, lowest: f64) -> Result<Arc<Heights>, WaveError> {
+    pub(crate) fn heights(&self, lowest: f64) -> Result<Arc<Heights>, WaveError> {
         let lock = || self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = &lock().heights {
             return Ok(known.clone());
         }
-        let heights = Arc::new(Heights::new(self, ground, lowest)?);
+        let heights = Arc::new(Heights::new(self, &self.ground, lowest)?);
         let mut made = lock();
         made.report.between_heights = Some((heights.count(), heights.errors));
         made.heights = Some(heights.clone());
