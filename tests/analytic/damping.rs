@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_2, TAU};
 
 use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
-use powerhouse_elements::{Hex8OnePoint, SolidKernel, solid};
+use powerhouse_elements::SolidKernel;
 use powerhouse_material_damage::{
     DampingBand, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum, media,
 };
@@ -35,12 +35,7 @@ fn column(height: f64) -> Mesh {
 
 /// The column on a fixed foot in shear along x, with the velocity of its first mode.
 fn swinging(mesh: &Mesh) -> Model {
-    let factory = solid(
-        "ground",
-        Hex8OnePoint::default(),
-        damped(),
-        BlockOptions::default(),
-    );
+    let factory = SolidKernel::ONE_POINT.factory("ground", damped(), BlockOptions::default());
     let all: Vec<u32> = (0..mesh.node_count() as u32).collect();
     let mut model = Model::builder(mesh)
         .elements("ground", factory)

@@ -3,7 +3,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
-use powerhouse_elements::{FacePressure, Hex8OnePoint, Profile, SolidKernel, solid};
+use powerhouse_elements::{FacePressure, Profile, SolidKernel};
 use powerhouse_material_damage::{ElastoPlastic, MohrCoulomb, MohrCoulombParameters, media};
 use powerhouse_model::{
     BlockOptions, ElasticMedium, ElementKind, Mesh, ModelSpec, PeriodicPairs, Precision,
@@ -239,12 +239,7 @@ fn rock_yields_around_a_hole() {
         let mut model = Model::builder(&mesh)
             .elements(
                 "ground",
-                solid(
-                    "ground",
-                    Hex8OnePoint::default(),
-                    law,
-                    BlockOptions::default(),
-                ),
+                SolidKernel::ONE_POINT.factory("ground", law, BlockOptions::default()),
             )
             .support(Support::roller(nodes("front"), Vec3::y()))
             .support(Support::roller(nodes("back"), Vec3::x()))

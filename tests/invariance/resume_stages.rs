@@ -40,7 +40,9 @@ impl StageCheckpointSink for StopAt {
 
 /// The scene with everything, with other text in some places.
 fn scene(changes: &[(&str, &str)], threads: usize) -> Scene {
-    let mut text = EVERYTHING.replace("duration = 1\n", "duration = 1e-4\n");
+    let mut text = EVERYTHING
+        .replace("duration = 1\n", "duration = 1e-4\n")
+        .replace("tolerance = 1e-6", "tolerance = 1e-4");
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
@@ -136,7 +138,7 @@ fn stop_and_resume(changes: &[(&str, &str)], relaxed: usize) -> EquilibratedBody
         "{relaxed} steps, {calls} calls"
     );
     // The first increment before its first step and within, the second within, and those of the second stage.
-    let chosen = [0, 1, 2, 37, calls / 2, calls - 3, calls - 2, calls - 1];
+    let chosen = [0, 1, 37, calls / 2, calls - 2, calls - 1];
     for (index, call) in chosen.into_iter().enumerate() {
         let sink = StopAt::new(call);
         let (body, completed) = run((changes, 1), sink.clone(), (None, None));

@@ -7,6 +7,7 @@ mod plain;
 mod scene;
 
 use powerhouse::engine::{Explicit, Leapfrog};
+use powerhouse_elements::{Hex8OnePoint, SolidKernel};
 use powerhouse_material_damage::{LinearElastic, media};
 use powerhouse_model::{
     BlockFactory, BlockOptions, Engine, Mesh, MeshError, ModelSpec, Rayleigh, RunOptions,
@@ -116,10 +117,10 @@ impl Case<'_, '_> {
 
     /// The same with elastic elements of one point.
     fn check_elastic(&self) -> Motion {
-        let kernel = powerhouse_elements::Hex8OnePoint::default();
+        let kernel = Hex8OnePoint::default();
         let law = LinearElastic::new(media::ROCK);
         let options = BlockOptions::default();
-        let solid = powerhouse_elements::solid(SET, kernel, law, options);
+        let solid = SolidKernel::ONE_POINT.factory(SET, law, options);
         let plain = Plain {
             set: SET,
             kernel,

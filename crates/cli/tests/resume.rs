@@ -56,10 +56,10 @@ fn kill_and_resume(name: &str, kills: u32) {
     assert!(files(&whole).len() > 30);
 }
 
-/// Ten kills.
+/// Six kills.
 #[test]
 fn a_killed_run_is_resumed_to_the_same_files() {
-    kill_and_resume("cli-resume", 10);
+    kill_and_resume("cli-resume", 6);
 }
 
 /// Two hundred kills: `cargo test -p powerhouse-cli --test resume -- --ignored`.

@@ -62,7 +62,7 @@ fn a_killed_sweep_goes_on_inside_its_cases() {
         ["sweep", &scene, "--out", &out].map(String::from).into()
     };
     let within = run_whole(&sweep(&whole), &folder.join("printed")) / 4;
-    let printed = kill_and_start_again(&sweep(&killed), 8, within, &folder.join("printed-killed"));
+    let printed = kill_and_start_again(&sweep(&killed), 5, within, &folder.join("printed-killed"));
     assert!(printed.contains("steep: resumed after"), "{printed}");
     assert!(printed.contains("steps, at t = "), "{printed}");
     assert!(!printed.contains("warning: a checkpoint"), "{printed}");
@@ -101,7 +101,7 @@ fn a_killed_trade_study_goes_on_inside_its_runs() {
     };
     let [whole, killed] = ["whole", "killed"].map(|name| folder.join(name));
     let within = run_whole(&trade(&whole), &folder.join("printed")) / 4;
-    let printed = kill_and_start_again(&trade(&killed), 6, within, &folder.join("printed-killed"));
+    let printed = kill_and_start_again(&trade(&killed), 4, within, &folder.join("printed-killed"));
     assert!(printed.contains("  resumed after"), "{printed}");
     let histories = |folder: &Path| {
         let mut of_runs = files(folder);

@@ -17,7 +17,7 @@
 //!
 //! A block of rock guided by rollers falls under its weight:
 //! ```
-//! use powerhouse_elements::{Hex8OnePoint, solid};
+//! use powerhouse_elements::SolidKernel;
 //! use powerhouse_explicit_core::*;
 //! use powerhouse_model::*;
 //! # #[derive(Clone)]
@@ -36,7 +36,7 @@
 //! let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0)?);
 //! let wall = mesh.nodes_of_facets(mesh.facet_set("left")?);
 //! let mut model = Model::builder(&mesh)
-//!     .elements("rock", solid("rock", Hex8OnePoint::default(), law, BlockOptions::default()))
+//!     .elements("rock", SolidKernel::ONE_POINT.factory("rock", law, BlockOptions::default()))
 //!     .support(Support::roller(wall, Vec3::x()))
 //!     .gravity(Vec3::new(0.0, 0.0, -9.81), Box::new(|_: f64| 1.0))
 //!     .build()?;

@@ -11,7 +11,7 @@ use crate::Explicit;
 ///
 /// A column of rock under its weight loses its upper half:
 /// ```
-/// use powerhouse_elements::{Hex8OnePoint, solid};
+/// use powerhouse_elements::SolidKernel;
 /// use powerhouse_explicit_core::*;
 /// use powerhouse_model::*;
 /// # #[derive(Clone)]
@@ -31,7 +31,7 @@ use crate::Explicit;
 /// let law = Linear(ElasticMedium::new(9.0e9, 0.0, 2750.0)?);
 /// let bottom = mesh.nodes_of_facets(mesh.facet_set("bottom")?);
 /// let body: Box<StageModel> = Box::new(|builder| {
-///     let rock = solid("rock", Hex8OnePoint::default(), law.clone(), BlockOptions::default());
+///     let rock = SolidKernel::ONE_POINT.factory("rock", law.clone(), BlockOptions::default());
 ///     Ok(builder.elements("rock", rock)
 ///         .support(Support::fixed(bottom.clone()))
 ///         .gravity(Vec3::new(0.0, 0.0, -9.81), Box::new(|_: f64| 1.0)))

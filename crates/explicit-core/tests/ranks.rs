@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
-use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
+use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, RankModel, Traffic, run};
 use powerhouse_model::{
     BlockOptions, Cadence, ConstitutiveLaw, Constraint, ConstraintParts, ConstraintWork,
@@ -81,12 +81,7 @@ fn mesh() -> &'static Mesh {
 /// A box on its base, pushed at its far end, in 15 blocks or more.
 fn spec(mesh: &Mesh) -> ModelSpec<'_> {
     let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
-    let rock = solid(
-        "rock",
-        Hex8OnePoint::default(),
-        law,
-        BlockOptions::default(),
-    );
+    let rock = SolidKernel::ONE_POINT.factory("rock", law, BlockOptions::default());
     let end = mesh.node_set("x1").unwrap().to_vec();
     let push = NodalForce::new(end, 1e5 * Vec3::z(), Box::new(|t: f64| (900.0 * t).sin()));
     ModelSpec::new(mesh)
@@ -420,7 +415,7 @@ fn all_ranks_end_with_the_failure_of_a_static_solution() {
     let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
     let loose = || {
         let options = BlockOptions::default();
-        let rock = solid("rock", Hex8OnePoint::default(), law.clone(), options);
+        let rock = SolidKernel::ONE_POINT.factory("rock", law.clone(), options);
         let base = mesh.node_set("z0").unwrap().to_vec();
         ModelSpec::new(mesh)
             .elements("rock", rock)

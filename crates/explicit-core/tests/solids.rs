@@ -2,7 +2,7 @@
 
 mod support;
 
-use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Pyramid5, Tet4, Tet10, Wedge6, solid};
+use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     BlockFactory, BlockOptions, BoundaryParts, ConstitutiveLaw, ElasticMedium, EnergyCheck,
@@ -74,14 +74,26 @@ fn the_reported_step_is_just_below_the_true_limit_for_every_kernel() {
     let cases: [(&Mesh, Box<dyn BlockFactory>); 7] = [
         (
             &hexes,
-            solid("rock", Hex8OnePoint::default(), rock(), options),
+            SolidKernel::ONE_POINT.factory("rock", rock(), options),
         ),
-        (&hexes, solid("rock", Hex8Full, rock(), options)),
-        (&hexes, solid("rock", Hex8BBar, rock(), options)),
-        (&wedges, solid("rock", Wedge6, rock(), options)),
-        (&tets, solid("rock", Tet4, rock(), options)),
-        (&pyramids, solid("rock", Pyramid5, rock(), options)),
-        (&tens, solid("rock", Tet10::new(&rock().0), rock(), options)),
+        (
+            &hexes,
+            SolidKernel::Hex8Full.factory("rock", rock(), options),
+        ),
+        (
+            &hexes,
+            SolidKernel::Hex8BBar.factory("rock", rock(), options),
+        ),
+        (
+            &wedges,
+            SolidKernel::Wedge6.factory("rock", rock(), options),
+        ),
+        (&tets, SolidKernel::Tet4.factory("rock", rock(), options)),
+        (
+            &pyramids,
+            SolidKernel::Pyramid5.factory("rock", rock(), options),
+        ),
+        (&tens, SolidKernel::Tet10.factory("rock", rock(), options)),
     ];
     for (i, (mesh, factory)) in cases.into_iter().enumerate() {
         mesh.check().unwrap();
@@ -131,7 +143,7 @@ fn damped_box(mesh: &Mesh, precision: Precision, lanes: LaneWidth, threads: usiz
     let mut model = Model::builder(mesh)
         .elements(
             "rock",
-            solid("rock", Hex8OnePoint::default(), rock(), options),
+            SolidKernel::ONE_POINT.factory("rock", rock(), options),
         )
         .support(Support::roller(nodes("left"), Vec3::x()))
         .gravity(
@@ -225,7 +237,7 @@ fn a_wave_in_a_column_arrives_at_its_speed() {
     let mut model = Model::builder(&mesh)
         .elements(
             "rock",
-            solid("rock", Hex8OnePoint::default(), rock(), options),
+            SolidKernel::ONE_POINT.factory("rock", rock(), options),
         )
         .support(Support::roller(nodes("left"), Vec3::x()))
         .support(Support::roller(nodes("right"), Vec3::x()))
@@ -276,12 +288,7 @@ fn history_is_committed_once_per_step() {
     let mesh = jittered(Mesh::box_of_hexes, [5, 3, 2], 0.2);
     let build = |part| {
         let law = Counter(rock().0);
-        let factory = solid(
-            "rock",
-            Hex8OnePoint::default(),
-            law,
-            BlockOptions::default(),
-        );
+        let factory = SolidKernel::ONE_POINT.factory("rock", law, BlockOptions::default());
         let builder = Model::builder(&mesh).elements("rock", factory);
         builder.block_size(part).build().unwrap()
     };

@@ -11,6 +11,9 @@
 //! with flat damping from 65 to 55 ns).
 #![expect(unsafe_code)]
 
+#[cfg(test)]
+mod tests;
+
 use powerhouse_model::{NodalScalar, Quad};
 
 use crate::lanes::BatchLane;

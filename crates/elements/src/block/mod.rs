@@ -23,8 +23,6 @@ mod program;
 mod remaining;
 mod saved;
 mod survey;
-#[cfg(test)]
-mod tests;
 mod transfer;
 
 use std::cell::Cell;

@@ -4,7 +4,6 @@ use powerhouse_model::{
     BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementKind, ModelError, Vec3,
 };
 
-use super::hex8_natural::Hex8Natural;
 use super::hex8_one_point::Hex8OnePoint;
 use super::parallelepiped::{Parallelepiped, is_parallelepiped};
 use super::straight_brick::{StraightBrick, is_along_axes};
@@ -22,39 +21,33 @@ struct ByShape {
     special: Vec<(Shape, Box<dyn BlockFactory>)>,
 }
 
-/// A factory of one-point bricks, with the shorter arithmetic where the shapes permit it.
+/// A factory of one-point bricks, with the shorter arithmetic where the shapes permit it; `general` makes those of any
+/// shape.
 pub(super) fn one_point_bricks(
-    label: &str,
+    general: Box<dyn BlockFactory>,
     kernel: Hex8OnePoint,
     law: AnyLaw,
-    options: BlockOptions,
 ) -> Box<dyn BlockFactory> {
-    let straight = of_any_law(label, Parallelepiped(kernel), law.clone(), options);
-    Box::new(ByShape {
-        general: of_any_law(label, kernel, law, options),
-        special: vec![(is_parallelepiped, straight)],
-    })
+    let kernel = Parallelepiped(kernel);
+    let straight = of_any_law(general.label(), kernel, law, general.options());
+    let special: Vec<(Shape, _)> = vec![(is_parallelepiped, straight)];
+    Box::new(ByShape { general, special })
 }
 
 /// A factory of one-point bricks that bend as their material does, likewise.
 pub(super) fn natural_bricks(
-    label: &str,
+    general: Box<dyn BlockFactory>,
     law: &AnyLaw,
-    options: BlockOptions,
 ) -> Box<dyn BlockFactory> {
     let of = |along_axes| {
         let kernel = StraightNatural { along_axes };
-        of_any_law(label, kernel, law.clone(), options)
+        of_any_law(general.label(), kernel, law.clone(), general.options())
     };
     let special: Vec<(Shape, _)> = vec![(is_along_axes, of(true)), (is_parallelepiped, of(false))];
-    Box::new(ByShape {
-        general: of_any_law(label, Hex8Natural, law.clone(), options),
-        special,
-    })
+    Box::new(ByShape { general, special })
 }
 
-/// A factory of bricks with 2 x 2 x 2 points, likewise; `general` makes those of any shape, with the mean dilatation if
-/// `mean_dilatation` is true.
+/// A factory of bricks with 2 x 2 x 2 points, likewise, with the mean dilatation if `mean_dilatation` is true.
 pub(super) fn integrated_bricks(
     general: Box<dyn BlockFactory>,
     mean_dilatation: bool,
@@ -68,7 +61,7 @@ pub(super) fn integrated_bricks(
         of_any_law(general.label(), kernel, law.clone(), general.options())
     };
     let special: Vec<(Shape, _)> = vec![(is_along_axes, of(true)), (is_parallelepiped, of(false))];
-    Box::new(ByShape { special, general })
+    Box::new(ByShape { general, special })
 }
 
 impl BlockFactory for ByShape {

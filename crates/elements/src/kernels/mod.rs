@@ -58,9 +58,12 @@ pub enum SolidKernel {
 }
 
 impl SolidKernel {
+    /// The eight-node brick with one integration point, with its default parameters.
+    pub const ONE_POINT: Self = Self::Hex8OnePoint(Hex8OnePoint::DEFAULT);
+
     /// All kernels, with their default parameters.
     pub const ALL: [Self; 9] = [
-        Self::Hex8OnePoint(Hex8OnePoint::DEFAULT),
+        Self::ONE_POINT,
         Self::Hex8Natural,
         Self::Hex8Eas,
         Self::Hex8Full,
@@ -149,23 +152,44 @@ impl SolidKernel {
         self.of_any_law(label, law.into(), options)
     }
 
+    /// A factory of blocks of this kernel with the arithmetic of elements of any shape, also where those of
+    /// [`factory`](Self::factory) use a shorter form for boxes and parallelepipeds: to compare one with the other.
+    pub fn factory_of_any_shape(
+        self,
+        label: &str,
+        law: impl Into<AnyLaw>,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        self.of_any_shape(label, law.into(), options)
+    }
+
     /// Blocks are compiled here, once, and in no crate that uses this one.
     fn of_any_law(self, label: &str, law: AnyLaw, options: BlockOptions) -> Box<dyn BlockFactory> {
+        let general = self.of_any_shape(label, law.clone(), options);
         match self {
-            Self::Hex8OnePoint(kernel) => by_shape::one_point_bricks(label, kernel, law, options),
-            Self::Hex8Natural => by_shape::natural_bricks(label, &law, options),
+            Self::Hex8OnePoint(kernel) => by_shape::one_point_bricks(general, kernel, law),
+            Self::Hex8Natural => by_shape::natural_bricks(general, &law),
+            Self::Hex8Full => by_shape::integrated_bricks(general, false, &law),
+            Self::Hex8BBar => by_shape::integrated_bricks(general, true, &law),
+            _ => general,
+        }
+    }
+
+    fn of_any_shape(
+        self,
+        label: &str,
+        law: AnyLaw,
+        options: BlockOptions,
+    ) -> Box<dyn BlockFactory> {
+        match self {
+            Self::Hex8OnePoint(kernel) => of_any_law(label, kernel, law, options),
+            Self::Hex8Natural => of_any_law(label, Hex8Natural, law, options),
             Self::Hex8Eas => {
                 let kernel = Hex8Eas::new(&law.medium());
                 of_any_law(label, kernel, law, options)
             }
-            Self::Hex8Full => {
-                let general = of_any_law(label, Hex8Full, law.clone(), options);
-                by_shape::integrated_bricks(general, false, &law)
-            }
-            Self::Hex8BBar => {
-                let general = of_any_law(label, Hex8BBar, law.clone(), options);
-                by_shape::integrated_bricks(general, true, &law)
-            }
+            Self::Hex8Full => of_any_law(label, Hex8Full, law, options),
+            Self::Hex8BBar => of_any_law(label, Hex8BBar, law, options),
             Self::Tet4 => of_any_law(label, Tet4, law, options),
             Self::Wedge6 => of_any_law(label, Wedge6, law, options),
             Self::Pyramid5 => of_any_law(label, Pyramid5, law, options),

@@ -1,6 +1,6 @@
 //! What the engine sums over a body has the same bits in any order of its ranges and for any number of threads.
 
-use powerhouse_elements::{Hex8OnePoint, NodalForce, solid};
+use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_model::{
     BlockEnergy, BlockOptions, BoundaryParts, Constant, ConstitutiveLaw, Constraint,
     ConstraintWork, ElasticMedium, EnergyCheck, HistoryVariable, Lane, LawInput, Mat3, Mesh,
@@ -104,7 +104,7 @@ fn body(mesh: &Mesh, threads: usize) -> ModelSpec<'_> {
         mass: 5.0,
         stiffness: 0.0,
     };
-    let rock = solid("rock", Hex8OnePoint::default(), rock, options);
+    let rock = SolidKernel::ONE_POINT.factory("rock", rock, options);
     Model::builder(mesh)
         .elements("rock", rock)
         .threads(threads)

@@ -24,7 +24,7 @@ use crate::{Model, run_reporting};
 /// read](powerhouse_model::Observer::reach); checkpoints, which rank 0 receives every sixteenth step at most. Not so profiles.
 ///
 /// ```
-/// use powerhouse_elements::{Hex8OnePoint, solid};
+/// use powerhouse_elements::SolidKernel;
 /// use powerhouse_explicit_core::*;
 /// use powerhouse_model::*;
 /// # #[derive(Clone)]
@@ -44,7 +44,7 @@ use crate::{Model, run_reporting};
 /// let law = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0)?);
 /// let spec = || {
 ///     ModelSpec::new(&mesh)
-///         .elements("rock", solid("rock", Hex8OnePoint::default(), law.clone(), BlockOptions::default()))
+///         .elements("rock", SolidKernel::ONE_POINT.factory("rock", law.clone(), BlockOptions::default()))
 ///         .gravity(Vec3::new(0.0, 0.0, -9.81), Box::new(Constant(1.0)))
 ///         .support(Support::fixed(mesh.nodes_of_set("bottom").unwrap()))
 ///         .block_size(4)

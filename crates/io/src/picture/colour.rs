@@ -72,7 +72,8 @@ pub(super) fn set_colour(set: Option<usize>) -> Rgb {
 pub(super) fn mixed(from: Rgb, to: Rgb, share: f64) -> Rgb {
     core::array::from_fn(|i| {
         let (from, to) = (f64::from(from[i]), f64::from(to[i]));
-        (from + (to - from) * share).round() as u8
+        // To the nearest: a conversion cuts off what is behind the point.
+        (from + (to - from) * share + 0.5) as u8
     })
 }
 

@@ -39,16 +39,21 @@ impl Raster {
         let least = |f: fn(&Point) -> f64| corners.iter().map(f).fold(f64::INFINITY, f64::min);
         let most = |f: fn(&Point) -> f64| corners.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
         let columns = span(least(|p| p.x), most(|p| p.x), self.width);
+        // Shares of the corners b and c, linear in both coordinates.
+        let along = [(c.y - a.y) / area, -(b.y - a.y) / area];
+        let down = [-(c.x - a.x) / area, (b.x - a.x) / area];
         for row in span(least(|p| p.y), most(|p| p.y), self.height) {
             let y = row as f64 + 0.5;
-            for column in columns.clone() {
+            let at_left = [0, 1].map(|i| (y - a.y) * down[i] - a.x * along[i]);
+            let edges = [
+                (1.0 - at_left[0] - at_left[1], -along[0] - along[1]),
+                (at_left[0], along[0]),
+                (at_left[1], along[1]),
+            ];
+            for column in inside(edges, columns.clone()) {
                 let x = column as f64 + 0.5;
-                let of_b = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
-                let of_c = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+                let [of_b, of_c] = [0, 1].map(|i| at_left[i] + x * along[i]);
                 let of_a = 1.0 - of_b - of_c;
-                if of_a < -1e-9 || of_b < -1e-9 || of_c < -1e-9 {
-                    continue;
-                }
                 let depth = of_a * a.depth + of_b * b.depth + of_c * c.depth;
                 let index = row * self.width + column;
                 if (depth as f32) < self.depth[index] {
@@ -101,6 +106,25 @@ impl Raster {
         }
         out
     }
+}
+
+/// Columns of some range at whose centres three shares are not negative, each with its value at the left edge and its
+/// slope.
+fn inside(shares: [(f64, f64); 3], columns: core::ops::Range<usize>) -> core::ops::Range<usize> {
+    /// Least share of a corner that counts as none: neighbours leave no gap.
+    const LEAST: f64 = -1e-9;
+    let (mut low, mut high) = (columns.start as f64, columns.end as f64);
+    for (value, slope) in shares {
+        let reached = (LEAST - value) / slope - 0.5;
+        if slope > 0.0 {
+            low = low.max(reached.ceil());
+        } else if slope < 0.0 {
+            high = high.min(reached.floor() + 1.0);
+        } else if value < LEAST {
+            return 0..0;
+        }
+    }
+    low as usize..(high.max(low) as usize)
 }
 
 /// Pixels whose centre may be between two positions.

@@ -1,6 +1,6 @@
 //! Beams of solids along x, with any kernel, and their static deflection.
 
-use powerhouse_elements::{Hex8BBar, Hex8Full, Hex8OnePoint, Pyramid5, Tet4, Tet10, Wedge6, solid};
+use powerhouse_elements::{Hex8BBar, Hex8Full, Pyramid5, SolidKernel, Tet4, Tet10, Wedge6};
 use powerhouse_model::{
     BlockFactory, BlockOptions, BlockPart, Cadence, ConstitutiveLaw, ElasticMedium, ElementBlock,
     ElementKernel, HistoryVariable, Lane, LawInput, Mesh, NodalView, NodalViewMut, Operator,
@@ -93,7 +93,7 @@ fn plain<K: ElementKernel<N, P>, const N: usize, const P: usize>(
 pub(crate) fn one_point(medium: ElasticMedium, precision: Precision) -> Box<dyn BlockFactory> {
     let mut options = BlockOptions::default();
     options.precision = precision;
-    solid("beam", Hex8OnePoint::default(), Linear(medium), options)
+    SolidKernel::ONE_POINT.factory("beam", Linear(medium), options)
 }
 
 /// A body of one set, as one block.

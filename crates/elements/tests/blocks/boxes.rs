@@ -26,10 +26,7 @@ fn pair<M: ConstitutiveLaw>(
     let mut general = Fixture::of(mesh.clone(), kernel, law.clone(), options);
     let (nodes, elements) = (special.block.nodes(), special.block.elements());
     let part = BlockPart::new(mesh, elements, nodes);
-    let factory = match kernel {
-        SolidKernel::Hex8BBar => crate::solid("rock", crate::Hex8BBar, law, options),
-        _ => crate::solid("rock", crate::Hex8Full, law, options),
-    };
+    let factory = kernel.factory_of_any_shape("rock", law, options);
     general.block = factory.build(&part).unwrap();
     [special, general]
 }

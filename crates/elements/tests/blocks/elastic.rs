@@ -103,7 +103,7 @@ fn frequency_bounds_are_eigenvalues() {
 #[test]
 fn the_bound_of_a_cube_is_known() {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(0.5), [1, 1, 1], "rock").unwrap();
-    let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::DEFAULT);
+    let kernel = SolidKernel::ONE_POINT;
     let fixture = Fixture::of(mesh, kernel, Linear(rock()), BlockOptions::default());
     let stiffness = 3.0 * rock().lambda() + 2.0 * rock().shear();
     let exact = 2.0 / 0.5 * (stiffness / 2750.0).sqrt();
@@ -173,12 +173,8 @@ fn unsuitable_parts_are_refused() {
     let build = |mesh: &Mesh, nodes: &[u32]| {
         let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
         let part = BlockPart::new(mesh, &elements, nodes);
-        let factory = solid(
-            "rock",
-            Hex8OnePoint::DEFAULT,
-            Linear(rock()),
-            BlockOptions::default(),
-        );
+        let factory =
+            SolidKernel::ONE_POINT.factory("rock", Linear(rock()), BlockOptions::default());
         factory.build(&part).err().map(|error| error.to_string())
     };
     let hexes = distorted_box(ElementKind::Hex8);

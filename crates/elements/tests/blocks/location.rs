@@ -3,7 +3,7 @@
 use powerhouse_model::{ElementKernel, PointAdapter};
 
 use super::*;
-use crate::{AnyLaw, Hex8Full, Pyramid5, Tet4, Tet10, Wedge6};
+use powerhouse_elements::{AnyLaw, Hex8Full, Pyramid5, Tet4, Tet10, Wedge6};
 
 /// Isotropic damage with a stiffness and a threshold that vary in space: `d = k / (k + threshold)` by the
 /// largest norm `k` of the strain so far, with a modulus of 100 times the threshold times that of the medium.
@@ -251,7 +251,7 @@ impl ConstitutiveLaw for Recorded {
 /// and in one, in blocks of equal and of distorted elements.
 #[test]
 fn every_point_has_its_own_position() {
-    fn check<K, const N: usize, const P: usize>(kernel: K)
+    fn check<K, const N: usize, const P: usize>(of_name: SolidKernel, kernel: &K)
     where
         K: ElementKernel<N, P>,
     {
@@ -263,7 +263,7 @@ fn every_point_has_its_own_position() {
                 let nodes: Vec<u32> = (0..mesh.node_count() as u32).collect();
 
                 let part = BlockPart::new(&mesh, &elements, &nodes);
-                let factory = solid("rock", kernel.clone(), Recorded(rock()), options);
+                let factory = of_name.factory("rock", Recorded(rock()), options);
                 let mut fixture = Fixture {
                     mesh: mesh.clone(),
                     block: factory.build(&part).unwrap(),
@@ -288,10 +288,11 @@ fn every_point_has_its_own_position() {
             }
         }
     }
-    check(Hex8OnePoint::DEFAULT);
-    check(Hex8Full);
-    check(Wedge6);
-    check(Tet4);
-    check(Pyramid5);
-    check(Tet10::new(&rock()));
+    let one_point = Hex8OnePoint::DEFAULT;
+    check(SolidKernel::Hex8OnePoint(one_point), &one_point);
+    check(SolidKernel::Hex8Full, &Hex8Full);
+    check(SolidKernel::Wedge6, &Wedge6);
+    check(SolidKernel::Tet4, &Tet4);
+    check(SolidKernel::Pyramid5, &Pyramid5);
+    check(SolidKernel::Tet10, &Tet10::new(&rock()));
 }

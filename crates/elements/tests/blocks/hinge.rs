@@ -11,7 +11,7 @@ const STEPS: usize = 40;
 
 /// Load of a cantilever of ten cubes, or of elements of which cubes are made, in plane strain over that of its hinge, at four times the deflection at which a beam
 /// would begin to yield; law of von Mises without hardening.
-pub(super) fn load(kernel: SolidKernel) -> f64 {
+pub(crate) fn load(kernel: SolidKernel) -> f64 {
     let medium = ElasticMedium::new(30.0e9, 0.3, 2500.0).unwrap();
     let size = Vec3::new(10.0, 1.0, 1.0);
     let kind = kernel.kind();

@@ -1,9 +1,9 @@
 //! Unchecked reads, views as lanes and prefetching: what an interpreter that finds undefined behaviour can run
-//! (`cargo +nightly miri test -p powerhouse-elements --lib tests::memory`).
+//! (`cargo +nightly miri test -p powerhouse-elements --lib memory::tests`).
 
 use powerhouse_model::{Lane, Quad, Vec3};
 
-use crate::block::memory::{Cache, Connectivity, as_lanes, as_lanes_mut, prefetch};
+use super::{Cache, Connectivity, as_lanes, as_lanes_mut, prefetch};
 use crate::block::numbers::AlignedNumbers;
 use crate::lanes::BatchScalar;
 

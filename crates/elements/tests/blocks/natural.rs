@@ -6,7 +6,7 @@ use super::*;
 
 /// Displacements of the nodes of a mesh of one kernel, in static equilibrium under nodal forces; components where `held` is
 /// true are zero.
-pub(super) fn displaced(
+pub(crate) fn displaced(
     fixture: &Fixture,
     held: impl Fn(&Vec3) -> [bool; 3],
     force: impl Fn(&Vec3) -> Vec3,

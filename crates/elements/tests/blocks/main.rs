@@ -5,7 +5,6 @@ mod elastic;
 mod hinge;
 mod invariance;
 mod location;
-mod memory;
 mod mixed;
 mod natural;
 mod remaining;
@@ -21,7 +20,7 @@ use powerhouse_model::{
     Quad, RemainingStiffness, StepTime, Strain, Stress, Vec3,
 };
 
-use crate::{Hex8OnePoint, SolidKernel, solid};
+use powerhouse_elements::{Hex8OnePoint, SolidKernel};
 
 /// `lambda tr(e) I + 2 G e`.
 #[derive(Clone)]
