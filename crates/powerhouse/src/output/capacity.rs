@@ -42,8 +42,12 @@ pub(super) fn of_section(
     };
     let pieces = geometry.pieces.len();
     if pieces > 1 || super::sections::hollow(request, geometry).is_some() {
+        let way_out = match request.elements {
+            Some(_) => "another axis, or a centre further along it, cuts the wall alone",
+            None => "a `half_extent` that takes one side gives its thickness",
+        };
         return Err(refused(format!(
-            "the plane cuts {pieces} piece(s) that are no single wall; a `half_extent` that takes one side gives its thickness"
+            "the plane cuts {pieces} piece(s) that are no single wall; {way_out}"
         )));
     }
     let capacity = SectionCapacity::new(geometry.depth, reinforcement);

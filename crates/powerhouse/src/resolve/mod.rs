@@ -180,9 +180,7 @@ pub(crate) fn compose(
         Some((part.set.to_string(), rim.span()))
     });
     scene.places.rims = rims.collect();
-    let sections = file.output.sections.iter();
-    let sections = sections.map(|section| (section.name.to_string(), section.at.span()));
-    scene.places.cuts = sections.collect();
+    [scene.places.cuts, scene.places.reinforcements] = output::places(&file.output);
     let histories = file.output.histories.iter().map(|history| &history.name);
     let relative = file.output.relative.iter().map(|relative| &relative.name);
     let named = histories.chain(relative);

@@ -1,5 +1,8 @@
 //! Output plan of a scene file.
 
+use core::ops::Range;
+use std::collections::BTreeMap;
+
 use powerhouse_model::Vec3;
 use powerhouse_observe::{
     CrossSection, JointQuantities, Motion, ObservationPoint, Place, SectionReinforcement,
@@ -410,6 +413,19 @@ fn cut(names: &Names, section: &Section) -> Result<SectionRequest, Fault> {
         elements: None,
         reinforcement: section.reinforcement.as_deref().map(reinforcement),
     })
+}
+
+/// Byte ranges of the points of sections, and of the reinforcements of sections and rings, by name.
+pub(super) fn places(output: &Output) -> [BTreeMap<String, Range<usize>>; 2] {
+    let sections = || output.sections.iter();
+    let points = sections().map(|section| (section.name.to_string(), section.at.span()));
+    let rings = output.rings.iter();
+    let rings = rings.map(|ring| (&ring.name, &ring.reinforcement));
+    let bars = sections()
+        .map(|section| (&section.name, &section.reinforcement))
+        .chain(rings)
+        .filter_map(|(name, bars)| Some((name.to_string(), bars.as_ref()?.span())));
+    [points.collect(), bars.collect()]
 }
 
 fn reinforcement(bars: &Reinforcement) -> SectionReinforcement {

@@ -79,6 +79,8 @@ pub(crate) struct SceneSpans {
     pub(crate) histories: BTreeMap<String, Range<usize>>,
     /// Sections, by name.
     pub(crate) cuts: BTreeMap<String, Range<usize>>,
+    /// Reinforcements of sections and of rings, by name.
+    pub(crate) reinforcements: BTreeMap<String, Range<usize>>,
     /// Materials of parts, by element set.
     pub(crate) materials: BTreeMap<String, Range<usize>>,
     /// Rims of parts, by element set.
@@ -173,6 +175,12 @@ impl SceneSpans {
                 ObserveError::EmptySection { section, .. }
                 | ObserveError::NoDirection { section, .. },
             ) => self.cuts.get(section).cloned(),
+            Some(ObserveError::Reinforcement { section, .. }) => {
+                // Sections of a ring have its name, and their angle behind a hyphen.
+                let of_ring = section.rsplit_once('-').map(|(ring, _)| ring);
+                let mut names = [section.as_str()].into_iter().chain(of_ring);
+                names.find_map(|name| self.reinforcements.get(name).cloned())
+            }
             Some(ObserveError::InactiveLocation { name, .. }) => self.histories.get(name).cloned(),
             _ => None,
         }

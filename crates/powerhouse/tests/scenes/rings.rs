@@ -171,3 +171,37 @@ fn rings_that_meet_nothing_are_refused_at_their_key() {
         assert!(text.contains(wanted), "{new}: {text}");
     }
 }
+
+/// Bars that do not fit the thickness of a ring's sections are refused at the reinforcement, as are those of a section.
+#[test]
+fn a_reinforcement_that_does_not_fit_is_refused_at_its_key() {
+    let folder = Folder::new("ring-reinforcement");
+    write_gmsh(folder.join("ring.msh"), &quarter()).unwrap();
+    let path = folder.join("ring.toml");
+    let bars = "concrete_strength = 30e6, bars = [2e-3, 2e-3], cover = 0.7, yield_stress = 435e6";
+    let section = "[[output.section]]\nname = \"foot-1\"\nset = \"lining\"\nat = [4.5, 0.5, 0.1]\n\
+                   normal = [0, 0, 1]\nalong = [0, 1, 0]\n";
+    for (of, text) in [
+        (
+            "lining-000",
+            format!("{SCENE}reinforcement = {{ {bars} }}\n"),
+        ),
+        (
+            "foot-1",
+            format!("{SCENE}{section}reinforcement = {{ {bars} }}\n"),
+        ),
+    ] {
+        std::fs::write(&path, &text).unwrap();
+        let error = Scene::from_file(&path).unwrap().prepare().err().unwrap();
+        let Error::Scene(fault) = error else {
+            panic!("{error}");
+        };
+        let line = text
+            .lines()
+            .position(|line| line.starts_with("reinforcement"));
+        let (line, message) = (line.unwrap() + 1, fault.to_string());
+        for wanted in [format!(":{line}:"), of.into(), "cover".into()] {
+            assert!(message.contains(&wanted), "{wanted}: {message}");
+        }
+    }
+}

@@ -5,6 +5,7 @@ mod checkpoints;
 mod finished;
 mod report;
 mod running;
+mod sections;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
