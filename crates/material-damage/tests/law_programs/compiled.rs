@@ -85,7 +85,7 @@ fn compiler() -> Option<PathBuf> {
 /// Compares a compiled program with its law at all points.
 fn compare<S: Stored, M: ConstitutiveLaw>(executable: &Path, program: &Program, law: &M) {
     let mut all: Vec<[Vec<S>; 2]> = Vec::new();
-    points::<S, M>(law, |x, y| all.push([x.to_vec(), y.to_vec()]));
+    points::<S, M>(law, &mut |x, y| all.push([x.to_vec(), y.to_vec()]));
     let mut bytes = Vec::new();
     for input in 0..program.inputs().len() {
         for [x, _] in &all {

@@ -40,8 +40,8 @@ struct Compared {
     different: usize,
 }
 
-/// Inputs and outputs of a law in the order of its program, at all points of all paths.
-pub(crate) fn points<S: Number, M: ConstitutiveLaw>(law: &M, mut visit: impl FnMut(&[S], &[S])) {
+/// Inputs and outputs of a law in the order of its program, at all points of all paths; compiled once for all visitors.
+pub(crate) fn points<S: Number, M: ConstitutiveLaw>(law: &M, visit: &mut dyn FnMut(&[S], &[S])) {
     let count = law.history().len();
     let number = |value: f64| S::from_f64(value);
     for path in 0..PATHS {
@@ -81,7 +81,7 @@ fn compared<S: Number, M: ConstitutiveLaw>(law: &M, program: &Program) -> Compar
     let mut replay = Replay::<S>::new(program).unwrap();
     let mut found = vec![S::default(); program.outputs().len()];
     let mut compared = Compared::default();
-    points::<S, M>(law, |x, y| {
+    points::<S, M>(law, &mut |x, y| {
         replay.run(x, &mut found).unwrap();
         let changed = y[6..]
             .iter()
