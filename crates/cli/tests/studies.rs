@@ -25,26 +25,29 @@ fn run_whole(arguments: &[String], printed: &Path) -> Duration {
     begun.elapsed()
 }
 
-/// Starts a study anew after each of a number of kills, each time with another number of threads, until it ends by
-/// itself; its life before each kill is at most a time. Returns what all of it printed.
+/// Starts a study anew after each of a number of kills, and of some more until it has printed that it was resumed, each
+/// time with another number of threads, until it ends by itself; its life before each kill is at most a time. Returns what
+/// all of it printed.
 fn kill_and_start_again(
     arguments: &[String],
-    kills: u32,
+    (kills, resumed): (u32, &str),
     within: Duration,
     printed: &Path,
 ) -> String {
+    let all_printed = || std::fs::read_to_string(printed).unwrap();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let mut noise = Noise(11);
     let mut done = 0;
     loop {
         let mut study = start(&arguments, 1 + done as usize % 3, printed);
-        if done < kills && noise.kill(&mut study, within) {
+        let more = done < kills || (done < 10 * kills && !all_printed().contains(resumed));
+        if more && noise.kill(&mut study, within) {
             done += 1;
             continue;
         }
         assert!(study.wait().unwrap().success());
         assert!(done * 2 > kills, "{done} of {kills} kills");
-        return std::fs::read_to_string(printed).unwrap();
+        return all_printed();
     }
 }
 
@@ -62,8 +65,10 @@ fn a_killed_sweep_goes_on_inside_its_cases() {
         ["sweep", &scene, "--out", &out].map(String::from).into()
     };
     let within = run_whole(&sweep(&whole), &folder.join("printed")) / 4;
-    let printed = kill_and_start_again(&sweep(&killed), 5, within, &folder.join("printed-killed"));
-    assert!(printed.contains("steep: resumed after"), "{printed}");
+    let resumed = "steep: resumed after";
+    let file = folder.join("printed-killed");
+    let printed = kill_and_start_again(&sweep(&killed), (5, resumed), within, &file);
+    assert!(printed.contains(resumed), "{printed}");
     assert!(printed.contains("steps, at t = "), "{printed}");
     assert!(!printed.contains("warning: a checkpoint"), "{printed}");
     assert_same_files(&killed, &whole);
@@ -101,8 +106,10 @@ fn a_killed_trade_study_goes_on_inside_its_runs() {
     };
     let [whole, killed] = ["whole", "killed"].map(|name| folder.join(name));
     let within = run_whole(&trade(&whole), &folder.join("printed")) / 4;
-    let printed = kill_and_start_again(&trade(&killed), 4, within, &folder.join("printed-killed"));
-    assert!(printed.contains("  resumed after"), "{printed}");
+    let resumed = "  resumed after";
+    let file = folder.join("printed-killed");
+    let printed = kill_and_start_again(&trade(&killed), (4, resumed), within, &file);
+    assert!(printed.contains(resumed), "{printed}");
     let histories = |folder: &Path| {
         let mut of_runs = files(folder);
         of_runs.retain(|name, _| name.ends_with("histories.csv"));
