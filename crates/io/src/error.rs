@@ -101,6 +101,14 @@ pub enum IoError {
         /// Path of the value in the summary, such as `.peaks[2].value`.
         path: String,
     },
+    /// A VTU or PVD file that is read is damaged, or has another form than those that are written.
+    #[error("{}: {reason}", file.display())]
+    Grid {
+        /// Path of the file.
+        file: PathBuf,
+        /// Reason in words.
+        reason: String,
+    },
     /// A line of a table that is read is not a header with units, or not a row of as many numbers.
     #[error("{}:{line}: {reason}", file.display())]
     Table {

@@ -6,8 +6,9 @@
 //! | meshes of Abaqus input files, [`read_inp`] | |
 //! | accelerograms, [`read_record`] | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
 //! | tables, [`read_table`] | fields for ParaView, [`VtuWriter`] and [`PvdCollection`] |
+//! | these fields, [`read_vtu`], [`read_pvd`] | |
 //! | motions of stations, [`read_station_motions`] | |
-//! | | curves as SVG, [`write_plot`]; the mesh as PNG, [`write_picture`] |
+//! | | curves as SVG, [`write_plot`]; the mesh as PNG, [`write_picture`], moving, [`AnimationFile`] |
 //!
 //! The crate is independent of scenes, waves and engines: it reads and writes samples, meshes and
 //! columns of numbers, with their units.
@@ -36,7 +37,7 @@
 //! | `gmsh` | Gmsh meshes, read and written | `mshio` |
 //! | `inp` | meshes of Abaqus input files | none |
 //! | `records` | accelerograms | none |
-//! | `vtu` | VTU and PVD files | `flate2` |
+//! | `vtu` | VTU and PVD files | `flate2`, `roxmltree` |
 //! | `plots` | plots as SVG | none |
 //! | `pictures` | pictures as PNG | `png` |
 //! | `json` | summaries as JSON | `serde`, `serde_json` |
@@ -101,8 +102,8 @@ pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_w
 pub use memory::available_memory;
 #[cfg(feature = "pictures")]
 pub use picture::{
-    ColourMap, Deformation, FacetField, Picture, PictureField, PictureView, SectionPlane,
-    write_picture,
+    AnimationFile, ColourMap, Deformation, FacetField, Picture, PictureField, PictureView,
+    SectionPlane, colour_range, shown_number, shown_unit, write_picture,
 };
 #[cfg(feature = "plots")]
 pub use plot::{Plot, PlotCurve, PlotPanel, write_plot};
@@ -126,5 +127,8 @@ pub use table::{
     write_table,
 };
 #[cfg(feature = "vtu")]
-pub use vtu::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};
+pub use vtu::{
+    FieldOfFile, FieldPrecision, PvdCollection, PvdEntry, VtuField, VtuGrid, VtuNumbers, VtuWriter,
+    read_pvd, read_vtu,
+};
 pub use whole::{Unread, read_whole};

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use powerhouse_io::{
-    ColourMap, Deformation, FacetField, IoError, Picture, PictureField, PictureView, Plot,
-    SectionPlane, TableColumn, write_picture, write_plot,
+    AnimationFile, ColourMap, Deformation, FacetField, IoError, Picture, PictureField, PictureView,
+    Plot, SectionPlane, TableColumn, write_picture, write_plot,
 };
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
@@ -182,6 +182,73 @@ fn a_displacement_moves_the_body() {
         factor: 5.0,
     }));
     assert!((moved / filled(None) - 1.5).abs() < 0.05, "{moved}");
+}
+
+/// The pictures of an animation are those that are written one by one, in turn and each for its time; a body that moves
+/// does so in the picture, since its scale is that of the stated extents.
+#[test]
+fn pictures_of_an_animation_are_those_of_files() {
+    let folder = folder("animation");
+    let mesh = cube();
+    let values: Vec<f64> = mesh.positions().iter().map(|p| p.x).collect();
+    let aside = vec![Vec3::x(); mesh.node_count()];
+    let picture = |factor: f64| {
+        let mut picture = Picture::new(&mesh, PictureField::Nodal(&values), "x (m)");
+        picture.view = PictureView::along(Vec3::y());
+        (picture.width, picture.height) = (300, 200);
+        picture.extents = Some([Vec3::zeros(), Vec3::repeat(4.0)]);
+        picture.deformation = Some(Deformation {
+            displacement: &aside,
+            factor,
+        });
+        picture
+    };
+    let (file, one) = (folder.join("moving.png"), folder.join("one.png"));
+    let mut animation = AnimationFile::new(&file, 3, 0.04).unwrap();
+    for factor in [0.0, 1.0, 2.0] {
+        assert!(!file.exists());
+        animation.add(&picture(factor)).unwrap();
+    }
+    let error = animation.add(&picture(3.0)).unwrap_err().to_string();
+    assert!(error.contains("there are more than 3 pictures"), "{error}");
+    let content = std::io::BufReader::new(std::fs::File::open(&file).unwrap());
+    let mut reader = png::Decoder::new(content).read_info().unwrap();
+    assert_eq!(reader.info().animation_control.unwrap().num_frames, 3);
+    let mut lefts = Vec::new();
+    for factor in [0.0, 1.0, 2.0] {
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut bytes).unwrap();
+        let control = reader.info().frame_control.unwrap();
+        assert_eq!(control.delay_num * 25, control.delay_den);
+        write_picture(&one, &picture(factor)).unwrap();
+        let (width, _, pixels) = decoded(&one);
+        assert_eq!(bytes, pixels.as_flattened());
+        let row = &pixels[110 * width..][..width - 150];
+        lefts.push(row.iter().position(|pixel| *pixel != [255; 3]).unwrap());
+    }
+    // A body of 2 m in extents of 4 m moves by a quarter of their width.
+    assert!(lefts[1] > lefts[0] + 10);
+    assert!((lefts[2] - lefts[1]).abs_diff(lefts[1] - lefts[0]) <= 1);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// An animation of pictures of two sizes, of none, or with a time out of range is refused.
+#[test]
+fn animations_out_of_range_are_refused() {
+    let mesh = cube();
+    let error = |pictures, seconds| AnimationFile::new("never.png", pictures, seconds).err();
+    assert!(matches!(error(0, 0.1), Some(IoError::Setting { .. })));
+    assert!(matches!(error(2, f64::NAN), Some(IoError::Setting { .. })));
+    let mut animation = AnimationFile::new("never.png", 2, 0.1).unwrap();
+    let mut picture = Picture::new(&mesh, PictureField::Sets, "");
+    animation.add(&picture).unwrap();
+    picture.width = 100;
+    let error = animation.add(&picture).unwrap_err().to_string();
+    assert!(
+        error.contains("never.png: a picture has 100 by 900 pixels"),
+        "{error}"
+    );
+    assert!(!std::path::Path::new("never.png").exists());
 }
 
 /// Two squares side by side in the plane y = 1, the left one with 0 at its corners, the right one

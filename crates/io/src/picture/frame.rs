@@ -109,10 +109,18 @@ impl<'a> Painter<'a> {
         let axes = picture.view.axes();
         let mut low = Vec3::repeat(f64::INFINITY);
         let mut high = -low;
-        for node in surface.nodes(picture.mesh) {
-            let position = surface.positions[node as usize];
+        let mut include = |position: Vec3| {
             let seen = Vec3::from_fn(|i, _| axes[i].dot(&position));
             (low, high) = (low.inf(&seen), high.sup(&seen));
+        };
+        match picture.extents {
+            Some(ends) => (0..8).for_each(|corner| {
+                include(Vec3::from_fn(|axis, _| ends[corner >> axis & 1][axis]));
+            }),
+            None => {
+                let nodes = surface.nodes(picture.mesh);
+                nodes.for_each(|node| include(surface.positions[node as usize]));
+            }
         }
         let seen = 0.5 * (low + high);
         let top = MARGIN + picture.title.lines().count() * lettering(picture).line();

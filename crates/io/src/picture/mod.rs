@@ -3,10 +3,12 @@
 //! A z-buffer renderer of the surface shows a result without another program and without a graphics
 //! card.
 
+mod animation;
 mod colour;
 mod frame;
 mod lettering;
 mod raster;
+mod shown;
 mod surface;
 mod view;
 
@@ -14,8 +16,10 @@ use std::path::Path;
 
 use powerhouse_model::{Mesh, ParameterError, Vec3};
 
+pub use animation::AnimationFile;
 pub use colour::ColourMap;
 use frame::Frame;
+pub use shown::{colour_range, shown_number, shown_unit};
 pub use view::PictureView;
 
 use crate::{IoError, write_whole};
@@ -92,6 +96,9 @@ pub struct Picture<'a> {
     pub section: Option<SectionPlane>,
     /// Box (lower and upper corner, m) that the picture shows: elements or facets with their centroid outside are not drawn.
     pub close_up: Option<[Vec3; 2]>,
+    /// Box (lower and upper corner, m) that the picture is scaled to, such as one for all pictures of an animation. `None`:
+    /// what is drawn.
+    pub extents: Option<[Vec3; 2]>,
     /// Active elements, one flag per element: excavated rooms and linings that are not cast yet are not
     /// drawn. `None`: all are active.
     pub present: Option<&'a [bool]>,
@@ -119,6 +126,7 @@ impl<'a> Picture<'a> {
             view: PictureView::aslant(),
             section: None,
             close_up: None,
+            extents: None,
             present: None,
             deformation: None,
             edges: true,
@@ -153,10 +161,15 @@ impl<'a> Picture<'a> {
                 f64::MAX,
             )?;
         }
-        if let Some([low, high]) = &self.close_up {
+        let boxes = [
+            (["close_up.low", "close_up.high"], &self.close_up),
+            (["extents.low", "extents.high"], &self.extents),
+        ];
+        for ([lower, upper], corners) in boxes {
+            let Some([low, high]) = corners else { continue };
             for axis in 0..3 {
-                within("close_up.low", low[axis], f64::MIN, f64::MAX)?;
-                within("close_up.high", high[axis], low[axis], f64::MAX)?;
+                within(lower, low[axis], f64::MIN, f64::MAX)?;
+                within(upper, high[axis], low[axis], f64::MAX)?;
             }
         }
         if let Some([low, high]) = self.range {
@@ -265,11 +278,16 @@ pub fn write_picture(file: &Path, picture: &Picture) -> Result<(), IoError> {
 
 fn encoded(image: &Frame) -> Result<Vec<u8>, png::EncodingError> {
     let mut out = Vec::new();
-    let mut encoder = png::Encoder::new(&mut out, image.width as u32, image.height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
+    let mut writer = encoder(&mut out, image).write_header()?;
     writer.write_image_data(image.pixels.as_flattened())?;
     writer.finish()?;
     Ok(out)
+}
+
+/// Encoder of pictures of the size of one.
+fn encoder<W: std::io::Write>(out: W, image: &Frame) -> png::Encoder<'static, W> {
+    let mut encoder = png::Encoder::new(out, image.width as u32, image.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder
 }

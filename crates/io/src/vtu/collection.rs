@@ -3,9 +3,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use roxmltree::Document;
+
 use super::writer::{VtuField, VtuWriter};
 use crate::xml::escaped;
-use crate::{IoError, write_whole};
+use crate::{IoError, read_whole, write_whole};
+
+/// Greatest size of a collection file (bytes).
+const MOST: u64 = 1 << 30;
 
 /// Time series of results: a PVD file and the VTU files beside it. The PVD is written anew after every
 /// instant, so that an interrupted run leaves a readable series.
@@ -134,4 +139,58 @@ impl PvdCollection {
         text.push_str("</Collection>\n</VTKFile>\n");
         text
     }
+}
+
+/// File of a PVD collection.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PvdEntry {
+    /// Time (s).
+    pub time: f64,
+    /// Part of the body at this time: 0 is the body itself, others are its joints.
+    pub part: usize,
+    /// Path of the file, from where that of the collection begins.
+    pub file: PathBuf,
+}
+
+/// Reads the list of files of a PVD collection, in the order of the file.
+///
+/// # Errors
+/// [`IoError::File`]; [`IoError::Grid`] with the reason.
+pub fn read_pvd(file: &Path) -> Result<Vec<PvdEntry>, IoError> {
+    let bytes = read_whole(file, MOST).map_err(IoError::file(file))?;
+    let fault = |reason: String| IoError::Grid {
+        file: file.into(),
+        reason,
+    };
+    let text = std::str::from_utf8(&bytes).map_err(|error| fault(error.to_string()))?;
+    let document = Document::parse(text).map_err(|error| fault(error.to_string()))?;
+    let root = document.root_element();
+    if root.attribute("type") != Some("Collection") {
+        return Err(fault("the file is not a collection".into()));
+    }
+    let mut entries = Vec::new();
+    let sets = root
+        .descendants()
+        .filter(|node| node.has_tag_name("DataSet"));
+    for (index, set) in sets.enumerate() {
+        let number = |name: &str| {
+            set.attribute(name)
+                .and_then(|text| text.parse::<f64>().ok())
+        };
+        let time = number("timestep").filter(|time| time.is_finite());
+        let part = set
+            .attribute("part")
+            .map_or(Some(0), |part| part.parse().ok());
+        let (Some(time), Some(part), Some(name)) = (time, part, set.attribute("file")) else {
+            let reason = format!("entry {index} lacks a time, a part or a file");
+            return Err(fault(reason));
+        };
+        entries.push(PvdEntry {
+            time,
+            part,
+            file: file.with_file_name(name),
+        });
+    }
+    Ok(entries)
 }

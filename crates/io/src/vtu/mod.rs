@@ -1,11 +1,14 @@
-//! Results for ParaView: VTU files of one instant each, and a PVD collection of them.
+//! Results for ParaView: VTU files of one instant each, and a PVD collection of them, written and read.
 //!
 //! The data follow the XML as raw bytes, compressed by zlib in blocks, as in the VTK file
 //! formats page (Kitware, *VTK XML file formats*, appended data).
 
 mod collection;
+mod decode;
 mod encode;
+mod reader;
 mod writer;
 
-pub use collection::PvdCollection;
+pub use collection::{PvdCollection, PvdEntry, read_pvd};
+pub use reader::{FieldOfFile, VtuGrid, read_vtu};
 pub use writer::{FieldPrecision, VtuField, VtuNumbers, VtuWriter};

@@ -67,7 +67,7 @@ pub struct VtuWriter {
 }
 
 /// VTK's number of a kind of cell, and its order of the nodes.
-fn cell(kind: ElementKind) -> Option<(u8, &'static [usize])> {
+pub(super) fn cell(kind: ElementKind) -> Option<(u8, &'static [usize])> {
     Some(match kind {
         ElementKind::Hex8 => (12, &[0, 1, 2, 3, 4, 5, 6, 7]),
         ElementKind::Tet4 => (10, &[0, 1, 2, 3]),
@@ -113,14 +113,14 @@ impl VtuWriter {
             })
         };
         let element_tags = tags(mesh.element_tags());
-        let name = r#"type="UInt64" Name="element_tag""#;
-        let mut cell_static = vec![array(name.into(), &element_tags)?];
+        let [of_nodes, of_elements] = TAGS.map(|name| format!(r#"type="UInt64" Name="{name}""#));
+        let mut cell_static = vec![array(of_elements, &element_tags)?];
         for (name, elements) in mesh.element_sets() {
             let mut inside = vec![0_u8; mesh.element_count()];
             for &element in elements {
                 inside[element as usize] = 1;
             }
-            let attributes = format!(r#"type="UInt8" Name="set {}""#, escaped(name));
+            let attributes = format!(r#"type="UInt8" Name="{SET}{}""#, escaped(name));
             cell_static.push(array(attributes, &inside)?);
         }
         let positions = mesh.positions().iter().flat_map(|p| [p.x, p.y, p.z]);
@@ -135,10 +135,7 @@ impl VtuWriter {
                 compressed(&offsets)?,
                 compressed(&types)?,
             ],
-            point_static: vec![array(
-                r#"type="UInt64" Name="node_tag""#.into(),
-                &tags(mesh.node_tags()),
-            )?],
+            point_static: vec![array(of_nodes, &tags(mesh.node_tags()))?],
             cell_static,
         })
     }
@@ -353,7 +350,13 @@ impl VtuWriter {
 }
 
 /// Name of the field of active elements.
-const PRESENT: &str = "present";
+pub(super) const PRESENT: &str = "present";
+/// Names of the numbers of nodes and elements in the input file.
+pub(super) const TAGS: [&str; 2] = ["node_tag", "element_tag"];
+/// Beginning of the names of the fields of element sets.
+pub(super) const SET: &str = "set ";
+/// Key of VTK of the unit of a field.
+pub(super) const UNIT_KEY: &str = "UNITS_LABEL";
 
 /// Data array.
 struct Array {
@@ -397,7 +400,7 @@ impl Body {
                 "" => writeln!(self.xml, "{start}/>"),
                 unit => writeln!(
                     self.xml,
-                    r#"{start}><InformationKey name="UNITS_LABEL" location="vtkDataArray">{}</InformationKey></DataArray>"#,
+                    r#"{start}><InformationKey name="{UNIT_KEY}" location="vtkDataArray">{}</InformationKey></DataArray>"#,
                     escaped(unit)
                 ),
             };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use powerhouse_io::{
     FacetField, IoError, Picture, PictureField, PictureView, Plot, PlotCurve, PlotPanel,
-    SectionPlane, TableColumn, write_picture, write_plot,
+    SectionPlane, TableColumn, colour_range, shown_number, shown_unit, write_picture, write_plot,
 };
 use powerhouse_model::{Mesh, Vec3};
 
@@ -143,14 +143,6 @@ pub(super) struct Shown<'a> {
     pub(super) time: f64,
 }
 
-/// Units of files and those of pictures, with the number of the second in one of the first.
-const UNITS: [(&str, &str, f64); 3] = [("Pa", "MPa", 1e-6), ("m", "mm", 1e3), ("1", "", 1.0)];
-/// Share of the numbers of a field that its colours span, where the greatest is a spike.
-const SPANNED: f64 = 0.995;
-/// Greatest number over that at the end of the colours from which on it is a spike.
-const SPIKE: f64 = 2.0;
-/// Extent of a body over its next larger one (1) below which it is a slice, which is looked at straight on.
-const SLICE: f64 = 0.15;
 /// Surroundings of a structure that are drawn, over its greatest extent (1).
 const SURROUNDINGS: f64 = 0.25;
 
@@ -164,8 +156,7 @@ impl Shown<'_> {
         field: PictureField,
         close_up: Option<[Vec3; 2]>,
     ) -> Result<(), IoError> {
-        let known = UNITS.iter().find(|(of_files, ..)| *of_files == unit);
-        let (unit, factor) = known.map_or((unit, 1.0), |(_, shown, factor)| (*shown, *factor));
+        let (unit, factor) = shown_unit(unit);
         let scaled = |values: &[f64]| -> Vec<f64> { values.iter().map(|v| factor * v).collect() };
         let (values, is_nodal) = match field {
             PictureField::Nodal(values) => (scaled(values), true),
@@ -182,29 +173,21 @@ impl Shown<'_> {
         let mut picture = Picture::new(self.mesh, field, unit);
         picture.present = self.present;
         picture.close_up = close_up;
-        match slice(&(high - low)) {
-            Some(direction) => picture.view = PictureView::along(direction),
-            None => {
-                picture.section = Some(SectionPlane {
-                    point: (low + high) / 2.0,
-                    normal: -Vec3::y(),
-                });
-            }
-        }
+        (picture.view, picture.section) = PictureView::into_body([low, high]);
         let seen = self.seen(&values, is_nodal, close_up);
         let mut title = format!(
             "{}\n{name} of the run to {} s: {} {unit}",
             self.title,
-            number(self.time),
-            number(extreme(&seen)),
+            shown_number(self.time),
+            shown_number(extreme(&seen)),
         );
         title.truncate(title.trim_end().len());
-        picture.range = colours(&seen);
+        picture.range = colour_range(&seen);
         if let Some([least, most]) = picture.range {
             title.push_str(&format!(
                 ", colours from {} to {}",
-                number(least),
-                number(most)
+                shown_number(least),
+                shown_number(most)
             ));
         }
         picture.title = title;
@@ -246,44 +229,6 @@ fn extreme(values: &[f64]) -> f64 {
         }
     };
     values.iter().fold(0.0, larger)
-}
-
-/// A number with four digits.
-fn number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        size if (1e-2..1e5).contains(&size) => {
-            let digits = (3 - size.log10().floor() as i32).max(0) as usize;
-            format!("{value:.digits$}")
-        }
-        _ => format!("{value:.3e}"),
-    }
-}
-
-/// Ends of the colours of a field with a spike at one end; none without.
-fn colours(values: &[f64]) -> Option<[f64; 2]> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let (least, most) = (*sorted.first()?, *sorted.last()?);
-    let beyond = ((1.0 - SPANNED) * sorted.len() as f64) as usize;
-    let (lower, upper) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
-    let is_high = upper > 0.0 && most > SPIKE * upper;
-    let is_low = lower < 0.0 && least < SPIKE * lower;
-    (is_high || is_low).then_some([
-        if is_low { lower } else { least },
-        if is_high { upper } else { most },
-    ])
-}
-
-/// Direction across a body of given extents that is a slice.
-fn slice(extents: &Vec3) -> Option<Vec3> {
-    let thin = extents.imin();
-    let others = (0..3).filter(|axis| *axis != thin);
-    let next = others
-        .map(|axis| extents[axis])
-        .fold(f64::INFINITY, f64::min);
-    let directions = [-Vec3::x(), Vec3::y(), -Vec3::z()];
-    (extents[thin] < SLICE * next).then_some(directions[thin])
 }
 
 /// Box of a structure with its surroundings (m); none if that is most of the body.
