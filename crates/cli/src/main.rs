@@ -17,6 +17,7 @@ mod look;
 mod manual;
 mod mesh;
 mod page;
+mod picture;
 mod plot;
 mod progress;
 mod ranks;
@@ -198,8 +199,11 @@ enum Command {
         /// Folder of the results.
         folder: PathBuf,
     },
-    /// Draw histories of a finished run, their response or Fourier spectra, or the growth of their Arias intensity.
+    /// Draw histories of a finished run, their response or Fourier spectra, or the growth of their Arias intensity; or fields
+    /// of its snapshots along a line.
     Plot(plot::PlotArguments),
+    /// Draw a field of the snapshots of a finished run, or of a VTU file of it, deformed or moving if wanted.
+    Picture(picture::PictureArguments),
     /// Print the JSON schema of scene files, for editors.
     Schema,
     /// Print the completions of a shell for this command.
@@ -380,6 +384,7 @@ fn main() -> ExitCode {
         Command::Trade(arguments) => trade::trade(arguments),
         Command::Converge(arguments) => converge::converge(arguments),
         Command::Plot(arguments) => plot::plot(arguments),
+        Command::Picture(arguments) => picture::picture(arguments),
         Command::Report { folder } => page::page(&folder),
         Command::New { folder } => starter::new(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),

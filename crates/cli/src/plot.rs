@@ -1,13 +1,18 @@
 //! `powerhouse plot`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use powerhouse::file_name;
+use powerhouse::io::{Plot, shown_number, write_noted_table, write_plot};
+use powerhouse::model::Vec3;
+use powerhouse_study::fields::{FieldLine, FieldQuantity, RecordedFields};
 use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::Outcome;
 use crate::advise::number;
+use crate::picture::{finite, numbers};
 use crate::terminal::{say, say_warning};
 
 /// Arguments of `powerhouse plot`.
@@ -16,10 +21,20 @@ pub(crate) struct PlotArguments {
     /// Folder of the results of a run or of a case.
     folder: PathBuf,
     /// Histories, sections, joints, bolts or energies that are drawn together, such as crown (all its columns) or crown.ax;
-    /// without any the columns are listed.
+    /// without any the columns are listed. With `--along` quantities of snapshots, such as stress.zz.
     histories: Vec<String>,
+    /// Line along which quantities of a snapshot are drawn: two or more points (m), such as 0,0,-60:0,0,-90. In place of the
+    /// folder a VTU file may then be given.
+    #[arg(long, value_name = "POINTS", value_parser = corners, allow_hyphen_values = true, requires = "histories")]
+    along: Option<Corners>,
+    /// Number of points on the line, both ends included.
+    #[arg(long, value_name = "COUNT", default_value = "101", requires = "along", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    points: u32,
+    /// Time of the snapshot (s), of which the nearest is taken; by default the last.
+    #[arg(long, value_name = "SECONDS", requires = "along", value_parser = finite)]
+    time: Option<f64>,
     /// What is drawn.
-    #[arg(long, value_enum, default_value_t = Kind::Time)]
+    #[arg(long, value_enum, default_value_t = Kind::Time, conflicts_with = "along")]
     of: Kind,
     /// Damping ratio of a response spectrum, such as 5%; may be repeated. 2, 5 and 10 % by default.
     #[arg(long, value_name = "SHARE", value_parser = damping)]
@@ -28,6 +43,10 @@ pub(crate) struct PlotArguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
+
+/// Corners of a line (m).
+#[derive(Clone)]
+struct Corners(Vec<Vec3>);
 
 /// Measure of a motion.
 #[derive(Clone, Copy, ValueEnum)]
@@ -44,6 +63,19 @@ enum Kind {
 
 /// Draws histories of a finished run, or lists them.
 pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
+    if let Some(Corners(corners)) = arguments.along {
+        let line = FieldLine {
+            corners,
+            points: arguments.points as usize,
+        };
+        let quantities = arguments.histories.into_iter().map(FieldQuantity);
+        return along(
+            &arguments.folder,
+            arguments.time,
+            &line,
+            (quantities.collect(), arguments.out),
+        );
+    }
     let tables = RecordedMotions::all_of_folder(arguments.folder)?;
     if arguments.histories.is_empty() {
         for column in tables.iter().flat_map(RecordedMotions::columns) {
@@ -92,6 +124,65 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         say!("{}", file.display());
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Draws quantities of a snapshot along a line.
+fn along(
+    results: &Path,
+    time: Option<f64>,
+    line: &FieldLine,
+    (quantities, out): (Vec<FieldQuantity>, Option<PathBuf>),
+) -> Outcome {
+    let fields = RecordedFields::at(results)?;
+    let index = fields.nearest(time);
+    let grid = fields.read(index)?;
+    let (table, outside) = line.table(&grid, &quantities, fields.file(index))?;
+    let drawing = out.unwrap_or_else(|| {
+        let names: Vec<String> = quantities.iter().map(ToString::to_string).collect();
+        let name = format!("{}-along-line.svg", file_name(&names.join("-and-")));
+        match results.is_dir() {
+            true => results.join("plots").join(name),
+            false => results.with_file_name(name),
+        }
+    });
+    let drawing = drawing.with_extension("svg");
+    let numbers = drawing.with_extension("csv");
+    let mut notes = Vec::new();
+    if outside > 0 {
+        notes.push(format!(
+            "warning: {outside} of {} points are in no active element and left out",
+            line.points
+        ));
+    }
+    write_noted_table(&numbers, &notes, &table)?;
+    let when = grid
+        .time
+        .map(|time| format!(" at {} s", shown_number(time)));
+    let title = format!("{}{}", fields.title(), when.unwrap_or_default());
+    // The positions are in the table alone.
+    let drawn: Vec<_> = table
+        .iter()
+        .take(1)
+        .chain(table.iter().skip(4))
+        .cloned()
+        .collect();
+    write_plot(&drawing, &Plot::of_table(&title, &drawn))?;
+    for note in notes {
+        say_warning!("{}", note.trim_start_matches("warning: "));
+    }
+    say!("{}\n{}", drawing.display(), numbers.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads the corners of a line (m).
+fn corners(text: &str) -> Result<Corners, String> {
+    let points: Option<Vec<Vec3>> = text
+        .split(':')
+        .map(|p| numbers::<3>(p).map(Vec3::from))
+        .collect();
+    let points = points.filter(|points| points.len() > 1);
+    let corners = points.map(Corners);
+    corners.ok_or_else(|| "two or more points of three coordinates, such as 0,0,-60:0,0,-90".into())
 }
 
 /// Reads a damping ratio from 0 to below 1, such as `5%` or `0.05`.

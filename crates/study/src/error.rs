@@ -77,6 +77,37 @@ pub enum StudyError {
         /// The value.
         value: f64,
     },
+    /// A result folder without snapshots, of which pictures are wanted.
+    #[error(
+        "{} has no snapshots: its scene needs [output.snapshots]; a VTU file in it can be named instead",
+        folder.display()
+    )]
+    NoSnapshots {
+        /// Path of the folder.
+        folder: PathBuf,
+    },
+    /// A field that a VTU file does not have, or a part that the field does not have.
+    #[error("{}: no field '{name}'; expected one of {}", file.display(), available.join(", "))]
+    NoSuchField {
+        /// Path of the file.
+        file: PathBuf,
+        /// Name of the quantity.
+        name: String,
+        /// Names of the quantities that the file has.
+        available: Vec<String>,
+    },
+    /// A picture that would show no element.
+    #[error("{}: no element of these sets is active", file.display())]
+    NothingDrawn {
+        /// Path of the file.
+        file: PathBuf,
+    },
+    /// A line along which no values can be read.
+    #[error("{reason}")]
+    Line {
+        /// Reason in words.
+        reason: String,
+    },
     /// A plot in the place of the tables of a run.
     #[error("{} would be among the tables of the run; choose another folder", file.display())]
     PlotAmongResults {

@@ -6,6 +6,7 @@
 //! - [`FreeFieldCheck`] runs the scene's box without the structure and compares it with the incident field. The
 //!   difference is the error of mesh, time step and boundary, a lower bound of the errors of the scene.
 //! - [`mod@sweep`] runs the cases of a scene, and [`write_report`] writes their results to one HTML page.
+//! - [`motion`] measures recorded motions, and [`fields`] draws what snapshots have, after a run.
 //! - [`trade`] measures cost and error of a scene's numerical options and finds the Pareto front.
 //! - [`convergence`] runs a scene on several meshes and extrapolates its results to vanishing element size.
 //! - [`advise_boundary`] recommends an absorbing boundary for a permitted error, [`advise_box`] the extent of the
@@ -36,6 +37,7 @@ mod error;
 mod even_samples;
 mod excerpt;
 mod extent;
+pub mod fields;
 mod free_field;
 mod grown;
 mod joints;

@@ -1,0 +1,221 @@
+//! `powerhouse picture`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use powerhouse::file_name;
+use powerhouse::io::{SectionPlane, shown_number};
+use powerhouse::model::Vec3;
+use powerhouse_study::fields::{Animation, DeformationFactor, FieldPicture, RecordedFields};
+
+use crate::Outcome;
+use crate::terminal::say;
+
+/// Time that an animation takes (s) by default.
+const LENGTH: f64 = 8.0;
+/// Longest time for which one of its pictures is shown (s) by default.
+const SLOWEST: f64 = 0.5;
+/// Least and greatest width and height (pixels).
+const PIXELS: std::ops::RangeInclusive<u32> = 64..=4096;
+
+/// Arguments of `powerhouse picture`.
+#[derive(Args)]
+pub(crate) struct PictureArguments {
+    /// Folder of the results of a run with [output.snapshots], or a VTU file, such as results/tunnel/envelope.vtu.
+    results: PathBuf,
+    /// Quantity: a field, and after a point what of it, such as damage, displacement, displacement.z, stress.greatest,
+    /// stress.mises or stress.xx; without any the quantities and times are listed.
+    quantity: Option<String>,
+    /// Time (s), of which the nearest snapshot is drawn; by default the last.
+    #[arg(long, value_name = "SECONDS", value_parser = finite)]
+    time: Option<f64>,
+    /// Element set that is drawn, in place of all; may be repeated.
+    #[arg(long = "set", value_name = "NAME")]
+    sets: Vec<String>,
+    /// Draw the body deformed, by displacements relative to the mean motion times a factor; without a number it is one with
+    /// which they are well visible.
+    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "auto", value_parser = deformation)]
+    deformed: Option<DeformationFactor>,
+    /// Direction of view: x, y or z, along this axis, or -x, -y, -z, against it.
+    #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
+    view: Option<Vec3>,
+    /// Plane that cuts the body open, such as y=6.85 (m); by default across y in the middle.
+    #[arg(long, value_name = "AXIS=VALUE", value_parser = cut)]
+    cut: Option<SectionPlane>,
+    /// Draw the whole body, without a cut.
+    #[arg(long, conflicts_with = "cut")]
+    whole: bool,
+    /// Numbers at the ends of the colours, in the unit of the picture, such as -2,1.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// Width and height (pixels), such as 1200x900.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Draw all snapshots, one after the other, as an animation (APNG, which browsers play).
+    #[arg(long, conflicts_with = "time")]
+    animate: bool,
+    /// First time of an animation (s).
+    #[arg(long, value_name = "SECONDS", value_parser = finite, requires = "animate")]
+    from: Option<f64>,
+    /// Last time of an animation (s).
+    #[arg(long, value_name = "SECONDS", value_parser = finite, requires = "animate")]
+    to: Option<f64>,
+    /// Pictures of an animation in a second; by default as many as make it last eight seconds.
+    #[arg(long, value_name = "COUNT", value_parser = finite, requires = "animate")]
+    rate: Option<f64>,
+    /// PNG file; by default in the folder pictures of the results, or beside the VTU file.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Draws a field after a run, or lists what can be drawn.
+pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
+    let fields = RecordedFields::at(&arguments.results)?;
+    let Some(quantity) = &arguments.quantity else {
+        return list(&fields);
+    };
+    let mut picture = FieldPicture::new(quantity);
+    picture.sets = arguments.sets;
+    picture.deformation = arguments.deformed;
+    picture.view = arguments.view;
+    picture.cut = arguments.cut;
+    picture.whole = arguments.whole;
+    picture.range = arguments.range;
+    if let Some(size) = arguments.size {
+        picture.size = size;
+    }
+    let index = fields.nearest(arguments.time);
+    let instants = fields.between(arguments.from, arguments.to);
+    let file = match arguments.out {
+        Some(file) if file.extension().is_none_or(|end| end != "png") => {
+            let file = file.display();
+            return Err(format!("{file}: the name of a picture must end with .png").into());
+        }
+        Some(file) => file,
+        None => {
+            let time = fields.times().nth(index);
+            let when = match (arguments.animate, time) {
+                (true, _) => "-animation".into(),
+                (false, Some(time)) => format!("-{}s", shown_number(time)),
+                (false, None) => String::new(),
+            };
+            let name = format!("{}{when}.png", file_name(quantity));
+            match arguments.results.is_dir() {
+                true => arguments.results.join("pictures").join(name),
+                false => fields.file(index).with_file_name(name),
+            }
+        }
+    };
+    if !arguments.animate {
+        picture.write(&fields, index, &file)?;
+        return written(&file);
+    }
+    if instants.is_empty() {
+        return Err("no snapshot is between these times".into());
+    }
+    let by_default = (LENGTH / instants.len() as f64).clamp(0.02, SLOWEST);
+    let seconds = arguments.rate.map_or(by_default, |rate| 1.0 / rate);
+    let animation = Animation { instants, seconds };
+    picture.animate(&fields, &animation, &file)?;
+    written(&file)
+}
+
+fn written(file: &Path) -> Outcome {
+    say!("{}", file.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Lists times and quantities.
+fn list(fields: &RecordedFields) -> Outcome {
+    let times: Vec<f64> = fields.times().collect();
+    if let [first, .., last] = times[..] {
+        let [first, last] = [first, last].map(shown_number);
+        say!("{} snapshots from {first} to {last} s", times.len());
+    }
+    let grid = fields.read(fields.nearest(None))?;
+    for (place, list) in [("nodes", &grid.at_nodes), ("elements", &grid.in_elements)] {
+        for field in list {
+            let parts = match field.components {
+                3 => ", .x, .y, .z",
+                6 => ".greatest, .least, .mises, .xx, .yy, .zz, .xy, .yz, .zx",
+                _ => "",
+            };
+            say!(
+                "{:<28} {:<6} of {place}",
+                format!("{}{parts}", field.name),
+                field.unit
+            );
+        }
+    }
+    let sets: Vec<&str> = grid
+        .mesh
+        .element_sets()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    say!("element sets: {}", sets.join(", "));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads a finite number.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    number
+        .filter(|number| number.is_finite())
+        .ok_or_else(|| "a finite number".into())
+}
+
+/// Reads numbers that commas separate.
+pub(crate) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| finite(part).ok()).collect();
+    numbers?.try_into().ok()
+}
+
+fn deformation(text: &str) -> Result<DeformationFactor, String> {
+    match text {
+        "auto" => Ok(DeformationFactor::Automatic),
+        text => finite(text).map(DeformationFactor::Factor),
+    }
+}
+
+fn axis(text: &str) -> Result<Vec3, String> {
+    let (sign, name) = match text.strip_prefix('-') {
+        Some(name) => (-1.0, name),
+        None => (1.0, text),
+    };
+    let unit = match name {
+        "x" => Vec3::x(),
+        "y" => Vec3::y(),
+        "z" => Vec3::z(),
+        _ => return Err("x, y, z, -x, -y or -z".into()),
+    };
+    Ok(sign * unit)
+}
+
+/// Reads a plane; what is nearer to the viewer from above and aside is cut away.
+fn cut(text: &str) -> Result<SectionPlane, String> {
+    let plane = text.split_once('=').and_then(|(name, value)| {
+        let axis = axis(name).ok()?;
+        let value = finite(value).ok()?;
+        let normal = if axis.y == 0.0 { axis } else { -axis };
+        Some(SectionPlane {
+            point: axis * value,
+            normal,
+        })
+    });
+    plane.ok_or_else(|| "a plane such as y=6.85".into())
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let ends = numbers::<2>(text).filter(|[low, high]| low < high);
+    ends.ok_or_else(|| "two numbers, the lower first, such as -2,1".into())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let size = text.split_once('x').and_then(|(width, height)| {
+        let pixels = |text: &str| text.parse::<u32>().ok().filter(|n| PIXELS.contains(n));
+        Some([pixels(width)?, pixels(height)?])
+    });
+    size.ok_or_else(|| "a width and a height from 64 to 4096, such as 1200x900".into())
+}

@@ -1,0 +1,443 @@
+//! Pictures and animations of a field.
+
+use std::path::Path;
+
+use powerhouse::io::{
+    AnimationFile, ColourMap, Deformation, Picture, PictureField, PictureView, SectionPlane,
+    VtuGrid, colour_range, shown_number, shown_unit, write_picture,
+};
+use powerhouse::model::Vec3;
+
+use super::{FieldQuantity, RecordedFields, ScalarField};
+use crate::StudyError;
+
+/// Field of the displacements by which a body is drawn deformed.
+const DISPLACEMENT: &str = "displacement";
+/// Greatest displacement of a body that is drawn with an automatic factor, over its diagonal (1).
+const DRAWN: f64 = 0.05;
+
+/// Factor by which displacements are magnified.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeformationFactor {
+    /// A number.
+    Factor(f64),
+    /// The round number (1, 2 or 5 times a power of ten) with which the greatest displacement is drawn as at most a
+    /// twentieth of the diagonal of the body.
+    Automatic,
+}
+
+/// Picture of a quantity on the body, or on some of its element sets.
+#[derive(Clone, Debug)]
+pub struct FieldPicture {
+    /// Quantity that colours the picture.
+    pub quantity: FieldQuantity,
+    /// Element sets that are drawn; all if there are none.
+    pub sets: Vec<String>,
+    /// Factor of the displacements by which the body is drawn deformed, relative to the mean motion of what is drawn; `None`:
+    /// not deformed.
+    pub deformation: Option<DeformationFactor>,
+    /// Direction of view, away from the viewer; by default straight on of a slice, otherwise from above and aside.
+    pub view: Option<Vec3>,
+    /// Plane that cuts the body open; by default across y in the middle of a body that is no slice.
+    pub cut: Option<SectionPlane>,
+    /// Whether the body is drawn whole, without a cut.
+    pub whole: bool,
+    /// Numbers at the ends of the colours, in the unit of the picture; by default the least and greatest, without single
+    /// spikes.
+    pub range: Option<[f64; 2]>,
+    /// Width and height (pixels).
+    pub size: [u32; 2],
+}
+
+/// Instants of an animation, and the time for which each is shown (s).
+#[derive(Clone, Debug)]
+pub struct Animation {
+    /// Indices of the instants.
+    pub instants: Vec<usize>,
+    /// Time for which a picture is shown (s).
+    pub seconds: f64,
+}
+
+/// What one instant shows.
+struct Instant {
+    grid: VtuGrid,
+    /// Values in the unit of the picture, zero where nothing is drawn.
+    field: ScalarField,
+    /// Elements that are drawn.
+    drawn: Vec<bool>,
+    /// Nodes of these elements.
+    nodes: Vec<u32>,
+    /// Displacements relative to the mean motion of these nodes (m); empty if the body is not drawn deformed.
+    displacement: Vec<Vec3>,
+}
+
+/// What all pictures have in common.
+#[derive(Clone, Copy)]
+struct Common {
+    /// Ends of the colours, and whether numbers are beyond them.
+    colours: ([f64; 2], bool),
+    /// Factor of the displacements.
+    factor: f64,
+    extents: [Vec3; 2],
+}
+
+impl FieldPicture {
+    /// Picture of a quantity, 1200 by 900 pixels, with everything else by default.
+    pub fn new(quantity: impl Into<String>) -> Self {
+        Self {
+            quantity: FieldQuantity(quantity.into()),
+            sets: Vec::new(),
+            deformation: None,
+            view: None,
+            cut: None,
+            whole: false,
+            range: None,
+            size: [1200, 900],
+        }
+    }
+
+    /// Writes the picture of an instant (PNG).
+    ///
+    /// # Errors
+    /// [`StudyError::NoSuchField`], [`StudyError::NothingDrawn`], element sets that the mesh does not have; files that cannot
+    /// be read or written.
+    pub fn write(
+        &self,
+        fields: &RecordedFields,
+        index: usize,
+        file: &Path,
+    ) -> Result<(), StudyError> {
+        let instant = self.instant(fields, index)?;
+        let common = self.common([&instant].into_iter().map(|instant| Ok(Seen::of(instant))))?;
+        self.with_picture(fields, &instant, common, |picture| {
+            write_picture(file, picture).map_err(powerhouse::Error::from)
+        })
+    }
+
+    /// Writes an animation (PNG of several pictures) with one scale of colours, of lengths and of displacements.
+    ///
+    /// Files are read twice: once for the scales, once for the pictures.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write); a number of instants or a time outside its range.
+    pub fn animate(
+        &self,
+        fields: &RecordedFields,
+        animation: &Animation,
+        file: &Path,
+    ) -> Result<(), StudyError> {
+        let instants = &animation.instants;
+        let mut output = AnimationFile::new(file, instants.len(), animation.seconds)
+            .map_err(powerhouse::Error::from)?;
+        let seen = instants
+            .iter()
+            .map(|index| Ok(Seen::of(&self.instant(fields, *index)?)));
+        let common = self.common(seen)?;
+        for index in instants {
+            let instant = self.instant(fields, *index)?;
+            self.with_picture(fields, &instant, common, |picture| {
+                output.add(picture).map_err(powerhouse::Error::from)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Reads what an instant shows.
+    fn instant(&self, fields: &RecordedFields, index: usize) -> Result<Instant, StudyError> {
+        let file = fields.file(index);
+        let grid = fields.read(index)?;
+        let mut field = self.quantity.of(&grid, file)?;
+        let mut drawn = vec![self.sets.is_empty(); grid.mesh.element_count()];
+        for set in &self.sets {
+            for &element in grid.mesh.element_set(set)? {
+                drawn[element as usize] = true;
+            }
+        }
+        if let Some(present) = &grid.present {
+            let present = drawn.iter_mut().zip(present);
+            present.for_each(|(drawn, is_there)| *drawn &= is_there);
+        }
+        let elements: Vec<u32> = (0..)
+            .zip(&drawn)
+            .filter(|(_, d)| **d)
+            .map(|(e, _)| e)
+            .collect();
+        if elements.is_empty() {
+            return Err(StudyError::NothingDrawn { file: file.into() });
+        }
+        let nodes = grid.mesh.nodes_of_elements(&elements);
+        let shown = if field.is_nodal { &nodes } else { &elements };
+        let (_, factor) = shown_unit(&field.unit);
+        let mut values = vec![0.0; field.values.len()];
+        for &index in shown {
+            values[index as usize] = factor * field.values[index as usize];
+        }
+        field.values = values;
+        let displacement = match self.deformation {
+            None => Vec::new(),
+            Some(_) => {
+                relative_displacement(&grid, &nodes).ok_or_else(|| StudyError::NoSuchField {
+                    file: file.into(),
+                    name: DISPLACEMENT.into(),
+                    available: grid.at_nodes.iter().map(|f| f.name.clone()).collect(),
+                })?
+            }
+        };
+        Ok(Instant {
+            grid,
+            field,
+            drawn,
+            nodes,
+            displacement,
+        })
+    }
+
+    /// Scales of colours, displacements and lengths for all instants.
+    fn common(
+        &self,
+        all: impl Iterator<Item = Result<Seen, StudyError>>,
+    ) -> Result<Common, StudyError> {
+        let mut seen: Option<Seen> = None;
+        for next in all {
+            let next = next?;
+            seen = Some(match seen {
+                None => next,
+                Some(before) => before.and(&next),
+            });
+        }
+        let Seen {
+            colours: [low, high],
+            values: [least, most],
+            corners: [lower, upper],
+            moved,
+        } = seen.unwrap_or_default();
+        let factor = match self.deformation {
+            None => 0.0,
+            Some(DeformationFactor::Factor(factor)) => factor,
+            Some(DeformationFactor::Automatic) => {
+                round_below(DRAWN * (upper - lower).norm() / moved)
+            }
+        };
+        let margin = Vec3::repeat(factor.abs() * moved);
+        let [low, high] = self.range.unwrap_or([low, high]);
+        Ok(Common {
+            colours: ([low, high], least < low || most > high),
+            factor,
+            extents: [lower - margin, upper + margin],
+        })
+    }
+
+    /// Passes the picture of an instant on.
+    fn with_picture(
+        &self,
+        fields: &RecordedFields,
+        instant: &Instant,
+        Common {
+            colours: (range, is_cut),
+            factor,
+            extents,
+        }: Common,
+        draw: impl FnOnce(&Picture) -> Result<(), powerhouse::Error>,
+    ) -> Result<(), StudyError> {
+        let Instant {
+            grid,
+            field,
+            drawn,
+            nodes,
+            displacement,
+        } = instant;
+        let content = match field.is_nodal {
+            true => PictureField::Nodal(&field.values),
+            false => PictureField::Elemental(&field.values),
+        };
+        let (unit, _) = shown_unit(&field.unit);
+        let mut picture = Picture::new(&grid.mesh, content, unit);
+        picture.present = Some(drawn);
+        [picture.width, picture.height] = self.size;
+        (picture.view, picture.section) = PictureView::into_body(corners(grid, nodes));
+        if let Some(direction) = self.view {
+            picture.view = PictureView::along(direction);
+        }
+        if self.whole || self.cut.is_some() {
+            picture.section = self.cut;
+        }
+        picture.range = Some(range);
+        if range[0] < 0.0 && range[1] > 0.0 {
+            picture.colours = ColourMap::BlueRed;
+            let most = range[0].abs().max(range[1]);
+            picture.range = self.range.or(Some([-most, most]));
+        }
+        let values = instant.values();
+        let extreme = values.fold(
+            0.0_f64,
+            |most, v| if v.abs() > most.abs() { v } else { most },
+        );
+        let time = grid
+            .time
+            .map(|time| format!(" at {} s", shown_number(time)));
+        let mut title = format!(
+            "{}\n{}{}: {} {unit}",
+            fields.title(),
+            self.quantity,
+            time.unwrap_or_default(),
+            shown_number(extreme)
+        );
+        title.truncate(title.trim_end().len());
+        if is_cut {
+            let [low, high] = range.map(shown_number);
+            title += &format!(", colours from {low} to {high}");
+        }
+        if self.deformation.is_some() {
+            let factor_text = shown_number(factor);
+            title += &format!("\ndeformed, {factor_text} times, relative to the mean motion");
+            picture.deformation = Some(Deformation {
+                displacement,
+                factor,
+            });
+            picture.extents = Some(extents);
+        }
+        picture.title = title;
+        Ok(draw(&picture)?)
+    }
+}
+
+impl Instant {
+    /// Numbers that are drawn.
+    fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        let elements = (0..).zip(&self.drawn).filter(|(_, drawn)| **drawn);
+        let nodes = self.nodes.iter().copied().filter(|_| self.field.is_nodal);
+        let elements = elements.map(|(e, _)| e).filter(|_| !self.field.is_nodal);
+        nodes
+            .chain(elements)
+            .map(|index: u32| self.field.values[index as usize])
+    }
+}
+
+/// Ranges of what one or more instants show.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Ends of the colours.
+    colours: [f64; 2],
+    /// Least and greatest number.
+    values: [f64; 2],
+    /// Lower and upper corner of the body (m).
+    corners: [Vec3; 2],
+    /// Greatest displacement relative to the mean motion (m).
+    moved: f64,
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self {
+            colours: [0.0; 2],
+            values: [0.0; 2],
+            corners: [Vec3::zeros(); 2],
+            moved: 0.0,
+        }
+    }
+}
+
+impl Seen {
+    fn of(instant: &Instant) -> Self {
+        let numbers: Vec<f64> = instant.values().collect();
+        let spread = numbers
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [low.min(*v), high.max(*v)]
+            });
+        let moved = instant
+            .nodes
+            .iter()
+            .filter_map(|&node| instant.displacement.get(node as usize));
+        Self {
+            colours: colour_range(&numbers).unwrap_or(spread),
+            values: spread,
+            corners: corners(&instant.grid, &instant.nodes),
+            moved: moved.fold(0.0, |most, u| u.norm().max(most)),
+        }
+    }
+
+    fn and(&self, other: &Self) -> Self {
+        let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self {
+            colours: wider(self.colours, other.colours),
+            values: wider(self.values, other.values),
+            corners: [
+                self.corners[0].inf(&other.corners[0]),
+                self.corners[1].sup(&other.corners[1]),
+            ],
+            moved: self.moved.max(other.moved),
+        }
+    }
+}
+
+/// Displacements less their mean over some nodes (m); `None` without the field.
+fn relative_displacement(grid: &VtuGrid, nodes: &[u32]) -> Option<Vec<Vec3>> {
+    let field = grid
+        .at_nodes
+        .iter()
+        .find(|f| f.name == DISPLACEMENT && f.components == 3)?;
+    let (vectors, _) = field.values.as_chunks::<3>();
+    let mean = nodes
+        .iter()
+        .map(|&node| Vec3::from(vectors[node as usize]))
+        .sum::<Vec3>();
+    let mean = mean / nodes.len().max(1) as f64;
+    Some(
+        vectors
+            .iter()
+            .map(|vector| Vec3::from(*vector) - mean)
+            .collect(),
+    )
+}
+
+/// Lower and upper corner of some nodes (m).
+fn corners(grid: &VtuGrid, nodes: &[u32]) -> [Vec3; 2] {
+    let infinite = Vec3::repeat(f64::INFINITY);
+    let positions = nodes
+        .iter()
+        .map(|&node| grid.mesh.positions()[node as usize]);
+    let (low, high) = positions.fold((infinite, -infinite), |(low, high), p| {
+        (low.inf(&p), high.sup(&p))
+    });
+    [low, high]
+}
+
+/// Greatest of 1, 2 and 5 times a power of ten that is not above a number; 1 for a number that is not finite or not positive.
+fn round_below(number: f64) -> f64 {
+    if !number.is_finite() || number <= 0.0 {
+        return 1.0;
+    }
+    let power = 10_f64.powf(number.log10().floor());
+    let steps = [5.0, 2.0, 1.0].map(|digit| digit * power);
+    // The logarithm of a power of ten may be rounded up.
+    steps
+        .into_iter()
+        .find(|step| *step <= number)
+        .unwrap_or(0.5 * power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Factors are round numbers that are not above the given one, over all magnitudes.
+    #[test]
+    fn factors_are_round() {
+        for (number, round) in [
+            (1.0, 1.0),
+            (1.99, 1.0),
+            (2.0, 2.0),
+            (734.0, 500.0),
+            (0.061, 0.05),
+        ] {
+            assert!(
+                (round_below(number) / round - 1.0).abs() < 1e-12,
+                "{number}"
+            );
+        }
+        for number in [0.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(round_below(number), 1.0);
+        }
+    }
+}
