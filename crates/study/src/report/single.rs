@@ -10,6 +10,9 @@ use super::{forces, motions, read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
 
+/// Greatest size of a picture on the page (bytes).
+const LARGEST: u64 = 4 << 20;
+
 /// The report page of a result folder.
 pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     let summary = read_json(&folder.join("summary.json"));
@@ -89,7 +92,13 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned();
-            page.figure(&file, &name)?;
+            // An animation may be larger than all the rest of the page.
+            match file.metadata().is_ok_and(|file| file.len() > LARGEST) {
+                true => page.paragraph(&format!(
+                    "`{below}/{name}.{end}` is too large for this page."
+                )),
+                false => page.figure(&file, &name)?,
+            }
         }
     }
     page.section("The scene");
