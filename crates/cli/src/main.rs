@@ -166,7 +166,7 @@ enum Command {
         picture: Option<PathBuf>,
     },
     /// Run the cases of a scene, sequentially or in parallel; finished cases are not run again, and unfinished ones go on
-    /// from their last checkpoint.
+    /// from their last checkpoint. Several processes with the same folder share the cases.
     Sweep {
         /// Scene file with `[[case]]` tables.
         scene: PathBuf,
@@ -283,7 +283,8 @@ fn main() -> ExitCode {
             | Command::Completions { .. }
     );
     let refused = match command {
-        Command::Run { .. } => Ok(()),
+        // Each process of a sweep takes cases that no other one computes.
+        Command::Run { .. } | Command::Sweep { .. } => Ok(()),
         _ => ranks::refuse_processes(),
     };
     if let Err(error) = refused {

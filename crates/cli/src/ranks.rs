@@ -112,11 +112,11 @@ impl SnapshotSink for NoSnapshots {
     }
 }
 
-/// Refuses to run a command other than `run` on several processes, of which each would do the same.
+/// Refuses to run a command other than `run` and `sweep` on several processes, of which each would do the same.
 pub(crate) fn refuse_processes() -> Result<(), Box<dyn std::error::Error>> {
     match powerhouse::mpi::processes() {
         Some(count) if count > 1 => Err(format!(
-            "{count} processes were started: of all commands `run` alone is computed by several"
+            "{count} processes were started: of all commands `run` and `sweep` alone are computed by several"
         )
         .into()),
         _ => Ok(()),

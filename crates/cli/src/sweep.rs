@@ -102,6 +102,17 @@ impl SweepWatch for SweepOutput {
         self.clear(case);
         self.say(&format!("  {case}: {error}"));
     }
+    fn waits(&mut self, cases: &[&str]) {
+        self.say(&format!(
+            "waits for cases that other processes compute: {}",
+            cases.join(", ")
+        ));
+    }
+    fn waits_for_stages(&mut self, case: &str) {
+        self.say(&format!(
+            "  {case}: waits for the stages, which another process computes"
+        ));
+    }
 }
 
 /// The summary of an outcome in several lines.

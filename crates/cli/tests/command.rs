@@ -600,7 +600,7 @@ fn a_check_forecasts_ranks() {
 }
 
 /// Several processes that know nothing of each other, as under `mpirun` without the feature `mpi`, are refused: each would
-/// write the same files. Commands other than `run` are refused in any case.
+/// write the same files. Commands other than `run` and `sweep` are refused in any case.
 #[test]
 fn processes_without_communication_are_refused() {
     let folder = TestFolder::new("processes");

@@ -224,6 +224,15 @@ pub enum StudyError {
         /// The file.
         file: PathBuf,
     },
+    /// A folder in which another process computes cases of another scene, duration or program.
+    #[error(
+        "{}: another process computes a sweep of another scene, duration or program in this folder; wait for its end or give another folder (--out)",
+        folder.display()
+    )]
+    OtherSweep {
+        /// Path of the folder.
+        folder: PathBuf,
+    },
     /// A result file of a case that is not valid JSON of the expected form.
     #[error("{}: {source}", file.display())]
     Outcome {

@@ -8,6 +8,7 @@ use powerhouse::model::Checksum;
 use powerhouse::{Damping, EquilibratedBody, Registry, Scene};
 
 use super::locked;
+use super::processes::{SharedFolder, WorkLock};
 use crate::StudyError;
 use crate::mark::{REVISION, is_case};
 
@@ -28,19 +29,21 @@ const SECTIONS: [&str; 9] = [
 ];
 
 /// Equilibrated bodies of a sweep by their keys.
-pub(super) struct BodyStore {
+pub(super) struct BodyStore<'s> {
     folder: PathBuf,
+    shared: &'s SharedFolder,
     slots: Mutex<BTreeMap<String, Slot>>,
 }
 
 /// Slot of the body of a key; its lock is held while the body is computed.
 pub(super) type Slot = Arc<Mutex<Option<EquilibratedBody>>>;
 
-impl BodyStore {
-    /// The store in the folder of a sweep, with the files of earlier sweeps.
-    pub(super) fn in_folder(folder: &Path) -> Self {
+impl<'s> BodyStore<'s> {
+    /// The store in the folder of a sweep, with the files of earlier sweeps and of other processes.
+    pub(super) fn in_folder(folder: &Path, shared: &'s SharedFolder) -> Self {
         Self {
             folder: folder.join(FOLDER),
+            shared,
             slots: Mutex::default(),
         }
     }
@@ -49,6 +52,19 @@ impl BodyStore {
     pub(super) fn slot(&self, key: &str) -> Slot {
         let mut slots = locked(&self.slots);
         slots.entry(key.to_owned()).or_default().clone()
+    }
+
+    /// Waits for the lock under which the body of a key is computed; `waits` is called while another process holds it, and
+    /// takes some time.
+    ///
+    /// # Errors
+    /// A lock file that cannot be created; an error of `waits`.
+    pub(super) fn lock(
+        &self,
+        key: &str,
+        waits: impl FnMut() -> Result<(), StudyError>,
+    ) -> Result<WorkLock, StudyError> {
+        self.shared.work(&format!("{key}.body"), waits)
     }
 
     /// Reads the body of a key from its file; `None` for an incomplete file or one of another version.

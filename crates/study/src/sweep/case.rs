@@ -9,13 +9,14 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    CheckpointFiles, EquilibratedBody, Error, Message, ResultFolder, RunHooks, RunNotes, Scene,
-    SceneText, Simulation,
+    CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, ResultFolder,
+    RunHooks, RunNotes, Scene, SceneText, Simulation,
 };
 
 use super::at_rest::{self, BodyStore};
+use super::processes::pause;
 use super::{
-    CaseInput, CaseOutcome, Coverage, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
+    CaseInput, CaseOutcome, Coverage, LOOK, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
     pictures,
 };
 use crate::checkpoints::{RunCheckpoints, is_of_state};
@@ -27,22 +28,49 @@ pub(super) struct CaseControl<'h, 'w> {
     pub(super) watch: &'h Mutex<&'w mut dyn SweepWatch>,
 }
 
+/// Who computes a case.
+pub(super) enum Claim {
+    /// None: its results are complete.
+    Finished,
+    /// This process, as long as it holds the lock.
+    Own(FolderLock),
+    /// Another process, or a run into the folder of the case.
+    Elsewhere,
+}
+
 impl Sweep {
-    /// Runs a case and writes its results, also if it fails during the run. A checkpoint whose state does not fit the
-    /// body, as that of another build of the program, is removed, and the case begins anew.
+    /// Claims a case for this process, unless it is finished or another one computes it.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub(super) fn claim(&self, case: &str) -> Result<Claim, StudyError> {
+        if self.is_finished(case) {
+            return Ok(Claim::Finished);
+        }
+        match ResultFolder::new(self.folder.join(case)).lock() {
+            Err(Error::Folder(FolderError::Busy { .. })) => Ok(Claim::Elsewhere),
+            Err(error) => Err(error.into()),
+            // Another process may have finished it before the lock was taken.
+            Ok(_) if self.is_finished(case) => Ok(Claim::Finished),
+            Ok(lock) => Ok(Claim::Own(lock)),
+        }
+    }
+
+    /// Runs a case whose lock is held and writes its results, also if it fails during the run. A checkpoint whose state
+    /// does not fit the body, as that of another build of the program, is removed, and the case begins anew.
     pub(super) fn case(
         &self,
-        case: &str,
+        (case, lock): (&str, &FolderLock),
         control: &CaseControl,
         bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
-        match self.run_case(case, control, bodies) {
+        match self.run_case((case, lock), control, bodies) {
             Err(error) if is_of_state(&error) => {
                 let reason = error.to_string();
                 locked(control.watch).checkpoint(case, CheckpointEvent::Unused(&reason));
                 let files = CheckpointFiles::of(self.folder.join(case));
                 files.remove().map_err(Error::from)?;
-                self.run_case(case, control, bodies)
+                self.run_case((case, lock), control, bodies)
             }
             done => done,
         }
@@ -50,7 +78,7 @@ impl Sweep {
 
     fn run_case(
         &self,
-        case: &str,
+        (case, lock): (&str, &FolderLock),
         control: &CaseControl,
         bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
@@ -84,7 +112,6 @@ impl Sweep {
             }
             None => simulation.step()?,
         };
-        let lock = folder.lock()?;
         folder.remove_unfinished()?;
         folder.prove(&simulation, size.bytes(step))?;
         finished::unmark(&path)?;
@@ -142,7 +169,7 @@ impl Sweep {
         write_summary(&file, &outcome).map_err(Error::from)?;
         // The fingerprint is written last: without it the case is not finished.
         if !is_held {
-            lock.release()?;
+            return Err(Error::from(FolderError::Gone { folder: path }).into());
         }
         if let Some(fingerprint) = self.fingerprints.get(case) {
             finished::finish(&path, fingerprint, &files)?;
@@ -189,6 +216,18 @@ fn equilibrated(
     if body.is_none() {
         *body = bodies.read(key);
     }
+    let mut lock = None;
+    if body.is_none() {
+        let mut has_waited = false;
+        lock = Some(bodies.lock(key, || {
+            if !std::mem::replace(&mut has_waited, true) {
+                locked(control.watch).waits_for_stages(case);
+            }
+            pause(LOOK, control.stop)
+        })?);
+        // Another process may have computed it before the lock was taken.
+        *body = bodies.read(key);
+    }
     if body.is_none() {
         let started = Instant::now();
         let files = folder.stages(simulation)?;
@@ -213,5 +252,6 @@ fn equilibrated(
             bodies.write(key, found)?;
         }
     }
+    drop(lock);
     Ok(body.clone())
 }

@@ -33,6 +33,10 @@ impl CaseEntry {
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
+    /// Whether the inputs have this fingerprint.
+    pub(super) fn has(&self, fingerprint: &Fingerprint) -> bool {
+        self.fingerprint == *fingerprint
+    }
     /// Whether the case folder contains complete results with this fingerprint.
     pub(crate) fn is_finished(&self, sweep: &Path) -> bool {
         is_finished(&sweep.join(&self.name), &self.fingerprint)

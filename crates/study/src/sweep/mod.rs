@@ -6,6 +6,10 @@
 //! removed. A case whose results another run has replaced is run again. A case that was interrupted or killed goes on from
 //! its last checkpoint, to the same bits.
 //!
+//! Several processes, on one machine or many, may run the sweep of a scene in the same folder simultaneously: each takes the
+//! next case that no other computes, and all return the outcomes of all cases. The locks are those of the operating
+//! system, so that a process that is killed hinders no other, on a file system whose locks all machines see.
+//!
 //! ```no_run
 //! use powerhouse_study::sweep::{NoProgress, Sweep};
 //! let sweep = Sweep::of_file("data/scenes/wang_2019.toml", None)?;
@@ -25,11 +29,12 @@ mod ground;
 mod input;
 mod outcome;
 mod pictures;
+mod processes;
 mod sections;
 mod table;
 mod workers;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -40,20 +45,20 @@ use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, ProgressHook, Registry, ResultFolder, RunNotes, Scene,
-    StageSink,
+    CheckpointFiles, CheckpointInterval, ProgressHook, Registry, RunNotes, Scene, StageSink,
 };
 
 use crate::mark::Fingerprint;
 use crate::{CheckpointEvent, StudyError, registry};
 use at_rest::BodyStore;
-use case::CaseControl;
+use case::{CaseControl, Claim};
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
 pub use damage::PartDamage;
 pub(crate) use finished::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
+use processes::SharedFolder;
 pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.
@@ -64,6 +69,9 @@ pub(crate) const MARK: &str = "finished.json";
 pub(crate) const TABLE: &str = "sweep.csv";
 /// Name of the list of cases in their order, with the fingerprint that each must have.
 pub(crate) const CASES: &str = "cases.json";
+
+/// Wall time between two looks at what other processes compute.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// Prefix of the names of record files.
 pub(crate) const RECORD: &str = "record-";
@@ -77,7 +85,7 @@ pub(crate) const RECORD: &str = "record-";
 pub trait SweepWatch: Send {
     /// Called when a case begins, with its name, its number from 1 and the number of cases.
     fn begins(&mut self, _case: &str, _number: usize, _of: usize) {}
-    /// Called when the results of an earlier run of a case are reused, so that it is not run.
+    /// Called when the results of an earlier run of a case, or of another process, are reused, so that it is not run.
     fn reused(&mut self, _case: &str) {}
     /// Called before a case runs, with its remarks and warnings, and a remark on the lock of its folder if there is one.
     fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
@@ -103,6 +111,11 @@ pub trait SweepWatch: Send {
     fn ends(&mut self, _outcome: &CaseOutcome) {}
     /// Called when a case is invalid, fails or is cancelled ([`StudyError::Interrupted`]), while others may still run.
     fn fails(&mut self, _case: &str, _error: &StudyError) {}
+    /// Called before this process waits for cases that others compute, which have not [begun](Self::begins) here, since
+    /// nothing else is left to it; not again for the same cases.
+    fn waits(&mut self, _cases: &[&str]) {}
+    /// Called before a case waits for the stages that another process computes.
+    fn waits_for_stages(&mut self, _case: &str) {}
 }
 
 /// Progress callbacks that do nothing.
@@ -261,48 +274,74 @@ impl Sweep {
     /// `stop` is the cancellation flag. After an error finished cases are kept, and another run continues from there, inside
     /// unfinished cases from their last checkpoint.
     ///
+    /// Cases that another process computes in the same folder are passed over. When no others are left, this one waits
+    /// until they are finished, and runs those whose process ended before.
+    ///
     /// # Errors
-    /// The first case that is invalid or fails, after the parallel ones have ended; [`StudyError::Changed`] if the scene
-    /// file was edited meanwhile; [`StudyError::Interrupted`] after a cancellation.
+    /// A folder in which a single run writes, or a sweep with other inputs ([`StudyError::OtherSweep`]). The first case that
+    /// is invalid or fails, after the parallel ones have ended; [`StudyError::Changed`] if the scene file was edited
+    /// meanwhile; [`StudyError::Interrupted`] after a cancellation.
     pub fn run(
         &self,
         stop: Option<&Arc<AtomicBool>>,
         watch: &mut dyn SweepWatch,
     ) -> Result<Vec<CaseOutcome>, StudyError> {
-        let lock = ResultFolder::new(&self.folder).lock()?;
-        self.write_inputs()?;
-        let bodies = BodyStore::in_folder(&self.folder);
+        let shared = SharedFolder::enter(&self.folder, || self.write_inputs())?;
+        if !shared.is_alone() {
+            let _lock = shared.files()?;
+            self.join_cases()?;
+        }
+        let bodies = BodyStore::in_folder(&self.folder, &shared);
         let watch = Mutex::new(watch);
         let control = CaseControl {
             stop,
             watch: &watch,
         };
-        let found = workers::side_by_side(self.cases.len(), self.at_once, |index| {
+        let job = |index: usize| {
             let case = &self.cases[index];
+            let claim = self.claim(case);
+            if matches!(claim, Ok(Claim::Elsewhere)) {
+                return Ok(None);
+            }
             locked(&watch).begins(case, index + 1, self.cases.len());
             let folder = self.folder.join(case);
-            let reused = self.is_finished(case);
-            let outcome = if reused {
-                // A sweep that was killed right after the end of the case has left its checkpoints.
-                let _ = CheckpointFiles::of(&folder).remove();
-                CaseOutcome::read(&folder.join(OUTCOME))?
-            } else {
-                let found = self.case(case, &control, &bodies);
-                found.map_err(|error| {
-                    locked(&watch).fails(case, &error);
-                    error.in_case(case)
-                })?
-            };
+            let found = claim.and_then(|claim| match claim {
+                Claim::Own(lock) => Ok((self.case((case, &lock), &control, &bodies)?, false)),
+                Claim::Finished | Claim::Elsewhere => {
+                    // A sweep that was killed right after the end of the case has left its checkpoints.
+                    let _ = CheckpointFiles::of(&folder).remove();
+                    Ok((CaseOutcome::read(&folder.join(OUTCOME))?, true))
+                }
+            });
+            let (outcome, reused) = found.map_err(|error| {
+                // A case that is invalid leaves no folder.
+                let _ = std::fs::remove_dir(&folder);
+                locked(&watch).fails(case, &error);
+                error.in_case(case)
+            })?;
             let mut watch = locked(&watch);
             match reused {
                 true => watch.reused(case),
                 false => watch.ends(&outcome),
             }
-            // Under the lock, so that no two cases write the table simultaneously.
-            self.write_table()?;
-            Ok(outcome)
-        })?;
-        lock.release()?;
+            self.write_table(&shared)?;
+            Ok(Some(outcome))
+        };
+        let named: Mutex<BTreeSet<usize>> = Mutex::default();
+        let waits = |left: &[usize]| {
+            let mut named = locked(&named);
+            if !left.iter().all(|index| named.contains(index)) {
+                let cases: Vec<&str> = left.iter().map(|&index| &*self.cases[index]).collect();
+                locked(&watch).waits(&cases);
+                named.extend(left);
+            }
+            drop(named);
+            processes::pause(LOOK, stop)
+        };
+        let found = workers::side_by_side(self.cases.len(), self.at_once, job, waits)?;
+        // Another process may have written it before the last case was finished.
+        self.write_table(&shared)?;
+        shared.leave()?;
         Ok(found)
     }
 
@@ -312,23 +351,56 @@ impl Sweep {
         self.fingerprints.get(case).is_some_and(is_finished)
     }
 
-    /// Writes the table of all finished cases.
-    fn write_table(&self) -> Result<(), StudyError> {
+    /// Writes the table of all finished cases, one process and case at a time.
+    fn write_table(&self, shared: &SharedFolder) -> Result<(), StudyError> {
+        let _lock = shared.files()?;
         let finished = self.all.iter().filter(|case| self.is_finished(case));
         let read = |case: &String| CaseOutcome::read(&self.folder.join(case).join(OUTCOME));
         let outcomes: Vec<CaseOutcome> = finished.map(read).collect::<Result<_, _>>()?;
         table::write(&self.folder.join(TABLE), &outcomes)
     }
 
-    /// Writes the list of cases, those of this run and those finished earlier, and the records.
-    fn write_inputs(&self) -> Result<(), StudyError> {
-        let is_listed = |case: &&String| self.cases.contains(case) || self.is_finished(case);
+    /// Adds the cases of this run to those of other processes in the list of cases.
+    ///
+    /// # Errors
+    /// [`StudyError::OtherSweep`] if those have other inputs.
+    fn join_cases(&self) -> Result<(), StudyError> {
+        let file = self.folder.join(CASES);
+        let text = std::fs::read(&file).map_err(|source| {
+            let file = file.clone();
+            StudyError::Read { file, source }
+        })?;
+        let found: Result<Vec<CaseEntry>, _> = serde_json::from_slice(&text);
+        let others = found.map_err(|source| StudyError::Outcome { file, source })?;
+        let is_same = |other: &CaseEntry| {
+            let own = self.fingerprints.get(other.name());
+            own.is_some_and(|own| other.has(own))
+        };
+        if !others.iter().all(is_same) {
+            let folder = self.folder.clone();
+            return Err(StudyError::OtherSweep { folder });
+        }
+        let names: Vec<&str> = others.iter().map(CaseEntry::name).collect();
+        self.write_cases(&names)
+    }
+
+    /// Writes the list of cases: those of this run, those finished earlier, and those of other processes.
+    fn write_cases(&self, others: &[&str]) -> Result<(), StudyError> {
+        let is_listed = |case: &&String| {
+            let is_known = self.cases.contains(case) || others.contains(&case.as_str());
+            is_known || self.is_finished(case)
+        };
         let cases = self.all.iter().filter(is_listed);
         let entries =
             cases.filter_map(|case| Some(CaseEntry::new(case, self.fingerprints.get(case)?)));
         let entries: Vec<CaseEntry> = entries.collect();
         let file = self.folder.join(CASES);
-        write_summary(&file, &entries).map_err(powerhouse::Error::from)?;
+        Ok(write_summary(&file, &entries).map_err(powerhouse::Error::from)?)
+    }
+
+    /// Writes the list of cases and the records.
+    fn write_inputs(&self) -> Result<(), StudyError> {
+        self.write_cases(&[])?;
         for (name, history) in &self.records {
             let count = history.samples();
             let times = (0..count).map(|sample| sample as f64 * history.step());

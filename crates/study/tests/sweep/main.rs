@@ -3,6 +3,7 @@
 mod bodies;
 mod checkpoints;
 mod finished;
+mod processes;
 mod report;
 mod running;
 mod sections;
