@@ -10,6 +10,8 @@ mod changes;
 mod check;
 mod checkpoint;
 mod converge;
+#[cfg(test)]
+mod documents;
 mod drive;
 mod emit;
 mod forecast;
