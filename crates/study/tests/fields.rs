@@ -57,7 +57,7 @@ fn drawn(picture: &FieldPicture, fields: &RecordedFields, file: PathBuf) -> Vec<
 #[test]
 fn deformation_is_relative_to_the_mean_motion() {
     let folder = TestFolder::new("fields-deformed");
-    let of = |name: &str, factor, motion: &dyn Fn(Vec3) -> Vec3| {
+    let picture_of = |name: &str, factor, motion: &dyn Fn(Vec3) -> Vec3| {
         let fields = snapshots(&folder.join(name), 1, |x, _| motion(x));
         let mut picture = FieldPicture::new("stress.zz");
         picture.size = [300, 200];
@@ -66,15 +66,18 @@ fn deformation_is_relative_to_the_mean_motion() {
         drawn(&picture, &fields, file)
     };
     let factor = DeformationFactor::Factor(100.0);
-    let rest = of("rest", factor, &|_| Vec3::zeros());
-    assert_eq!(rest, of("moved", factor, &|_| Vec3::new(3.0, 2.0, 1.0)));
+    let rest = picture_of("rest", factor, &|_| Vec3::zeros());
+    assert_eq!(
+        rest,
+        picture_of("moved", factor, &|_| Vec3::new(3.0, 2.0, 1.0))
+    );
     let stretched = |size: f64| move |x: Vec3| Vec3::new(size * x.x, 0.0, 0.0);
-    let small = of("small", factor, &stretched(1e-3));
+    let small = picture_of("small", factor, &stretched(1e-3));
     assert_ne!(rest, small);
     // Diagonal 11.5 m: a twentieth is 0.57 m, and displacements are up to 5 mm, so that the factor is 100.
     assert_eq!(
         small,
-        of("automatic", DeformationFactor::Automatic, &stretched(1e-3))
+        picture_of("automatic", DeformationFactor::Automatic, &stretched(1e-3))
     );
 }
 

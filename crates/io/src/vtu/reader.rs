@@ -209,10 +209,12 @@ fn grid(bytes: &[u8]) -> Result<VtuGrid, String> {
             .ok_or_else(|| format!("the cells have no array '{name}'"))?
             .wholes(groups)
     };
-    let ends = cell_array("offsets", Some(elements))?;
-    let numbers = cell_array("types", Some(elements))?;
-    let connectivity = cell_array("connectivity", None)?;
-    let mesh = contents.mesh(&positions.values, (&ends, &numbers, &connectivity))?;
+    let cells = Cells {
+        ends: cell_array("offsets", Some(elements))?,
+        types: cell_array("types", Some(elements))?,
+        nodes: cell_array("connectivity", None)?,
+    };
+    let mesh = contents.mesh(&positions.values, &cells)?;
     Ok(VtuGrid {
         time,
         mesh,
@@ -220,6 +222,16 @@ fn grid(bytes: &[u8]) -> Result<VtuGrid, String> {
         at_nodes: contents.at_nodes,
         in_elements: contents.in_elements,
     })
+}
+
+/// Cells of a file.
+struct Cells {
+    /// Number of nodes of all cells up to each, itself included.
+    ends: Vec<u64>,
+    /// VTK's number of the type of each.
+    types: Vec<u64>,
+    /// Nodes of all cells, one after the other.
+    nodes: Vec<u64>,
 }
 
 /// Arrays of a file by what they mean.
@@ -235,24 +247,20 @@ struct Contents {
 }
 
 impl Contents {
-    /// The mesh of positions and of cells: end, number of VTK, and nodes of each.
-    fn mesh(
-        &self,
-        positions: &[f64],
-        (ends, numbers, connectivity): (&[u64], &[u64], &[u64]),
-    ) -> Result<Mesh, String> {
+    /// The mesh of positions (m) and cells.
+    fn mesh(&self, positions: &[f64], cells: &Cells) -> Result<Mesh, String> {
         let (positions, _) = positions.as_chunks::<3>();
         let numbered = |count: usize| (1..=count as u64).collect::<Vec<_>>();
         let node_tags = self.node_tags.clone();
         let node_tags = node_tags.unwrap_or_else(|| numbered(positions.len()));
         let element_tags = self.element_tags.clone();
-        let element_tags = element_tags.unwrap_or_else(|| numbered(ends.len()));
+        let element_tags = element_tags.unwrap_or_else(|| numbered(cells.ends.len()));
         let mut builder = Mesh::builder();
         for (tag, position) in node_tags.iter().zip(positions) {
             builder.node(*tag, Vec3::from(*position));
         }
         let mut start = 0;
-        for (element, (&end, &number)) in ends.iter().zip(numbers).enumerate() {
+        for (element, (&end, &number)) in cells.ends.iter().zip(&cells.types).enumerate() {
             let known =
                 |kind: &ElementKind| cell(*kind).is_some_and(|(n, _)| u64::from(n) == number);
             let kind = KINDS.into_iter().find(known).ok_or_else(|| {
@@ -260,7 +268,7 @@ impl Contents {
             })?;
             let (_, order) = cell(kind).ok_or("an element has no cell")?;
             let end = usize::try_from(end).unwrap_or(usize::MAX);
-            let cell = (connectivity.get(start..end)).filter(|nodes| nodes.len() == order.len());
+            let cell = (cells.nodes.get(start..end)).filter(|nodes| nodes.len() == order.len());
             let cell = cell.ok_or_else(|| {
                 format!(
                     "cell {element} of type {} ends at {end}, not at {}",
