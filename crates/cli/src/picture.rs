@@ -10,7 +10,7 @@ use powerhouse::model::Vec3;
 use powerhouse_study::fields::{Animation, DeformationFactor, FieldPicture, RecordedFields};
 
 use crate::Outcome;
-use crate::terminal::say;
+use crate::terminal::{say, say_warning};
 
 /// Time that an animation takes (s) by default.
 const LENGTH: f64 = 8.0;
@@ -28,19 +28,27 @@ pub(crate) struct PictureArguments {
     /// stress.mises or stress.xx; without any the quantities and times are listed.
     quantity: Option<String>,
     /// Time (s), of which the nearest snapshot is drawn; by default the last.
-    #[arg(long, value_name = "SECONDS", value_parser = finite)]
+    #[arg(long, value_name = "SECONDS", value_parser = finite, allow_negative_numbers = true)]
     time: Option<f64>,
     /// Element set that is drawn, in place of all; may be repeated.
     #[arg(long = "set", value_name = "NAME")]
     sets: Vec<String>,
-    /// Draw the body deformed, by displacements relative to the mean motion times a factor; without a number it is one with
-    /// which they are well visible.
-    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "auto", value_parser = deformation)]
+    /// Draw the body deformed, by displacements relative to the mean motion times a factor, such as `--deformed=200`; without a
+    /// number it is one with which they are well visible.
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "auto",
+        value_parser = deformation
+    )]
     deformed: Option<DeformationFactor>,
     /// Direction of view: x, y or z, along this axis, or -x, -y, -z, against it.
     #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
     view: Option<Vec3>,
-    /// Plane that cuts the body open, such as y=6.85 (m); by default across y in the middle.
+    /// Plane that cuts the body open, such as y=6.85 (m): elements with their centroid on the viewer's side are not drawn. By
+    /// default it is in the middle.
     #[arg(long, value_name = "AXIS=VALUE", value_parser = cut)]
     cut: Option<SectionPlane>,
     /// Draw the whole body, without a cut.
@@ -56,13 +64,13 @@ pub(crate) struct PictureArguments {
     #[arg(long, conflicts_with = "time")]
     animate: bool,
     /// First time of an animation (s).
-    #[arg(long, value_name = "SECONDS", value_parser = finite, requires = "animate")]
+    #[arg(long, value_name = "SECONDS", value_parser = finite, allow_negative_numbers = true, requires = "animate")]
     from: Option<f64>,
     /// Last time of an animation (s).
-    #[arg(long, value_name = "SECONDS", value_parser = finite, requires = "animate")]
+    #[arg(long, value_name = "SECONDS", value_parser = finite, allow_negative_numbers = true, requires = "animate")]
     to: Option<f64>,
-    /// Pictures of an animation in a second; by default as many as make it last eight seconds.
-    #[arg(long, value_name = "COUNT", value_parser = finite, requires = "animate")]
+    /// Pictures of an animation in a second, 0.1 to 100; by default as many as make it last eight seconds.
+    #[arg(long, value_name = "COUNT", value_parser = rate, allow_negative_numbers = true, requires = "animate")]
     rate: Option<f64>,
     /// PNG file; by default in the folder pictures of the results, or beside the VTU file.
     #[arg(long, value_name = "FILE")]
@@ -85,8 +93,18 @@ pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
     if let Some(size) = arguments.size {
         picture.size = size;
     }
-    let index = fields.nearest(arguments.time);
+    let index = instant(&fields, arguments.time)?;
     let instants = fields.between(arguments.from, arguments.to);
+    if arguments.animate && instants.len() < 2 {
+        let known = span(&fields).map_or("no snapshots are here".into(), |[first, last]| {
+            format!("snapshots are from {first} to {last} s")
+        });
+        let chosen = instants.len();
+        let text = format!(
+            "an animation needs two snapshots or more, and {chosen} would be drawn; {known}"
+        );
+        return Err(text.into());
+    }
     let file = match arguments.out {
         Some(file) if file.extension().is_none_or(|end| end != "png") => {
             let file = file.display();
@@ -94,13 +112,24 @@ pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
         }
         Some(file) => file,
         None => {
-            let time = fields.times().nth(index);
-            let when = match (arguments.animate, time) {
-                (true, _) => "-animation".into(),
-                (false, Some(time)) => format!("-{}s", shown_number(time)),
-                (false, None) => String::new(),
-            };
-            let name = format!("{}{when}.png", file_name(quantity));
+            let mut parts = vec![quantity.clone()];
+            parts.extend(picture.sets.iter().cloned());
+            if picture.deformation.is_some() {
+                parts.push("deformed".into());
+            }
+            if let Some(direction) = picture.view {
+                parts.push(format!("view{}", axis_name(direction)));
+            }
+            if let Some(SectionPlane { point, normal }) = &picture.cut {
+                let value = shown_number(point.dot(normal));
+                parts.push(format!("cut{}{value}", axis_name(*normal)));
+            }
+            match (arguments.animate, fields.times().nth(index)) {
+                (true, _) => parts.push("animation".into()),
+                (false, Some(time)) => parts.push(format!("{}s", shown_number(time))),
+                (false, None) => {}
+            }
+            let name = format!("{}.png", file_name(&parts.join("-")));
             match arguments.results.is_dir() {
                 true => arguments.results.join("pictures").join(name),
                 false => fields.file(index).with_file_name(name),
@@ -110,9 +139,6 @@ pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
     if !arguments.animate {
         picture.write(&fields, index, &file)?;
         return written(&file);
-    }
-    if instants.is_empty() {
-        return Err("no snapshot is between these times".into());
     }
     let by_default = (LENGTH / instants.len() as f64).clamp(0.02, SLOWEST);
     let seconds = arguments.rate.map_or(by_default, |rate| 1.0 / rate);
@@ -158,6 +184,44 @@ fn list(fields: &RecordedFields) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
+/// First and last time of snapshots as texts (s); none of one file that is no snapshot.
+fn span(fields: &RecordedFields) -> Option<[String; 2]> {
+    let first = fields.times().next()?;
+    let last = fields.times().last()?;
+    Some([first, last].map(shown_number))
+}
+
+/// Index of the instant nearest to a time (s), with a warning if the time is outside of the snapshots.
+pub(crate) fn instant(
+    fields: &RecordedFields,
+    time: Option<f64>,
+) -> Result<usize, Box<dyn std::error::Error>> {
+    let index = fields.nearest(time);
+    if let Some(time) = time {
+        let Some([first, last]) = span(fields) else {
+            return Err(
+                "a time is for the snapshots in the folder of the results: this file has none"
+                    .into(),
+            );
+        };
+        let is_within =
+            fields.times().any(|own| own <= time) && fields.times().any(|own| own >= time);
+        if !is_within {
+            say_warning!(
+                "snapshots are from {first} to {last} s: the nearest to {time} s is taken"
+            );
+        }
+    }
+    Ok(index)
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = finite(text)
+        .ok()
+        .filter(|rate| (0.1..=100.0).contains(rate));
+    rate.ok_or_else(|| "a number of pictures in a second from 0.1 to 100".into())
+}
+
 /// Reads a finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
@@ -193,15 +257,21 @@ fn axis(text: &str) -> Result<Vec3, String> {
     Ok(sign * unit)
 }
 
-/// Reads a plane; what is nearer to the viewer from above and aside is cut away.
+/// Name of an axis with its sign.
+fn axis_name(direction: Vec3) -> String {
+    let axis = direction.iamax();
+    let sign = if direction[axis] < 0.0 { "-" } else { "" };
+    format!("{sign}{}", ["x", "y", "z"][axis])
+}
+
+/// Reads a plane.
 fn cut(text: &str) -> Result<SectionPlane, String> {
     let plane = text.split_once('=').and_then(|(name, value)| {
         let axis = axis(name).ok()?;
         let value = finite(value).ok()?;
-        let normal = if axis.y == 0.0 { axis } else { -axis };
         Some(SectionPlane {
             point: axis * value,
-            normal,
+            normal: axis,
         })
     });
     plane.ok_or_else(|| "a plane such as y=6.85".into())

@@ -12,7 +12,7 @@ use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::Outcome;
 use crate::advise::number;
-use crate::picture::{finite, numbers};
+use crate::picture::{finite, instant, numbers};
 use crate::terminal::{say, say_warning};
 
 /// Arguments of `powerhouse plot`.
@@ -31,7 +31,7 @@ pub(crate) struct PlotArguments {
     #[arg(long, value_name = "COUNT", default_value = "101", requires = "along", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
     /// Time of the snapshot (s), of which the nearest is taken; by default the last.
-    #[arg(long, value_name = "SECONDS", requires = "along", value_parser = finite)]
+    #[arg(long, value_name = "SECONDS", requires = "along", value_parser = finite, allow_negative_numbers = true)]
     time: Option<f64>,
     /// What is drawn.
     #[arg(long, value_enum, default_value_t = Kind::Time, conflicts_with = "along")]
@@ -63,6 +63,11 @@ enum Kind {
 
 /// Draws histories of a finished run, or lists them.
 pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
+    let other = |file: &&PathBuf| file.extension().is_none_or(|end| end != "svg");
+    if let Some(file) = arguments.out.as_ref().filter(other) {
+        let file = file.display();
+        return Err(format!("{file}: the name of a plot must end with .svg").into());
+    }
     if let Some(Corners(corners)) = arguments.along {
         let line = FieldLine {
             corners,
@@ -134,18 +139,20 @@ fn along(
     (quantities, out): (Vec<FieldQuantity>, Option<PathBuf>),
 ) -> Outcome {
     let fields = RecordedFields::at(results)?;
-    let index = fields.nearest(time);
+    let index = instant(&fields, time)?;
     let grid = fields.read(index)?;
     let (table, outside) = line.table(&grid, &quantities, fields.file(index))?;
     let drawing = out.unwrap_or_else(|| {
         let names: Vec<String> = quantities.iter().map(ToString::to_string).collect();
-        let name = format!("{}-along-line.svg", file_name(&names.join("-and-")));
+        let when = fields.times().nth(index);
+        let when = when.map_or_else(String::new, |time| format!("-{}s", shown_number(time)));
+        let name = file_name(&format!("{}-along-line{when}", names.join("-and-")));
+        let name = format!("{name}.svg");
         match results.is_dir() {
             true => results.join("plots").join(name),
             false => results.with_file_name(name),
         }
     });
-    let drawing = drawing.with_extension("svg");
     let numbers = drawing.with_extension("csv");
     let mut notes = Vec::new();
     if outside > 0 {
@@ -158,7 +165,10 @@ fn along(
     let when = grid
         .time
         .map(|time| format!(" at {} s", shown_number(time)));
-    let title = format!("{}{}", fields.title(), when.unwrap_or_default());
+    let mut title = format!("{}{}", fields.title(), when.unwrap_or_default());
+    if outside > 0 {
+        title += &format!(", {outside} points in no element left out");
+    }
     // The positions are in the table alone.
     let drawn: Vec<_> = table
         .iter()

@@ -54,15 +54,17 @@ fn snapshots_are_drawn_after_the_run() {
             "--deformed",
         ],
     );
-    assert!(drawn.contains("pictures/displacement-x-0.2"), "{drawn}");
+    assert!(
+        drawn.contains("pictures/displacement-x-deformed-0.2"),
+        "{drawn}"
+    );
     assert_eq!(pictures(Path::new(drawn.trim())), 1);
     let file = block.folder.join("moving.png").display().to_string();
     let moving = [
         "--animate",
         "--from",
         "0.05",
-        "--deformed",
-        "200",
+        "--deformed=200",
         "--size",
         "300x200",
     ];
@@ -87,7 +89,8 @@ fn snapshots_are_drawn_after_the_run() {
     let table = read_table(
         &block
             .out()
-            .join("plots/displacement-z-and-displacement-along-line.csv"),
+            .join("plots")
+            .join(text(&output.stdout).rsplit('/').next().unwrap().trim()),
     )
     .unwrap();
     let names: Vec<&str> = table.iter().map(|column| &*column.name).collect();

@@ -97,8 +97,20 @@ pub enum StudyError {
         available: Vec<String>,
     },
     /// A picture that would show no element.
-    #[error("{}: no element of these sets is active", file.display())]
+    #[error("{}: {}", file.display(), nothing(extents))]
     NothingDrawn {
+        /// Path of the file.
+        file: PathBuf,
+        /// Lower and upper corner of what the plane of the picture has cut off completely (m); none without a plane.
+        extents: Option<[[f64; 3]; 2]>,
+    },
+    /// A body that is to be drawn deformed, from a file without displacements.
+    #[error(
+        "{}: there is no displacement, by which the body could be drawn deformed; snapshots have it if their \
+         `quantities` name it",
+        file.display()
+    )]
+    NoDisplacement {
         /// Path of the file.
         file: PathBuf,
     },
@@ -115,7 +127,7 @@ pub enum StudyError {
         file: PathBuf,
     },
     /// A column that the table of histories does not have.
-    #[error("no history '{name}'; expected one of {}", available.join(", "))]
+    #[error("no history '{name}'; expected one of {}", first_of(available))]
     NoSuchColumn {
         /// The name.
         name: String,
@@ -381,5 +393,26 @@ impl StudyError {
 impl From<WaveError> for StudyError {
     fn from(error: WaveError) -> Self {
         powerhouse::Error::from(ModelError::from(error)).into()
+    }
+}
+
+/// Greatest number of names in a message.
+const NAMED: usize = 24;
+
+/// The first of some names, and how many there are besides.
+fn first_of(names: &[String]) -> String {
+    match names.len().checked_sub(NAMED) {
+        None | Some(0) => names.join(", "),
+        Some(more) => format!("{} and {more} others", names[..NAMED].join(", ")),
+    }
+}
+
+/// Why a picture shows nothing.
+fn nothing(extents: &Option<[[f64; 3]; 2]>) -> String {
+    match extents {
+        None => "no element of these sets is active".into(),
+        Some([low, high]) => {
+            format!("the plane leaves no element of the body, which is from {low:?} to {high:?} m")
+        }
     }
 }

@@ -20,6 +20,8 @@ const TABLES: [(&str, &str); 5] = [
     ("bolts.csv", "bolts"),
     ("energies.csv", "energy"),
 ];
+/// Greatest length of the names of columns together in the name of a file (bytes).
+const LONGEST: usize = 100;
 /// Folder of the plots in a result folder.
 const PLOTS: &str = "plots";
 /// Unit of accelerations.
@@ -90,6 +92,11 @@ impl RecordedMotions {
     /// [`StudyError::NoHistoryTable`] without any; a table that cannot be read.
     pub fn all_of_folder(folder: impl Into<PathBuf>) -> Result<Vec<Self>, StudyError> {
         let folder = folder.into();
+        // A folder that does not exist is not one without histories.
+        std::fs::read_dir(&folder).map_err(|source| StudyError::Read {
+            file: folder.clone(),
+            source,
+        })?;
         let mut tables = Vec::new();
         for table in TABLES {
             tables.extend(Self::of_table(&folder, table)?);
@@ -240,7 +247,7 @@ impl RecordedMotions {
             Some(file) => self.outside(file)?.with_extension("svg"),
             None => {
                 let names = plot.columns.iter().map(|column| column.name.as_str());
-                let common = common(&names.collect::<Vec<_>>());
+                let common = self.common(&names.collect::<Vec<_>>());
                 let name = powerhouse::file_name(&format!("{common}-{}", plot.measure.name()));
                 self.folder.join(PLOTS).join(format!("{name}.svg"))
             }
@@ -265,6 +272,25 @@ impl RecordedMotions {
             _ => Ok(file),
         }
     }
+    /// Name of some columns together: that of the history of which they are all, or their own; of many the first.
+    fn common(&self, names: &[&str]) -> String {
+        let Some(first) = names.first() else {
+            return String::new();
+        };
+        let base = first.rsplit_once('.').map_or(*first, |(base, _)| base);
+        let all = self.named(base).unwrap_or_default();
+        let is_whole = all.len() > 1
+            && all.len() == names.len()
+            && all
+                .iter()
+                .all(|column| names.contains(&column.name.as_str()));
+        let joined = names.join("-and-");
+        match is_whole {
+            true => base.into(),
+            false if joined.len() > LONGEST => format!("{first}-and-{}-others", names.len() - 1),
+            false => joined,
+        }
+    }
     /// Warnings of the run about the table.
     pub fn warnings(&self) -> Vec<String> {
         let summary = std::fs::read(self.folder.join("summary.json")).unwrap_or_default();
@@ -273,23 +299,6 @@ impl RecordedMotions {
         let about = warnings.filter(|warning| warning["about"] == self.about);
         let texts = about.filter_map(|warning| warning["text"].as_str());
         texts.map(String::from).collect()
-    }
-}
-
-/// The part that the names of columns have in common up to a point, or all names.
-fn common(names: &[&str]) -> String {
-    let base = |name: &str| name.rsplit_once('.').map(|(base, _)| base.to_owned());
-    let of_first = names.first().and_then(|first| base(first));
-    match of_first {
-        Some(of_first)
-            if names.len() > 1
-                && names
-                    .iter()
-                    .all(|name| base(name).as_ref() == Some(&of_first)) =>
-        {
-            of_first
-        }
-        _ => names.join("-and-"),
     }
 }
 

@@ -66,14 +66,14 @@ fn deformation_is_relative_to_the_mean_motion() {
         drawn(&picture, &fields, file)
     };
     let factor = DeformationFactor::Factor(100.0);
-    let rest = picture_of("rest", factor, &|_| Vec3::zeros());
+    let still = picture_of("still", factor, &|_| Vec3::zeros());
     assert_eq!(
-        rest,
+        still,
         picture_of("moved", factor, &|_| Vec3::new(3.0, 2.0, 1.0))
     );
     let stretched = |size: f64| move |x: Vec3| Vec3::new(size * x.x, 0.0, 0.0);
     let small = picture_of("small", factor, &stretched(1e-3));
-    assert_ne!(rest, small);
+    assert_ne!(still, small);
     // Diagonal 11.5 m: a twentieth is 0.57 m, and displacements are up to 5 mm, so that the factor is 100.
     assert_eq!(
         small,

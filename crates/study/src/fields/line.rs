@@ -88,7 +88,13 @@ impl FieldLine {
                 .for_each(|(column, value)| column.values.push(value));
         }
         match outside == self.points {
-            true => Err(fault("no point of the line is in an active element")),
+            true => {
+                let [low, high] = [low, high].map(<[f64; 3]>::from);
+                Err(fault(&format!(
+                    "no point of the line is in an active element; the body is from {low:?} to {high:?} m, and may \
+                     have openings"
+                )))
+            }
             false => Ok((columns, outside)),
         }
     }

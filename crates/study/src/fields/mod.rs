@@ -36,19 +36,17 @@ impl RecordedFields {
     /// # Errors
     /// [`StudyError::NoSnapshots`]; a collection that cannot be read.
     pub fn at(path: impl Into<PathBuf>) -> Result<Self, StudyError> {
-        let path = path.into();
+        let mut path = path.into();
+        // The list of the snapshots, and the folder of their files, stand for the folder of the results.
+        let list = path.with_file_name(SNAPSHOTS);
+        if list.exists() && (path == list || path == list.with_extension("")) {
+            path = match path.parent() {
+                Some(folder) if !folder.as_os_str().is_empty() => folder.into(),
+                _ => ".".into(),
+            };
+        }
         if !path.is_dir() {
-            let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-            // Files of stages are a folder deeper.
-            let above = folder.parent().unwrap_or(Path::new(""));
-            let title = title(&folder).or_else(|| title(above));
-            let name = path.file_stem().unwrap_or_default().to_string_lossy();
-            return Ok(Self {
-                title: title
-                    .map_or_else(|| name.clone().into(), |title| format!("{title}, {name}")),
-                folder,
-                instants: vec![(None, path)],
-            });
+            return Ok(Self::of_file(path));
         }
         let list = path.join(SNAPSHOTS);
         let entries = match list.exists() {
@@ -68,6 +66,22 @@ impl RecordedFields {
             folder: path,
             instants,
         })
+    }
+
+    /// The one instant of a file; its time is known if it is one of the snapshots.
+    fn of_file(path: PathBuf) -> Self {
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        // Files of stages and snapshots are a folder deeper.
+        let above = folder.parent().unwrap_or(Path::new("")).to_path_buf();
+        let title = title(&folder).or_else(|| title(&above));
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let snapshots = read_pvd(&above.join(SNAPSHOTS)).unwrap_or_default();
+        let own = snapshots.iter().find(|entry| entry.file == path);
+        Self {
+            title: title.map_or_else(|| name.clone().into(), |title| format!("{title}, {name}")),
+            folder,
+            instants: vec![(own.map(|entry| entry.time), path)],
+        }
     }
 
     /// Title of the run.
@@ -116,7 +130,7 @@ impl RecordedFields {
         (0..self.len()).filter(is_within).collect()
     }
 
-    /// Mesh and fields of an instant.
+    /// Mesh and fields of an instant; its time is that of a snapshot, none for other files.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -126,7 +140,8 @@ impl RecordedFields {
     pub fn read(&self, index: usize) -> Result<VtuGrid, StudyError> {
         let (time, file) = &self.instants[index];
         let mut grid = read_vtu(file).map_err(powerhouse::Error::from)?;
-        grid.time = time.or(grid.time);
+        // The time of other files is the end of the run, or the number of a stage.
+        grid.time = *time;
         Ok(grid)
     }
 

@@ -16,6 +16,9 @@ const DISPLACEMENT: &str = "displacement";
 /// Greatest displacement of a body that is drawn with an automatic factor, over its diagonal (1).
 const DRAWN: f64 = 0.05;
 
+/// Distance over the size of the body below which a centroid counts as in a plane (1).
+const ROUNDING: f64 = 1e-12;
+
 /// Factor by which displacements are magnified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DeformationFactor {
@@ -38,7 +41,8 @@ pub struct FieldPicture {
     pub deformation: Option<DeformationFactor>,
     /// Direction of view, away from the viewer; by default straight on of a slice, otherwise from above and aside.
     pub view: Option<Vec3>,
-    /// Plane that cuts the body open; by default across y in the middle of a body that is no slice.
+    /// Plane that cuts the body open, whichever way its normal points: elements with their centroid on the viewer's side are
+    /// not drawn. By default it is in the middle of a body that is no slice, across the view or, from above and aside, across y.
     pub cut: Option<SectionPlane>,
     /// Whether the body is drawn whole, without a cut.
     pub whole: bool,
@@ -67,6 +71,9 @@ struct Instant {
     drawn: Vec<bool>,
     /// Nodes of these elements.
     nodes: Vec<u32>,
+    view: PictureView,
+    /// Plane behind which the elements are, if there is one.
+    cut: Option<SectionPlane>,
     /// Displacements relative to the mean motion of these nodes (m); empty if the body is not drawn deformed.
     displacement: Vec<Vec3>,
 }
@@ -157,15 +164,24 @@ impl FieldPicture {
             let present = drawn.iter_mut().zip(present);
             present.for_each(|(drawn, is_there)| *drawn &= is_there);
         }
-        let elements: Vec<u32> = (0..)
-            .zip(&drawn)
-            .filter(|(_, d)| **d)
-            .map(|(e, _)| e)
-            .collect();
-        if elements.is_empty() {
-            return Err(StudyError::NothingDrawn { file: file.into() });
+        let (elements, nodes) = nodes_of(&grid, &drawn);
+        let body = corners(&grid, &nodes);
+        let (view, cut) = self.view_into(body);
+        let is_empty = elements.is_empty();
+        if let Some(plane) = &cut {
+            let slack = ROUNDING * (body[1] - body[0]).norm();
+            for element in elements {
+                let beyond = (grid.mesh.centroid(element) - plane.point).dot(&plane.normal);
+                drawn[element as usize] = beyond <= slack;
+            }
         }
-        let nodes = grid.mesh.nodes_of_elements(&elements);
+        let (elements, nodes) = nodes_of(&grid, &drawn);
+        if elements.is_empty() {
+            return Err(StudyError::NothingDrawn {
+                file: file.into(),
+                extents: (!is_empty).then_some(body.map(Into::into)),
+            });
+        }
         let shown = if field.is_nodal { &nodes } else { &elements };
         let (_, factor) = shown_unit(&field.unit);
         let mut values = vec![0.0; field.values.len()];
@@ -175,21 +191,41 @@ impl FieldPicture {
         field.values = values;
         let displacement = match self.deformation {
             None => Vec::new(),
-            Some(_) => {
-                relative_displacement(&grid, &nodes).ok_or_else(|| StudyError::NoSuchField {
-                    file: file.into(),
-                    name: DISPLACEMENT.into(),
-                    available: grid.at_nodes.iter().map(|f| f.name.clone()).collect(),
-                })?
-            }
+            Some(_) => relative_displacement(&grid, &nodes)
+                .ok_or_else(|| StudyError::NoDisplacement { file: file.into() })?,
         };
         Ok(Instant {
             grid,
             field,
             drawn,
             nodes,
+            view,
+            cut,
             displacement,
         })
+    }
+
+    /// View of a body of a box (m), and the plane that cuts it, with its normal towards the viewer.
+    fn view_into(&self, body: [Vec3; 2]) -> (PictureView, Option<SectionPlane>) {
+        let (mut view, mut cut) = PictureView::into_body(body);
+        if let Some(direction) = self.view {
+            view = PictureView::along(direction);
+            cut = cut.map(|plane| SectionPlane {
+                normal: direction,
+                ..plane
+            });
+        }
+        if self.whole || self.cut.is_some() {
+            cut = self.cut;
+        }
+        let towards_viewer = |plane: SectionPlane| SectionPlane {
+            normal: match plane.normal.dot(&view.direction) > 0.0 {
+                true => -plane.normal,
+                false => plane.normal,
+            },
+            ..plane
+        };
+        (view, cut.map(towards_viewer))
     }
 
     /// Scales of colours, displacements and lengths for all instants.
@@ -219,7 +255,13 @@ impl FieldPicture {
             }
         };
         let margin = Vec3::repeat(factor.abs() * moved);
-        let [low, high] = self.range.unwrap_or([low, high]);
+        // Numbers of both signs have colours that are symmetric about zero.
+        let size = low.abs().max(high);
+        let by_default = match low < 0.0 && high > 0.0 {
+            true => [-size, size],
+            false => [low, high],
+        };
+        let [low, high] = self.range.unwrap_or(by_default);
         Ok(Common {
             colours: ([low, high], least < low || most > high),
             factor,
@@ -243,8 +285,10 @@ impl FieldPicture {
             grid,
             field,
             drawn,
-            nodes,
+            view,
+            cut,
             displacement,
+            ..
         } = instant;
         let content = match field.is_nodal {
             true => PictureField::Nodal(&field.values),
@@ -254,47 +298,46 @@ impl FieldPicture {
         let mut picture = Picture::new(&grid.mesh, content, unit);
         picture.present = Some(drawn);
         [picture.width, picture.height] = self.size;
-        (picture.view, picture.section) = PictureView::into_body(corners(grid, nodes));
-        if let Some(direction) = self.view {
-            picture.view = PictureView::along(direction);
-        }
-        if self.whole || self.cut.is_some() {
-            picture.section = self.cut;
-        }
+        picture.view = *view;
         picture.range = Some(range);
         if range[0] < 0.0 && range[1] > 0.0 {
             picture.colours = ColourMap::BlueRed;
-            let most = range[0].abs().max(range[1]);
-            picture.range = self.range.or(Some([-most, most]));
         }
-        let values = instant.values();
-        let extreme = values.fold(
-            0.0_f64,
-            |most, v| if v.abs() > most.abs() { v } else { most },
-        );
         let time = grid
             .time
             .map(|time| format!(" at {} s", shown_number(time)));
+        let [least, most] = spread(instant.values()).map(shown_number);
         let mut title = format!(
-            "{}\n{}{}: {} {unit}",
+            "{}\n{}{}: {least} to {most} {unit}",
             fields.title(),
             self.quantity,
             time.unwrap_or_default(),
-            shown_number(extreme)
         );
         title.truncate(title.trim_end().len());
         if is_cut {
             let [low, high] = range.map(shown_number);
             title += &format!(", colours from {low} to {high}");
         }
+        let mut notes = Vec::new();
+        if !self.sets.is_empty() {
+            notes.push(self.sets.join(", "));
+        }
+        if let Some(plane) = cut {
+            notes.push(format!("cut at {}", place(plane)));
+        }
         if self.deformation.is_some() {
-            let factor_text = shown_number(factor);
-            title += &format!("\ndeformed, {factor_text} times, relative to the mean motion");
+            notes.push(format!(
+                "deformed {} times, relative to the mean motion",
+                shown_number(factor)
+            ));
             picture.deformation = Some(Deformation {
                 displacement,
                 factor,
             });
             picture.extents = Some(extents);
+        }
+        if !notes.is_empty() {
+            title += &format!("\n{}", notes.join("; "));
         }
         picture.title = title;
         Ok(draw(&picture)?)
@@ -340,11 +383,7 @@ impl Default for Seen {
 impl Seen {
     fn of(instant: &Instant) -> Self {
         let numbers: Vec<f64> = instant.values().collect();
-        let spread = numbers
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-                [low.min(*v), high.max(*v)]
-            });
+        let spread = spread(numbers.iter().copied());
         let moved = instant
             .nodes
             .iter()
@@ -389,6 +428,37 @@ fn relative_displacement(grid: &VtuGrid, nodes: &[u32]) -> Option<Vec<Vec3>> {
             .map(|vector| Vec3::from(*vector) - mean)
             .collect(),
     )
+}
+
+/// Least and greatest of some numbers.
+fn spread(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
+}
+
+/// Elements with a flag, and their nodes.
+fn nodes_of(grid: &VtuGrid, flags: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    let flagged = (0..).zip(flags).filter(|(_, flag)| **flag);
+    let elements: Vec<u32> = flagged.map(|(element, _)| element).collect();
+    let nodes = grid.mesh.nodes_of_elements(&elements);
+    (elements, nodes)
+}
+
+/// Where a plane is, as a text.
+fn place(plane: &SectionPlane) -> String {
+    let normal = plane.normal.normalize();
+    let axis = (0..3).find(|&axis| normal[axis].abs() > 1.0 - ROUNDING);
+    match axis {
+        Some(axis) => {
+            let name = ["x", "y", "z"][axis];
+            format!("{name} = {} m", shown_number(plane.point[axis]))
+        }
+        None => {
+            let [x, y, z] = [plane.point.x, plane.point.y, plane.point.z].map(shown_number);
+            format!("{x}, {y}, {z} m")
+        }
+    }
 }
 
 /// Lower and upper corner of some nodes (m).
