@@ -124,12 +124,12 @@ pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
                 let value = shown_number(point.dot(normal));
                 parts.push(format!("cut{}{value}", axis_name(*normal)));
             }
-            match (arguments.animate, fields.times().nth(index)) {
-                (true, _) => parts.push("animation".into()),
-                (false, Some(time)) => parts.push(format!("{}s", shown_number(time))),
-                (false, None) => {}
-            }
-            let name = format!("{}.png", file_name(&parts.join("-")));
+            let when = match (arguments.animate, fields.times().nth(index)) {
+                (true, _) => "-animation".into(),
+                (false, Some(time)) => format!("-{}s", shown_number(time)),
+                (false, None) => String::new(),
+            };
+            let name = format!("{}{when}.png", file_name(&parts.join("-")));
             match arguments.results.is_dir() {
                 true => arguments.results.join("pictures").join(name),
                 false => fields.file(index).with_file_name(name),

@@ -146,8 +146,8 @@ fn along(
         let names: Vec<String> = quantities.iter().map(ToString::to_string).collect();
         let when = fields.times().nth(index);
         let when = when.map_or_else(String::new, |time| format!("-{}s", shown_number(time)));
-        let name = file_name(&format!("{}-along-line{when}", names.join("-and-")));
-        let name = format!("{name}.svg");
+        let name = file_name(&format!("{}-along-line", names.join("-and-")));
+        let name = format!("{name}{when}.svg");
         match results.is_dir() {
             true => results.join("plots").join(name),
             false => results.with_file_name(name),

@@ -247,7 +247,7 @@ impl RecordedMotions {
             Some(file) => self.outside(file)?.with_extension("svg"),
             None => {
                 let names = plot.columns.iter().map(|column| column.name.as_str());
-                let common = self.common(&names.collect::<Vec<_>>());
+                let common = self.common(&names.collect::<Vec<_>>(), plot.measure);
                 let name = powerhouse::file_name(&format!("{common}-{}", plot.measure.name()));
                 self.folder.join(PLOTS).join(format!("{name}.svg"))
             }
@@ -272,13 +272,15 @@ impl RecordedMotions {
             _ => Ok(file),
         }
     }
-    /// Name of some columns together: that of the history of which they are all, or their own; of many the first.
-    fn common(&self, names: &[&str]) -> String {
+    /// Name of some columns together: that of the history of which they are all that have the measure, or their own; of many
+    /// the first.
+    fn common(&self, names: &[&str], measure: Measure) -> String {
         let Some(first) = names.first() else {
             return String::new();
         };
         let base = first.rsplit_once('.').map_or(*first, |(base, _)| base);
-        let all = self.named(base).unwrap_or_default();
+        let mut all = self.named(base).unwrap_or_default();
+        all.retain(|column| measure == Measure::Time || column.unit == ACCELERATION);
         let is_whole = all.len() > 1
             && all.len() == names.len()
             && all
