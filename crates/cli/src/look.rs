@@ -7,22 +7,17 @@ use std::process::ExitCode;
 use powerhouse::io::{MeshOptions, Picture, PictureField, write_picture};
 use powerhouse::model::{Facet, Mesh};
 
-use crate::Outcome;
 use crate::report::point;
 use crate::terminal::say;
+use crate::{Outcome, check_ending};
 
 /// Deviation of the nodes of a facet set from a plane, over the size of the mesh, up to which the set counts as plane.
 const PLANE: f64 = 1e-6;
 
 /// Prints sizes, quality and sets of a mesh file, and draws its element sets if a file is given.
 pub(crate) fn look(file: &Path, picture: Option<PathBuf>) -> Outcome {
-    let is_png = |file: &PathBuf| file.extension().is_some_and(|extension| extension == "png");
-    if let Some(file) = picture.as_ref().filter(|file| !is_png(file)) {
-        return Err(format!(
-            "{}: the name of a picture must end with .png",
-            file.display()
-        )
-        .into());
+    if let Some(file) = &picture {
+        check_ending(file, ("picture", "png"))?;
     }
     let mut options = MeshOptions::default();
     options.straighten = true;

@@ -414,6 +414,17 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Refuses a file for a drawing of a kind whose name has another ending than that of its format.
+fn check_ending(file: &Path, (kind, ending): (&str, &str)) -> Result<(), String> {
+    match file.extension().is_some_and(|found| found == ending) {
+        true => Ok(()),
+        false => Err(format!(
+            "{}: the name of a {kind} must end with .{ending}",
+            file.display()
+        )),
+    }
+}
+
 /// Reads a scene, or a case of it, with changed keys.
 fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
     let scene = Scene::from_file_as(path, of_file, &powerhouse_study::registry());

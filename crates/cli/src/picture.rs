@@ -7,10 +7,12 @@ use clap::Args;
 use powerhouse::file_name;
 use powerhouse::io::{SectionPlane, shown_number};
 use powerhouse::model::Vec3;
-use powerhouse_study::fields::{Animation, DeformationFactor, FieldPicture, RecordedFields};
+use powerhouse_study::fields::{
+    Animation, DeformationFactor, FieldPart, FieldPicture, RecordedFields,
+};
 
-use crate::Outcome;
 use crate::terminal::{say, say_warning};
+use crate::{Outcome, check_ending};
 
 /// Time that an animation takes (s) by default.
 const LENGTH: f64 = 8.0;
@@ -106,11 +108,10 @@ pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
         return Err(text.into());
     }
     let file = match arguments.out {
-        Some(file) if file.extension().is_none_or(|end| end != "png") => {
-            let file = file.display();
-            return Err(format!("{file}: the name of a picture must end with .png").into());
+        Some(file) => {
+            check_ending(&file, ("picture", "png"))?;
+            file
         }
-        Some(file) => file,
         None => {
             let mut parts = vec![quantity.clone()];
             parts.extend(picture.sets.iter().cloned());
@@ -130,10 +131,7 @@ pub(crate) fn picture(arguments: PictureArguments) -> Outcome {
                 (false, None) => String::new(),
             };
             let name = format!("{}{when}.png", file_name(&parts.join("-")));
-            match arguments.results.is_dir() {
-                true => arguments.results.join("pictures").join(name),
-                false => fields.file(index).with_file_name(name),
-            }
+            fields.place("pictures", &name)
         }
     };
     if !arguments.animate {
@@ -162,11 +160,10 @@ fn list(fields: &RecordedFields) -> Outcome {
     let grid = fields.read(fields.nearest(None))?;
     for (place, list) in [("nodes", &grid.at_nodes), ("elements", &grid.in_elements)] {
         for field in list {
-            let parts = match field.components {
-                3 => ", .x, .y, .z",
-                6 => ".greatest, .least, .mises, .xx, .yy, .zz, .xy, .yz, .zx",
-                _ => "",
-            };
+            let parts = FieldPart::names(field.components).iter();
+            let parts: Vec<String> = parts.map(|part| format!(".{part}")).collect();
+            let whole = if field.components == 3 { ", " } else { "" };
+            let parts = format!("{whole}{}", parts.join(", "));
             say!(
                 "{:<28} {:<6} of {place}",
                 format!("{}{parts}", field.name),

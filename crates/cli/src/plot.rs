@@ -10,10 +10,10 @@ use powerhouse::model::Vec3;
 use powerhouse_study::fields::{FieldLine, FieldQuantity, RecordedFields};
 use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
-use crate::Outcome;
 use crate::advise::number;
 use crate::picture::{finite, instant, numbers};
 use crate::terminal::{say, say_warning};
+use crate::{Outcome, check_ending};
 
 /// Arguments of `powerhouse plot`.
 #[derive(Args)]
@@ -63,10 +63,8 @@ enum Kind {
 
 /// Draws histories of a finished run, or lists them.
 pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
-    let other = |file: &&PathBuf| file.extension().is_none_or(|end| end != "svg");
-    if let Some(file) = arguments.out.as_ref().filter(other) {
-        let file = file.display();
-        return Err(format!("{file}: the name of a plot must end with .svg").into());
+    if let Some(file) = &arguments.out {
+        check_ending(file, ("plot", "svg"))?;
     }
     if let Some(Corners(corners)) = arguments.along {
         let line = FieldLine {
@@ -147,20 +145,17 @@ fn along(
         let when = fields.times().nth(index);
         let when = when.map_or_else(String::new, |time| format!("-{}s", shown_number(time)));
         let name = file_name(&format!("{}-along-line", names.join("-and-")));
-        let name = format!("{name}{when}.svg");
-        match results.is_dir() {
-            true => results.join("plots").join(name),
-            false => results.with_file_name(name),
-        }
+        fields.place("plots", &format!("{name}{when}.svg"))
     });
     let numbers = drawing.with_extension("csv");
-    let mut notes = Vec::new();
-    if outside > 0 {
-        notes.push(format!(
-            "warning: {outside} of {} points are in no active element and left out",
-            line.points
-        ));
-    }
+    let warning = (outside > 0).then(|| {
+        let all = line.points;
+        format!("{outside} of {all} points are in no active element and left out")
+    });
+    let notes: Vec<String> = warning
+        .iter()
+        .map(|text| format!("warning: {text}"))
+        .collect();
     write_noted_table(&numbers, &notes, &table)?;
     let when = grid
         .time
@@ -177,8 +172,8 @@ fn along(
         .cloned()
         .collect();
     write_plot(&drawing, &Plot::of_table(&title, &drawn))?;
-    for note in notes {
-        say_warning!("{}", note.trim_start_matches("warning: "));
+    if let Some(warning) = warning {
+        say_warning!("{warning}");
     }
     say!("{}\n{}", drawing.display(), numbers.display());
     Ok(ExitCode::SUCCESS)

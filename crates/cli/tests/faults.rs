@@ -70,13 +70,7 @@ fn wait_until(run: &mut Child, is_time: impl Fn() -> bool) {
 }
 
 fn interrupt(run: Child) -> Output {
-    let mut kill = Command::new("kill");
-    assert!(
-        kill.args(["-INT", &run.id().to_string()])
-            .status()
-            .unwrap()
-            .success()
-    );
+    block::signal(&run, "-INT");
     run.wait_with_output().unwrap()
 }
 

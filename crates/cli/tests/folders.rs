@@ -33,17 +33,6 @@ fn start(block: &Block) -> std::process::Child {
     run
 }
 
-#[cfg(unix)]
-fn signal(run: &std::process::Child, signal: &str) {
-    let mut kill = Command::new("kill");
-    assert!(
-        kill.args([signal, &run.id().to_string()])
-            .status()
-            .unwrap()
-            .success()
-    );
-}
-
 /// A second run into the folder of a running one is an error before its first step, which names it; the first run is not
 /// disturbed. A killed run does not prevent another, which names it. Status 2 and 0.
 #[cfg(unix)]
@@ -58,7 +47,7 @@ fn a_folder_has_one_run() {
     assert_eq!(refused.status.code(), Some(2), "{errors}");
     let holder = format!("another run (process {}, since 20", first.id());
     assert!(errors.contains(&holder), "{errors}");
-    signal(&first, "-KILL");
+    block::signal(&first, "-KILL");
     first.wait_with_output().unwrap();
     let left = std::fs::read_to_string(block.out().join("summary.json")).unwrap();
     assert!(left.contains("\"ended\": \"incomplete\""), "{left}");
@@ -100,7 +89,7 @@ fn a_folder_that_vanishes_is_an_error() {
         std::thread::sleep(Duration::from_millis(5));
     }
     if !ended_itself {
-        signal(&run, "-INT");
+        block::signal(&run, "-INT");
     }
     let ended = run.wait_with_output().unwrap();
     let errors = text(&ended.stderr);

@@ -119,9 +119,7 @@ impl Worker {
 
     #[cfg(unix)]
     fn signal(&self, signal: &str) {
-        let mut kill = Command::new("kill");
-        let id = self.process.id().to_string();
-        assert!(kill.args([signal, &id]).status().unwrap().success());
+        block::signal(&self.process, signal);
     }
 }
 

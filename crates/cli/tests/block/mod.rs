@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
@@ -82,4 +82,12 @@ impl Block {
 /// The text of a stream.
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Sends a signal to a process, such as `-INT`.
+#[cfg(unix)]
+pub(crate) fn signal(process: &Child, signal: &str) {
+    let mut kill = Command::new("kill");
+    let id = process.id().to_string();
+    assert!(kill.args([signal, &id]).status().unwrap().success());
 }

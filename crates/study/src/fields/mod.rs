@@ -15,6 +15,7 @@ pub use picture::{Animation, DeformationFactor, FieldPicture};
 pub use quantity::{FieldPart, FieldQuantity, ScalarField};
 
 use crate::StudyError;
+use crate::json::read_json;
 
 /// Collection of the snapshots in a result folder.
 const SNAPSHOTS: &str = "snapshots.pvd";
@@ -145,6 +146,15 @@ impl RecordedFields {
         Ok(grid)
     }
 
+    /// Path of a new file about the fields: in a folder below the results, or beside the one file.
+    pub fn place(&self, below: &str, name: &str) -> PathBuf {
+        // The files of snapshots are a folder deeper than the results.
+        match self.instants[0].1.parent() == Some(&self.folder) {
+            true => self.folder.join(name),
+            false => self.folder.join(below).join(name),
+        }
+    }
+
     /// File of an instant.
     ///
     /// # Panics
@@ -156,7 +166,6 @@ impl RecordedFields {
 
 /// Title of a run, from the summary in its folder.
 fn title(folder: &Path) -> Option<String> {
-    let summary = std::fs::read(folder.join(SUMMARY)).ok()?;
-    let summary: Value = serde_json::from_slice(&summary).ok()?;
+    let summary: Value = read_json(&folder.join(SUMMARY)).ok()?;
     Some(summary["title"].as_str()?.to_owned())
 }

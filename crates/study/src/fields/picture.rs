@@ -69,7 +69,8 @@ struct Instant {
     field: ScalarField,
     /// Elements that are drawn.
     drawn: Vec<bool>,
-    /// Nodes of these elements.
+    /// These elements, and their nodes.
+    elements: Vec<u32>,
     nodes: Vec<u32>,
     view: PictureView,
     /// Plane behind which the elements are, if there is one.
@@ -115,7 +116,7 @@ impl FieldPicture {
         file: &Path,
     ) -> Result<(), StudyError> {
         let instant = self.instant(fields, index)?;
-        let common = self.common([&instant].into_iter().map(|instant| Ok(Seen::of(instant))))?;
+        let common = self.common(std::iter::once(Ok(Seen::of(&instant))))?;
         self.with_picture(fields, &instant, common, |picture| {
             write_picture(file, picture).map_err(powerhouse::Error::from)
         })
@@ -198,6 +199,7 @@ impl FieldPicture {
             grid,
             field,
             drawn,
+            elements,
             nodes,
             view,
             cut,
@@ -231,22 +233,14 @@ impl FieldPicture {
     /// Scales of colours, displacements and lengths for all instants.
     fn common(
         &self,
-        all: impl Iterator<Item = Result<Seen, StudyError>>,
+        mut all: impl Iterator<Item = Result<Seen, StudyError>>,
     ) -> Result<Common, StudyError> {
-        let mut seen: Option<Seen> = None;
-        for next in all {
-            let next = next?;
-            seen = Some(match seen {
-                None => next,
-                Some(before) => before.and(&next),
-            });
-        }
         let Seen {
             colours: [low, high],
             values: [least, most],
             corners: [lower, upper],
             moved,
-        } = seen.unwrap_or_default();
+        } = all.try_fold(Seen::NONE, |seen, next| next.map(|next| seen.and(&next)))?;
         let factor = match self.deformation {
             None => 0.0,
             Some(DeformationFactor::Factor(factor)) => factor,
@@ -347,12 +341,11 @@ impl FieldPicture {
 impl Instant {
     /// Numbers that are drawn.
     fn values(&self) -> impl Iterator<Item = f64> + '_ {
-        let elements = (0..).zip(&self.drawn).filter(|(_, drawn)| **drawn);
-        let nodes = self.nodes.iter().copied().filter(|_| self.field.is_nodal);
-        let elements = elements.map(|(e, _)| e).filter(|_| !self.field.is_nodal);
-        nodes
-            .chain(elements)
-            .map(|index: u32| self.field.values[index as usize])
+        let shown = match self.field.is_nodal {
+            true => &self.nodes,
+            false => &self.elements,
+        };
+        shown.iter().map(|&index| self.field.values[index as usize])
     }
 }
 
@@ -369,18 +362,18 @@ struct Seen {
     moved: f64,
 }
 
-impl Default for Seen {
-    fn default() -> Self {
-        Self {
-            colours: [0.0; 2],
-            values: [0.0; 2],
-            corners: [Vec3::zeros(); 2],
-            moved: 0.0,
-        }
-    }
-}
-
 impl Seen {
+    /// Ranges of no instant.
+    const NONE: Self = Self {
+        colours: [f64::INFINITY, f64::NEG_INFINITY],
+        values: [f64::INFINITY, f64::NEG_INFINITY],
+        corners: [
+            Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+            Vec3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+        ],
+        moved: 0.0,
+    };
+
     fn of(instant: &Instant) -> Self {
         let numbers: Vec<f64> = instant.values().collect();
         let spread = spread(numbers.iter().copied());

@@ -90,6 +90,17 @@ impl FieldQuantity {
 }
 
 impl FieldPart {
+    /// Names of the parts of a field with a number of components; none of a scalar.
+    pub fn names(components: usize) -> &'static [&'static str] {
+        match components {
+            3 => &VECTOR,
+            6 => &[
+                "greatest", "least", "mises", "xx", "yy", "zz", "xy", "yz", "zx",
+            ],
+            _ => &[],
+        }
+    }
+
     /// The part with a name, of a field with a number of components; without a name that of a scalar or a vector as a
     /// whole.
     fn named(name: Option<&str>, components: usize) -> Option<Self> {
@@ -141,17 +152,11 @@ impl FieldPart {
 fn available(grid: &VtuGrid) -> Vec<String> {
     let mut names = Vec::new();
     for field in grid.at_nodes.iter().chain(&grid.in_elements) {
-        let parts: &[&str] = match field.components {
-            3 => &VECTOR,
-            6 => &[
-                "greatest", "least", "mises", "xx", "yy", "zz", "xy", "yz", "zx",
-            ],
-            _ => &[],
-        };
         if matches!(field.components, 1 | 3) {
             names.push(field.name.clone());
         }
-        names.extend(parts.iter().map(|part| format!("{}.{part}", field.name)));
+        let parts = FieldPart::names(field.components).iter();
+        names.extend(parts.map(|part| format!("{}.{part}", field.name)));
     }
     names
 }

@@ -48,6 +48,7 @@ use powerhouse::{
     CheckpointFiles, CheckpointInterval, ProgressHook, Registry, RunNotes, Scene, StageSink,
 };
 
+use crate::json::read_json;
 use crate::mark::Fingerprint;
 use crate::{CheckpointEvent, StudyError, registry};
 use at_rest::BodyStore;
@@ -366,12 +367,7 @@ impl Sweep {
     /// [`StudyError::OtherSweep`] if those have other inputs.
     fn join_cases(&self) -> Result<(), StudyError> {
         let file = self.folder.join(CASES);
-        let text = std::fs::read(&file).map_err(|source| {
-            let file = file.clone();
-            StudyError::Read { file, source }
-        })?;
-        let found: Result<Vec<CaseEntry>, _> = serde_json::from_slice(&text);
-        let others = found.map_err(|source| StudyError::Outcome { file, source })?;
+        let others: Vec<CaseEntry> = read_json(&file)?;
         let is_same = |other: &CaseEntry| {
             let own = self.fingerprints.get(other.name());
             own.is_some_and(|own| other.has(own))
