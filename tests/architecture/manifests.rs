@@ -19,8 +19,11 @@ const ENGINE: &str = "powerhouse-explicit-core";
 /// The crate of programs, which the elements use to record theirs.
 const PROGRAM: &str = "powerhouse-program";
 
-/// The crates around the model; none knows another, but elements record programs.
-const AROUND_MODEL: [&str; 10] = [
+/// The crate of graphics processors, which compiles programs.
+const DEVICE: &str = "powerhouse-device";
+
+/// The crates around the model; none knows another, but elements record programs, and a device compiles them.
+const AROUND_MODEL: [&str; 11] = [
     ENGINE,
     PROGRAM,
     "powerhouse-elements",
@@ -31,6 +34,7 @@ const AROUND_MODEL: [&str; 10] = [
     "powerhouse-material-damage",
     "powerhouse-io",
     "powerhouse-mpi",
+    DEVICE,
 ];
 
 /// The packages that are not published, and that no library depends on.
@@ -41,11 +45,12 @@ const SHELVES: [&str; 3] = [
 ];
 
 /// Crates around the model that tests of another one may use besides: an engine is tested with elements and
-/// observers, observers with elements, programs of elements with laws, and programs of laws.
+/// observers, observers with elements, programs of elements with laws, programs of laws, and a device with all that it takes over.
 fn permitted_in_tests(package: &str) -> &'static [&'static str] {
     match package {
         "powerhouse-explicit-core" => &["powerhouse-elements", "powerhouse-observe"],
         "powerhouse-observe" => &["powerhouse-elements"],
+        DEVICE => &[ENGINE, "powerhouse-elements", "powerhouse-material-damage"],
         "powerhouse-elements" => &["powerhouse-material-damage"],
         "powerhouse-material-damage" => &[PROGRAM],
         _ => &[],
@@ -63,7 +68,7 @@ fn permitted(package: &str) -> Vec<&'static str> {
         "powerhouse" => [&[model][..], &AROUND_MODEL].concat(),
         "powerhouse-study" => vec!["powerhouse"],
         "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
-        "powerhouse-elements" => vec![model, PROGRAM],
+        "powerhouse-elements" | DEVICE => vec![model, PROGRAM],
         around if AROUND_MODEL.contains(&around) => vec![model],
         shelf if SHELVES.contains(&shelf) => {
             let mut below = [
@@ -95,6 +100,7 @@ fn permitted_from_registry(package: &str) -> Option<&'static [&'static str]> {
         PROGRAM => Some(&[]),
         "powerhouse-elements" => Some(&["pulp", "serde"]),
         "powerhouse-mpi" => Some(&["thiserror", "mpi"]),
+        DEVICE => Some(&["bytemuck", "libloading", "cudarc"]),
         "powerhouse-explicit-core" => {
             Some(&["nalgebra", "thiserror", "rayon", "pulp", "faer", "serde"])
         }
@@ -232,16 +238,19 @@ fn packages_are_set_up_alike() {
     }
 }
 
-/// One file chooses the engine, the facade's: no other one outside the engine's crate names it.
+/// One file chooses the engine, the facade's: no other one outside the engine's crate names it, but tests and examples of devices.
 #[test]
 fn one_file_chooses_the_engine() {
     let name = ENGINE.replace('-', "_");
     let own = Path::new("crates").join("explicit-core");
+    let of_devices = ["crates/device/tests", "crates/device/examples"];
     let naming: Vec<PathBuf> = rust_files()
         .into_iter()
         .filter(|(_, text)| text.contains(&name))
         .map(|(path, _)| path.strip_prefix(workspace()).unwrap().to_path_buf())
-        .filter(|path| !path.starts_with(&own))
+        .filter(|path| {
+            !path.starts_with(&own) && !of_devices.iter().any(|folder| path.starts_with(folder))
+        })
         .collect();
     assert_eq!(naming, [Path::new("crates/powerhouse/src/engine.rs")]);
 }

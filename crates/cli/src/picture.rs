@@ -18,6 +18,8 @@ use crate::{Outcome, check_ending};
 const LENGTH: f64 = 8.0;
 /// Longest time for which one of its pictures is shown (s) by default.
 const SLOWEST: f64 = 0.5;
+/// Greatest factor of a deformation.
+const MOST_DEFORMED: f64 = 1e12;
 /// Least and greatest width and height (pixels).
 const PIXELS: std::ops::RangeInclusive<u32> = 64..=4096;
 
@@ -236,7 +238,11 @@ pub(crate) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
 fn deformation(text: &str) -> Result<DeformationFactor, String> {
     match text {
         "auto" => Ok(DeformationFactor::Automatic),
-        text => finite(text).map(DeformationFactor::Factor),
+        text => finite(text)
+            .ok()
+            .filter(|factor| factor.abs() <= MOST_DEFORMED)
+            .map(DeformationFactor::Factor)
+            .ok_or_else(|| format!("`auto` or a factor of at most {MOST_DEFORMED:e}")),
     }
 }
 

@@ -79,14 +79,27 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
             (quantities.collect(), arguments.out),
         );
     }
+    if arguments.folder.is_file() {
+        let file = arguments.folder.display();
+        let message = format!(
+            "{file} is a file; histories are those of a folder of results, and `--along` draws a VTU file"
+        );
+        return Err(message.into());
+    }
+    if !arguments.damping.is_empty() && !matches!(arguments.of, Kind::Response) {
+        return Err("`--damping` is that of response spectra: give `--of response`".into());
+    }
     let tables = RecordedMotions::all_of_folder(arguments.folder)?;
     if arguments.histories.is_empty() {
-        for column in tables.iter().flat_map(RecordedMotions::columns) {
+        let columns = || tables.iter().flat_map(RecordedMotions::columns);
+        let longest = columns().map(|column| column.name.chars().count()).max();
+        let width = longest.unwrap_or(0).max(24);
+        for column in columns() {
             let peak = column
                 .values
                 .iter()
                 .fold(0.0_f64, |most, value| most.max(value.abs()));
-            say!("{:<24} {peak:>12.4e} {}", column.name, column.unit);
+            say!("{:<width$} {peak:>12.4e} {}", column.name, column.unit);
         }
         return Ok(ExitCode::SUCCESS);
     }

@@ -144,10 +144,30 @@ fn snapshots_are_drawn_after_the_run() {
             "scene.toml: there is no appended data",
         ),
         (vec!["picture", "/none", "displacement"], "/none: "),
+        (
+            vec!["picture", &out, "displacement", "--deformed=1e300"],
+            "`auto` or a factor of at most 1e12",
+        ),
+        (
+            vec!["plot", &snapshot, "displacement"],
+            "snapshots_00003.vtu is a file",
+        ),
+        (
+            vec!["plot", &out, "top.ux", "--damping", "5%"],
+            "give `--of response`",
+        ),
     ] {
         let output = block.powerhouse(&arguments);
         let errors = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {errors}");
         assert!(errors.contains(expected), "{arguments:?}: {errors}");
     }
+    // A summary that was cut off is a damaged file, and not a folder without results.
+    let summary = block.out().join("summary.json");
+    let whole = std::fs::read(&summary).unwrap();
+    std::fs::write(&summary, &whole[..whole.len() / 2]).unwrap();
+    let output = block.powerhouse(&["report", &out]);
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("summary.json"), "{errors}");
 }

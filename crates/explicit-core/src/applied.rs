@@ -289,6 +289,41 @@ impl LoadSums {
             });
     }
 
+    /// Local numbers of the plain nodes with forces that change in time.
+    pub(crate) fn changing_nodes(&self) -> Vec<u32> {
+        let keys = self.changing.iter();
+        keys.map(|&key| self.plain.keys[key as usize]).collect()
+    }
+
+    /// Groups with forces that change in time.
+    pub(crate) fn changing_groups(&self) -> Vec<u32> {
+        let constant: Vec<bool> = self.places().map(|(_, constant)| constant).collect();
+        let count = self.grouped.offsets.len() as u32 - 1;
+        let changes = |&group: &u32| {
+            let indices = self.grouped.of(group as usize).iter();
+            indices.clone().any(|&index| !constant[index as usize])
+        };
+        (0..count).filter(changes).collect()
+    }
+
+    /// The sums at plain nodes (N), one per node; empty if there are none.
+    pub(crate) fn at_plain_nodes(&self, nodes: usize) -> Vec<Vec3> {
+        if !self.on_plain_nodes() {
+            return Vec::new();
+        }
+        let mut sums = vec![Vec3::zeros(); nodes];
+        for (key, &node) in self.plain.keys.iter().enumerate() {
+            sums[node as usize] = self.plain.sum(key, &self.forces);
+        }
+        sums
+    }
+
+    /// Appends the sums at the nodes of [`changing_nodes`](Self::changing_nodes) (N).
+    pub(crate) fn append_changing(&self, out: &mut Vec<Vec3>) {
+        let keys = self.changing.iter();
+        out.extend(keys.map(|&key| self.plain.sum(key as usize, &self.forces)));
+    }
+
     /// The sum of forces on a group (N).
     #[inline]
     pub(crate) fn on_group(&self, group: usize) -> Vec3 {

@@ -15,7 +15,7 @@
 
 use core::ops::Range;
 
-use powerhouse_model::{MassDampingRule, Mat3, Vec3};
+use powerhouse_model::{DeviceGroup, MassDampingRule, Mat3, Vec3};
 
 use rayon::prelude::*;
 
@@ -339,6 +339,25 @@ impl Groups {
     #[inline]
     pub(crate) fn scalar_mass(&self, group: usize) -> Option<f64> {
         self.constrained.scalar_mass(group)
+    }
+
+    /// The kicked groups with their present coefficients, for a device.
+    pub(crate) fn for_device(&self) -> Vec<DeviceGroup> {
+        let all = self.groups[..self.kicked()].iter();
+        let own = all.zip(&self.coefficients).zip(&self.diagonal);
+        own.zip(&self.origin)
+            .map(|(((group, matrices), diagonal), origin)| DeviceGroup {
+                members: group.members.clone(),
+                is_diagonal: diagonal.is_diagonal,
+                carry: matrices.carry,
+                inverse: match diagonal.is_diagonal {
+                    true => Mat3::from_diagonal(&diagonal.response),
+                    false => matrices.inverse,
+                },
+                spring: group.spring,
+                origin: *origin,
+            })
+            .collect()
     }
 
     /// Predicts the velocity of every group from the forces on it.

@@ -125,6 +125,7 @@
 mod applied;
 mod condition;
 mod constrained;
+mod device;
 mod effective_mass;
 mod engine;
 mod exact;
@@ -151,6 +152,7 @@ mod subdomain;
 mod view;
 mod weight;
 
+pub use device::ExplicitOnDevice;
 pub use engine::Explicit;
 pub(crate) use engine::NAME;
 pub use exact::ExactSum;

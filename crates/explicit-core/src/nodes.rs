@@ -144,6 +144,12 @@ impl<S: Storage> NodalArrays<S> {
         self.decay = decay.iter().map(|&d| S::from_f64(d)).collect();
     }
 
+    /// Gain and decay of the velocity update of plain nodes, as they are stored.
+    pub(crate) fn coefficients(&self) -> (Vec<f64>, Vec<f64>) {
+        let plain = |values: &[S]| values.iter().map(|value| value.to_f64()).collect();
+        (plain(&self.gain), plain(&self.decay))
+    }
+
     /// Updates the velocity of plain nodes (kick) and copies that of the groups; with `DRIFT`, updates the displacement
     /// of all nodes too. Returns whether every component of velocity is within `limit` (m/s).
     pub(crate) fn advance<const DRIFT: bool>(

@@ -45,6 +45,11 @@ impl RollerNodes {
         &self.all[range.start as usize..range.end as usize]
     }
 
+    /// All roller nodes.
+    pub(crate) fn all(&self) -> &[RollerNode] {
+        &self.all
+    }
+
     /// The roller nodes from a node on.
     pub(crate) fn from(&self, node: usize) -> &[RollerNode] {
         &self.all[self.all.partition_point(|s| (s.node as usize) < node)..]

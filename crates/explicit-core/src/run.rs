@@ -10,6 +10,7 @@ use powerhouse_model::{
 };
 
 use crate::Model;
+use crate::device::DeviceRun;
 use crate::profile::{Phase, Profiler};
 use crate::ranks::{Decision, Gathered, Wanted};
 use crate::saved::{Readings, restore_observers};
@@ -134,6 +135,7 @@ fn run_steps(
         let (blocks, constraints) = (model.blocks.len(), model.constraints.len());
         model.profiler = Some(Box::new(Profiler::new(blocks, constraints)));
     }
+    let device = model.load_device(integrator, step, options.profile)?;
     let keeps = model.ranks.team.rank() == 0 && options.checkpoints.is_some();
     let keeps = model.ranks.team.least(u64::from(!keeps)) == 0;
     let started = Instant::now();
@@ -148,6 +150,7 @@ fn run_steps(
         stopped_by: None,
         failure: None,
         keeps,
+        device,
         done: resumed.map_or(0, |saved| saved.done),
         model,
     };
@@ -176,6 +179,7 @@ fn run_steps(
     });
     let mut report = RunReport::new(done, step, model.time());
     report.profile = profile;
+    report.device = model.device_share();
     report.stable = stable;
     report.energies = energies;
     report.energy_residual = residual;
@@ -233,6 +237,8 @@ struct TimeLoop<'a> {
     failure: Option<RunError>,
     /// Whether rank 0 has a receiver of checkpoints.
     keeps: bool,
+    /// Steps that a device takes, if the model has one.
+    device: Option<DeviceRun>,
     done: u64,
 }
 
@@ -265,14 +271,24 @@ impl TimeLoop<'_> {
                 self.checkpoint(options, step)?;
             }
             self.last = stopped || self.done + 1 == planned;
-            integrator.step(self, step)?;
+            let unseen = match self.last || done == first {
+                true => 0,
+                false => self.unseen_steps(step, planned),
+            };
+            let taken = match self.leave_to_device(unseen, step)? {
+                true => unseen,
+                false => {
+                    integrator.step(self, step)?;
+                    1
+                }
+            };
             if let Some(failure) = self.failure.take() {
                 return Err(failure);
             }
             if let Some(fault) = self.model.fault.take() {
                 return Err(fault);
             }
-            self.done += 1;
+            self.done += taken;
             let reached = Progress::new(self.done, planned, self.model.time);
             progress(reached);
             if let Some(name) = self.stopped_by.take() {
@@ -287,6 +303,42 @@ impl TimeLoop<'_> {
             }
         }
         Ok(Ended::Completed)
+    }
+
+    /// Number of steps from the present one on that a device can take, because nothing of them is seen.
+    fn unseen_steps(&self, step: f64, planned: u64) -> u64 {
+        let Some(device) = &self.device else {
+            return 0;
+        };
+        if self.done < device.host_until {
+            return 0;
+        }
+        let most = device.most.min(planned - 1 - self.done);
+        let (mut number, mut time) = (self.model.number, self.model.time);
+        let is_seen = |number, time| {
+            let mut cadences = self.observers.iter().map(|observer| observer.cadence());
+            cadences.any(|cadence| cadence.is_due(number, time, step))
+        };
+        let mut count = 0;
+        while count < most && !is_seen(number, time) {
+            count += 1;
+            number += 1;
+            time += step;
+        }
+        count
+    }
+
+    /// Leaves a number of steps to the device, if there are any; returns whether it took them.
+    fn leave_to_device(&mut self, count: u64, step: f64) -> Result<bool, RunError> {
+        if count == 0 {
+            return Ok(false);
+        }
+        let taken = self.model.advance_on_device(count, step)?;
+        if let (false, Some(device)) = (taken, &mut self.device) {
+            // The host repeats them and names the element.
+            device.host_until = self.done + count;
+        }
+        Ok(taken)
     }
 
     /// Passes the present state of the run to the receiver of checkpoints, if there is one.

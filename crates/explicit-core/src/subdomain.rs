@@ -138,6 +138,11 @@ impl Subdomain {
         &self.nodes[self.ranges[block].clone()]
     }
 
+    /// Local number of the node of each slot of this rank's blocks.
+    pub(crate) fn slot_nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Local number of the node of a slot of this rank's blocks.
     pub(crate) fn node_of_slot(&self, slot: u32) -> u32 {
         self.nodes[slot as usize]

@@ -18,6 +18,11 @@ pub trait Engine: Send + Sync {
     /// An [`EngineError`](crate::EngineError), as the source of [`ModelError::Refused`], that names the node,
     /// element or set; the error of a factory; whatever the engine does not support.
     fn build(&self, spec: ModelSpec) -> Result<Box<dyn EngineModel>, ModelError>;
+    /// Whether dynamic runs of the engine can compute the balance of energies; if not, a run that asks for it is refused. True by
+    /// default.
+    fn balances_energy(&self) -> bool {
+        true
+    }
     /// Solves a sequence of construction stages from an initial state, such as [`State::at_rest`] with an initial
     /// stress; returns the final state, from which a dynamic model [starts](ModelSpec::start) with
     /// [`EngineModel::hand_over`], and a report of each stage.

@@ -192,6 +192,9 @@ pub enum RunError {
         /// Message of its error.
         message: String,
     },
+    /// A failure of the device that takes time steps, or a part of the run that it cannot compute, before the first step.
+    #[error(transparent)]
+    Device(#[from] crate::DeviceError),
     /// An error of an observer, in a step or when it completed its output.
     #[error("observer '{name}' at step {step}: {source}")]
     Observer {

@@ -60,6 +60,7 @@ mod stage;
 mod state;
 mod state_error;
 mod statics;
+mod step_device;
 mod step_profile;
 mod step_time;
 mod stress_field;
@@ -119,7 +120,8 @@ pub use program::{
 pub use ranks::{Message, RankError, RankForecast, Ranks, SingleRank, ThreadRanks};
 pub use reach::{Reach, Selection};
 pub use run::{
-    Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport, StepChoice,
+    DeviceShare, Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport,
+    StepChoice,
 };
 pub use saved_run::{CheckpointSink, SavedRun, SavedSection};
 #[cfg(feature = "serde")]
@@ -132,6 +134,10 @@ pub use state_error::StateError;
 pub use statics::{
     HandOverReport, Linearisation, StaticError, StaticMethod, StaticOptions, StaticProgress,
     StaticReport,
+};
+pub use step_device::{
+    DeviceBlock, DeviceError, DeviceGroup, DeviceLoads, DeviceModel, DeviceMotion, StepDevice,
+    StepDevices,
 };
 pub use step_profile::{ProfileRow, StepProfile};
 pub use step_time::StepTime;

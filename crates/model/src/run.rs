@@ -220,6 +220,28 @@ pub struct RunReport {
     pub hourglass: Vec<HourglassShare>,
     /// Wall time of the parts of the steps, if it was measured; none of engines that cannot.
     pub profile: Option<StepProfile>,
+    /// Device that took steps beside the host, and how many of them; none without one.
+    pub device: Option<DeviceShare>,
+}
+
+/// Share of a device in the steps of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct DeviceShare {
+    /// Name of the device.
+    pub name: String,
+    /// Number of steps that it took; the host took the others.
+    pub steps: u64,
+}
+
+impl DeviceShare {
+    /// The share of a device: its name and its number of steps.
+    pub fn new(name: impl Into<String>, steps: u64) -> Self {
+        Self {
+            name: name.into(),
+            steps,
+        }
+    }
 }
 
 impl RunReport {
@@ -233,6 +255,7 @@ impl RunReport {
             ended: Ended::Completed,
             energies: Vec::new(),
             profile: None,
+            device: None,
             energy_residual: 0.0,
             hourglass: Vec::new(),
         }

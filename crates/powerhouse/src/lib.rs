@@ -36,6 +36,7 @@
 //! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] | 66 |
 //! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp` and `records` | 95 |
 //! | `direct` | a direct solver for static equilibrium | 101 |
+//! | `gpu` | steps on a graphics processor of NVIDIA, `engine = "gpu"` | 66 |
 //! | `h5drm` | motions of stations in H5DRM files, [`io::read_station_motions`] | 65 |
 //!
 //! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.

@@ -56,6 +56,8 @@ pub struct Registry {
     built_in: BuiltIn,
     version: String,
     engine: Arc<dyn Engine>,
+    /// Whether a program has set the engine.
+    own_engine: bool,
 }
 
 /// Names of the boundaries and kernels that come with the software and were not replaced.
@@ -122,6 +124,7 @@ impl Default for Registry {
             built_in: BuiltIn::default(),
             version: String::new(),
             engine: standard_engine(),
+            own_engine: false,
         };
         builtin::register(&mut registry);
         registry.built_in = BuiltIn {
@@ -200,9 +203,14 @@ impl Registry {
     #[must_use]
     pub fn with_engine(mut self, engine: Arc<dyn Engine>) -> Self {
         self.engine = engine;
+        self.own_engine = true;
         self
     }
-    /// The engine that computes the scenes read with this registry.
+    /// Whether a program has set the engine, in place of the standard one.
+    pub(crate) fn has_own_engine(&self) -> bool {
+        self.own_engine
+    }
+    /// The engine that computes the scenes read with this registry, unless they ask for another one.
     pub fn engine(&self) -> &Arc<dyn Engine> {
         &self.engine
     }

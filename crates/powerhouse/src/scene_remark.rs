@@ -100,6 +100,11 @@ pub enum SceneRemark {
         /// Number of the machine, which is used.
         available: usize,
     },
+    /// Warning: the engine computes no balance of energies, by which a run would be checked.
+    NoEnergyBalance {
+        /// Name of the engine.
+        engine: String,
+    },
     /// Warning: a rim covers the whole part, so that its law or damping acts nowhere.
     WholeRim {
         /// Element set of the part.
@@ -248,6 +253,10 @@ impl fmt::Display for SceneRemark {
             Self::Threads { wanted, available } => write!(
                 f,
                 "threads = {wanted}, but the machine has {available}: the run uses {available}"
+            ),
+            Self::NoEnergyBalance { engine } => write!(
+                f,
+                "the engine '{engine}' computes no balance of energies: the run is not checked by it"
             ),
             Self::WholeRim { set } => write!(
                 f,

@@ -43,6 +43,82 @@ pub fn cuda(programs: &[&Program]) -> String {
     text
 }
 
+/// Beginning of a source in CUDA C with the functions that [`cuda_statements`] call; [`cuda`] has it already.
+pub fn cuda_head() -> &'static str {
+    HEAD
+}
+
+/// Statements in CUDA C of one program, which stand in a function of their own: `input` is the expression of an input by its number,
+/// `output` the statement that writes an expression to an output. All inputs are read before the first output is written. They
+/// need [`cuda_head`].
+///
+/// ```
+/// use powerhouse_program::{Names, cuda_statements, record};
+/// let names = Names {
+///     program: "twice".into(),
+///     inputs: vec!["x".into()],
+///     outputs: vec!["y".into()],
+/// };
+/// let program = record::<f64>(names, 0, |x| vec![x[0] + x[0]])?;
+/// let text = cuda_statements(&program, &|_| "a".into(), &|_, value| format!("b = {value};"));
+/// assert!(text.contains("const double v0 = a;") && text.contains("b = v1;"));
+/// # Ok::<(), powerhouse_model::ProgramError>(())
+/// ```
+pub fn cuda_statements(
+    program: &Program,
+    input: &dyn Fn(u32) -> String,
+    output: &dyn Fn(usize, &str) -> String,
+) -> String {
+    let cuda = Cuda {
+        single: program.format() == NumberFormat::F32,
+    };
+    statements(
+        program,
+        &Placed {
+            cuda,
+            input,
+            output,
+        },
+    )
+}
+
+/// Number in CUDA C, in the format of a program; with the bits of the double, rounded to single precision if that is the format.
+pub fn cuda_number(format: NumberFormat, value: f64) -> String {
+    let single = format == NumberFormat::F32;
+    Cuda { single }.constant(value)
+}
+
+/// CUDA C with inputs and outputs at places of the caller's.
+struct Placed<'a> {
+    cuda: Cuda,
+    input: &'a dyn Fn(u32) -> String,
+    output: &'a dyn Fn(usize, &str) -> String,
+}
+
+impl Language for Placed<'_> {
+    fn constant(&self, value: f64) -> String {
+        self.cuda.constant(value)
+    }
+    fn input(&self, index: u32) -> String {
+        (self.input)(index)
+    }
+    fn function(&self, operation: ProgramOperation, operands: &[String]) -> String {
+        self.cuda.function(operation, operands)
+    }
+    fn named(&self, name: &str, is_mask: bool, value: &str) -> String {
+        self.cuda.named(name, is_mask, value)
+    }
+    fn variable(&self, name: &str, value: &str) -> String {
+        self.cuda.variable(name, value)
+    }
+    fn output(&self, index: usize, value: &str) -> String {
+        (self.output)(index, value)
+    }
+    fn loop_head(&self, most: u32) -> String {
+        self.cuda.loop_head(most)
+    }
+}
+
 /// Bits of numbers, whose functions have other names on the device than elsewhere.
 const HEAD: &str = "\
 // Compile with --fmad=false: products and sums that are written apart are rounded apart.

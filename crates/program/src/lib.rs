@@ -25,7 +25,7 @@ mod traced;
 mod translation;
 mod wgsl;
 
-pub use cuda::cuda;
+pub use cuda::{cuda, cuda_head, cuda_number, cuda_statements};
 pub use law::{check_law, component_names, law_program};
 pub use replay::Replay;
 pub use traced::{Names, Traced, TracedMask, record};

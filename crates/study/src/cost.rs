@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
-use powerhouse::model::{HistoryKind, Mesh, StepProfile};
+use powerhouse::model::{HistoryKind, Mesh, RunError, StepProfile};
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
@@ -104,7 +104,7 @@ impl<'a> StepTimer<'a> {
     }
 
     /// The wall time of the parts of steps, one of which takes about `of_step`; `None` for a run of which they would be
-    /// more than a hundredth.
+    /// more than a hundredth, and of engines that do not measure it.
     pub(crate) fn profile(&mut self, of_step: Duration) -> Result<Option<StepProfile>, StudyError> {
         let wanted = PROFILE.as_secs_f64() / of_step.as_secs_f64().max(1e-9);
         let most = (SHARE_OF_PROFILE * self.steps as f64) as u64;
@@ -112,8 +112,15 @@ impl<'a> StepTimer<'a> {
         if count < LEAST_PROFILE {
             return Ok(None);
         }
-        self.left -= count;
-        Ok(Some(self.simulation.profile_steps(count)?))
+        match self.simulation.profile_steps(count) {
+            Ok(profile) => {
+                self.left -= count;
+                Ok(Some(profile))
+            }
+            // An engine that measures no parts of steps refuses before the first one.
+            Err(Error::Run(RunError::Device(_))) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// The wall time of a step over that of another simulation, one of whose steps takes about `of_step`; `None` if

@@ -214,6 +214,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         stop: spec.stop,
         static_checkpoints: spec.static_checkpoints,
         static_resume: spec.static_resume,
+        device: None,
         ranks: ranked,
     };
     if let Some(state) = start.state {

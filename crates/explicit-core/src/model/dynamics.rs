@@ -315,7 +315,7 @@ impl Model {
     }
 
     /// Computes the coefficients for a rule of mass damping and a length of step (s), unless they are in use.
-    fn prepare(&mut self, rule: MassDampingRule, step: f64) {
+    pub(crate) fn prepare(&mut self, rule: MassDampingRule, step: f64) {
         if self.prepared == Some((rule, step)) {
             return;
         }

@@ -17,6 +17,7 @@ use powerhouse_model::{
 };
 
 use crate::applied::AppliedLoads;
+use crate::device::DeviceSteps;
 use crate::groups::Groups;
 use crate::ledger::Ledger;
 use crate::node_ranges::NodeSums;
@@ -116,6 +117,8 @@ pub struct Model {
     /// Receiver of the states of static solutions, and the state from which the next one goes on.
     pub(crate) static_checkpoints: Option<Arc<dyn CheckpointSink>>,
     pub(crate) static_resume: Option<Arc<SavedRun>>,
+    /// The device that takes steps beside the host.
+    pub(crate) device: Option<DeviceSteps>,
     /// The place of this model among those of other ranks.
     pub(crate) ranks: Ranked,
 }

@@ -44,12 +44,16 @@ pub(super) fn draw(picture: &Picture) -> Option<Frame> {
     let painter = Painter::new(picture, &surface, range);
     painter.draw_facets(&mut raster);
     painter.draw_bars(&mut raster);
+    let lettering = lettering(picture);
+    let triad = Triad::new(picture, lettering.line());
+    if let Some(triad) = &triad {
+        triad.draw(&mut raster);
+    }
     let mut frame = Frame {
         width: picture.width as usize,
         height: picture.height as usize,
         pixels: raster.reduced(FINER),
     };
-    let lettering = lettering(picture);
     for (number, line) in picture.title.lines().enumerate() {
         let top = MARGIN / 2 + number * lettering.line();
         lettering.write(&mut frame, [MARGIN, top], line, INK);
@@ -60,12 +64,18 @@ pub(super) fn draw(picture: &Picture) -> Option<Frame> {
             draw_label(&mut frame, &picture.label, (top, &lettering));
             draw_names(&mut frame, picture.names.iter().copied(), (top, &lettering));
         }
-        Some(range) => draw_scale(&mut frame, picture, (range, &lettering)),
+        Some(range) => {
+            let below = triad.as_ref().map_or(0, |triad| triad.height);
+            draw_scale(&mut frame, picture, (range, &lettering), below);
+        }
         None => {
             let sets = picture.mesh.element_sets().keys();
             let top = below_title(picture, lettering.line());
             draw_names(&mut frame, sets.map(String::as_str), (top, &lettering));
         }
+    }
+    if let Some(triad) = &triad {
+        triad.write(&mut frame, &lettering);
     }
     Some(frame)
 }
@@ -249,15 +259,92 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// Draws the colour scale with round numbers at the right.
+/// The coordinate axes as the picture shows them, below the colour scale.
+struct Triad {
+    /// Pixel of the origin.
+    origin: [f64; 2],
+    /// Ends of the axes x, y, z (pixels), the farthest first, each with its name.
+    ends: Vec<([f64; 2], &'static str)>,
+    /// Height of all of it (pixels).
+    height: usize,
+}
+
+impl Triad {
+    /// Axes for a picture with lines of a height (pixels); `None` where it would leave the scale too little room.
+    fn new(picture: &Picture, line: usize) -> Option<Self> {
+        let length = 2.0 * line as f64;
+        let height = 6 * line;
+        if (picture.height as usize) < 4 * height {
+            return None;
+        }
+        let origin = [
+            picture.width as f64 - 0.5 * SIDE as f64,
+            picture.height as f64 - MARGIN as f64 - 0.5 * height as f64,
+        ];
+        let [right, up, away] = picture.view.axes();
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| away[b].total_cmp(&away[a]));
+        let end = |axis: usize| {
+            let across = origin[0] + length * right[axis];
+            let down = origin[1] - length * up[axis];
+            ([across, down], ["x", "y", "z"][axis])
+        };
+        Some(Self {
+            origin,
+            ends: order.map(end).to_vec(),
+            height,
+        })
+    }
+
+    /// Draws the axes in front of everything.
+    fn draw(&self, raster: &mut Raster) {
+        let point = |[x, y]: [f64; 2]| Point {
+            x: FINER as f64 * x,
+            y: FINER as f64 * y,
+            depth: -1e30,
+            value: 0.0,
+        };
+        for (end, _) in &self.ends {
+            for [right, down] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] {
+                let ends = [self.origin, *end].map(|at| {
+                    let mut at = point(at);
+                    (at.x, at.y) = (at.x + right, at.y + down);
+                    at
+                });
+                raster.line(ends, 1.0, |_| INK);
+            }
+        }
+    }
+
+    /// Writes the names beyond the ends of the axes that are not seen along their length.
+    fn write(&self, frame: &mut Frame, lettering: &Lettering) {
+        for (end, name) in &self.ends {
+            let along = [end[0] - self.origin[0], end[1] - self.origin[1]];
+            let length = along[0].hypot(along[1]);
+            let half = 0.5 * lettering.line() as f64;
+            if length < half {
+                continue;
+            }
+            let beyond = 1.0 + 1.2 * half / length;
+            let across = self.origin[0] + beyond * along[0] - 0.5 * lettering.width(name) as f64;
+            let down = self.origin[1] + beyond * along[1] - half;
+            let corner = [across, down].map(|pixel| pixel.max(0.0) as usize);
+            lettering.write(frame, corner, name, INK);
+        }
+    }
+}
+
+/// Draws the colour scale with round numbers at the right, with some rows of pixels left free below.
 fn draw_scale(
     frame: &mut Frame,
     picture: &Picture,
     ([low, high], lettering): ([f64; 2], &Lettering),
+    below: usize,
 ) {
     let line = lettering.line();
     let top = below_title(picture, line) + 2 * line;
-    let bottom = frame.height.saturating_sub(2 * MARGIN).max(top + 2);
+    let bottom = frame.height.saturating_sub(2 * MARGIN + below);
+    let bottom = bottom.max(top + 2);
     let left = frame.width.saturating_sub(SIDE - 16);
     let scale = Scale::new(low, high, 12, false);
     let mut label = picture.label.clone();

@@ -137,6 +137,10 @@ pub struct SceneFile {
     /// Floating-point precision of the computation; double by default.
     #[serde(default)]
     pub precision: Precision,
+    /// Engine of the dynamic run: `"cpu"`, the processor of the machine (the default), or `"gpu"`, a graphics processor of
+    /// NVIDIA beside it, with the same bits. A program must have been compiled with the feature `gpu` for it. Joints, bolts, laws that
+    /// are evaluated point by point, the balance of energies and the profile of steps are not computed there.
+    pub engine: Option<At<EngineName>>,
     /// Tolerance of the energy balance: the run stops when the residual exceeds this share of the largest
     /// energy stored or put in until then. `"auto"` (1e-7 in double precision, 1e-4 in mixed, 1e-2 in
     /// single; the default), a number above 0 and at most 1, or `"off"`.
@@ -166,6 +170,16 @@ impl SceneFile {
         let stations = self.boundary.as_ref().and_then(|b| b.stations.as_ref());
         !self.waves.is_empty() || !self.motions.is_empty() || stations.is_some()
     }
+}
+
+/// Engine of the dynamic run.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum EngineName {
+    /// The processor of the machine.
+    Cpu,
+    /// A graphics processor of NVIDIA beside it.
+    Gpu,
 }
 
 /// Kind of fault that a scene may downgrade to a warning.

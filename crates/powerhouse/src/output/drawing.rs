@@ -175,11 +175,11 @@ impl Shown<'_> {
         picture.close_up = close_up;
         (picture.view, picture.section) = PictureView::into_body([low, high]);
         let seen = self.seen(&values, is_nodal, close_up);
+        let [least, most] = ends(&seen).map(shown_number);
         let mut title = format!(
-            "{}\n{name} of the run to {} s: {} {unit}",
+            "{}\n{name} of the run to {} s: {least} to {most} {unit}",
             self.title,
             shown_number(self.time),
-            shown_number(extreme(&seen)),
         );
         title.truncate(title.trim_end().len());
         picture.range = colour_range(&seen);
@@ -219,16 +219,10 @@ impl Shown<'_> {
     }
 }
 
-/// The number of largest magnitude; zero without numbers.
-fn extreme(values: &[f64]) -> f64 {
-    let larger = |most: f64, value: &f64| {
-        if value.abs() > most.abs() {
-            *value
-        } else {
-            most
-        }
-    };
-    values.iter().fold(0.0, larger)
+/// The least and the greatest number; zeros without numbers.
+fn ends(values: &[f64]) -> [f64; 2] {
+    let [least, most] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+    [least, most].map(|end| end.unwrap_or(0.0))
 }
 
 /// Box of a structure with its surroundings (m); none if that is most of the body.

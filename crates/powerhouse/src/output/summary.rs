@@ -21,6 +21,9 @@ pub(super) struct Summary {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     advice: Vec<String>,
     steps: u64,
+    /// Device that took steps beside the host
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<Device>,
     /// s
     step: f64,
     /// s
@@ -82,6 +85,13 @@ impl Begun {
             failure: "the run goes on, or was ended from outside; the tables hold what it computed until then",
         }
     }
+}
+
+/// Device that took steps beside the host.
+#[derive(Debug, Serialize)]
+struct Device {
+    name: String,
+    steps: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -284,6 +294,10 @@ impl Summary {
             },
             advice: results.advice.clone(),
             steps: run.steps,
+            device: run.device.as_ref().map(|device| Device {
+                name: device.name.clone(),
+                steps: device.steps,
+            }),
             step: run.step,
             end_time: run.time,
             wall_time: results.wall_time.as_secs_f64(),

@@ -4,9 +4,10 @@ use core::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{InputOverview, Scene};
+use super::{InputOverview, ResidualLimit, Scene};
+use crate::engine::gpu_engine;
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
-use crate::format::{Allowance, Case, SceneFile};
+use crate::format::{Allowance, Case, EngineName, SceneFile};
 use crate::magnitude::Magnitude;
 use crate::output::{NamedThing, check_names};
 use crate::{Error, KeyChange, Registry, SceneRemark, format, resolve};
@@ -160,15 +161,47 @@ impl Scene {
         found.map_err(|error| scene.places.put(&source, error))?;
         scene.check_threads();
         scene.input = InputOverview::of(&file, case);
+        scene.engine = registry.engine().clone();
+        scene.choose_engine(&file, registry).map_err(refused)?;
         scene.directory = file.output.directory;
         scene.cases = cases;
         let on_request = file.cases.iter().filter(|case| case.on_request);
         scene.cases_on_request = on_request.map(|case| case.name.to_string()).collect();
         scene.case = case.map(str::to_owned);
         scene.registry = Some(registry.clone());
-        scene.engine = registry.engine().clone();
         scene.source = Some(text);
         Ok(scene)
+    }
+}
+
+impl Scene {
+    /// Takes the engine that a file asks for. Where it balances no energies, they are neither checked nor recorded, unless the
+    /// file asks for it.
+    fn choose_engine(&mut self, file: &SceneFile, registry: &Registry) -> Result<(), Fault> {
+        let Some(engine) = (file.engine.as_ref()).filter(|engine| ***engine == EngineName::Gpu)
+        else {
+            return Ok(());
+        };
+        if registry.has_own_engine() {
+            let reason = "this run has an engine of its own, such as one of several ranks";
+            return Err(Fault::refused(engine.span(), reason));
+        }
+        self.engine = gpu_engine().map_err(|reason| Fault::refused(engine.span(), reason))?;
+        if self.engine.balances_energy() {
+            return Ok(());
+        }
+        let reason = "the engine computes no balance of energies";
+        if let Some(asked) = &file.output.energies {
+            return Err(Fault::refused(asked.span(), reason));
+        }
+        if let ResidualLimit::Share(_) = self.residual {
+            let reason = format!("{reason}, and `energy_residual` asks for its check");
+            return Err(Fault::refused(engine.span(), reason));
+        }
+        (self.output.energies, self.residual) = (None, ResidualLimit::Unchecked);
+        let engine = self.engine.name().to_owned();
+        self.remark_once(SceneRemark::NoEnergyBalance { engine });
+        Ok(())
     }
 }
 

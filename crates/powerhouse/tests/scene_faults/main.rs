@@ -253,6 +253,27 @@ fn every_fault_has_its_place() {
 }
 
 /// Input that would be ignored, or cannot be computed, is an error with its position.
+/// A graphics processor is refused by a program that was compiled without it, with the place of the key; with it the balance of
+/// energies is refused where the scene asks for it, and otherwise left out with a warning.
+#[test]
+fn an_engine_is_there_or_refused() {
+    let (title, [cpu, gpu]) = (
+        r#"title = "test""#,
+        ["cpu", "gpu"].map(|name| format!("title = \"test\"\nengine = §\"{name}\"")),
+    );
+    assert!(read(&SOUND.replacen(title, &cpu.replace('§', ""), 1)).is_ok());
+    if cfg!(feature = "gpu") {
+        let scene = read(&SOUND.replacen(title, &gpu.replace('§', ""), 1)).unwrap();
+        assert!(!scene.engine().balances_energy());
+        let with_limit = format!("{gpu}\nenergy_residual = 1e-6");
+        let message = fault(title, &with_limit).to_string();
+        assert!(message.contains("energy_residual"), "{message}");
+    } else {
+        let message = fault(title, &gpu).to_string();
+        assert!(message.contains("--features gpu"), "{message}");
+    }
+}
+
 #[test]
 fn nothing_is_taken_and_ignored() {
     let history = "[[output.history]]\nname = \"crown\"\nat = [0, 0, -60]\n";

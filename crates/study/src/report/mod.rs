@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 
 use powerhouse::io::{TableColumn, read_table};
 
-use crate::StudyError;
 use crate::sweep::{CASES, CaseEntry, CaseOutcome, MARK, OUTCOME, write_text};
+use crate::{StudyError, json};
 
 /// Name of the page in the result folder.
 const FILE: &str = "report.html";
@@ -75,7 +75,7 @@ pub fn report_gaps(folder: impl AsRef<Path>) -> Result<Vec<String>, StudyError> 
     if let Some(cases) = listed(folder)? {
         return Ok(cases.iter().filter_map(|case| case.gap(folder)).collect());
     }
-    let summary = read_json(&folder.join("summary.json"));
+    let summary = read_json(&folder.join("summary.json"))?;
     let mut gaps = Vec::new();
     if summary["ended"] == "incomplete" {
         let reason = summary["failure"].as_str().unwrap_or("");
@@ -136,18 +136,20 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
                 true => read_table(&histories).map_err(powerhouse::Error::from)?,
                 false => Vec::new(),
             },
-            summary: read_json(&folder.join("summary.json")),
-            fingerprint: read_json(&folder.join(MARK)),
+            summary: read_json(&folder.join("summary.json"))?,
+            fingerprint: read_json(&folder.join(MARK))?,
             folder,
         })
     });
     cases.collect::<Result<_, _>>().map(Some)
 }
 
-/// The contents of a JSON file; null if it cannot be read.
-fn read_json(file: &Path) -> serde_json::Value {
-    let text = std::fs::read(file).unwrap_or_default();
-    serde_json::from_slice(&text).unwrap_or_default()
+/// The contents of a JSON file; null if there is none.
+fn read_json(file: &Path) -> Result<serde_json::Value, StudyError> {
+    match file.exists() {
+        true => json::read_json(file),
+        false => Ok(serde_json::Value::Null),
+    }
 }
 
 /// The unvaried cases of each kind of wave that occurs.

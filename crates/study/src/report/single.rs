@@ -15,7 +15,7 @@ const LARGEST: u64 = 4 << 20;
 
 /// The report page of a result folder.
 pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
-    let summary = read_json(&folder.join("summary.json"));
+    let summary = read_json(&folder.join("summary.json"))?;
     let Some(title) = summary["title"].as_str() else {
         let folder = folder.into();
         return Err(StudyError::NoResults { folder });

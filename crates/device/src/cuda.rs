@@ -1,0 +1,190 @@
+//! Cards of NVIDIA, by their driver and the compiler NVRTC.
+#![expect(
+    unsafe_code,
+    reason = "libraries are opened and kernels launched through interfaces in C"
+)]
+
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use cudarc::driver::{
+    CudaContext, CudaFunction, CudaSlice, CudaStream, LaunchConfig, PushKernelArg,
+};
+use cudarc::nvrtc::{CompileOptions, compile_ptx_with_opts};
+use powerhouse_model::{DeviceError, StepDevice, StepDevices};
+
+use crate::device::{Argument, Device, Memory};
+use crate::steps::DeviceSteps;
+
+/// Threads of a block of a launch.
+const BLOCK: u32 = 128;
+
+/// Card of NVIDIA: the first one of the machine.
+pub struct CudaDevice {
+    name: String,
+    context: Arc<CudaContext>,
+    stream: Arc<CudaStream>,
+    memory: Vec<CudaSlice<u8>>,
+    kernels: HashMap<String, CudaFunction>,
+}
+
+fn failed(operation: &str, reason: impl core::fmt::Display) -> DeviceError {
+    DeviceError::failed(operation, reason.to_string())
+}
+
+/// Whether a library is on the machine; looking for it may panic.
+fn is_found(is_present: unsafe fn() -> bool) -> bool {
+    // SAFETY: the function opens a library of the system and closes it.
+    let found = catch_unwind(AssertUnwindSafe(|| unsafe { is_present() }));
+    found.unwrap_or(false)
+}
+
+/// Refuses a library that is not on the machine.
+fn check_library(what: &str, is_present: unsafe fn() -> bool) -> Result<(), DeviceError> {
+    let reason = "its library was not found where the system looks for libraries";
+    match is_found(is_present) {
+        true => Ok(()),
+        false => Err(DeviceError::missing(what, reason)),
+    }
+}
+
+/// Whether the compiler NVRTC (libnvrtc) is where the system looks for libraries; it needs no card.
+pub fn nvrtc_is_present() -> bool {
+    is_found(cudarc::nvrtc::sys::is_culib_present)
+}
+
+impl CudaDevice {
+    /// The first card of the machine.
+    ///
+    /// # Errors
+    /// [`DeviceError::Missing`] without a driver, without the compiler NVRTC, or without a card.
+    pub fn new() -> Result<Self, DeviceError> {
+        check_library(
+            "the driver of a card (libcuda)",
+            cudarc::driver::sys::is_culib_present,
+        )?;
+        check_library(
+            "the compiler NVRTC (libnvrtc)",
+            cudarc::nvrtc::sys::is_culib_present,
+        )?;
+        let no_card = |error| DeviceError::missing("a card of NVIDIA", format!("{error}"));
+        let context = CudaContext::new(0).map_err(no_card)?;
+        let name = context.name().map_err(|error| failed("its name", error))?;
+        // SAFETY: the memory of a device is used on its own stream alone, in order; nothing has to wait for another stream.
+        unsafe { context.disable_event_tracking() };
+        // One for each model, so that cases of a sweep share the card.
+        let stream = context.new_stream();
+        Ok(Self {
+            name,
+            stream: stream.map_err(|error| failed("a stream", error))?,
+            context,
+            memory: Vec::new(),
+            kernels: HashMap::new(),
+        })
+    }
+}
+
+impl Device for CudaDevice {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn compile(&mut self, source: &str, kernels: &[String]) -> Result<(), DeviceError> {
+        let capability = self.context.compute_capability();
+        let (major, minor) = capability.map_err(|error| failed("its capability", error))?;
+        let options = CompileOptions {
+            // Products and sums that are written apart are rounded apart, as on the host.
+            fmad: Some(false),
+            options: vec![format!("--gpu-architecture=compute_{major}{minor}")],
+            ..CompileOptions::default()
+        };
+        let compiled = compile_ptx_with_opts(source, options);
+        let compiled = compiled.map_err(|error| failed("the compilation of the kernels", error))?;
+        let module = self.context.load_module(compiled);
+        let module = module.map_err(|error| failed("loading the kernels", error))?;
+        self.kernels.clear();
+        for name in kernels {
+            let kernel = module.load_function(name);
+            let kernel = kernel.map_err(|error| failed("finding a kernel", error))?;
+            self.kernels.insert(name.clone(), kernel);
+        }
+        Ok(())
+    }
+    fn allocate(&mut self, bytes: usize) -> Result<Memory, DeviceError> {
+        let memory = self.stream.alloc_zeros::<u8>(bytes.max(8));
+        let memory = memory.map_err(|error| {
+            let operation = format!("an allocation of {:.1} MB", bytes as f64 / 1e6);
+            failed(&operation, error)
+        })?;
+        self.memory.push(memory);
+        Ok(Memory(self.memory.len() - 1))
+    }
+    fn free_all(&mut self) {
+        self.memory.clear();
+    }
+    fn write(&mut self, to: Memory, bytes: &[u8]) -> Result<(), DeviceError> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let copied = self.stream.memcpy_htod(bytes, &mut self.memory[to.0]);
+        copied.map_err(|error| failed("a copy to the device", error))
+    }
+    fn read(&mut self, from: Memory, bytes: &mut [u8]) -> Result<(), DeviceError> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let view = self.memory[from.0].slice(..bytes.len());
+        let copied = self.stream.memcpy_dtoh(&view, bytes);
+        copied.map_err(|error| failed("a copy from the device", error))?;
+        let ended = self.stream.synchronize();
+        ended.map_err(|error| failed("the kernels", error))
+    }
+    fn launch(
+        &mut self,
+        kernel: &str,
+        threads: usize,
+        arguments: &[Argument],
+    ) -> Result<(), DeviceError> {
+        if threads == 0 {
+            return Ok(());
+        }
+        let function = self.kernels.get(kernel);
+        let function = function.ok_or_else(|| failed("a launch", format!("no kernel {kernel}")))?;
+        let blocks = u32::try_from(threads.div_ceil(BLOCK as usize));
+        let blocks = blocks.map_err(|_| failed("a launch", format!("{threads} threads")))?;
+        let count = threads as u64;
+        let mut launch = self.stream.launch_builder(function);
+        for argument in arguments {
+            match argument {
+                Argument::Memory(memory) => launch.arg(&self.memory[memory.0]),
+                Argument::Count(count) => launch.arg(count),
+                Argument::Number(number) => launch.arg(number),
+            };
+        }
+        launch.arg(&count);
+        let shape = LaunchConfig {
+            grid_dim: (blocks, 1, 1),
+            block_dim: (BLOCK, 1, 1),
+            shared_mem_bytes: 0,
+        };
+        // SAFETY: the kernel has as many arguments of these types as its source, which `source` and `steps` keep equal, and
+        // accesses memory of the lengths that were allocated for these numbers of nodes and elements.
+        let launched = unsafe { launch.launch(shape) };
+        launched
+            .map(|_| ())
+            .map_err(|error| failed("a launch", error))
+    }
+}
+
+/// Source of devices that are the first card of the machine.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CudaDevices;
+
+impl StepDevices for CudaDevices {
+    fn name(&self) -> &str {
+        "gpu"
+    }
+    fn device(&self) -> Result<Box<dyn StepDevice>, DeviceError> {
+        Ok(Box::new(DeviceSteps::new(Box::new(CudaDevice::new()?))))
+    }
+}

@@ -1,0 +1,83 @@
+//! Sources of kernels compile for cards.
+
+use std::sync::Arc;
+
+use cudarc::nvrtc::{CompileOptions, compile_ptx_with_opts};
+use powerhouse_device::{Argument, Device, DeviceSteps, Memory};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::ExplicitOnDevice;
+use powerhouse_material_damage::{LinearElastic, media, presets};
+use powerhouse_model::{DeviceError, RunOptions, StepDevice, StepDevices};
+
+use crate::{ALL, Case, go, mesh, soft_rock};
+
+/// Compiles for cards and launches nothing.
+struct Compiler;
+impl Device for Compiler {
+    fn name(&self) -> &str {
+        "compiler"
+    }
+    fn compile(&mut self, source: &str, _kernels: &[String]) -> Result<(), DeviceError> {
+        for architecture in ["compute_70", "compute_90"] {
+            let options = CompileOptions {
+                fmad: Some(false),
+                arch: Some(architecture),
+                ..CompileOptions::default()
+            };
+            compile_ptx_with_opts(source, options)
+                .map_err(|error| DeviceError::failed(architecture, format!("{error:?}")))?;
+        }
+        Ok(())
+    }
+    fn allocate(&mut self, _bytes: usize) -> Result<Memory, DeviceError> {
+        Ok(Memory(0))
+    }
+    fn free_all(&mut self) {}
+    fn write(&mut self, _to: Memory, _bytes: &[u8]) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read(&mut self, _from: Memory, _bytes: &mut [u8]) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn launch(&mut self, _: &str, _: usize, _: &[Argument]) -> Result<(), DeviceError> {
+        Ok(())
+    }
+}
+struct Compilers;
+impl StepDevices for Compilers {
+    fn name(&self) -> &str {
+        "compiler"
+    }
+    fn device(&self) -> Result<Box<dyn StepDevice>, DeviceError> {
+        Ok(Box::new(DeviceSteps::new(Box::new(Compiler))))
+    }
+}
+/// The kernels of every element and law are a source that NVRTC compiles for cards of NVIDIA; it is skipped where that compiler is
+/// missing.
+#[test]
+fn kernels_compile_with_nvrtc() {
+    if !powerhouse_device::nvrtc_is_present() {
+        eprintln!("skipped: libnvrtc was not found");
+        return;
+    }
+    let engine = ExplicitOnDevice::new(Arc::new(Compilers));
+    let compile = |case: Case| {
+        let mesh = mesh(case.kernel.kind());
+        let model = case.build(&engine, &mesh).unwrap();
+        // The first and the last step are the host's.
+        go(model, &RunOptions::steps(2), [1, 1]).unwrap();
+    };
+    for precision in ALL {
+        for kernel in SolidKernel::ALL {
+            compile(
+                Case::new(kernel, LinearElastic::new(media::ROCK), precision).damped(1.0, 1e-5),
+            );
+        }
+        compile(Case::new(SolidKernel::Hex8Natural, soft_rock(), precision).damped(1.0, 1e-5));
+        compile(Case::new(
+            SolidKernel::Hex8Eas,
+            presets::paper_concrete().unwrap(),
+            precision,
+        ));
+    }
+}
