@@ -4,6 +4,7 @@ mod at_once;
 mod bits;
 mod blocks;
 mod bonded_cavern;
+mod device;
 mod direction;
 mod energy_balance;
 mod graded;

@@ -117,6 +117,13 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
         1e3 * results.step_time.as_secs_f64(),
         1e9 * results.step_time.as_secs_f64() / elements.max(1) as f64,
     );
+    if let Some(device) = &run.device {
+        say!(
+            "{} took {} of the steps, those that no output shows",
+            device.name,
+            device.steps
+        );
+    }
 }
 
 /// Prints the wall time of the parts of time steps.
