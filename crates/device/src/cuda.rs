@@ -5,16 +5,16 @@
 )]
 
 use std::collections::HashMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use cudarc::driver::{
     CudaContext, CudaFunction, CudaSlice, CudaStream, LaunchConfig, PushKernelArg,
 };
-use cudarc::nvrtc::{CompileOptions, compile_ptx_with_opts};
+use cudarc::nvrtc::Ptx;
 use powerhouse_model::{DeviceError, StepDevice, StepDevices};
 
 use crate::device::{Argument, Device, Memory};
+use crate::nvrtc::{compile_for_card, is_found};
 use crate::steps::DeviceSteps;
 
 /// Threads of a block of a launch.
@@ -33,25 +33,29 @@ fn failed(operation: &str, reason: impl core::fmt::Display) -> DeviceError {
     DeviceError::failed(operation, reason.to_string())
 }
 
-/// Whether a library is on the machine; looking for it may panic.
-fn is_found(is_present: unsafe fn() -> bool) -> bool {
-    // SAFETY: the function opens a library of the system and closes it.
-    let found = catch_unwind(AssertUnwindSafe(|| unsafe { is_present() }));
-    found.unwrap_or(false)
-}
-
 /// Refuses a library that is not on the machine.
 fn check_library(what: &str, is_present: unsafe fn() -> bool) -> Result<(), DeviceError> {
-    let reason = "its library was not found where the system looks for libraries";
+    let reason = "its library, of CUDA 12, was not found where the system looks for libraries (LD_LIBRARY_PATH)";
     match is_found(is_present) {
         true => Ok(()),
         false => Err(DeviceError::missing(what, reason)),
     }
 }
 
-/// Whether the compiler NVRTC (libnvrtc) is where the system looks for libraries; it needs no card.
-pub fn nvrtc_is_present() -> bool {
-    is_found(cudarc::nvrtc::sys::is_culib_present)
+/// The context of the first card, one for all models: to make it takes some tenths of a second.
+fn context() -> Result<Arc<CudaContext>, DeviceError> {
+    static CONTEXT: Mutex<Option<Arc<CudaContext>>> = Mutex::new(None);
+    let mut known = CONTEXT
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    if let Some(context) = &*known {
+        return Ok(context.clone());
+    }
+    let no_card = |error| DeviceError::missing("a card of NVIDIA", format!("{error}"));
+    let context = CudaContext::new(0).map_err(no_card)?;
+    // SAFETY: the memory of a device is used on its own stream alone, in order; nothing has to wait for another stream.
+    unsafe { context.disable_event_tracking() };
+    Ok(known.insert(context).clone())
 }
 
 impl CudaDevice {
@@ -68,11 +72,8 @@ impl CudaDevice {
             "the compiler NVRTC (libnvrtc)",
             cudarc::nvrtc::sys::is_culib_present,
         )?;
-        let no_card = |error| DeviceError::missing("a card of NVIDIA", format!("{error}"));
-        let context = CudaContext::new(0).map_err(no_card)?;
+        let context = context()?;
         let name = context.name().map_err(|error| failed("its name", error))?;
-        // SAFETY: the memory of a device is used on its own stream alone, in order; nothing has to wait for another stream.
-        unsafe { context.disable_event_tracking() };
         // One for each model, so that cases of a sweep share the card.
         let stream = context.new_stream();
         Ok(Self {
@@ -85,6 +86,12 @@ impl CudaDevice {
     }
 }
 
+impl Drop for CudaDevice {
+    fn drop(&mut self) {
+        self.free_all();
+    }
+}
+
 impl Device for CudaDevice {
     fn name(&self) -> &str {
         &self.name
@@ -92,15 +99,8 @@ impl Device for CudaDevice {
     fn compile(&mut self, source: &str, kernels: &[String]) -> Result<(), DeviceError> {
         let capability = self.context.compute_capability();
         let (major, minor) = capability.map_err(|error| failed("its capability", error))?;
-        let options = CompileOptions {
-            // Products and sums that are written apart are rounded apart, as on the host.
-            fmad: Some(false),
-            options: vec![format!("--gpu-architecture=compute_{major}{minor}")],
-            ..CompileOptions::default()
-        };
-        let compiled = compile_ptx_with_opts(source, options);
-        let compiled = compiled.map_err(|error| failed("the compilation of the kernels", error))?;
-        let module = self.context.load_module(compiled);
+        let code = compile_for_card(source, [major, minor])?;
+        let module = self.context.load_module(Ptx::from_binary(code.to_vec()));
         let module = module.map_err(|error| failed("loading the kernels", error))?;
         self.kernels.clear();
         for name in kernels {
@@ -120,6 +120,8 @@ impl Device for CudaDevice {
         Ok(Memory(self.memory.len() - 1))
     }
     fn free_all(&mut self) {
+        // Memory is freed by the context of the thread, which this may be the first to use; a failure leaves it to the end of the process.
+        let _ = self.context.bind_to_thread();
         self.memory.clear();
     }
     fn write(&mut self, to: Memory, bytes: &[u8]) -> Result<(), DeviceError> {
@@ -127,7 +129,10 @@ impl Device for CudaDevice {
             return Ok(());
         }
         let copied = self.stream.memcpy_htod(bytes, &mut self.memory[to.0]);
-        copied.map_err(|error| failed("a copy to the device", error))
+        copied.map_err(|error| failed("a copy to the device", error))?;
+        // The bytes may be freed as soon as this returns.
+        let ended = self.stream.synchronize();
+        ended.map_err(|error| failed("a copy to the device", error))
     }
     fn read(&mut self, from: Memory, bytes: &mut [u8]) -> Result<(), DeviceError> {
         if bytes.is_empty() {

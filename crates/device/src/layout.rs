@@ -181,6 +181,12 @@ impl Layout {
                 }
             }
         }
+        if model.single && groups.iter().any(|group| !group.is_single()) {
+            let part = "small or stiff elements in double precision at nodes in single precision";
+            let reason =
+                "their forces are summed in double precision; `precision = \"mixed\"` avoids this";
+            return Err(DeviceError::refused(part, reason));
+        }
         let mut places = 0;
         let mut of_slots: Vec<Vec<u32>> = vec![Vec::new(); model.slot_nodes.len()];
         for (group, blocks) in groups.iter_mut().zip(of_group) {
@@ -270,6 +276,14 @@ fn fill(
     let with = |prefix: &str| names.iter().filter(|name| name.starts_with(prefix)).count();
     let motion = with("displacement.");
     group.corners = motion / 3;
+    let empty = |&index: &usize| model.blocks[index].corners.is_empty();
+    if group.corners == 0 || blocks.iter().any(empty) {
+        let part = format!("set '{}'", group.program.name());
+        return Err(DeviceError::refused(
+            part,
+            "it has a block without elements or nodes",
+        ));
+    }
     // The displacement of a linear law has the damping added; other laws have velocities of their own.
     if with("initial.") > 0 {
         group.damping = 0.0;

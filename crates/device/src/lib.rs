@@ -22,9 +22,13 @@ mod steps;
 
 #[cfg(feature = "cuda")]
 mod cuda;
+#[cfg(feature = "cuda")]
+mod nvrtc;
 
 #[cfg(feature = "cuda")]
-pub use cuda::{CudaDevice, CudaDevices, nvrtc_is_present};
+pub use cuda::{CudaDevice, CudaDevices};
 pub use device::{Argument, Device, Memory};
 pub use emulated::{EmulatedDevice, EmulatedDevices};
+#[cfg(feature = "cuda")]
+pub use nvrtc::{compile_for_card, nvrtc_is_present};
 pub use steps::DeviceSteps;

@@ -3,8 +3,9 @@
 //! Every kernel is a function of one index, which a card runs on one thread for each and an emulation in a loop.
 
 use core::fmt::Write;
+use std::collections::HashMap;
 
-use powerhouse_model::NumberFormat;
+use powerhouse_model::{NumberFormat, ProgramOperation};
 use powerhouse_program::{cuda_head, cuda_number, cuda_statements};
 
 use crate::layout::{ElementGroup, InputPlace};
@@ -30,6 +31,9 @@ const BEGIN: &str = "\
 #endif
 ";
 
+/// Arrays that loops fill are registers of a thread where the loops are unrolled.
+const UNROLL: &str = "#pragma unroll";
+
 /// Parameter of a kernel: type and name.
 type Parameter = (&'static str, &'static str);
 
@@ -37,6 +41,8 @@ type Parameter = (&'static str, &'static str);
 fn kernel(text: &mut String, name: &str, parameters: &[Parameter], body: &str) {
     let list = |with_types: bool| -> String {
         let written = parameters.iter().map(|(kind, name)| match with_types {
+            // No two arrays overlap.
+            true if kind.ends_with('*') => format!("{kind}__restrict__ {name}"),
             true => format!("{kind} {name}"),
             false => (*name).to_owned(),
         });
@@ -129,6 +135,7 @@ fn elements(text: &mut String, name: &str, group: &ElementGroup, single_nodes: b
     };
     line(&format!("double moved[{corners}][3];"));
     line(&format!("{real} u[{}];", 3 * corners));
+    line(UNROLL);
     line(&format!("for (int a = 0; a < {corners}; ++a) {{"));
     line("  const size_t node = nodes[a * count + i];");
     line("  for (int c = 0; c < 3; ++c) {");
@@ -150,6 +157,7 @@ fn elements(text: &mut String, name: &str, group: &ElementGroup, single_nodes: b
         true => format!("(float)({name}[a][c] - {name}[0][c])"),
         false => format!("{name}[a][c]"),
     };
+    line(UNROLL);
     line(&format!("for (int a = 0; a < {corners}; ++a)"));
     line(&format!(
         "  for (int c = 0; c < 3; ++c) u[3 * a + c] = {};",
@@ -162,10 +170,12 @@ fn elements(text: &mut String, name: &str, group: &ElementGroup, single_nodes: b
     {
         line(&format!("double rate[{corners}][3];"));
         line(&format!("{real} w[{}];", 3 * corners));
+        line(UNROLL);
         line(&format!("for (int a = 0; a < {corners}; ++a)"));
         line(
             "  for (int c = 0; c < 3; ++c) rate[a][c] = (double)velocity[4 * (size_t)nodes[a * count + i] + c];",
         );
+        line(UNROLL);
         line(&format!("for (int a = 0; a < {corners}; ++a)"));
         let value = match single_nodes {
             // As the host does: values of nodes in single precision are not rounded again.
@@ -177,6 +187,17 @@ fn elements(text: &mut String, name: &str, group: &ElementGroup, single_nodes: b
         ));
     }
     let format = group.program.format();
+    // Names of history variables that are read: what is not changed is not written.
+    let operations = group.program.operations().iter().enumerate();
+    let unchanged: HashMap<String, usize> = operations
+        .filter_map(|(id, operation)| match operation {
+            ProgramOperation::Input(index) => match group.inputs[*index as usize] {
+                InputPlace::History(row) => Some((format!("v{id}"), row)),
+                _ => None,
+            },
+            _ => None,
+        })
+        .collect();
     let input = |index: u32| match group.inputs[index as usize] {
         InputPlace::Displacement(i) => format!("u[{i}]"),
         InputPlace::Velocity(i) => format!("w[{i}]"),
@@ -190,6 +211,9 @@ fn elements(text: &mut String, name: &str, group: &ElementGroup, single_nodes: b
             format!("force[{component} * places + base + {corner} * count + i] = (Node)({value});")
         } else {
             let row = index - 3 * corners;
+            if unchanged.get(value) == Some(&row) {
+                return String::new();
+            }
             format!("history[{row} * count + i] = {value};")
         }
     };

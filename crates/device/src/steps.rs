@@ -1,8 +1,8 @@
 //! Time steps of a model on a device.
 
 use powerhouse_model::{
-    DeviceError, DeviceLoads, DeviceModel, DeviceMotion, ElementBlock, NodalViewMut, Quad, Scalar,
-    StepDevice, Vec3,
+    DeviceError, DeviceLoads, DeviceModel, DeviceMotion, ElementBlock, NodalScalar, NodalViewMut,
+    Quad, StepDevice, Vec3,
 };
 
 use crate::device::{Argument, Device, Memory};
@@ -73,14 +73,19 @@ struct Loaded {
     loaded: [usize; 2],
 }
 
-/// Bytes of numbers, in single precision if so asked.
-fn bytes(single: bool, numbers: impl Iterator<Item = f64>) -> Vec<u8> {
+/// Writes numbers to the device, in single precision if so asked.
+fn write(
+    device: &mut dyn Device,
+    memory: Memory,
+    single: bool,
+    numbers: impl Iterator<Item = f64>,
+) -> Result<(), DeviceError> {
     if single {
         let numbers: Vec<f32> = numbers.map(|number| number as f32).collect();
-        bytemuck::cast_slice(&numbers).to_vec()
+        device.write(memory, bytemuck::cast_slice(&numbers))
     } else {
         let numbers: Vec<f64> = numbers.collect();
-        bytemuck::cast_slice(&numbers).to_vec()
+        device.write(memory, bytemuck::cast_slice(&numbers))
     }
 }
 
@@ -101,8 +106,10 @@ fn size_of_number(single: bool) -> usize {
     if single { 4 } else { 8 }
 }
 
-fn flat<S: Scalar>(vectors: &[[S; 4]]) -> impl Iterator<Item = f64> {
-    vectors.iter().flatten().map(|number| number.to_f64())
+/// Numbers of nodal vectors.
+fn flat<S: NodalScalar>(vectors: &[Quad<S>]) -> impl Iterator<Item = f64> {
+    let values = vectors.iter().flat_map(|vector| vector.values);
+    values.map(|number| number.to_f64())
 }
 
 fn components(vectors: &[Vec3]) -> impl Iterator<Item = f64> {
@@ -131,7 +138,11 @@ impl DeviceSteps {
         self.memory(bytemuck::cast_slice(numbers))
     }
     fn numbers(&mut self, single: bool, values: &[f64]) -> Result<Memory, DeviceError> {
-        self.memory(&bytes(single, values.iter().copied()))
+        let memory = self
+            .device
+            .allocate(values.len() * size_of_number(single))?;
+        write(self.device.as_mut(), memory, single, values.iter().copied())?;
+        Ok(memory)
     }
 
     fn elements(&mut self, layout: &Layout) -> Result<Vec<GroupMemory>, DeviceError> {
@@ -207,21 +218,19 @@ impl Loaded {
         motion: &DeviceMotion,
         loads: &DeviceLoads,
     ) -> Result<(), DeviceError> {
-        let displacement = bytes(false, flat(&values(motion.displacement)));
-        device.write(self.nodes.displacement, &displacement)?;
-        let velocity = match &motion.velocity {
-            NodalViewMut::F64(velocity) => bytes(false, flat(&values(velocity))),
-            NodalViewMut::F32(velocity) => bytes(true, flat(&values(velocity))),
-        };
-        device.write(self.nodes.velocity, &velocity)?;
-        let external = bytes(self.single, components(&loads.at_nodes));
-        device.write(self.nodes.external, &external)?;
-        let applied = bytes(false, components(&loads.on_groups));
-        device.write(self.grouped.applied, &applied)?;
+        let nodes = &self.nodes;
+        write(device, nodes.displacement, false, flat(motion.displacement))?;
+        match &motion.velocity {
+            NodalViewMut::F64(velocity) => write(device, nodes.velocity, false, flat(velocity))?,
+            NodalViewMut::F32(velocity) => write(device, nodes.velocity, true, flat(velocity))?,
+        }
+        let external = components(&loads.at_nodes);
+        write(device, nodes.external, self.single, external)?;
+        let applied = components(&loads.on_groups);
+        write(device, self.grouped.applied, false, applied)?;
         for (group, memory) in self.layout.groups.iter().zip(&self.elements) {
-            let histories = group.histories(blocks)?;
-            let histories = bytes(group.is_single(), histories.into_iter());
-            device.write(memory.history, &histories)?;
+            let histories = group.histories(blocks)?.into_iter();
+            write(device, memory.history, group.is_single(), histories)?;
         }
         device.write(self.nodes.fault, &[0; 4])
     }
@@ -236,7 +245,7 @@ impl Loaded {
                 (self.grouped.of_groups, &loads.of_groups, groups),
             ] {
                 let rows = &forces[first * loaded..(first + count) * loaded];
-                device.write(memory, &bytes(false, components(rows)))?;
+                write(device, memory, false, components(rows))?;
             }
             for row in 0..count {
                 self.step(device, row as u64)?;
@@ -348,13 +357,8 @@ impl Loaded {
     }
 }
 
-/// Numbers of nodal vectors.
-fn values<S: powerhouse_model::NodalScalar>(vectors: &[Quad<S>]) -> Vec<[S; 4]> {
-    vectors.iter().map(|vector| vector.values).collect()
-}
-
 /// Sets nodal vectors from numbers.
-fn set<S: powerhouse_model::NodalScalar>(vectors: &mut [Quad<S>], numbers: &[f64]) {
+fn set<S: NodalScalar>(vectors: &mut [Quad<S>], numbers: &[f64]) {
     for (vector, numbers) in vectors.iter_mut().zip(numbers.as_chunks::<4>().0) {
         vector.values = numbers.map(S::from_f64);
     }

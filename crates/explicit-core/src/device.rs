@@ -12,7 +12,7 @@ use std::sync::Arc;
 use powerhouse_model::{
     DeviceBlock, DeviceError, DeviceLoads, DeviceModel, DeviceMotion, DeviceShare, Dynamics,
     ElementBlock, Engine, EngineModel, ForceTerms, MassDampingRule, ModelError, ModelSpec,
-    RunError, StepDevice, StepDevices, TimeIntegrator,
+    Precision, RunError, StepDevice, StepDevices, TimeIntegrator,
 };
 
 use crate::model::Model;
@@ -22,7 +22,7 @@ use crate::{BuildModel, NAME};
 /// Most steps that a device takes at once.
 const MOST_STEPS: u64 = 500;
 /// Most vectors of applied forces that are evaluated ahead (24 bytes each).
-const MOST_FORCES: usize = 2_000_000;
+const MOST_FORCES: usize = 8_000_000;
 
 /// The explicit engine with a device beside the host, such as a graphics processor, that takes the time steps which
 /// nobody observes; results have the bits of [`Explicit`](crate::Explicit).
@@ -53,7 +53,8 @@ impl Engine for ExplicitOnDevice {
         check_spec(&spec).map_err(refused)?;
         let device = self.devices.device().map_err(refused)?;
         let mut model = spec.build()?;
-        check_programs(&model.blocks).map_err(refused)?;
+        check_programs(&model).map_err(refused)?;
+        let device = Some(device);
         model.device = Some(DeviceSteps { device, taken: 0 });
         Ok(Box::new(model))
     }
@@ -82,24 +83,32 @@ fn check_spec(spec: &ModelSpec) -> Result<(), DeviceError> {
     Ok(())
 }
 
-/// Refuses blocks without a program, before the length of the step is known.
-fn check_programs(blocks: &[Box<dyn ElementBlock>]) -> Result<(), DeviceError> {
+/// Refuses blocks without a program, before the length of the step is known, and elements of boundaries.
+fn check_programs(model: &Model) -> Result<(), DeviceError> {
     let mut checked: Vec<&str> = Vec::new();
-    for block in blocks {
+    for (index, block) in model.blocks.iter().enumerate() {
+        let part = || format!("set '{}'", block.label());
+        if index >= model.partition().blocks.len() {
+            let reason = "elements of boundaries are computed on the host alone";
+            return Err(DeviceError::refused(part(), reason));
+        }
         if !checked.contains(&block.label()) {
             checked.push(block.label());
             let program = block.program(1e-4, 0);
-            program.map_err(|reason| {
-                DeviceError::refused(format!("set '{}'", block.label()), reason.to_string())
-            })?;
+            program.map_err(|reason| DeviceError::refused(part(), reason.to_string()))?;
         }
+    }
+    if model.precision != Precision::F64 && !model.casts.is_empty() {
+        let reason = "they were cast in a deformed body; `precision = \"f64\"` avoids this";
+        return Err(DeviceError::refused("elements in single precision", reason));
     }
     Ok(())
 }
 
 /// A device with the number of steps that it took in the present run.
 pub(crate) struct DeviceSteps {
-    device: Box<dyn StepDevice>,
+    /// The device; none while it takes steps, and after a panic in them.
+    device: Option<Box<dyn StepDevice>>,
     taken: u64,
 }
 
@@ -142,6 +151,11 @@ impl Dynamics for StepForm {
     }
 }
 
+/// The error of a device that a panic took away.
+fn lost() -> DeviceError {
+    DeviceError::failed("an earlier step", "it panicked, and the device is lost")
+}
+
 /// Rule of mass damping of an integrator whose step is forces, kick, constraints and drift.
 fn rule_of(integrator: &dyn TimeIntegrator, step: f64) -> Result<MassDampingRule, RunError> {
     let mut form = StepForm::default();
@@ -164,13 +178,21 @@ impl Model {
         step: f64,
         profile: bool,
     ) -> Result<Option<DeviceRun>, RunError> {
-        let Some(mut steps) = self.device.take() else {
+        let Some(steps) = &mut self.device else {
             return Ok(None);
         };
         steps.taken = 0;
-        let loaded = self.load(steps.device.as_mut(), integrator, step, profile);
-        self.device = Some(steps);
+        let mut device = steps.device.take().ok_or_else(lost)?;
+        let loaded = self.load(device.as_mut(), integrator, step, profile);
+        self.put_back(device);
         loaded.map(Some)
+    }
+
+    /// Puts the device back after its work.
+    fn put_back(&mut self, device: Box<dyn StepDevice>) {
+        if let Some(steps) = &mut self.device {
+            steps.device = Some(device);
+        }
     }
 
     fn load(
@@ -213,7 +235,8 @@ impl Model {
     /// The share of the device in the run; none without a device.
     pub(crate) fn device_share(&self) -> Option<DeviceShare> {
         let steps = self.device.as_ref()?;
-        Some(DeviceShare::new(steps.device.name(), steps.taken))
+        let device = steps.device.as_ref()?;
+        Some(DeviceShare::new(device.name(), steps.taken))
     }
 
     /// The model as devices take it over, with the coefficients of the prepared step (s).
@@ -295,9 +318,10 @@ impl Model {
 
     /// Lets the device take a number of steps (s); returns whether it did, or found the motion diverged and left it.
     pub(crate) fn advance_on_device(&mut self, count: u64, step: f64) -> Result<bool, RunError> {
-        let Some(mut steps) = self.device.take() else {
+        let Some(steps) = &mut self.device else {
             return Ok(false);
         };
+        let mut device = steps.device.take().ok_or_else(lost)?;
         let advanced = self.in_pool(|model| {
             model.complete_kick();
             model.commit();
@@ -308,13 +332,14 @@ impl Model {
                     displacement: &mut arrays.displacement,
                     velocity: Storage::view_mut(&mut arrays.velocity),
                 };
-                steps.device.advance(blocks, motion, &loads)
+                device.advance(blocks, motion, &loads)
             })
         });
-        let taken = matches!(advanced, Ok(true));
-        steps.taken += if taken { count } else { 0 };
-        self.device = Some(steps);
-        if taken {
+        self.put_back(device);
+        if matches!(advanced, Ok(true)) {
+            if let Some(steps) = &mut self.device {
+                steps.taken += count;
+            }
             self.groups.motion.invalidate();
             for _ in 0..count {
                 self.time += step;

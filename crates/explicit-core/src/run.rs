@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use powerhouse_model::{
-    Cadence, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
+    Cadence, CheckpointSink, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
     MassDampingRule, Observer, ParameterError, Precision, Progress, Reach, RunError, RunFailure,
     RunOptions, RunReport, StableStep, StateError, StepChoice, StepView, TimeIntegrator,
 };
@@ -64,7 +64,7 @@ pub fn run_reporting(
 /// repeats no state. Observers receive the last step whatever their cadence, and
 /// [`Observer::finish`] is called in every case.
 ///
-/// `progress` is called after every step.
+/// `progress` is called after every step, or after all that a device took at once.
 ///
 /// # Errors
 /// An option out of range or an unstable step, before the first step; a divergence, a failed element, constraint or
@@ -135,7 +135,12 @@ fn run_steps(
         let (blocks, constraints) = (model.blocks.len(), model.constraints.len());
         model.profiler = Some(Box::new(Profiler::new(blocks, constraints)));
     }
-    let device = model.load_device(integrator, step, options.profile)?;
+    let device = model.load_device(integrator, step, options.profile);
+    let device = device.inspect_err(|_| {
+        // A run that is refused leaves nothing open.
+        model.close_ledger();
+        model.profiler = None;
+    })?;
     let keeps = model.ranks.team.rank() == 0 && options.checkpoints.is_some();
     let keeps = model.ranks.team.least(u64::from(!keeps)) == 0;
     let started = Instant::now();
@@ -273,7 +278,7 @@ impl TimeLoop<'_> {
             self.last = stopped || self.done + 1 == planned;
             let unseen = match self.last || done == first {
                 true => 0,
-                false => self.unseen_steps(step, planned),
+                false => self.unseen_steps(step, planned, sink.map(AsRef::as_ref)),
             };
             let taken = match self.leave_to_device(unseen, step)? {
                 true => unseen,
@@ -305,8 +310,9 @@ impl TimeLoop<'_> {
         Ok(Ended::Completed)
     }
 
-    /// Number of steps from the present one on that a device can take, because nothing of them is seen.
-    fn unseen_steps(&self, step: f64, planned: u64) -> u64 {
+    /// Number of steps from the present one on that a device can take, because nothing of them is seen, and no state is kept before
+    /// their end.
+    fn unseen_steps(&self, step: f64, planned: u64, sink: Option<&dyn CheckpointSink>) -> u64 {
         let Some(device) = &self.device else {
             return 0;
         };
@@ -324,6 +330,10 @@ impl TimeLoop<'_> {
             count += 1;
             number += 1;
             time += step;
+            let reached = Progress::new(self.done + count, planned, time);
+            if sink.is_some_and(|sink| sink.is_due(&reached)) {
+                break;
+            }
         }
         count
     }

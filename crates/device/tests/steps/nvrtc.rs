@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use cudarc::nvrtc::{CompileOptions, compile_ptx_with_opts};
-use powerhouse_device::{Argument, Device, DeviceSteps, Memory};
+use powerhouse_device::{
+    Argument, Device, DeviceSteps, Memory, compile_for_card, nvrtc_is_present,
+};
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::ExplicitOnDevice;
 use powerhouse_material_damage::{LinearElastic, media, presets};
@@ -18,14 +19,9 @@ impl Device for Compiler {
         "compiler"
     }
     fn compile(&mut self, source: &str, _kernels: &[String]) -> Result<(), DeviceError> {
-        for architecture in ["compute_70", "compute_90"] {
-            let options = CompileOptions {
-                fmad: Some(false),
-                arch: Some(architecture),
-                ..CompileOptions::default()
-            };
-            compile_ptx_with_opts(source, options)
-                .map_err(|error| DeviceError::failed(architecture, format!("{error:?}")))?;
+        for capability in [[8, 0], [9, 0]] {
+            let code = compile_for_card(source, capability)?;
+            assert!(code.len() > 10_000, "{}", code.len());
         }
         Ok(())
     }
@@ -56,7 +52,7 @@ impl StepDevices for Compilers {
 /// missing.
 #[test]
 fn kernels_compile_with_nvrtc() {
-    if !powerhouse_device::nvrtc_is_present() {
+    if !nvrtc_is_present() {
         eprintln!("skipped: libnvrtc was not found");
         return;
     }

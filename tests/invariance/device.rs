@@ -1,0 +1,50 @@
+//! Independence of a scene's results from a device that takes the steps between two outputs.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use powerhouse::engine::{Engine, Explicit, ExplicitOnDevice};
+use powerhouse::{OutputPlan, ResidualLimit, Results, RunHooks, Scene};
+use powerhouse_device::{EmulatedDevice, EmulatedDevices};
+use powerhouse_model::Precision;
+
+/// A lined cavern of the data on an engine, without the balance of energies, which devices do not compute.
+fn run(engine: Arc<dyn Engine>, precision: Precision) -> Results {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/cavern_small.toml");
+    let scene = Scene::from_file(file).unwrap();
+    let mut plan: OutputPlan = scene.output().clone();
+    plan.energies = None;
+    let scene = scene
+        .with_output(plan)
+        .with_energy_residual(ResidualLimit::Unchecked)
+        .with_duration(0.5)
+        .with_precision(precision)
+        .with_engine(engine);
+    scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
+
+/// A lined cavern under an oblique wave through absorbing faces has the same histories, section forces and envelopes on an emulated device,
+/// which takes most of the steps.
+#[test]
+fn a_cavern_on_a_device_has_the_bits_of_the_host() {
+    if let Err(error) = EmulatedDevice::new() {
+        eprintln!("skipped: {error}");
+        return;
+    }
+    for precision in [Precision::F64, Precision::Mixed] {
+        let device: Arc<dyn Engine> = Arc::new(ExplicitOnDevice::new(Arc::new(EmulatedDevices)));
+        let (host, device) = (run(Arc::new(Explicit), precision), run(device, precision));
+        let share = device.run.device.as_ref().unwrap();
+        assert!(2 * share.steps > device.run.steps, "{share:?}");
+        assert!(host.run.device.is_none() && host.run.steps == device.run.steps);
+        let bits = |results: &Results| -> Vec<u64> {
+            let tables = [&results.histories, &results.sections];
+            let columns = tables.into_iter().flat_map(|table| &table.columns);
+            let values = columns.flat_map(|column| &column.values);
+            values.map(|value| value.to_bits()).collect()
+        };
+        let (host, device) = (bits(&host), bits(&device));
+        assert!(host.iter().filter(|&&bits| bits << 1 != 0).count() > 100);
+        assert_eq!(host, device, "{precision:?}");
+    }
+}
