@@ -35,7 +35,7 @@ fn failed(operation: &str, reason: impl core::fmt::Display) -> DeviceError {
 
 /// Refuses a library that is not on the machine.
 fn check_library(what: &str, is_present: unsafe fn() -> bool) -> Result<(), DeviceError> {
-    let reason = "its library, of CUDA 12, was not found where the system looks for libraries (LD_LIBRARY_PATH)";
+    let reason = "its library was not found where the system looks for libraries (LD_LIBRARY_PATH)";
     match is_found(is_present) {
         true => Ok(()),
         false => Err(DeviceError::missing(what, reason)),
@@ -69,7 +69,7 @@ impl CudaDevice {
             cudarc::driver::sys::is_culib_present,
         )?;
         check_library(
-            "the compiler NVRTC (libnvrtc)",
+            "the compiler NVRTC of CUDA 12 (libnvrtc)",
             cudarc::nvrtc::sys::is_culib_present,
         )?;
         let context = context()?;
