@@ -158,7 +158,7 @@ pub(crate) struct Layout {
 }
 
 /// Numbers of a group of nodes.
-pub(crate) const GROUP_NUMBERS: usize = 31;
+const GROUP_NUMBERS: usize = 31;
 
 impl Layout {
     pub(crate) fn new(model: &DeviceModel) -> Result<Self, DeviceError> {

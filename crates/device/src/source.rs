@@ -91,13 +91,9 @@ pub(crate) fn source(groups: &[ElementGroup], options: NodeOptions) -> String {
         elements(&mut text, &element_kernel(index), group, options.single);
     }
     text.push_str(INTERNAL);
-    kernel(&mut text, LOAD_NODES, &LOAD_PARAMETERS, LOAD_NODES_BODY);
-    kernel(
-        &mut text,
-        LOAD_GROUPS,
-        &LOAD_GROUP_PARAMETERS,
-        LOAD_GROUPS_BODY,
-    );
+    for (name, applied) in [(LOAD_NODES, "Node *"), (LOAD_GROUPS, "double *")] {
+        kernel(&mut text, name, &load_parameters(applied), LOAD_BODY);
+    }
     kernel(&mut text, KICK, &KICK_PARAMETERS, KICK_BODY);
     kernel(&mut text, MOVE, &MOVE_PARAMETERS, &move_body(options));
     text
@@ -240,26 +236,18 @@ static __device__ inline void internal_force(const size_t node, const Node *forc
 }
 ";
 
-const LOAD_PARAMETERS: [Parameter; 4] = [
-    ("const double *", "forces"),
-    ("size_t", "row"),
-    ("const unsigned int *", "loaded"),
-    ("Node *", "external"),
-];
-const LOAD_NODES_BODY: &str = "  \
-  const size_t node = loaded[i];
-  for (int c = 0; c < 3; ++c) external[3 * node + c] = (Node)forces[3 * (row * count + i) + c];
-";
-
-const LOAD_GROUP_PARAMETERS: [Parameter; 4] = [
-    ("const double *", "forces"),
-    ("size_t", "row"),
-    ("const unsigned int *", "loaded"),
-    ("double *", "applied"),
-];
-const LOAD_GROUPS_BODY: &str = "  \
-  const size_t group = loaded[i];
-  for (int c = 0; c < 3; ++c) applied[3 * group + c] = forces[3 * (row * count + i) + c];
+/// Parameters of a kernel that writes the applied forces of a step, whose type is given.
+fn load_parameters(applied: &'static str) -> [Parameter; 4] {
+    [
+        ("const double *", "forces"),
+        ("size_t", "row"),
+        ("const unsigned int *", "loaded"),
+        (applied, "applied"),
+    ]
+}
+const LOAD_BODY: &str = "  \
+  const size_t at = loaded[i];
+  for (int c = 0; c < 3; ++c) applied[3 * at + c] = forces[3 * (row * count + i) + c];
 ";
 
 const KICK_PARAMETERS: [Parameter; 14] = [

@@ -64,7 +64,6 @@ struct Loaded {
     nodes: NodeMemory,
     grouped: GroupedMemory,
     single: bool,
-    with_external: bool,
     step: f64,
     limit: f64,
     node_count: usize,
@@ -273,16 +272,14 @@ impl Loaded {
             ];
             device.launch(&memory.kernel, group.elements, &arguments)?;
         }
-        let [loaded_nodes, loaded_groups] = self.loaded;
-        if loaded_nodes > 0 && self.with_external {
-            let (forces, loaded) = (At(grouped.of_nodes), At(grouped.loaded_nodes));
-            let arguments = [forces, Count(row), loaded, At(nodes.external)];
-            device.launch(LOAD_NODES, loaded_nodes, &arguments)?;
-        }
-        if loaded_groups > 0 {
-            let (forces, loaded) = (At(grouped.of_groups), At(grouped.loaded_groups));
-            let arguments = [forces, Count(row), loaded, At(grouped.applied)];
-            device.launch(LOAD_GROUPS, loaded_groups, &arguments)?;
+        let of_nodes = [grouped.of_nodes, grouped.loaded_nodes, nodes.external];
+        let of_groups = [grouped.of_groups, grouped.loaded_groups, grouped.applied];
+        let loads = [(LOAD_NODES, of_nodes), (LOAD_GROUPS, of_groups)];
+        for ((kernel, memory), count) in loads.into_iter().zip(self.loaded) {
+            if count > 0 {
+                let [forces, loaded, applied] = memory.map(At);
+                device.launch(kernel, count, &[forces, Count(row), loaded, applied])?;
+            }
         }
         let [a, b, c, d] = nodes.sums.map(At);
         if self.group_count > 0 {
@@ -373,10 +370,9 @@ impl StepDevice for DeviceSteps {
         self.loaded = None;
         self.device.free_all();
         let layout = Layout::new(model)?;
-        let with_external = model.has_external;
         let options = NodeOptions {
             single: model.single,
-            external: with_external,
+            external: model.has_external,
             decay: !model.decay.is_empty(),
         };
         let text = source(&layout.groups, options);
@@ -399,7 +395,6 @@ impl StepDevice for DeviceSteps {
             grouped: self.grouped(model, &layout)?,
             layout,
             single: model.single,
-            with_external,
             step: model.step,
             limit: model.speed_limit.min(largest),
             node_count: model.slots_of_nodes.len(),

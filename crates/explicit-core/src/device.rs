@@ -222,9 +222,9 @@ impl Model {
         }
         let rule = rule_of(integrator, step)?;
         self.prepare(rule, step);
-        let loaded = self.loads.sums.changing_nodes().len();
-        let forces = loaded + self.loads.sums.changing_groups().len();
-        device.load(&self.for_device(step))?;
+        let model = self.for_device(step);
+        let forces = model.loaded_nodes.len() + model.loaded_groups.len();
+        device.load(&model)?;
         let most = (MOST_FORCES / forces.max(1)) as u64;
         Ok(DeviceRun {
             most: most.clamp(1, MOST_STEPS),

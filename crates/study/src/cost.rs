@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
-use powerhouse::model::{HistoryKind, Mesh, RunError, StepProfile};
+use powerhouse::model::{DeviceError, HistoryKind, Mesh, RunError, StepProfile};
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
@@ -118,7 +118,7 @@ impl<'a> StepTimer<'a> {
                 Ok(Some(profile))
             }
             // An engine that measures no parts of steps refuses before the first one.
-            Err(Error::Run(RunError::Device(_))) => Ok(None),
+            Err(Error::Run(RunError::Device(DeviceError::Refused { .. }))) => Ok(None),
             Err(error) => Err(error.into()),
         }
     }

@@ -252,7 +252,6 @@ fn every_fault_has_its_place() {
     }
 }
 
-/// Input that would be ignored, or cannot be computed, is an error with its position.
 /// A graphics processor is refused by a program that was compiled without it, with the place of the key; with it the balance of
 /// energies is refused where the scene asks for it, and otherwise left out with a warning.
 #[test]
@@ -274,6 +273,7 @@ fn an_engine_is_there_or_refused() {
     }
 }
 
+/// Input that would be ignored, or cannot be computed, is an error with its position.
 #[test]
 fn nothing_is_taken_and_ignored() {
     let history = "[[output.history]]\nname = \"crown\"\nat = [0, 0, -60]\n";
