@@ -45,19 +45,27 @@ pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport) {
         sent.0,
         sent.1
     );
-    let all: usize = ranks.iter().map(|rank| rank.elements).sum();
-    let share = elements.1 as f64 / all.max(1) as f64;
     // As if a rank had the threads of the timed steps.
     let whole = check.cost.wall_time.as_secs_f64() / check.cost.steps.max(1) as f64;
-    let computed = whole * share;
-    let (messages, sent) = (messages.1 as f64, sent.1 as f64);
-    let exchanged = LATENCY * messages + sent / NETWORK + 2.0 * sent / PACKING;
-    let step = computed + exchanged;
+    let exchange = |rank: &RankForecast| {
+        let (messages, sent) = (rank.messages as f64, rank.bytes as f64);
+        let under_way = LATENCY * messages + sent / NETWORK;
+        2.0 * sent / PACKING + (under_way - whole * rank.inner_work).max(0.0)
+    };
+    let step = |rank: &&RankForecast| whole * rank.work + exchange(rank);
+    let slowest = ranks.iter().max_by(|a, b| step(a).total_cmp(&step(b)));
+    let slowest = slowest.copied().unwrap_or_default();
+    let (step, share) = (step(&&slowest), slowest.work);
+    say!(
+        "  the slowest: {:.1} % of the work, {:.1} % of it while its messages are under way",
+        100.0 * share,
+        100.0 * slowest.inner_work / share.max(f64::MIN_POSITIVE)
+    );
     say!(
         "  about {:.3} ms a step, {:.3} ms of them exchange, {} for the run: efficiency {:.0} %, if every rank has as many threads \
          as this check and a message takes {:.0} us and {:.0} GB/s",
         1e3 * step,
-        1e3 * exchanged,
+        1e3 * exchange(&slowest),
         duration(Duration::from_secs_f64(step * check.cost.steps as f64)),
         100.0 * whole / (step * count as f64),
         1e6 * LATENCY,

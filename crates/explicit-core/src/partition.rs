@@ -5,7 +5,7 @@ use powerhouse_model::{Checksum, EngineError, Mesh, Vec3};
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
 /// Elements and nodes of one block of a [`Partition`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PartitionBlock {
     /// Index of the element set among those that were divided.
@@ -18,6 +18,9 @@ pub struct PartitionBlock {
     pub nodes: Vec<u32>,
     /// Number of nodes that it owns.
     pub owned: usize,
+    /// Estimated cost of a step of each element, in units of
+    /// [`BlockFactory::relative_cost`](powerhouse_model::BlockFactory::relative_cost).
+    pub element_cost: f64,
 }
 
 impl PartitionBlock {
@@ -29,17 +32,17 @@ impl PartitionBlock {
     pub fn borrowed_nodes(&self) -> &[u32] {
         &self.nodes[self.owned..]
     }
-    /// Relative cost of a step: the number of elements.
+    /// Estimated cost of a step, in the unit of [`element_cost`](Self::element_cost).
     pub fn cost(&self) -> f64 {
-        self.elements.len() as f64
+        self.elements.len() as f64 * self.element_cost
     }
 }
 
 /// Partition of the elements of a mesh into blocks, in the global order of the blocks.
 ///
-/// It is a function of mesh, element sets and block size alone: neither the number of threads nor the order of
+/// It is a function of mesh, element sets with their costs, and block size alone: neither the number of threads nor the order of
 /// nodes and elements in the mesh file changes it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Partition {
     /// The blocks. The forces at a node are summed in this order.
@@ -57,6 +60,8 @@ pub(crate) struct ElementSets<'a> {
     pub(crate) labels: &'a [&'a str],
     /// Mesh indices of the elements of each set.
     pub(crate) elements: &'a [&'a [u32]],
+    /// Estimated cost of a step of an element of each set.
+    pub(crate) costs: &'a [f64],
     /// Whether each element of the mesh is absent.
     pub(crate) absent: &'a [bool],
 }
@@ -99,6 +104,7 @@ impl Partition {
                         elements: block.iter().map(|entry| entry.element).collect(),
                         nodes: Vec::new(),
                         owned: 0,
+                        element_cost: sets.costs[set],
                     },
                 ));
             });
@@ -300,6 +306,7 @@ mod tests {
         let sets = ElementSets {
             labels: &["base", "rock"],
             elements: &lists,
+            costs: &[1.0, 2.0],
             absent: &vec![false; mesh.element_count()],
         };
         Partition::new(mesh, sets, size).unwrap()

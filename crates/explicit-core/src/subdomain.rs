@@ -138,6 +138,11 @@ impl Subdomain {
         &self.nodes[self.ranges[block].clone()]
     }
 
+    /// Slots of a block.
+    pub(crate) fn slots_of(&self, block: usize) -> Range<usize> {
+        self.ranges[block].clone()
+    }
+
     /// Local number of the node of each slot of this rank's blocks.
     pub(crate) fn slot_nodes(&self) -> &[u32] {
         &self.nodes

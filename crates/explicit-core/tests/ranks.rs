@@ -41,6 +41,36 @@ impl ConstitutiveLaw for Linear {
     }
 }
 
+/// Linear elasticity whose stress is not a number in some elements (user's numbers), from a step on.
+#[derive(Clone)]
+struct Fragile(Linear, Vec<u64>, f64);
+
+impl ConstitutiveLaw for Fragile {
+    fn name(&self) -> &str {
+        "fragile"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0.medium()
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &[const { HistoryVariable::amount("steps", "1") }]
+    }
+    fn uses_location(&self) -> bool {
+        true
+    }
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new_history: &mut [L]) -> Stress<L> {
+        let steps = input.history[0] + input.history[0].constant(1.0);
+        new_history[0] = steps;
+        let fails = |lane: usize| {
+            let element = input.elements()[lane];
+            self.1.contains(&element) && steps.extract(lane) > self.2
+        };
+        let failed = |lane| if fails(lane) { f64::NAN } else { 0.0 };
+        let failed = L::build(steps.token(), failed);
+        Stress(self.0.stress_change(input, &mut []).0.map(|s| s + failed))
+    }
+}
+
 /// Constraint on some nodes that changes nothing, and fails at a step.
 struct Failing {
     name: String,
@@ -268,6 +298,37 @@ fn all_ranks_end_with_the_failure_of_one() {
     assert!(start.elapsed() < SOON);
 }
 
+/// Elements that fail in any block, with shared nodes or without, end all ranks with the failure of the first of them.
+#[test]
+fn all_ranks_end_with_the_first_element_that_fails() {
+    let mesh = mesh();
+    let options = |_: usize| RunOptions::steps(40);
+    for elements in [
+        &[1_u64][..],
+        &[37],
+        &[62],
+        &[120],
+        &[8, 33, 61, 64, 92, 119],
+    ] {
+        let spec = || {
+            let linear = Linear(ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap());
+            let law = Fragile(linear, elements.to_vec(), 21.0);
+            let mut spec = spec(mesh);
+            let rock = SolidKernel::ONE_POINT.factory("rock", law, BlockOptions::default());
+            spec.sets[0].1 = rock;
+            spec
+        };
+        let mut model = spec().build().unwrap();
+        let alone = run(&mut model, &Leapfrog, &options(0), &mut [], &mut |_| {}).unwrap_err();
+        let named = |element: &u64| alone.to_string().contains(&format!("element {element}"));
+        assert!(elements.iter().any(named), "{alone}");
+        for ranks in [2, 3, 7] {
+            let found = errors(ranks, &spec, &options);
+            assert_eq!(found, vec![alone.to_string(); ranks], "{elements:?}");
+        }
+    }
+}
+
 /// A model goes on after a failed run: what was under way between the ranks is gone.
 #[test]
 fn ranks_run_again_after_a_failure() {
@@ -387,6 +448,15 @@ fn a_forecast_is_what_the_ranks_send() {
         assert_eq!(forecast.len(), count);
         let elements: usize = forecast.iter().map(|rank| rank.elements).sum();
         assert_eq!(elements, mesh.element_count());
+        let work: f64 = forecast.iter().map(|rank| rank.work).sum();
+        assert!((work - 1.0).abs() < 1e-12, "{work}");
+        for rank in &forecast {
+            let share = rank.elements as f64 / elements as f64;
+            assert!((rank.work - share).abs() < 1e-12 && rank.inner_work < rank.work + 1e-12);
+        }
+        // With few ranks some blocks have no shared nodes.
+        let inner: f64 = forecast.iter().map(|rank| rank.inner_work).sum();
+        assert!(count > 2 || inner > 0.1, "{count}: {inner}");
         for (forecast, found) in forecast.iter().zip(found) {
             let (nodes, traffic) = found.unwrap();
             assert_eq!(

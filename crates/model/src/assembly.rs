@@ -107,6 +107,11 @@ pub trait BlockFactory: Send + Sync {
     fn kind(&self) -> ElementKind;
     /// Options of all blocks.
     fn options(&self) -> BlockOptions;
+    /// Estimated cost of an element in a step over that of an elastic brick with one integration point, by which ranks
+    /// share the blocks; 1 by default. Results do not depend on it.
+    fn relative_cost(&self) -> f64 {
+        1.0
+    }
     /// Builds one block, once for each part of the set; parts are built in parallel.
     ///
     /// # Errors

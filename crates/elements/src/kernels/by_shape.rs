@@ -74,6 +74,9 @@ impl BlockFactory for ByShape {
     fn options(&self) -> BlockOptions {
         self.general.options()
     }
+    fn relative_cost(&self) -> f64 {
+        self.general.relative_cost()
+    }
     fn build(&self, part: &BlockPart) -> Result<Box<dyn ElementBlock>, ModelError> {
         let all = |shape: &Shape| {
             part.elements.iter().all(|&element| {

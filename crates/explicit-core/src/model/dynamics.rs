@@ -12,7 +12,7 @@ use super::Model;
 use crate::applied::split;
 use crate::nodes::{NodalArrays, Nodes, Storage, with_nodes};
 use crate::profile::{BlockTimes, PROBE_INTERVAL, Phase, Profiler};
-use crate::ranks::Ranked;
+use crate::ranks::{Communicator, Exchange, Ranked};
 use crate::subdomain::{NodalMotion, Subdomain};
 
 /// Terms of a force evaluation of all blocks.
@@ -41,6 +41,9 @@ impl BlockTerms {
     }
 }
 
+/// A block with its number on this rank and its force buffer.
+type BlockTask<'a, S> = (usize, &'a mut Box<dyn ElementBlock>, &'a mut [Quad<S>]);
+
 /// Computes the forces of all blocks, each into its buffer; returns the set and fault of the first block that fails.
 pub(crate) fn block_forces<S: Storage>(
     subdomain: &Subdomain,
@@ -50,13 +53,6 @@ pub(crate) fn block_forces<S: Storage>(
     evaluation: BlockTerms,
     times: Option<&BlockTimes>,
 ) -> Option<(String, ElementFault)> {
-    let BlockTerms {
-        when,
-        terms,
-        ledger,
-        commit,
-        undamped,
-    } = evaluation;
     blocks
         .par_iter_mut()
         .zip(split(forces, &subdomain.lengths))
@@ -64,28 +60,85 @@ pub(crate) fn block_forces<S: Storage>(
         .with_max_len(1)
         .find_map_first(|(index, (block, buffer))| {
             let start = times.map(|_| Instant::now());
-            if commit {
-                block.commit();
-            }
-            let shift = match undamped {
-                true => -block.stiffness_damping(),
-                false => terms.damping_shift,
-            };
-            let reads_velocity = block.reads_velocity(shift, ledger);
-            let computed =
-                subdomain.with_copies(index, motion, reads_velocity, |displacement, velocity| {
-                    let context =
-                        BlockContext::new(when, Storage::view(displacement), S::view(velocity))
-                            .with_damping_shift(shift)
-                            .with_ledger(ledger)
-                            .with_history_update(terms.history_update);
-                    block.forces(&context, S::view_mut(buffer))
-                });
+            let fault = forces_of(subdomain, motion, evaluation, (index, block, buffer));
             if let (Some(times), Some(start)) = (times, start) {
                 times.add(index, start);
             }
-            Some((block.label().to_string(), computed.err()?))
+            Some((block.label().to_string(), fault?))
         })
+}
+
+/// The same for one of several ranks, which sends the forces at shared nodes as soon as the blocks that have them are
+/// done, and computes the others meanwhile. After a fault of a block with shared nodes nothing is sent.
+fn block_forces_sent<S: Storage>(
+    subdomain: &Subdomain,
+    blocks: &mut [Box<dyn ElementBlock>],
+    motion: NodalMotion<S>,
+    forces: &mut [Quad<S>],
+    evaluation: BlockTerms,
+    (exchange, team): (&mut Exchange, &Communicator),
+) -> Option<(String, ElementFault)> {
+    let buffers = split(forces, &subdomain.lengths);
+    let tasks = blocks.iter_mut().zip(buffers).enumerate();
+    let (mut border, mut inner): (Vec<BlockTask<S>>, Vec<BlockTask<S>>) = tasks
+        .map(|(index, (block, buffer))| (index, block, buffer))
+        .partition(|(index, ..)| exchange.is_at_border(*index));
+    let first_fault = |tasks: &mut [BlockTask<S>]| {
+        let tasks = tasks.par_iter_mut().with_max_len(1);
+        tasks.find_map_first(|(index, block, buffer)| {
+            let fault = forces_of(subdomain, motion, evaluation, (*index, block, buffer))?;
+            Some((*index, block.label().to_string(), fault))
+        })
+    };
+    let (at_border, inside) = rayon::join(
+        || {
+            let fault = first_fault(&mut border);
+            if fault.is_none() {
+                let parts = border.iter();
+                let parts =
+                    parts.map(|(index, _, buffer)| (subdomain.slots_of(*index).start, &**buffer));
+                exchange.send(team, &parts.collect::<Vec<_>>());
+            }
+            fault
+        },
+        || first_fault(&mut inner),
+    );
+    let faults = at_border.into_iter().chain(inside);
+    let first = faults.min_by_key(|(index, ..)| *index);
+    first.map(|(_, set, fault)| (set, fault))
+}
+
+/// Computes the forces of a block into its buffer; returns its fault.
+fn forces_of<S: Storage>(
+    subdomain: &Subdomain,
+    motion: NodalMotion<S>,
+    evaluation: BlockTerms,
+    (index, block, buffer): BlockTask<S>,
+) -> Option<ElementFault> {
+    let BlockTerms {
+        when,
+        terms,
+        ledger,
+        commit,
+        undamped,
+    } = evaluation;
+    if commit {
+        block.commit();
+    }
+    let shift = match undamped {
+        true => -block.stiffness_damping(),
+        false => terms.damping_shift,
+    };
+    let reads_velocity = block.reads_velocity(shift, ledger);
+    let computed =
+        subdomain.with_copies(index, motion, reads_velocity, |displacement, velocity| {
+            let context = BlockContext::new(when, Storage::view(displacement), S::view(velocity))
+                .with_damping_shift(shift)
+                .with_ledger(ledger)
+                .with_history_update(terms.history_update);
+            block.forces(&context, S::view_mut(buffer))
+        });
+    computed.err()
 }
 
 /// Measures the parts of element forces by extra evaluations; the evaluation of the step follows.
@@ -242,6 +295,7 @@ impl Model {
             number,
             ledger,
             profiler,
+            ranks,
             ..
         } = self;
         let when = StepTime {
@@ -270,7 +324,14 @@ impl Model {
                 false => &profile.blocks,
             });
             let (fault, ()) = rayon::join(
-                || block_forces(subdomain, blocks, motion, forces, evaluation, times),
+                || match ranks.is_single() {
+                    true => block_forces(subdomain, blocks, motion, forces, evaluation, times),
+                    false => {
+                        let Ranked { exchange, team, .. } = ranks;
+                        let to = (exchange, &*team);
+                        block_forces_sent(subdomain, blocks, motion, forces, evaluation, to)
+                    }
+                },
                 || loads.evaluate(when.time, profile.map(|profile| &profile.loads)),
             );
             loads.sums.write_plain(external);
@@ -293,21 +354,19 @@ impl Model {
         });
         match failed {
             Some(error) => Err(error),
-            None => self.exchange_forces(),
+            None => self.receive_forces(),
         }
     }
 
-    /// Exchanges the forces at nodes that other ranks have too.
-    fn exchange_forces(&mut self) -> Result<(), RunError> {
+    /// Receives the forces of other ranks at shared nodes.
+    fn receive_forces(&mut self) -> Result<(), RunError> {
         if self.ranks.is_single() {
             return Ok(());
         }
-        let start = self.clock();
         let Ranked { exchange, team, .. } = &mut self.ranks;
         let complete = with_nodes!(&mut self.nodes, arrays => {
-            exchange.swap(team, &mut arrays.forces)
+            exchange.receive(team, &mut arrays.forces)
         });
-        self.spent(Phase::Nodes, start);
         match complete {
             true => Ok(()),
             false => Err(self.ranks.ended_elsewhere()),

@@ -65,9 +65,13 @@ fn build_subsets(
     let lists: Vec<&[u32]> = subsets.iter().map(|subset| &*subset.elements).collect();
     let factory = |subset: usize| sets[subsets[subset].set].1.as_ref();
     let labels: Vec<&str> = (0..subsets.len()).map(|i| factory(i).label()).collect();
+    let costs: Vec<f64> = (0..subsets.len())
+        .map(|i| factory(i).relative_cost())
+        .collect();
     let sets_of_elements = ElementSets {
         labels: &labels,
         elements: &lists,
+        costs: &costs,
         absent,
     };
     let partition = Partition::new(mesh, sets_of_elements, block_size)?;

@@ -146,10 +146,15 @@ mod tests {
     }
 
     fn divided(mesh: &Mesh, size: usize) -> Partition {
+        with_costs(mesh, size, &[1.0, 1.0])
+    }
+
+    fn with_costs(mesh: &Mesh, size: usize, costs: &[f64]) -> Partition {
         let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
         let sets = ElementSets {
             labels: &["lower", "upper"],
             elements: &[&all[..200], &all[200..]],
+            costs,
             absent: &vec![false; all.len()],
         };
         Partition::new(mesh, sets, size).unwrap()
@@ -188,6 +193,36 @@ mod tests {
         let mut ranks = every.rank_of_block;
         ranks.sort_unstable();
         assert!((0..).zip(ranks).all(|(expected, rank)| rank == expected));
+    }
+
+    /// Where elements of one set cost seven times as much as others, a rank has fewer of them.
+    #[test]
+    fn ranks_share_the_cost_and_not_the_elements() {
+        let mesh = body();
+        let partition = with_costs(&mesh, 10, &[7.0, 1.0]);
+        let total = 7.0 * 200.0 + 520.0;
+        for ranks in [2, 3, 5] {
+            let distribution = Distribution::new(&partition, &mesh, ranks).unwrap();
+            let costs = distribution.costs(&partition);
+            assert_eq!(costs.iter().sum::<f64>(), total);
+            let halvings = (ranks as f64).log2().ceil();
+            for cost in &costs {
+                let share = total / ranks as f64;
+                assert!(
+                    (cost - share).abs() <= 35.0 * halvings,
+                    "{ranks}: {costs:?}"
+                );
+            }
+            let mut elements = vec![0; ranks];
+            for (&rank, block) in distribution.rank_of_block.iter().zip(&partition.blocks) {
+                elements[rank as usize] += block.elements.len();
+            }
+            let (least, most) = (elements.iter().min(), elements.iter().max());
+            assert!(
+                most > least.map(|least| least + 100).as_ref(),
+                "{elements:?}"
+            );
+        }
     }
 
     /// More ranks than blocks are refused with the block size that would do, and that one does.

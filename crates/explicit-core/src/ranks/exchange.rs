@@ -27,7 +27,7 @@ pub struct Traffic {
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbour {
     pub(crate) rank: usize,
-    /// Own slots that it receives, in the order in which it stores them.
+    /// Own slots that it receives, in the order in which it stores them, which is a rising one.
     pub(crate) outgoing: Vec<u32>,
     /// Slots that are received from it.
     pub(crate) incoming: Range<usize>,
@@ -51,14 +51,43 @@ pub(crate) struct Exchange {
     messages: Vec<Message>,
     /// Number of slots with those of other ranks.
     pub(crate) slots: usize,
+    /// Whether each block of this rank has shared nodes.
+    border: Vec<bool>,
     pub(crate) traffic: Traffic,
     /// Whether the neighbours know that this rank has ended.
     ended: bool,
 }
 
+/// Whether each block has slots that some other rank receives, from the numbers of slots of the blocks.
+fn border(neighbours: &[Neighbour], lengths: &[usize]) -> Vec<bool> {
+    let mut border = vec![false; lengths.len()];
+    for neighbour in neighbours {
+        let mut slots = neighbour
+            .outgoing
+            .iter()
+            .map(|&slot| slot as usize)
+            .peekable();
+        let mut end = 0;
+        for (length, is_at_border) in lengths.iter().zip(&mut border) {
+            end += length;
+            while slots.next_if(|&slot| slot < end).is_some() {
+                *is_at_border = true;
+            }
+        }
+    }
+    border
+}
+
 impl Exchange {
-    pub(crate) fn new(neighbours: Vec<Neighbour>, shared_nodes: usize, slots: usize) -> Self {
+    /// The exchange of a rank with the numbers of slots of its blocks.
+    pub(crate) fn new(
+        neighbours: Vec<Neighbour>,
+        shared_nodes: usize,
+        slots: usize,
+        lengths: &[usize],
+    ) -> Self {
         Self {
+            border: border(&neighbours, lengths),
             messages: neighbours.iter().map(|n| Message::new(n.rank)).collect(),
             traffic: Traffic {
                 neighbours: neighbours.len(),
@@ -89,17 +118,30 @@ impl Exchange {
             .flat_map(|n| n.outgoing.iter().copied())
     }
 
-    /// Sends the own slots of shared nodes. The buffers of the messages received last are used again.
-    pub(crate) fn send<S: Storage>(&mut self, team: &Communicator, forces: &[Quad<S>]) {
+    /// Whether a block of this rank has shared nodes.
+    pub(crate) fn is_at_border(&self, block: usize) -> bool {
+        self.border.get(block) == Some(&true)
+    }
+
+    /// Sends the own slots of shared nodes from parts of the force buffers, each with its first slot, in rising order; the
+    /// blocks that have shared nodes are among them. The buffers of the messages received last are used again.
+    pub(crate) fn send<S: Storage>(&mut self, team: &Communicator, parts: &[(usize, &[Quad<S>])]) {
         self.traffic.exchanges += 1;
         for (message, neighbour) in self.messages.iter_mut().zip(&self.neighbours) {
             let bytes = &mut message.bytes;
             bytes.clear();
             bytes.reserve(1 + neighbour.outgoing.len() * 3 * S::BYTES);
             bytes.push(Kind::Forces as u8);
-            for &slot in &neighbour.outgoing {
-                let [x, y, z, _] = forces[slot as usize].values;
-                S::write(&[x, y, z], bytes);
+            let mut slots = neighbour
+                .outgoing
+                .iter()
+                .map(|&slot| slot as usize)
+                .peekable();
+            for (first, forces) in parts {
+                while let Some(slot) = slots.next_if(|&slot| slot < first + forces.len()) {
+                    let [x, y, z, _] = forces[slot - first].values;
+                    S::write(&[x, y, z], bytes);
+                }
             }
         }
         self.start(team);
@@ -147,7 +189,7 @@ impl Exchange {
         if team.is_single() {
             return true;
         }
-        self.send(team, forces);
+        self.send(team, &[(0, &*forces)]);
         self.receive(team, forces)
     }
 

@@ -49,14 +49,29 @@ impl Model {
             Precision::F32 => <f32 as Storage>::BYTES,
             _ => <f64 as Storage>::BYTES,
         };
+        let total: f64 = self
+            .partition()
+            .blocks
+            .iter()
+            .map(|block| block.cost())
+            .sum();
         let of_rank = |rank: u32| {
+            let layout = Layout::new(&all, rank, ranks);
             let own = (self.partition().blocks.iter().zip(&rank_of[..solids]))
                 .filter(|(_, owner)| **owner == rank);
-            let elements = own.map(|(block, _)| block.elements.len()).sum();
-            let layout = Layout::new(&all, rank, ranks);
+            let (mut elements, mut work, mut inner_work) = (0, 0.0, 0.0);
+            for (number, (block, _)) in own.enumerate() {
+                let share = block.cost() / total;
+                elements += block.elements.len();
+                work += share;
+                if !layout.exchange.is_at_border(number) {
+                    inner_work += share;
+                }
+            }
             let (shared, messages, slots) = layout.exchange.planned();
             RankForecast::new(elements, layout.present.len(), shared)
                 .with_traffic(messages, messages + slots * 3 * number)
+                .with_work(work, inner_work)
         };
         Ok((0..ranks as u32).map(of_rank).collect())
     }

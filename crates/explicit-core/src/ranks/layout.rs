@@ -102,10 +102,11 @@ impl Layout {
         for (local, &node) in (0..).zip(&present) {
             local_of[node as usize] = local;
         }
-        let own_slots: usize = (all.nodes.iter().zip(all.ranks))
+        let lengths: Vec<usize> = (all.nodes.iter().zip(all.ranks))
             .filter(|(_, owner)| **owner == rank)
             .map(|(nodes, _)| nodes.len())
-            .sum();
+            .collect();
+        let own_slots = lengths.iter().sum();
         let mut incoming = vec![0; count];
         for (nodes, &owner) in all.nodes.iter().zip(all.ranks) {
             if owner != rank {
@@ -148,7 +149,7 @@ impl Layout {
         let shared = present.iter().filter(|&&node| presence.is_shared(node));
         Self {
             node_ranges: NodeRanges::of_rank(all.nodes, all.ranks, rank, &local_of),
-            exchange: Exchange::new(neighbours, shared.count(), end),
+            exchange: Exchange::new(neighbours, shared.count(), end, &lengths),
             slots: SlotTable::of_pairs(present.len(), pairs.into_iter()),
             present,
             local_of,

@@ -6,6 +6,10 @@
 //! the others that have it: one message between two neighbours in a step, and no owner of a motion. Partial sums of ranks
 //! would be a fifth shorter, and differ in the last bits for every number of ranks.
 //!
+//! *Messages travel while blocks are computed*: a rank computes the blocks that have shared nodes first, sends their forces, and
+//! waits for those of others when all its blocks are done. One branch of a fork has both, the other has the blocks
+//! inside, so that no thread waits between them.
+//!
 //! *What is computed together is present together.* A rank that has one node of a tie or of connected node pairs has all of
 //! them, and computes them as every other such rank does.
 //!
@@ -29,6 +33,7 @@ pub(crate) use assembly::{BlockAssembly, BuiltSolids, Ranked};
 pub(crate) use communicator::{Communicator, rank_failure};
 pub use distribution::Distribution;
 pub use engine::ExplicitOnRanks;
+pub(crate) use exchange::Exchange;
 pub use exchange::Traffic;
 pub(crate) use fault::Decision;
 pub(crate) use fingerprint::fingerprint;
