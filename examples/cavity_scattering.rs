@@ -156,6 +156,7 @@ impl Answer {
             panels: labels
                 .map(|(label, [a, b])| panel(label, &places[..], [&a[..], &b[..]]))
                 .collect(),
+            gaps: Vec::new(),
         };
         std::fs::create_dir_all(folder)?;
         write_plot(&folder.join(format!("{name}_surface.svg")), &along)?;
@@ -188,6 +189,7 @@ impl Answer {
                     )
                 })
                 .collect(),
+            gaps: Vec::new(),
         };
         Ok(write_plot(
             &folder.join(format!("{name}_transients.svg")),

@@ -91,6 +91,7 @@ fn draw(folder: &Path) -> Outcome<()> {
                 unit: "MPa".into(),
                 curves: curves.collect(),
             }],
+            gaps: Vec::new(),
         };
         write_plot(&folder.join(format!("concrete_cycle_{name}.svg")), &plot)?;
     }

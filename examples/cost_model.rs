@@ -67,7 +67,7 @@ fn staged(name: &str) -> Outcome<Scene> {
     if let Some(mesh) = mesh {
         text = text.replace("cavern_small.msh", mesh);
     }
-    let scene = Scene::from_toml(text, path, &powerhouse_study::registry())?;
+    let scene = Scene::from_toml(text, path, &powerhouse::Registry::default())?;
     Ok(scene.with_threads(1))
 }
 

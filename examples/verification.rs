@@ -275,7 +275,8 @@ fn bay(scene: &Path, window: f64) -> Outcome<CostErrorTable> {
          points per element, half the stable step, double precision, the full field on viscous springs.",
     );
     let folder = std::env::temp_dir().join("powerhouse-verification-bay");
-    let mut trade = Trade::of_file(scene, Some(folder))?.window(window);
+    let mut trade =
+        Trade::of_file_with(scene, Some(folder), &powerhouse_wang_2019::registry())?.window(window);
     let report = trade.run(Goal::Front, None, &mut Printed)?;
     table.rows = report.pareto_points();
     table.uncertainty = report.reference_error.unwrap_or(0.0);

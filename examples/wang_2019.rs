@@ -41,7 +41,8 @@ impl SweepWatch for Printed {
 
 /// The sweep of a single case, with a duration (s) or that of the scene.
 fn case(scene: &str, name: &str, duration: Option<f64>) -> Outcome<Sweep> {
-    let sweep = Sweep::of_file(scene, None)?.only(&[name.to_owned()])?;
+    let sweep = Sweep::of_file_with(scene, None, &powerhouse_wang_2019::registry())?
+        .only(&[name.to_owned()])?;
     Ok(match duration {
         Some(duration) => sweep.with_duration(duration)?,
         None => sweep,

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use powerhouse_fuzz::limited;
-use powerhouse_study::bay::Bay;
+use powerhouse_wang_2019::bay::Bay;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = str::from_utf8(bytes) else {

@@ -151,7 +151,7 @@ impl Scene {
         case: Option<String>,
         laws: Vec<LawArguments>,
     ) -> PyResult<Self> {
-        let registry = powerhouse_study::registry();
+        let registry = powerhouse_wang_2019::registry();
         let laws = own_laws(py, laws, &registry)?;
         let all = laws::register(registry.clone(), &laws, &Arc::default());
         let found = wait_for(py, || {
@@ -185,7 +185,7 @@ impl Scene {
         records: Vec<(PathBuf, f64, PyReadonlyArray1<'_, f64>)>,
         laws: Vec<LawArguments>,
     ) -> PyResult<Self> {
-        let mut registry = powerhouse_study::registry();
+        let mut registry = powerhouse_wang_2019::registry();
         let laws = own_laws(py, laws, &registry)?;
         if let Some(mesh) = mesh {
             let mesh = mesh.mesh.clone();

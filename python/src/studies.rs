@@ -15,6 +15,7 @@ use powerhouse_study::trade::{
     TradeWatch,
 };
 use powerhouse_study::{CheckpointEvent, StudyError};
+use powerhouse_wang_2019::Comparison;
 use pyo3::prelude::*;
 
 use crate::alarm::Alarm;
@@ -418,7 +419,7 @@ pub(crate) fn trade(
 /// Writes the report of a folder with results; returns its path.
 #[pyfunction]
 pub(crate) fn write_report(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
-    let written = py.detach(|| powerhouse_study::write_report(&folder));
+    let written = py.detach(|| powerhouse_study::write_report_with(&folder, &[&Comparison]));
     match written {
         Ok(file) => Ok(text_of(&file)),
         Err(error) => Err(of_study(py, &error)),

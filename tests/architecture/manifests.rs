@@ -67,12 +67,18 @@ fn permitted(package: &str) -> Vec<&'static str> {
         "powerhouse-model" | TEST_SUPPORT => vec![],
         "powerhouse" => [&[model][..], &AROUND_MODEL].concat(),
         "powerhouse-study" => vec!["powerhouse"],
-        "powerhouse-cli" => vec!["powerhouse", "powerhouse-study"],
+        "powerhouse-wang-2019" => vec!["powerhouse", "powerhouse-study"],
+        "powerhouse-cli" => vec!["powerhouse", "powerhouse-study", "powerhouse-wang-2019"],
         "powerhouse-elements" | DEVICE => vec![model, PROGRAM],
         around if AROUND_MODEL.contains(&around) => vec![model],
         shelf if SHELVES.contains(&shelf) => {
             let mut below = [
-                &["powerhouse", "powerhouse-study", model][..],
+                &[
+                    "powerhouse",
+                    "powerhouse-study",
+                    "powerhouse-wang-2019",
+                    model,
+                ][..],
                 &AROUND_MODEL,
             ]
             .concat();

@@ -31,7 +31,7 @@ pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsi
 
 /// Checks the keys and values of a scene file and of its cases, without mesh and records.
 pub(crate) fn keys(path: &Path, changes: &[KeyChange]) -> Outcome {
-    let cases = Scene::check_keys(path, changes, &powerhouse_study::registry())?;
+    let cases = Scene::check_keys(path, changes, &powerhouse_wang_2019::registry())?;
     let cases = match cases {
         0 => String::new(),
         1 => " and its case".into(),

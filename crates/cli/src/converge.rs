@@ -48,7 +48,13 @@ pub(crate) struct ConvergeArguments {
 
 impl ConvergeArguments {
     fn study(&self) -> Result<Convergence, StudyError> {
-        let mut study = Convergence::of_file(&self.scene, self.case.as_deref(), self.out.clone())?;
+        let registry = powerhouse_wang_2019::registry();
+        let mut study = Convergence::of_file_with(
+            &self.scene,
+            self.case.as_deref(),
+            self.out.clone(),
+            &registry,
+        )?;
         study = match self.finer.is_empty() {
             true => study.with_meshes(self.meshes)?,
             false => study.with_finer_files(&self.finer)?,

@@ -140,7 +140,7 @@ fn parts_of_scenes_in_the_pages_have_known_keys() {
                 let mut scene: Table = EVERYTHING.parse()?;
                 merge(&mut scene, &part);
                 fs::write(&file, toml::to_string(&scene)?)?;
-                Scene::check_keys(&file, &[], &powerhouse_study::registry())?;
+                Scene::check_keys(&file, &[], &powerhouse_wang_2019::registry())?;
                 Ok(())
             };
             if let Err(error) = check() {

@@ -30,6 +30,7 @@ mod stop;
 mod sweep;
 mod terminal;
 mod trade;
+mod vtkhdf;
 
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
@@ -206,6 +207,14 @@ enum Command {
     Plot(plot::PlotArguments),
     /// Draw a field of the snapshots of a finished run, or of a VTU file of it, deformed or moving if wanted.
     Picture(picture::PictureArguments),
+    /// Write all snapshots of a finished run as one VTKHDF file, which ParaView 5.12 and later read.
+    Vtkhdf {
+        /// Folder of the results of a run with [output.snapshots].
+        results: PathBuf,
+        /// File; by default `snapshots.vtkhdf` in the folder of the results.
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
     /// Print the JSON schema of scene files, for editors.
     Schema,
     /// Print the completions of a shell for this command.
@@ -388,12 +397,13 @@ fn main() -> ExitCode {
         Command::Converge(arguments) => converge::converge(arguments),
         Command::Plot(arguments) => plot::plot(arguments),
         Command::Picture(arguments) => picture::picture(arguments),
+        Command::Vtkhdf { results, out } => vtkhdf::vtkhdf(&results, out),
         Command::Report { folder } => page::page(&folder),
         Command::New { folder } => starter::new(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Look { mesh, picture } => look::look(&mesh, picture),
         Command::Schema => {
-            say!("{:#}", powerhouse_study::registry().schema().to_value());
+            say!("{:#}", powerhouse_wang_2019::registry().schema().to_value());
             Ok(ExitCode::SUCCESS)
         }
         Command::Completions { shell } => manual::completions(shell),
@@ -427,7 +437,7 @@ fn check_ending(file: &Path, (kind, ending): (&str, &str)) -> Result<(), String>
 
 /// Reads a scene, or a case of it, with changed keys.
 fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
-    let scene = Scene::from_file_as(path, of_file, &powerhouse_study::registry());
+    let scene = Scene::from_file_as(path, of_file, &powerhouse_wang_2019::registry());
     if matches!(scene, Err(Error::Scene(_))) && !of_file.changes.is_empty() {
         let changes: Vec<String> = of_file.changes.iter().map(ToString::to_string).collect();
         warn_aside!(

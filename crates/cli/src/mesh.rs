@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use powerhouse::io::{FieldPrecision, VtuField, VtuNumbers, VtuWriter, write_gmsh};
-use powerhouse_study::bay::Bay;
+use powerhouse_wang_2019::bay::Bay;
 
 use crate::Outcome;
 use crate::terminal::{say, say_on};

@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use powerhouse_study::{
-    Conclusion, Verdict, conclusions, read_outcomes, report_gaps, sensitivity, write_report,
-};
+use powerhouse_study::{read_outcomes, report_gaps, sensitivity, write_report_with};
+use powerhouse_wang_2019::{Comparison, Conclusion, Verdict, conclusions};
 
 use crate::terminal::{say, say_warning};
 use crate::{Outcome, WARNED};
@@ -13,7 +12,7 @@ use crate::{Outcome, WARNED};
 /// Writes the report of a result folder; for a sweep also prints the test of the conclusions of the paper and the
 /// sensitivity to single parameters. The exit status is 1 if cases or files are missing.
 pub(crate) fn page(folder: &Path) -> Outcome {
-    say!("{}", write_report(folder)?.display());
+    say!("{}", write_report_with(folder, &[&Comparison])?.display());
     let outcomes = read_outcomes(folder)?;
     let claims = conclusions(&outcomes);
     // A sweep of another scene has none of the paper's cases.

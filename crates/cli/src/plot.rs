@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use powerhouse::file_name;
 use powerhouse::io::{Plot, shown_number, write_noted_table, write_plot};
 use powerhouse::model::Vec3;
-use powerhouse_study::fields::{FieldLine, FieldQuantity, RecordedFields};
+use powerhouse_study::fields::{FieldLine, FieldQuantity, LineTable, RecordedFields};
 use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::advise::number;
@@ -152,7 +152,12 @@ fn along(
     let fields = RecordedFields::at(results)?;
     let index = instant(&fields, time)?;
     let grid = fields.read(index)?;
-    let (table, outside) = line.table(&grid, &quantities, fields.file(index))?;
+    let LineTable {
+        columns: table,
+        outside,
+        gaps,
+        ..
+    } = line.table(&grid, &quantities, fields.file(index))?;
     let drawing = out.unwrap_or_else(|| {
         let names: Vec<String> = quantities.iter().map(ToString::to_string).collect();
         let when = fields.times().nth(index);
@@ -184,7 +189,7 @@ fn along(
         .chain(table.iter().skip(4))
         .cloned()
         .collect();
-    write_plot(&drawing, &Plot::of_table(&title, &drawn))?;
+    write_plot(&drawing, &Plot::of_table(&title, &drawn).with_gaps(gaps))?;
     if let Some(warning) = warning {
         say_warning!("{warning}");
     }

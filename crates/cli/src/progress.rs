@@ -45,7 +45,14 @@ impl Display {
         match self {
             Self::Bar(bar) => {
                 let bar = bar.clone();
+                let mut first = None;
                 Box::new(move |progress| {
+                    if first.is_none() {
+                        // A resumed run has not computed its first steps in this time.
+                        first = Some(progress.done);
+                        bar.set_position(progress.done);
+                        bar.reset_eta();
+                    }
                     if is_tick(&progress) {
                         bar.set_length(progress.planned);
                         bar.set_message(format!("t = {:.3} s", progress.time));
@@ -54,10 +61,15 @@ impl Display {
                 })
             }
             Self::Lines(prefix) => {
-                let (prefix, mut timer) = (prefix.clone(), LineTimer::start());
+                let prefix = prefix.clone();
+                let mut first = None;
                 Box::new(move |progress| {
-                    if is_tick(&progress) && !is_quiet() && timer.is_due() {
-                        warn_aside!("{}", line(&prefix, &progress, timer.started.elapsed()));
+                    let (done, timer) =
+                        first.get_or_insert_with(|| (progress.done, LineTimer::start()));
+                    let own = progress.done - *done;
+                    if own > 0 && is_tick(&progress) && !is_quiet() && timer.is_due() {
+                        let rate = own as f64 / timer.started.elapsed().as_secs_f64();
+                        warn_aside!("{}", line(&prefix, &progress, rate));
                     }
                 })
             }
@@ -155,8 +167,8 @@ fn is_tick(progress: &Progress) -> bool {
     progress.done.is_multiple_of(STEPS_PER_TICK) || progress.done == progress.planned
 }
 
-fn line(prefix: &str, progress: &Progress, elapsed: Duration) -> String {
-    let rate = progress.done as f64 / elapsed.as_secs_f64();
+/// A line of progress at a rate (steps/s) of this process.
+fn line(prefix: &str, progress: &Progress, rate: f64) -> String {
     let left = (progress.planned - progress.done) as f64 / rate;
     let share = 100.0 * progress.done as f64 / progress.planned as f64;
     format!(

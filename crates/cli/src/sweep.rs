@@ -200,7 +200,7 @@ pub(crate) fn sweep(
     duration: Option<f64>,
     schedule: Schedule,
 ) -> Outcome {
-    let mut sweep = Sweep::of_file(scene, out)?;
+    let mut sweep = Sweep::of_file_with(scene, out, &powerhouse_wang_2019::registry())?;
     if !cases.is_empty() {
         sweep = sweep.only(cases)?;
     }

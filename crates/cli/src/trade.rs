@@ -74,7 +74,9 @@ impl TradeArguments {
             ReferenceArgument::Finest => Reference::Finest,
             ReferenceArgument::ClosedForm => Reference::ClosedForm,
         };
-        let mut trade = Trade::of_file(&self.scene, self.out)?.with_reference(reference);
+        let registry = powerhouse_wang_2019::registry();
+        let trade = Trade::of_file_with(&self.scene, self.out, &registry)?;
+        let mut trade = trade.with_reference(reference);
         if let Some(interval) = self.checkpoint_every {
             trade = trade.with_checkpoint_interval(interval);
         }

@@ -6,7 +6,7 @@
 //! | meshes of Abaqus input files, [`read_inp`] | |
 //! | accelerograms, [`read_record`] | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
 //! | tables, [`read_table`] | fields for ParaView, [`VtuWriter`] and [`PvdCollection`] |
-//! | these fields, [`read_vtu`], [`read_pvd`] | |
+//! | these fields, [`read_vtu`], [`read_pvd`] | all of a run in one file, `VtkHdf` (feature `vtkhdf`) |
 //! | motions of stations, [`read_station_motions`] | |
 //! | | curves as SVG, [`write_plot`]; the mesh as PNG, [`write_picture`], moving, [`AnimationFile`] |
 //!
@@ -29,7 +29,7 @@
 //! ```
 //!
 //! # Features
-//! All but `h5drm` are on by default; tables (CSV) are always there. A program that needs one format compiles what that
+//! All but `h5drm` and `vtkhdf` are on by default; tables (CSV) are always there. A program that needs one format compiles what that
 //! format needs: `default-features = false, features = ["vtu"]`.
 //!
 //! | feature | what it adds | crates it brings |
@@ -43,6 +43,7 @@
 //! | `json` | summaries as JSON | `serde`, `serde_json` |
 //! | `free-space` | free space of a file system | `nix` (Unix) |
 //! | `h5drm` | motions of stations in H5DRM files | `hdf5-pure`, `flate2` |
+//! | `vtkhdf` | all instants of a run in one VTKHDF file; with `vtu` | `hdf5-pure` |
 //!
 //! # Why so
 //! *All input is validated*: files come from other programs, other people and damaged disks. An error
@@ -126,9 +127,11 @@ pub use table::{
     GrowingColumn, GrowingTable, TableColumn, csv_cell, parse_table, read_table, write_noted_table,
     write_table,
 };
+#[cfg(feature = "vtkhdf")]
+pub use vtu::VtkHdf;
 #[cfg(feature = "vtu")]
 pub use vtu::{
-    FieldOfFile, FieldPrecision, PvdCollection, PvdEntry, VtuField, VtuGrid, VtuNumbers, VtuWriter,
-    read_pvd, read_vtu,
+    FieldNumbers, FieldOfFile, FieldPrecision, PvdCollection, PvdEntry, VtuField, VtuGrid,
+    VtuNumbers, VtuWriter, read_pvd, read_vtu,
 };
 pub use whole::{Unread, read_whole};

@@ -465,6 +465,40 @@ fn a_curve_agrees_with_the_axes() {
     );
 }
 
+/// A curve with gaps is drawn in parts, all of its points included; gaps at its ends do nothing.
+#[test]
+fn gaps_interrupt_a_curve() {
+    let folder = folder("gaps");
+    let file = folder.join("gaps.svg");
+    let table = [
+        TableColumn::new("x", "m", (0..6).map(f64::from).collect()),
+        TableColumn::new("y", "m", vec![0.0, 4.0, 1.0, 3.0, 2.0, 4.0]),
+    ];
+    let drawn = |gaps: &[usize]| {
+        let plot = Plot::of_table("", &table).with_gaps(gaps.to_vec());
+        write_plot(&file, &plot).unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        let line = text.lines().rfind(|line| line.contains("c0\" d=\"M"));
+        let path = line.unwrap().rsplit("d=").next().unwrap().to_owned();
+        path.split('M')
+            .skip(1)
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let whole = drawn(&[]);
+    assert_eq!(whole, drawn(&[0, 6]));
+    let parts = drawn(&[2, 5]);
+    let steps: Vec<usize> = parts
+        .iter()
+        .map(|part| part.split('l').count() - 1)
+        .collect();
+    assert_eq!((whole.len(), &steps[..]), (1, &[1, 1, 1][..]));
+    // The first part is the start of the whole curve.
+    let first = parts[0].trim_end_matches(['"', '/', '>']);
+    assert!(whole[0].starts_with(first), "{whole:?} {parts:?}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// Curves that cannot be drawn are refused by name.
 #[test]
 fn faulty_plots_are_refused() {

@@ -431,6 +431,7 @@ impl PointTest {
             label: strain.name.clone(),
             unit: "1".into(),
             panels,
+            gaps: Vec::new(),
         };
         write_plot(&files[1], &plot)?;
         Ok(files)

@@ -38,6 +38,7 @@
 //! | `direct` | a direct solver for static equilibrium | 101 |
 //! | `gpu` | steps on a graphics processor of NVIDIA, `engine = "gpu"` | 66 |
 //! | `h5drm` | motions of stations in H5DRM files, [`io::read_station_motions`] | 65 |
+//! | `vtkhdf` | all snapshots of a run in one file, `io::VtkHdf` | 65 |
 //!
 //! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.
 //!

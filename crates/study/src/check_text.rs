@@ -104,10 +104,11 @@ fn whole(out: &mut String, report: &CheckReport) {
         line!(out, "\nparts");
         out.push_str(&text::of_remarks(report.remarks.iter().filter(of_part)));
     }
-    line!(out, "\nground motion");
-    out.push_str(&text::of_remarks(
-        report.remarks.iter().filter(|remark| !of_part(remark)),
-    ));
+    let others = text::of_remarks(report.remarks.iter().filter(|remark| !of_part(remark)));
+    if !others.is_empty() {
+        line!(out, "\nground motion");
+        out.push_str(&others);
+    }
     line!(out, "\nrun");
     let cost = &report.cost;
     out.push_str(&text::of_step(&report.stable, cost.step));

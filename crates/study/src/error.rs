@@ -27,10 +27,9 @@ pub enum StudyError {
         /// Cause.
         source: std::io::Error,
     },
-    /// A bay file that is not valid TOML or has unknown keys, or a scene file of a trade study or sweep that is not valid
-    /// TOML.
+    /// A scene file of a trade study or sweep that is not valid TOML.
     #[error("{}: {source}", file.display())]
-    BayFile {
+    SceneFile {
         /// Path of the file.
         file: PathBuf,
         /// Cause, with the position in the file.
@@ -252,12 +251,6 @@ pub enum StudyError {
         file: PathBuf,
         /// Cause.
         source: serde_json::Error,
-    },
-    /// An odd number of elements across the transformer cavern, so that its axis would have no nodes.
-    #[error("the transformer cavern needs an even number of elements across it, not {cells}")]
-    OddCells {
-        /// Given number of elements.
-        cells: usize,
     },
     /// A scene without an absorbing boundary, of which advice is requested.
     #[error("the scene has no absorbing boundary")]

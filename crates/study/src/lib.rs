@@ -11,8 +11,7 @@
 //! - [`convergence`] runs a scene on several meshes and extrapolates its results to vanishing element size.
 //! - [`advise_boundary`] recommends an absorbing boundary for a permitted error, [`advise_box`] the extent of the
 //!   mesh; [`probe_errors`] and [`grown`](fn@grown) measure the error of a given boundary.
-//! - [`bay`] generates the mesh of a machine bay, which scenes name through [`registry`]; [`OpeningSlice`] and
-//!   [`ShellOctant`] generate meshes of ground around a circular and a spherical opening.
+//! - [`OpeningSlice`] and [`ShellOctant`] generate meshes of ground around a circular and a spherical opening.
 //!
 //! # Why so
 //! *The free-field check runs the scene's own components.* The box takes boundary, field and kernel from the scene;
@@ -25,11 +24,9 @@
 //! damped, the error with this damping is reported separately.
 
 pub mod advice;
-pub mod bay;
 mod check;
 mod check_text;
 mod checkpoints;
-mod conclusions;
 pub mod convergence;
 mod cost;
 mod difference;
@@ -44,7 +41,6 @@ mod joints;
 mod json;
 mod mark;
 pub mod motion;
-mod names;
 mod opening_slice;
 mod perturbation;
 mod price;
@@ -65,7 +61,6 @@ pub mod trade;
 pub use advice::{BoundaryAdvice, BoxAdvice, advise_boundary, advise_box};
 pub use check::{CheckReport, Warning, check, warnings};
 pub use checkpoints::CheckpointEvent;
-pub use conclusions::{Conclusion, Verdict, conclusions};
 pub use cost::{Cost, OutputSize};
 pub use difference::{ProbeError, largest_error, probe_errors};
 pub use error::StudyError;
@@ -73,10 +68,12 @@ pub use extent::SetExtent;
 pub use free_field::{FreeFieldCheck, FreeFieldReport, PointError};
 pub use grown::grown;
 pub use joints::JointOverview;
-pub use names::registry;
 pub use opening_slice::OpeningSlice;
 pub use price::{ParetoPoint, draw_pareto_front, pareto_front};
-pub use report::{read_outcomes, report_gaps, write_report};
+pub use report::{
+    ReportCase, ReportItem, ReportSection, ReportTable, read_outcomes, report_gaps, write_report,
+    write_report_with,
+};
 pub use resolution::Resolution;
 pub use sensitivity::{Variation, VariedFigure, sensitivity};
 pub use shell_octant::ShellOctant;

@@ -91,7 +91,7 @@ pub(crate) fn is_case(own: &toml::Value, name: &str) -> bool {
 }
 
 fn table(path: &Path, text: &str) -> Result<toml::Table, StudyError> {
-    toml::from_str(text).map_err(|source| StudyError::BayFile {
+    toml::from_str(text).map_err(|source| StudyError::SceneFile {
         file: path.into(),
         source: Box::new(source),
     })

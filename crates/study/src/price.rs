@@ -97,6 +97,7 @@ pub fn draw_pareto_front(
             unit: "log10".into(),
             curves,
         }],
+        gaps: Vec::new(),
     };
     Ok(write_plot(file, &plot).map_err(powerhouse::Error::from)?)
 }

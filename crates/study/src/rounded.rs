@@ -1,7 +1,7 @@
 //! Formatting of numbers in reports.
 
 /// A number with three significant digits.
-pub(crate) fn rounded(value: f64) -> String {
+pub fn rounded(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         size if !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),

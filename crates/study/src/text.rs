@@ -13,6 +13,8 @@ macro_rules! line {
 }
 pub(crate) use line;
 
+pub use crate::rounded::rounded;
+
 /// Lines of remarks: facts, then warnings, those that differ in a name alone as one line.
 pub fn of_remarks<'r>(remarks: impl IntoIterator<Item = &'r Remark>) -> String {
     let mut out = String::new();

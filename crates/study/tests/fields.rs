@@ -143,6 +143,42 @@ fn an_animation_has_one_scale() {
     assert_eq!(data(&moving), data(&one));
 }
 
+/// Few integers have a colour each, with a legend; many of them, reals, and integers with given ends have a scale.
+#[test]
+fn few_integers_have_a_colour_each() {
+    let folder = TestFolder::new("fields-integers");
+    let picture = |count: f64, numbers, range| {
+        let name = format!("{count} {numbers:?} {range:?}");
+        let mesh = bar();
+        let writer = VtuWriter::new(&mesh, FieldPrecision::Double).unwrap();
+        let file = folder.join(&name).join("snapshots.pvd");
+        let elements = 0..mesh.element_count() as u32;
+        let values: Vec<f64> = elements
+            .map(|e| mesh.centroid(e).x.floor() % count)
+            .collect();
+        let field = VtuField {
+            name: "state",
+            components: 1,
+            numbers,
+            unit: "1",
+            values: &values,
+        };
+        PvdCollection::new(file, writer)
+            .add(0.0, &[], &[field])
+            .unwrap();
+        let mut picture = FieldPicture::new("state");
+        picture.size = [300, 200];
+        picture.range = range;
+        let fields = RecordedFields::at(&folder.join(&name)).unwrap();
+        drawn(&picture, &fields, folder.join(&name).join("one.png"))
+    };
+    let (whole, real) = (VtuNumbers::Whole, VtuNumbers::Real);
+    assert_ne!(picture(3.0, whole, None), picture(3.0, real, None));
+    assert_eq!(picture(10.0, whole, None), picture(10.0, real, None));
+    let range = Some([0.0, 2.0]);
+    assert_eq!(picture(3.0, whole, range), picture(3.0, real, range));
+}
+
 /// Along a line with a corner a linear field is exact, one in elements is that of the element around each point, and points
 /// outside are left out and counted.
 #[test]
@@ -161,10 +197,20 @@ fn values_along_a_line_are_those_of_the_field() {
         points: 25,
     };
     let quantities = ["displacement.x", "stress.zz"].map(|name| FieldQuantity(name.into()));
-    let (table, outside) = line.table(&grid, &quantities, fields.file(0)).unwrap();
+    let found = line.table(&grid, &quantities, fields.file(0)).unwrap();
+    let table = found.columns;
     // Points are half a metre apart; the second part leaves the bar at z = 4 m, half way: 3.5 to 6 m up are outside.
-    assert_eq!(outside, 6);
+    assert_eq!(found.outside, 6);
     assert_eq!(table[0].values.len(), 19);
+    // The gap is where the distance between two points is more than that of the line, and nowhere else.
+    let distances = table[0].values.windows(2);
+    let apart = distances.map(|pair| pair[1] - pair[0] > 0.6);
+    let gaps: Vec<usize> = (1..)
+        .zip(apart)
+        .filter(|(_, gap)| *gap)
+        .map(|(row, _)| row)
+        .collect();
+    assert_eq!(found.gaps, gaps);
     for row in 0..19 {
         let [x, z] = [table[1].values[row], table[3].values[row]];
         assert!((table[4].values[row] - (z - 2.0 * x)).abs() < 1e-12);

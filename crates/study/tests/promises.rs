@@ -8,9 +8,9 @@ use std::time::Instant;
 use powerhouse::engine::observe::HistoryTable;
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{RunHooks, Scene, TimeStep};
+use powerhouse::{Registry, RunHooks, Scene, TimeStep};
 use powerhouse_study::saving::{Change, FormatError};
-use powerhouse_study::{OpeningSlice, check, registry};
+use powerhouse_study::{OpeningSlice, check};
 use powerhouse_test_support::TestFolder;
 
 /// A scene to which no constant of the predictions was fitted.
@@ -235,7 +235,7 @@ fn read(folder: &Path, precision: &str) -> Scene {
     let path = folder.join("scene.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let text = format!("precision = \"{precision}\"\n{text}");
-    Scene::from_toml(text, path, &registry())
+    Scene::from_toml(text, path, &Registry::default())
         .unwrap()
         .with_threads(1)
 }

@@ -14,7 +14,7 @@ use powerhouse::{Kernel, Material, Registry, Scene};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::sweep::Sweep;
 use powerhouse_study::trade::{Goal, NoProgress, Trade};
-use powerhouse_study::{advise_boundary, check, registry, sweep};
+use powerhouse_study::{advise_boundary, check, sweep};
 
 use block::Folder;
 
@@ -76,7 +76,7 @@ impl AbsorbingBoundary for Dashpots {
 
 /// The names of the software, a law, two boundaries and a kernel.
 fn own() -> Registry {
-    let mut registry = registry();
+    let mut registry = Registry::default();
     registry.add_law("hyperbolic", |keys: HyperbolicKeys| {
         Ok(Material::from_point_law(Hyperbolic {
             medium: ElasticMedium::new(9e9, 0.27, 2750.0)?,
@@ -261,7 +261,7 @@ fn a_registered_boundary_is_a_candidate() {
         "hyperbolic\"\nreference_strain = 1e-2",
         "elastic\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750",
     );
-    let plain = Scene::from_toml(text, folder.scene(), &registry()).unwrap();
+    let plain = Scene::from_toml(text, folder.scene(), &Registry::default()).unwrap();
     let advice = advise_boundary(&plain, 0.05).unwrap();
     assert!(advice.left_out.is_empty());
     assert!(

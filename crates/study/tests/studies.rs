@@ -349,8 +349,20 @@ fn a_check_warns() {
         "record = \"el-centro-ns\"",
         "pulse = { kind = \"smooth\", displacement = 0.01, duration = 1 }",
     );
-    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let scene = Scene::from_toml(text.as_str(), path, &Registry::default()).unwrap();
     assert!(scene.remarks().contains(&unused));
+    // A case may use it.
+    let case = "[[case]]\nname = \"shaken\"\nwave = [{ kind = \"p\", incidence = 0, record = \"el-centro-ns\" }]\n";
+    let scene = Scene::from_toml(text + case, path, &Registry::default()).unwrap();
+    assert!(!scene.remarks().contains(&unused));
+    // A run that ends within the strong motion is warned of, unless it is given another duration.
+    let is_short = |remark: &Remark| matches!(remark, Remark::TruncatedRecord { .. });
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("duration = 20", "duration = 2");
+    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    assert!(scene.remarks().iter().any(is_short));
+    let scene = scene.with_duration(20.0);
+    assert!(!scene.remarks().iter().any(is_short));
     // The coarse mesh carries 8 Hz, the record has more.
     assert!(warnings.iter().any(
         |warning| matches!(warning, Warning::Unresolved { set, frequency, .. }

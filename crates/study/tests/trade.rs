@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{RunHooks, Scene};
+use powerhouse::{Registry, RunHooks, Scene};
+use powerhouse_study::StudyError;
 use powerhouse_study::trade::{
     Factor, Goal, NoProgress, Quantity, Reference, Trade, TradeCase, TradeWatch,
 };
-use powerhouse_study::{StudyError, registry};
 
 use block::Folder;
 
@@ -77,7 +77,7 @@ impl TradeWatch for Counted {
 /// The relative L2 difference of the displacement of the point on top.
 fn difference(scene: &Path, reference: &Path) -> f64 {
     let motion = |path: &Path| {
-        let scene = Scene::from_file_with(path, &registry()).unwrap();
+        let scene = Scene::from_file_with(path, &Registry::default()).unwrap();
         scene
             .prepare()
             .unwrap()

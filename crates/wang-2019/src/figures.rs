@@ -1,18 +1,18 @@
 //! Comparison of the results of a sweep with those of Wang, Chen & Xiao (2019).
 
-use super::page::Table;
-use super::{CaseFiles, column};
-use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, Peak};
-use crate::{Conclusion, Verdict};
+use powerhouse_study::sweep::{CaseOutcome, Peak};
+use powerhouse_study::text::rounded;
+use powerhouse_study::{ReportCase, ReportItem, ReportSection, ReportTable};
+
+use crate::{Conclusion, Verdict, conclusions};
 
 /// Text above the table of conclusions.
-pub(super) const CONCLUSIONS: &str = "The conclusions of Wang, Chen & Xiao (2019), section 5, each tested by \
+const CONCLUSIONS: &str = "The conclusions of Wang, Chen & Xiao (2019), section 5, each tested by \
      results of the cases of this sweep. The abstract contradicts the fourth conclusion; both are \
      tested. A claim is open as long as a case that it needs is not finished.";
 
 /// Text above the table of values.
-pub(super) const FIGURES: &str = "Values that the paper gives in numbers. Its mesh, the dimensions of the members \
+const FIGURES: &str = "Values that the paper gives in numbers. Its mesh, the dimensions of the members \
      inside the caverns, the softening of its concrete and its dynamic friction are not published.";
 
 const INPUT: &str = "the record is another processing of the same event, and the paper does not say whether \
@@ -28,7 +28,7 @@ struct Figure {
     what: &'static str,
     paper: &'static str,
     why: &'static str,
-    here: fn(&[CaseFiles]) -> Option<f64>,
+    here: fn(&[ReportCase]) -> Option<f64>,
 }
 
 const COMPARED: [Figure; 8] = [
@@ -82,8 +82,48 @@ const COMPARED: [Figure; 8] = [
     },
 ];
 
+/// Section of the report of a sweep that compares it with the paper: the conclusions, and the values that the paper gives in
+/// numbers. Sweeps without the paper's monitoring point A do not have it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Comparison;
+
+impl ReportSection for Comparison {
+    fn title(&self) -> &'static str {
+        "Comparison with the paper"
+    }
+
+    fn items(&self, cases: &[ReportCase]) -> Vec<ReportItem> {
+        let has_crown = |case: &ReportCase| {
+            let outcome = &case.outcome;
+            at_crown(&outcome.stresses)
+                .or(at_crown(&outcome.displacements))
+                .is_some()
+        };
+        if !cases.iter().any(has_crown) {
+            return Vec::new();
+        }
+        let outcomes: Vec<CaseOutcome> = cases.iter().map(|case| case.outcome.clone()).collect();
+        let mut items = vec![
+            ReportItem::Paragraph(CONCLUSIONS.into()),
+            ReportItem::Table(of_conclusions(&conclusions(&outcomes))),
+        ];
+        if let Some(table) = figures(cases) {
+            items.extend([
+                ReportItem::Paragraph(FIGURES.into()),
+                ReportItem::Table(table),
+            ]);
+        }
+        items
+    }
+
+    /// The tables by angle of the report have the peaks of the paper's points.
+    fn replaces_results(&self) -> bool {
+        true
+    }
+}
+
 /// The unvaried case of a wave.
-fn of<'c>(cases: &'c [CaseFiles], wave: (&str, f64)) -> Option<&'c CaseFiles> {
+fn of<'c>(cases: &'c [ReportCase], wave: (&str, f64)) -> Option<&'c ReportCase> {
     cases
         .iter()
         .find(|case| case.is_plain() && case.outcome.input.wave() == Some(wave))
@@ -95,18 +135,19 @@ fn at_crown(peaks: &[Peak]) -> Option<f64> {
     peaks.iter().find(is_crown).map(|peak| peak.value)
 }
 
-fn displacement(cases: &[CaseFiles], wave: (&str, f64)) -> Option<f64> {
+fn displacement(cases: &[ReportCase], wave: (&str, f64)) -> Option<f64> {
     Some(1e3 * at_crown(&of(cases, wave)?.outcome.displacements)?)
 }
 
-fn static_stress(case: &CaseFiles) -> Option<f64> {
-    let stress = column(&case.histories, "A-concrete.s1")?;
+fn static_stress(case: &ReportCase) -> Option<f64> {
+    let mut columns = case.histories.iter();
+    let stress = columns.find(|column| column.name == "A-concrete.s1")?;
     Some(1e-6 * stress.values.first()?)
 }
 
 /// The greatest principal stress at A over the cases of a kind of wave up to an angle (MPa).
-fn greatest_stress(cases: &[CaseFiles], kind: &str, most: f64) -> Option<f64> {
-    let is_one = |case: &&CaseFiles| {
+fn greatest_stress(cases: &[ReportCase], kind: &str, most: f64) -> Option<f64> {
+    let is_one = |case: &&ReportCase| {
         let wave = case.outcome.input.wave();
         case.is_plain() && wave.is_some_and(|(own, angle)| own == kind && angle <= most)
     };
@@ -115,14 +156,14 @@ fn greatest_stress(cases: &[CaseFiles], kind: &str, most: f64) -> Option<f64> {
     peaks.reduce(f64::max).map(|stress| 1e-6 * stress)
 }
 
-fn damage(cases: &[CaseFiles], wave: (&str, f64)) -> Option<f64> {
+fn damage(cases: &[ReportCase], wave: (&str, f64)) -> Option<f64> {
     let outcome: &CaseOutcome = &of(cases, wave)?.outcome;
     let found = outcome.damage.iter().find(|damage| damage.name == "damage");
     Some(found?.greatest)
 }
 
 /// The values of the paper and of this sweep; `None` if no value is available here.
-pub(super) fn figures(cases: &[CaseFiles]) -> Option<Table> {
+fn figures(cases: &[ReportCase]) -> Option<ReportTable> {
     let found: Vec<Option<f64>> = COMPARED.iter().map(|figure| (figure.here)(cases)).collect();
     let rows = COMPARED.iter().zip(&found).map(|(figure, here)| {
         vec![
@@ -132,7 +173,7 @@ pub(super) fn figures(cases: &[CaseFiles]) -> Option<Table> {
             figure.why.into(),
         ]
     });
-    found.iter().any(Option::is_some).then(|| Table {
+    found.iter().any(Option::is_some).then(|| ReportTable {
         header: ["value", "paper", "here", "reason for a difference"]
             .map(str::to_owned)
             .to_vec(),
@@ -141,7 +182,7 @@ pub(super) fn figures(cases: &[CaseFiles]) -> Option<Table> {
 }
 
 /// The table of conclusions.
-pub(super) fn conclusions(found: &[Conclusion]) -> Table {
+fn of_conclusions(found: &[Conclusion]) -> ReportTable {
     let rows = found.iter().map(|claim| {
         let number = match claim.number {
             0 => "abstract".into(),
@@ -158,7 +199,7 @@ pub(super) fn conclusions(found: &[Conclusion]) -> Table {
             figures,
         ]
     });
-    Table {
+    ReportTable {
         header: ["conclusion", "claim of the paper", "here", "values"]
             .map(str::to_owned)
             .to_vec(),

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use powerhouse::engine::PeriodicPairs;
 use powerhouse::io::{read_gmsh, write_gmsh};
 use powerhouse::model::Vec3;
-use powerhouse_study::StudyError;
-use powerhouse_study::bay::{
+use powerhouse_test_support::TestFolder;
+use powerhouse_wang_2019::BayError;
+use powerhouse_wang_2019::bay::{
     BAY_BOLT_ROWS, BAY_BOLTS, Bay, BayDimensions, BayMesh, BayPart, BaySize, RockEnds,
 };
-use powerhouse_test_support::TestFolder;
 
 fn mesh(size: BaySize) -> BayMesh {
     Bay::of_size(size).mesh().unwrap()
@@ -233,7 +233,7 @@ fn invalid_bays_are_errors_by_name() {
     for (name, least, most) in BayDimensions::ranges() {
         for value in [least - 0.5, most + 0.5] {
             let error = refused(&format!("[dimensions]\n{name} = {value:?}\n"));
-            let StudyError::Parameter(found) = &error else {
+            let BayError::Parameter(found) = &error else {
                 panic!("{error}");
             };
             assert_eq!((found.name, found.value), (name, value));
@@ -247,7 +247,7 @@ fn invalid_bays_are_errors_by_name() {
     let ends = refused("[ends]\nrock = 5\ncells = 3\n");
     assert!(ends.to_string().contains("rock = 5"), "{ends}");
     let lost = Bay::from_file(folder.0.join("lost.toml")).unwrap_err();
-    assert!(matches!(lost, StudyError::Read { .. }), "{lost}");
+    assert!(matches!(lost, BayError::Read { .. }), "{lost}");
 }
 
 /// A file sets the size, the dimensions and the rock beyond the ends of a bay.

@@ -1,10 +1,10 @@
 //! The conclusions of the paper and the sensitivity of results, for artificial outcomes.
 
-use powerhouse_study::sweep::Coverage;
 use powerhouse_study::sweep::{
-    CaseInput, CaseOutcome, CaseWave, JointAndLining, JointCase, PartDamage, Peak,
+    CaseInput, CaseOutcome, CaseWave, Coverage, JointAndLining, JointCase, PartDamage, Peak,
 };
-use powerhouse_study::{Conclusion, Verdict, conclusions, sensitivity};
+use powerhouse_study::{ReportCase, ReportItem, ReportSection, ReportTable, sensitivity};
+use powerhouse_wang_2019::{Comparison, Conclusion, Verdict, conclusions};
 
 fn peak(name: &str, value: f64) -> Peak {
     Peak {
@@ -119,6 +119,47 @@ fn as_in_the_paper() -> Vec<CaseOutcome> {
 
 fn of<'c>(found: &'c [Conclusion], key: &str) -> &'c Conclusion {
     found.iter().find(|claim| claim.key == key).unwrap()
+}
+
+/// The section of a report has every claim, and the values of the paper beside those of the sweep; a sweep without the
+/// point A has no such section.
+#[test]
+fn the_section_of_a_report_compares_with_the_paper() {
+    let outcomes = as_in_the_paper();
+    let items = |outcomes: &[CaseOutcome]| {
+        let cases: Vec<ReportCase> = outcomes
+            .iter()
+            .cloned()
+            .map(ReportCase::of_outcome)
+            .collect();
+        Comparison.items(&cases)
+    };
+    let found = items(&outcomes);
+    let tables: Vec<&ReportTable> = (found.iter())
+        .filter_map(|item| match item {
+            ReportItem::Table(table) => Some(table),
+            _ => None,
+        })
+        .collect();
+    let [claims, values] = tables[..] else {
+        panic!("{found:?}");
+    };
+    assert_eq!(claims.rows.len(), conclusions(&outcomes).len());
+    assert!(
+        claims
+            .rows
+            .iter()
+            .all(|row| row.len() == claims.header.len())
+    );
+    // 0.1 m times the size of the case SV 30.
+    let moved = values.rows.iter().find(|row| row[0].contains("A, SV 30"));
+    assert_eq!(moved.unwrap()[1..3], ["74", "60.0"]);
+    let mut others = outcomes;
+    for outcome in &mut others {
+        outcome.stresses.clear();
+        outcome.displacements[0].name = "crown".into();
+    }
+    assert!(items(&others).is_empty() && items(&[]).is_empty());
 }
 
 /// Outcomes as in the paper confirm all of its conclusions, and not the contradicting claims of its abstract; each has

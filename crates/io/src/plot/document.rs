@@ -64,7 +64,7 @@ pub(super) fn svg(plot: &Plot) -> String {
             );
         }
         y += LEGEND_ROW * rows(&legends[index]);
-        draw_panel(&mut out, panel, &horizontal, y);
+        draw_panel(&mut out, (panel, &plot.gaps), &horizontal, y);
         y += PANEL + GAP;
     }
     draw_foot(&mut out, plot, &horizontal, y - GAP);
@@ -86,7 +86,7 @@ fn head(height: f64) -> String {
             "\n<style>text{{font:13px system-ui,sans-serif;fill:#222}}.title{{font-size:16px}}",
             ".back{{fill:#fff}}.grid{{stroke:#e2e2e2;fill:none}}.zero{{stroke:#999}}",
             ".frame{{stroke:#888;fill:none}}.curve{{fill:none;stroke-width:1.4;",
-            "stroke-linejoin:round}}{light}@media(prefers-color-scheme:dark){{text{{fill:#ddd}}",
+            "stroke-linejoin:round;stroke-linecap:round}}{light}@media(prefers-color-scheme:dark){{text{{fill:#ddd}}",
             ".back{{fill:#17191d}}.grid{{stroke:#30343a}}.zero{{stroke:#777}}{dark}}}</style>\n",
             "<rect class=\"back\" width=\"{width}\" height=\"{height}\"/>\n"
         ),
@@ -165,7 +165,12 @@ fn superscript(number: i32) -> String {
     number.to_string().chars().map(raised).collect()
 }
 
-fn draw_panel(out: &mut String, panel: &PlotPanel, horizontal: &Scale, top: f64) {
+fn draw_panel(
+    out: &mut String,
+    (panel, gaps): (&PlotPanel, &[usize]),
+    horizontal: &Scale,
+    top: f64,
+) {
     let vertical = scale_of([panel].into_iter(), |curve| curve.y, 5, true);
     let width = WIDTH - LEFT - RIGHT;
     let x_of = |share: f64| LEFT + width * share;
@@ -193,11 +198,18 @@ fn draw_panel(out: &mut String, panel: &PlotPanel, horizontal: &Scale, top: f64)
         );
     }
     for (index, curve) in panel.curves.iter().enumerate() {
-        let points = curve.x.iter().zip(curve.y).map(|(&x, &y)| {
-            let (across, up) = (horizontal.share(x), vertical.share(y));
+        let point = |i: usize| {
+            let (across, up) = (horizontal.share(curve.x[i]), vertical.share(curve.y[i]));
             (x_of(across), y_of(up))
-        });
-        let _ = writeln!(out, r#"<path {} d="{}"/>"#, style(index), path(points));
+        };
+        let count = curve.x.len();
+        let inner = gaps.iter().copied().filter(|&gap| gap > 0 && gap < count);
+        let ends = inner.clone().chain([count]);
+        let pieces = [0].into_iter().chain(inner).zip(ends);
+        let drawn: String = pieces
+            .map(|(start, end)| path((start..end).map(point)))
+            .collect();
+        let _ = writeln!(out, r#"<path {} d="{drawn}"/>"#, style(index));
     }
     let _ = writeln!(
         out,

@@ -43,6 +43,8 @@ pub struct Plot<'a> {
     pub unit: String,
     /// Panels from the top.
     pub panels: Vec<PlotPanel<'a>>,
+    /// Indices of points, in rising order, to which no line is drawn from the point before; empty for unbroken curves.
+    pub gaps: Vec<usize>,
 }
 
 impl<'a> Plot<'a> {
@@ -69,6 +71,7 @@ impl<'a> Plot<'a> {
                 label: String::new(),
                 unit: String::new(),
                 panels,
+                gaps: Vec::new(),
             };
         };
         for column in others {
@@ -91,7 +94,14 @@ impl<'a> Plot<'a> {
             label: x.name.clone(),
             unit: x.unit.clone(),
             panels,
+            gaps: Vec::new(),
         }
+    }
+
+    /// Sets the points to which no line is drawn from the point before.
+    #[must_use]
+    pub fn with_gaps(self, gaps: Vec<usize>) -> Self {
+        Self { gaps, ..self }
     }
 }
 

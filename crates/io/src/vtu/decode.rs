@@ -4,6 +4,8 @@ use std::io::Read as _;
 
 use flate2::read::ZlibDecoder;
 
+use super::reader::FieldNumbers;
+
 /// Size of a word of the header (bytes).
 const WORD: usize = 8;
 
@@ -63,6 +65,15 @@ impl NumberType {
             "UInt64" => Self::UInt64,
             _ => return None,
         })
+    }
+
+    /// The type as that of a field.
+    pub(super) fn numbers(self) -> FieldNumbers {
+        match self {
+            Self::Float32 => FieldNumbers::Single,
+            Self::Float64 => FieldNumbers::Double,
+            Self::Int32 | Self::Int64 | Self::UInt8 | Self::UInt64 => FieldNumbers::Whole,
+        }
     }
 
     /// Size of a number (bytes).

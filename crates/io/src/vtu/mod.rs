@@ -6,9 +6,13 @@
 mod collection;
 mod decode;
 mod encode;
+#[cfg(feature = "vtkhdf")]
+mod one_file;
 mod reader;
 mod writer;
 
 pub use collection::{PvdCollection, PvdEntry, read_pvd};
-pub use reader::{FieldOfFile, VtuGrid, read_vtu};
+#[cfg(feature = "vtkhdf")]
+pub use one_file::VtkHdf;
+pub use reader::{FieldNumbers, FieldOfFile, VtuGrid, read_vtu};
 pub use writer::{FieldPrecision, VtuField, VtuNumbers, VtuWriter};

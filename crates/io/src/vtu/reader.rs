@@ -43,6 +43,19 @@ pub struct FieldOfFile {
     pub components: usize,
     /// Numbers, group after group; NaN, or -1 of integers, where an element is inactive.
     pub values: Vec<f64>,
+    /// Type of the numbers in the file.
+    pub numbers: FieldNumbers,
+}
+
+/// Type of the numbers of a field in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldNumbers {
+    /// Reals in single precision.
+    Single,
+    /// Reals in double precision.
+    Double,
+    /// Integers, such as those of a yield state.
+    Whole,
 }
 
 /// Mesh and fields of one instant, read from a VTU file.
@@ -129,6 +142,7 @@ impl Stored<'_> {
             unit: unit.and_then(|key| key.text()).unwrap_or_default().into(),
             components: self.components()?,
             values: kind.reals(&bytes),
+            numbers: kind.numbers(),
         })
     }
 }

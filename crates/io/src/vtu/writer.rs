@@ -39,7 +39,7 @@ pub struct VtuField<'a> {
     /// Type of the numbers.
     pub numbers: VtuNumbers,
     /// Unit, such as `Pa`; empty for a dimensionless quantity. It is written as VTK's key `UNITS_LABEL` of
-    /// the field, and with all others in the file's text `units`.
+    /// the field, and with all others in a comment.
     pub unit: &'a str,
     /// Numbers, group after group.
     pub values: &'a [f64],
@@ -422,7 +422,7 @@ impl Body {
                 "\n_"
             ),
             time = time,
-            units = text_array("units", units),
+            units = comment("units", units),
             xml = self.xml
         )
         .into_bytes();
@@ -433,7 +433,7 @@ impl Body {
 }
 
 /// Names of the components of a vector or a symmetric tensor, in order.
-fn components_of(components: usize) -> &'static [&'static str] {
+pub(super) fn components_of(components: usize) -> &'static [&'static str] {
     match components {
         3 => &["x", "y", "z"],
         6 => &["xx", "yy", "zz", "xy", "yz", "zx"],
@@ -449,16 +449,14 @@ fn order(components: usize) -> String {
     }
 }
 
-/// Text as a field of a file: the codes of its bytes and a zero at the end; empty for no text.
-fn text_array(name: &str, text: &str) -> String {
-    if text.is_empty() {
-        return String::new();
+/// Text for people as a comment of a file; empty for no text. An array of text would be one that some programs, such as
+/// meshio, do not read.
+fn comment(name: &str, text: &str) -> String {
+    match text.trim_end() {
+        "" => String::new(),
+        // A comment has no two dashes in succession.
+        text => format!("<!-- {name}\n{} -->\n", text.replace('-', "\u{2010}")),
     }
-    let codes = text.trim_end().bytes().map(|byte| format!("{byte} "));
-    let codes: String = codes.collect();
-    format!(
-        "<DataArray type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">{codes}0</DataArray>\n"
-    )
 }
 
 fn component_names(components: usize) -> String {

@@ -56,7 +56,8 @@ pub enum Quantity {
     /// stiffness-proportional damping is not contained in it, nor in section forces.
     Stress,
     /// History variables (internal state variables) of the constitutive law, such as plastic strain, damage and
-    /// yield state, mean over an element; in envelopes their greatest values.
+    /// yield state: the mean over an element, of whole numbers such as a yield state what any of its points has; in
+    /// envelopes their greatest values.
     State,
 }
 

@@ -76,6 +76,7 @@ pub(super) fn interaction(
                 },
             ],
         }],
+        gaps: Vec::new(),
     };
     write_plot(file, &plot)
 }
@@ -127,6 +128,7 @@ pub(super) fn ring(file: &Path, name: &str, table: &[TableColumn]) -> Result<(),
         label: "angle".into(),
         unit: "degrees".into(),
         panels,
+        gaps: Vec::new(),
     };
     write_plot(file, &plot)
 }

@@ -18,8 +18,7 @@ use super::vtu;
 ///
 /// Facets share no points, so that each shows the pair of its own side of an edge. Fields: `state`
 /// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
-/// 1 intact, 2 broken), normal and shear traction,
-/// opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
+/// 1 intact, 2 broken, 3 softening), normal and shear traction, opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
 /// energies of friction, bond and impact per area, history variables of the law by their names; where a
 /// stage closed the joint anew, `opening counted from` too, the distance of the sides then. Tips, where
 /// both sides share the node, have zeros. Facets of which a side is absent, beside an excavated room or a
@@ -248,7 +247,7 @@ pub(super) struct JointPicture {
 pub(super) const PICTURES: [(&str, &str, &[&str]); 5] = [
     ("state", "", &["sticks", "slides", "open"]),
     ("over the run", "", &["held", "slid", "opened", "both"]),
-    ("bond", "", &["none", "intact", "broken"]),
+    ("bond", "", &["none", "intact", "broken", "softening"]),
     ("slip", "m", &[]),
     ("peak opening", "m", &[]),
 ];

@@ -13,6 +13,7 @@ mod output;
 mod record;
 mod stages;
 mod stations;
+mod unused;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -147,8 +148,8 @@ pub(crate) fn compose(
             });
         }
     }
-    scene.remarks.extend(unused_records(file));
-    scene.remarks.extend(unused_materials(file));
+    scene.remarks.extend(unused::records(file));
+    scene.remarks.extend(unused::materials(file));
     scene.remarks.extend(empty_sets(&names, file));
     let of_layers = equivalent_linear::apply(file, &mut scene, &records, &mut materials)?;
     scene = ground::field((text, file), scene, &records, &materials, &of_layers)?;
@@ -268,44 +269,6 @@ fn long_body(
     };
     let remark = |ends| Remark::Scene(SceneRemark::SphericalSpreading { ends });
     Ok(ends.filter(|_| !is_cylindrical).map(remark))
-}
-
-/// Warnings about records that neither a wave nor a prescribed motion uses, in any component.
-fn unused_records(file: &SceneFile) -> Vec<Remark> {
-    let of_waves = file.waves.iter().filter_map(|wave| wave.record.as_ref());
-    let of_supports = file.supports.iter().filter_map(|support| match &**support {
-        format::Support::Prescribed { record, .. } => record.as_ref(),
-        _ => None,
-    });
-    let of_motions = file.motions.iter().map(|motion| &motion.record);
-    let used: Vec<&At<String>> = of_waves.chain(of_supports).chain(of_motions).collect();
-    let is_unused = |name: &str| {
-        let component = format!("{name}.");
-        !used
-            .iter()
-            .any(|used| used.as_str() == name || used.starts_with(&component))
-    };
-    let records = file.records.iter().map(|record| record.name.to_string());
-    records
-        .filter(|name| is_unused(name))
-        .map(|name| Remark::UnusedRecord { name })
-        .collect()
-}
-
-/// Warnings about materials that no part, no layer and no stage uses.
-fn unused_materials(file: &SceneFile) -> Vec<Remark> {
-    let of_parts = file.parts.iter().map(|part| part.material.as_str());
-    let of_stages = file.stages.iter().flat_map(|stage| &stage.parts);
-    let of_stages = of_stages.map(|part| part.material.as_str());
-    let of_layers = file.layers.iter().map(|layer| layer.material.as_str());
-    let used: BTreeSet<&str> = of_parts.chain(of_stages).chain(of_layers).collect();
-    let materials = file.materials.iter().map(|material| &material.name);
-    let unused = materials.filter(|name| !used.contains(name.as_str()));
-    unused
-        .map(|name| Remark::UnusedMaterial {
-            name: name.to_string(),
-        })
-        .collect()
 }
 
 fn materials(file: &SceneFile, registry: &Registry) -> Result<BTreeMap<String, Material>, Fault> {

@@ -19,6 +19,7 @@ mod soundness;
 mod spans;
 mod surroundings;
 mod through;
+mod timing;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
@@ -350,24 +351,6 @@ impl Scene {
     #[must_use]
     pub fn stage(mut self, stage: SceneStage) -> Self {
         self.stages.push(stage);
-        self
-    }
-    /// Sets the duration of the dynamic run (s), above 0.
-    #[must_use]
-    pub fn with_duration(mut self, duration: f64) -> Self {
-        self.duration = duration;
-        self
-    }
-    /// Sets the time at which the dynamic run starts (s); arrival times of waves are not shifted.
-    #[must_use]
-    pub fn with_start_time(mut self, time: f64) -> Self {
-        self.start = time;
-        self
-    }
-    /// Sets the motion of the body at the start of the run: rest, or that of the incident field (not with stages).
-    #[must_use]
-    pub fn with_initial_motion(mut self, motion: InitialMotion) -> Self {
-        self.initial = motion;
         self
     }
     /// Sets the time step of the dynamic run: a share of the stable step, or a length (s).

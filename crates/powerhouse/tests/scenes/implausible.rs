@@ -158,6 +158,14 @@ fn a_material_without_part_is_warned_of() {
     let scene = variants.read("[[part]]", "[[part]]").unwrap();
     let is_idle = |remark: &Remark| matches!(remark, Remark::UnusedMaterial { .. });
     assert!(!scene.remarks().iter().any(is_idle));
+    // A case may take it for a part.
+    let case =
+        "[[case]]\nname = \"other\"\npart = [{ set = \"rock\", material = \"shotcrete\" }]\n";
+    let scene = variants.read(
+        "[[part]]",
+        &other.replace("[[part]]", &[case, "[[part]]"].concat()),
+    );
+    assert!(!scene.unwrap().remarks().iter().any(is_idle));
 }
 
 /// A scatterer above the body has a warning; at its top it has none.

@@ -43,12 +43,12 @@ use powerhouse::model::{Mesh, ParameterError};
 use powerhouse::{CheckpointInterval, Registry, Scene};
 use toml::{Table, Value};
 
+use crate::StudyError;
 use crate::cost::StepTimer;
 use crate::mark::is_case;
 use crate::perturbation::{OF_WAVES, PERTURBATION, enlarge_waves, is_path_dependent};
 use crate::sweep::{Sweep, SweepWatch};
 use crate::trade::check_same_loads;
-use crate::{StudyError, registry};
 pub use estimate::{Estimate, Trend};
 use report::RunFigures;
 pub(crate) use report::read as read_report;
@@ -117,7 +117,7 @@ impl Convergence {
         case: Option<&str>,
         folder: Option<PathBuf>,
     ) -> Result<Self, StudyError> {
-        Self::of_file_with(path, case, folder, &registry())
+        Self::of_file_with(path, case, folder, &Registry::default())
     }
     /// The same with the names of a registry.
     ///
@@ -135,7 +135,7 @@ impl Convergence {
             None => Scene::from_file_with(path, registry)?,
         };
         let text = scene.source().map_or("", |source| &source.text);
-        let mut file: Table = toml::from_str(text).map_err(|source| StudyError::BayFile {
+        let mut file: Table = toml::from_str(text).map_err(|source| StudyError::SceneFile {
             file: path.into(),
             source: Box::new(source),
         })?;

@@ -20,10 +20,22 @@ pub struct FieldLine {
     pub points: usize,
 }
 
+/// Values of fields at the points of a line.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LineTable {
+    /// Distance from the start of the line (m), position (m), and a column of each quantity.
+    pub columns: Vec<TableColumn>,
+    /// Number of points in no active element, which are left out.
+    pub outside: usize,
+    /// Rows before which points are left out, but for those at the start of the line.
+    pub gaps: Vec<usize>,
+}
+
 impl FieldLine {
     /// Table of quantities at the points of the line: distance from its start (m), position (m), and a column of each
     /// quantity. Of fields at nodes values are interpolated, of those in elements they are of the element around the point.
-    /// Points in no active element, such as those in an opening, are left out; their number is returned with the table.
+    /// Points in no active element, such as those in an opening, are left out.
     ///
     /// # Errors
     /// [`StudyError::NoSuchField`]; [`StudyError::Line`] without two distinct corners or two points, or if no point is in the
@@ -33,7 +45,7 @@ impl FieldLine {
         grid: &VtuGrid,
         quantities: &[FieldQuantity],
         file: &Path,
-    ) -> Result<(Vec<TableColumn>, usize), StudyError> {
+    ) -> Result<LineTable, StudyError> {
         let fault = |reason: &str| StudyError::Line {
             reason: reason.into(),
         };
@@ -69,15 +81,20 @@ impl FieldLine {
         columns.extend(named.map(|(quantity, field)| {
             TableColumn::new(quantity.to_string(), field.unit.clone(), Vec::new())
         }));
-        let mut outside = 0;
+        let (mut outside, mut is_gap, mut gaps) = (0, false, Vec::new());
         for index in 0..self.points {
             let distance = length * index as f64 / (self.points - 1) as f64;
             let point = self.at(distance);
             let found = grid.mesh.locate_among(&elements, &[point], tolerance);
             let Some(located) = found.ok().and_then(|mut found| found.pop()) else {
                 outside += 1;
+                is_gap = true;
                 continue;
             };
+            let row = columns[0].values.len();
+            if core::mem::take(&mut is_gap) && row > 0 {
+                gaps.push(row);
+            }
             let values = fields.iter().map(|field| value(field, &located));
             let row = [distance, point.x, point.y, point.z]
                 .into_iter()
@@ -95,7 +112,11 @@ impl FieldLine {
                      have openings"
                 )))
             }
-            false => Ok((columns, outside)),
+            false => Ok(LineTable {
+                columns,
+                outside,
+                gaps,
+            }),
         }
     }
 

@@ -7,10 +7,10 @@ mod quantity;
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::io::{VtuGrid, read_pvd, read_vtu};
+use powerhouse::io::{VtkHdf, VtuGrid, read_pvd, read_vtu};
 use serde_json::Value;
 
-pub use line::FieldLine;
+pub use line::{FieldLine, LineTable};
 pub use picture::{Animation, DeformationFactor, FieldPicture};
 pub use quantity::{FieldPart, FieldQuantity, ScalarField};
 
@@ -144,6 +144,20 @@ impl RecordedFields {
         // The time of other files is the end of the run, or the number of a stage.
         grid.time = *time;
         Ok(grid)
+    }
+
+    /// Writes all instants as one VTKHDF file. Their fields have to fit into memory.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written; instants with other meshes or fields than the first; one file without a time.
+    pub fn write_vtkhdf(&self, file: &Path) -> Result<(), StudyError> {
+        let fault = |error| StudyError::from(powerhouse::Error::from(error));
+        let mut all = VtkHdf::new(self.read(0)?, self.file(0)).map_err(fault)?;
+        for index in 1..self.len() {
+            all.add(&self.read(index)?, self.file(index))
+                .map_err(fault)?;
+        }
+        all.write(file).map_err(fault)
     }
 
     /// Path of a new file about the fields: in a folder below the results, or beside the one file.

@@ -16,6 +16,8 @@ const DISPLACEMENT: &str = "displacement";
 /// Greatest displacement of a body that is drawn with an automatic factor, over its diagonal (1).
 const DRAWN: f64 = 0.05;
 
+/// Difference of the ends of a field of integers from which colours are a scale, as those of reals, in place of one for each.
+const MOST_KINDS: f64 = 8.0;
 /// Distance over the size of the body below which a centroid counts as in a plane (1).
 const ROUNDING: f64 = 1e-12;
 
@@ -84,6 +86,8 @@ struct Instant {
 struct Common {
     /// Ends of the colours, and whether numbers are beyond them.
     colours: ([f64; 2], bool),
+    /// Least and greatest number.
+    values: [f64; 2],
     /// Factor of the displacements.
     factor: f64,
     extents: [Vec3; 2],
@@ -258,6 +262,7 @@ impl FieldPicture {
         let [low, high] = self.range.unwrap_or(by_default);
         Ok(Common {
             colours: ([low, high], least < low || most > high),
+            values: [least, most],
             factor,
             extents: [lower - margin, upper + margin],
         })
@@ -270,6 +275,7 @@ impl FieldPicture {
         instant: &Instant,
         Common {
             colours: (range, is_cut),
+            values: [first, last],
             factor,
             extents,
         }: Common,
@@ -284,12 +290,26 @@ impl FieldPicture {
             displacement,
             ..
         } = instant;
+        // Few integers have a colour each; fractions between them mean nothing.
+        let has_kinds = field.is_whole && self.range.is_none() && last - first < MOST_KINDS;
+        let from = if has_kinds { first } else { 0.0 };
+        let numbers: Vec<f64> = field.values.iter().map(|value| value - from).collect();
         let content = match field.is_nodal {
-            true => PictureField::Nodal(&field.values),
-            false => PictureField::Elemental(&field.values),
+            true => PictureField::Nodal(&numbers),
+            false => PictureField::Elemental(&numbers),
         };
+        let kinds = 0..if has_kinds {
+            (last - first) as u32 + 1
+        } else {
+            0
+        };
+        let kinds: Vec<String> = kinds
+            .map(|kind| (from + f64::from(kind)).to_string())
+            .collect();
+        let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
         let (unit, _) = shown_unit(&field.unit);
         let mut picture = Picture::new(&grid.mesh, content, unit);
+        picture.names = &kinds;
         picture.present = Some(drawn);
         [picture.width, picture.height] = self.size;
         picture.view = *view;
@@ -308,7 +328,7 @@ impl FieldPicture {
             time.unwrap_or_default(),
         );
         title.truncate(title.trim_end().len());
-        if is_cut {
+        if is_cut && !has_kinds {
             let [low, high] = range.map(shown_number);
             title += &format!(", colours from {low} to {high}");
         }

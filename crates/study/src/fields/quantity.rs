@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use powerhouse::engine::observe::principal_stresses;
-use powerhouse::io::{FieldOfFile, VtuGrid};
+use powerhouse::io::{FieldNumbers, FieldOfFile, VtuGrid};
 use powerhouse::model::Stress;
 
 use crate::StudyError;
@@ -49,6 +49,8 @@ pub struct ScalarField {
     pub is_nodal: bool,
     /// Numbers in the order of the mesh; NaN where the body is not present.
     pub values: Vec<f64>,
+    /// Whether they are integers, such as a yield state, between which there is nothing.
+    pub is_whole: bool,
 }
 
 impl FieldQuantity {
@@ -68,6 +70,7 @@ impl FieldQuantity {
             unit: field.unit.clone(),
             is_nodal,
             values: values.collect(),
+            is_whole: field.numbers == FieldNumbers::Whole && field.components == 1,
         })
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use powerhouse::file_name;
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 
-use super::{CaseFiles, column, kinds};
+use super::{ReportCase, column, kinds};
 use crate::StudyError;
 use crate::sweep::Peak;
 
@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Plots of peaks against the angle of incidence, one for each kind of wave with several angles.
 pub(super) fn by_angle(
-    cases: &[CaseFiles],
+    cases: &[ReportCase],
     folder: &Path,
     what: &str,
 ) -> Result<Vec<(PathBuf, String)>, StudyError> {
@@ -26,7 +26,7 @@ pub(super) fn by_angle(
         "stress" => ("greatest principal stress", "MPa", 1e-6),
         _ => ("greatest relative displacement", "mm", 1e3),
     };
-    let of = |case: &CaseFiles| -> Vec<Peak> {
+    let of = |case: &ReportCase| -> Vec<Peak> {
         match what {
             "stress" => case.outcome.stresses.clone(),
             _ => case.outcome.relative.clone(),
@@ -67,6 +67,7 @@ pub(super) fn by_angle(
                     })
                     .collect(),
             }],
+            gaps: Vec::new(),
         };
         let file = folder.join(format!("{what}-{kind}.svg"));
         write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
@@ -76,7 +77,7 @@ pub(super) fn by_angle(
 }
 
 /// The greatest displacement of the crown over all cases (m); zero without one.
-fn greatest_displacement(cases: &[CaseFiles]) -> f64 {
+fn greatest_displacement(cases: &[ReportCase]) -> f64 {
     let peaks = cases.iter().flat_map(|case| &case.outcome.displacements);
     let own = peaks.filter(|peak| peak.name == POINT);
     own.fold(0.0, |most, peak| most.max(peak.value))
@@ -84,7 +85,7 @@ fn greatest_displacement(cases: &[CaseFiles]) -> f64 {
 
 /// Plots of a history of the crown, one for each kind of wave.
 pub(super) fn histories(
-    cases: &[CaseFiles],
+    cases: &[ReportCase],
     folder: &Path,
     component: &str,
 ) -> Result<Vec<(PathBuf, String)>, StudyError> {
@@ -131,6 +132,7 @@ pub(super) fn histories(
                     .map(|(name, x, y)| PlotCurve { name, x, y })
                     .collect(),
             }],
+            gaps: Vec::new(),
         };
         let file = folder.join(format!("history{}-{kind}.svg", component.replace('.', "-")));
         write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
@@ -143,7 +145,7 @@ pub(super) fn histories(
 /// Plots of the histories of a general scene: one for each point and quantity, with a panel for each moving component
 /// and a curve for each case.
 pub(super) fn all_histories(
-    cases: &[CaseFiles],
+    cases: &[ReportCase],
     folder: &Path,
 ) -> Result<Vec<(PathBuf, String)>, StudyError> {
     // Point, first letter of its components, and unit: displacements, velocities, accelerations, stresses.
@@ -202,6 +204,7 @@ pub(super) fn all_histories(
             label: "time".into(),
             unit: "s".into(),
             panels,
+            gaps: Vec::new(),
         };
         let name = file_name(&format!("{point}-{kind}-{unit}"));
         let file = folder.join(format!("history-{name}.svg"));

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use powerhouse::io::{TableColumn, read_table};
 
+use super::ReportTable;
 use super::column;
-use super::page::Table;
 use crate::StudyError;
 use crate::rounded::rounded;
 use crate::sweep::{CaseOutcome, Utilisation};
@@ -22,7 +22,7 @@ pub(super) const MEANING: &str = "Normal force N (tension positive), shear force
      linings and floors, per metre along them: static, and the least and greatest of the run with their times.";
 
 /// The greatest utilisation of each reinforced section of a run, from its summary; `None` without one.
-pub(super) fn utilisation(summary: &serde_json::Value) -> Option<Table> {
+pub(super) fn utilisation(summary: &serde_json::Value) -> Option<ReportTable> {
     let uses = summary["section_uses"].as_array()?;
     let row = |of: &serde_json::Value| {
         let real = |key: &str| of[key].as_f64();
@@ -42,7 +42,7 @@ pub(super) fn utilisation(summary: &serde_json::Value) -> Option<Table> {
             real("beyond_from").map_or("never".to_owned(), |time| format!("from {time:.2} s")),
         ]
     };
-    Some(Table {
+    Some(ReportTable {
         header: [
             "section",
             "greatest utilisation",
@@ -60,7 +60,7 @@ pub(super) fn utilisation(summary: &serde_json::Value) -> Option<Table> {
 }
 
 /// The extremes of each ring, and of each section that is of none, a line for each case; `None` without sections.
-pub(super) fn of_cases(outcomes: &[CaseOutcome]) -> Option<Table> {
+pub(super) fn of_cases(outcomes: &[CaseOutcome]) -> Option<ReportTable> {
     let mut names: Vec<&str> = Vec::new();
     for section in outcomes.iter().flat_map(|outcome| &outcome.sections) {
         if !names.contains(&section.name.as_str()) {
@@ -96,12 +96,12 @@ pub(super) fn of_cases(outcomes: &[CaseOutcome]) -> Option<Table> {
         row
     });
     let rows: Vec<_> = rows.collect();
-    (!rows.is_empty()).then_some(Table { header, rows })
+    (!rows.is_empty()).then_some(ReportTable { header, rows })
 }
 
 /// The static, the least and the greatest force of each section in a result folder, the latter with their times; `None`
 /// without sections.
-pub(super) fn table(folder: &Path) -> Result<Option<Table>, StudyError> {
+pub(super) fn table(folder: &Path) -> Result<Option<ReportTable>, StudyError> {
     let file = folder.join("sections.csv");
     if !file.exists() {
         return Ok(None);
@@ -131,7 +131,7 @@ pub(super) fn table(folder: &Path) -> Result<Option<Table>, StudyError> {
             format!("greatest {letter} (s)"),
         ]
     });
-    Ok(Some(Table {
+    Ok(Some(ReportTable {
         header: std::iter::once("section".to_owned())
             .chain(header)
             .collect(),

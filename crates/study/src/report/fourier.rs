@@ -59,6 +59,7 @@ pub(super) fn plots(
                 .chain(mark.filter(|_| name == "record"))
                 .collect(),
             }],
+            gaps: Vec::new(),
         };
         let file = folder.join(format!("{name}-{}.svg", record[1].name));
         write_plot(&file, &plot).map_err(powerhouse::Error::from)?;

@@ -12,9 +12,9 @@ mod forces;
 mod fourier;
 mod motions;
 mod page;
-mod paper;
 mod repetition;
 mod run_warnings;
+mod section;
 mod single;
 mod spectra;
 mod sweep;
@@ -27,24 +27,42 @@ use powerhouse::io::{TableColumn, read_table};
 use crate::sweep::{CASES, CaseEntry, CaseOutcome, MARK, OUTCOME, write_text};
 use crate::{StudyError, json};
 
+pub use section::{ReportItem, ReportSection, ReportTable};
+
 /// Name of the page in the result folder.
 const FILE: &str = "report.html";
 /// Name of the folder of the plots of the report.
 const PLOTS: &str = "report";
 
-/// Result files of a case.
-pub(super) struct CaseFiles {
-    pub(super) folder: PathBuf,
-    pub(super) outcome: CaseOutcome,
-    pub(super) histories: Vec<TableColumn>,
-    pub(super) summary: serde_json::Value,
+/// Results of a finished case of a sweep, from its files.
+#[non_exhaustive]
+pub struct ReportCase {
+    /// Folder of the case.
+    pub folder: PathBuf,
+    /// Results that are compared.
+    pub outcome: CaseOutcome,
+    /// Histories against time, the first column.
+    pub histories: Vec<TableColumn>,
+    /// Summary of the run.
+    pub summary: serde_json::Value,
     /// Contents of the fingerprint file.
-    pub(super) fingerprint: serde_json::Value,
+    fingerprint: serde_json::Value,
 }
 
-impl CaseFiles {
+impl ReportCase {
+    /// A case without files, such as one that is made up for a test.
+    pub fn of_outcome(outcome: CaseOutcome) -> Self {
+        Self {
+            folder: PathBuf::new(),
+            outcome,
+            histories: Vec::new(),
+            summary: serde_json::Value::Null,
+            fingerprint: serde_json::Value::Null,
+        }
+    }
+
     /// Whether the case is unvaried except for its wave.
-    fn is_plain(&self) -> bool {
+    pub fn is_plain(&self) -> bool {
         let input = &self.outcome.input;
         input.varies.is_none() && !input.continuous
     }
@@ -55,9 +73,20 @@ impl CaseFiles {
 /// # Errors
 /// [`StudyError::NoResults`] for a folder without results; a file that cannot be read or written.
 pub fn write_report(folder: impl AsRef<Path>) -> Result<PathBuf, StudyError> {
+    write_report_with(folder, &[])
+}
+
+/// The same with further sections of a sweep, before its results.
+///
+/// # Errors
+/// As [`write_report`].
+pub fn write_report_with(
+    folder: impl AsRef<Path>,
+    sections: &[&dyn ReportSection],
+) -> Result<PathBuf, StudyError> {
     let folder = folder.as_ref();
     let page = match read_cases(folder)? {
-        Some(cases) if !cases.is_empty() => sweep::page(folder, &cases)?,
+        Some(cases) if !cases.is_empty() => sweep::page(folder, &cases, sections)?,
         _ => single::page(folder)?,
     };
     let file = folder.join(FILE);
@@ -124,13 +153,13 @@ fn listed(folder: &Path) -> Result<Option<Vec<CaseEntry>>, StudyError> {
 }
 
 /// Reads the results of the finished cases of a sweep; `None` if the folder contains no sweep.
-fn read_cases(folder: &Path) -> Result<Option<Vec<CaseFiles>>, StudyError> {
+fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
     let Some(folders) = case_folders(folder)? else {
         return Ok(None);
     };
     let cases = folders.into_iter().map(|folder| {
         let histories = folder.join("histories.csv");
-        Ok(CaseFiles {
+        Ok(ReportCase {
             outcome: CaseOutcome::read(&folder.join(OUTCOME))?,
             histories: match histories.exists() {
                 true => read_table(&histories).map_err(powerhouse::Error::from)?,
@@ -153,7 +182,7 @@ fn read_json(file: &Path) -> Result<serde_json::Value, StudyError> {
 }
 
 /// The unvaried cases of each kind of wave that occurs.
-fn kinds(cases: &[CaseFiles]) -> Vec<(&'static str, Vec<&CaseFiles>)> {
+fn kinds(cases: &[ReportCase]) -> Vec<(&'static str, Vec<&ReportCase>)> {
     let kinds = ["sv", "p", "sh"].map(|kind| {
         let of_kind = cases.iter().filter(|case| {
             let wave = case.outcome.input.wave();

@@ -5,7 +5,8 @@ use std::path::Path;
 use powerhouse::io::TableColumn;
 
 use super::PLOTS;
-use super::page::{Page, Table};
+use super::ReportTable;
+use super::page::Page;
 use crate::StudyError;
 use crate::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 use crate::rounded::rounded;
@@ -41,7 +42,7 @@ pub(super) fn section(
             rounded(duration),
         ]);
     }
-    page.table(&Table {
+    page.table(&ReportTable {
         header: [
             "history",
             "peak (m/s2)",

@@ -3,15 +3,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::CaseFiles;
+use super::{ReportCase, ReportTable};
 use crate::StudyError;
 use crate::sweep::CaseOutcome;
-
-/// Table with a header and rows of as many cells; the first cell of a row is its name.
-pub(super) struct Table {
-    pub(super) header: Vec<String>,
-    pub(super) rows: Vec<Vec<String>>,
-}
 
 /// Self-contained page.
 pub(super) struct Page {
@@ -76,7 +70,7 @@ impl Page {
         }
     }
 
-    pub(super) fn table(&mut self, table: &Table) {
+    pub(super) fn table(&mut self, table: &ReportTable) {
         self.body += "<div class=\"wide\"><table><thead><tr>";
         for (index, cell) in table.header.iter().enumerate() {
             // A header is aligned as the first cell of its column that is not empty.
@@ -99,7 +93,7 @@ impl Page {
     }
 
     /// Adds a table that is collapsed under its name.
-    pub(super) fn folded(&mut self, name: &str, table: &Table) {
+    pub(super) fn folded(&mut self, name: &str, table: &ReportTable) {
         let _ = writeln!(self.body, "<details><summary>{}</summary>", escaped(name));
         self.table(table);
         self.body += "</details>\n";
@@ -135,7 +129,7 @@ impl Page {
     /// Adds those pictures of the cases with given names that exist.
     pub(super) fn pictures(
         &mut self,
-        cases: &[CaseFiles],
+        cases: &[ReportCase],
         names: impl Fn(&CaseOutcome) -> Vec<String>,
     ) -> Result<(), StudyError> {
         self.body += "<div class=\"pair\">\n";

@@ -4,10 +4,10 @@
 //! accelerations must not be used for design. Elastic bodies without joints are insensitive; for other bodies a
 //! perturbation test is necessary, a second run under slightly larger waves.
 
-use super::CaseFiles;
+use super::ReportCase;
 
 /// The note on the sensitivity of a case; `None` if its motion is insensitive to the input.
-pub(super) fn of(cases: &[CaseFiles], name: &str) -> Option<&'static str> {
+pub(super) fn of(cases: &[ReportCase], name: &str) -> Option<&'static str> {
     let case = cases.iter().find(|case| case.outcome.name == name)?;
     // Summaries of older versions lack this key.
     let is_insensitive = case.summary["path_dependent"] == false;
@@ -15,7 +15,7 @@ pub(super) fn of(cases: &[CaseFiles], name: &str) -> Option<&'static str> {
 }
 
 /// The warning above the spectra of cases with unknown sensitivity.
-pub(super) fn unknown(cases: &[CaseFiles]) -> Option<String> {
+pub(super) fn unknown(cases: &[ReportCase]) -> Option<String> {
     let names = cases.iter().map(|case| case.outcome.name.as_str());
     let unknown: Vec<&str> = names.filter(|name| of(cases, name).is_some()).collect();
     (!unknown.is_empty()).then(|| {

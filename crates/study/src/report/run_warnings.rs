@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::CaseFiles;
+use super::ReportCase;
 
 /// A warning with the runs that have it.
 struct RunWarning<'v> {
@@ -44,7 +44,7 @@ impl<'v> RunWarnings<'v> {
     }
 
     /// Collects the warnings of the cases of a sweep.
-    pub(super) fn of_cases(cases: &'v [CaseFiles]) -> Self {
+    pub(super) fn of_cases(cases: &'v [ReportCase]) -> Self {
         Self::of((cases.iter()).map(|case| (case.outcome.name.as_str(), &case.summary)))
     }
 

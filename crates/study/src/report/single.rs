@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use powerhouse::ResultFolder;
 
-use super::page::{Page, Table};
+use super::ReportTable;
+use super::page::Page;
 use super::run_warnings::RunWarnings;
 use super::{forces, motions, read_json, report_gaps, tables};
 use crate::StudyError;
@@ -28,7 +29,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     page.paragraph(&tables::repetition(&[&summary]));
     let real = |key: &str| rounded(summary[key].as_f64().unwrap_or(0.0));
     let row = |name: &str, value: String| vec![name.to_owned(), value];
-    page.table(&Table {
+    page.table(&ReportTable {
         header: vec!["".into(), "".into()],
         rows: vec![
             row("steps", summary["steps"].to_string()),
@@ -44,7 +45,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         .collect();
     if !facts.is_empty() {
         page.section("Remarks");
-        page.table(&Table {
+        page.table(&ReportTable {
             header: vec![String::new(), "about the input and the computation".into()],
             rows: facts,
         });
@@ -60,7 +61,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         }
         vec![text("name"), real("value"), text("unit"), real("time")]
     });
-    page.table(&Table {
+    page.table(&ReportTable {
         header: ["name", "value", "unit", "time (s)"]
             .map(str::to_owned)
             .to_vec(),

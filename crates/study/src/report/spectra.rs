@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_noted_table, write_plot};
 use powerhouse::wavefield::TimeHistory;
 
-use super::page::Table;
-use super::{CaseFiles, column, kinds};
+use super::ReportTable;
+use super::{ReportCase, column, kinds};
 use crate::StudyError;
 use crate::even_samples::even_samples;
 use crate::motion::{DAMPINGS, periods};
@@ -42,7 +42,7 @@ struct FloorSpectrum {
 
 /// The floors of a case: acceleration histories with `floor` in their names, and the centres `O1` and `O2` of the
 /// bottom floors.
-fn floors(case: &CaseFiles) -> Vec<&str> {
+fn floors(case: &ReportCase) -> Vec<&str> {
     let names = case.histories.iter();
     let names = names.filter_map(|column| column.name.strip_suffix(".ax"));
     names
@@ -61,7 +61,7 @@ struct FloorMotion<'c> {
 }
 
 /// The acceleration histories of the floors of a case, without directions in which they hardly move.
-fn motions(case: &CaseFiles) -> Vec<FloorMotion<'_>> {
+fn motions(case: &ReportCase) -> Vec<FloorMotion<'_>> {
     let mut found = Vec::new();
     let Some(time) = case.histories.first() else {
         return found;
@@ -89,7 +89,7 @@ fn motions(case: &CaseFiles) -> Vec<FloorMotion<'_>> {
 
 impl FloorSpectra {
     /// Computes the spectra of all floors of several cases.
-    pub(super) fn of(cases: &[CaseFiles]) -> Self {
+    pub(super) fn of(cases: &[ReportCase]) -> Self {
         let motions: Vec<FloorMotion> = cases.iter().flat_map(motions).collect();
         let steps = motions.iter().map(|motion| motion.history.step());
         let periods = periods(steps.fold(0.0, f64::max));
@@ -146,7 +146,7 @@ impl FloorSpectra {
     }
 
     /// The table of the peak accelerations of the floors of a case and the peaks of their spectra.
-    pub(super) fn table(&self, case: &str) -> Table {
+    pub(super) fn table(&self, case: &str) -> ReportTable {
         let own = self.all.iter();
         let own = own.filter(|found| found.case == case && found.damping == COMMON);
         let rows = own.map(|found| {
@@ -160,7 +160,7 @@ impl FloorSpectra {
                 rounded(period),
             ]
         });
-        Table {
+        ReportTable {
             header: [
                 "floor, direction",
                 "greatest acceleration (m/s2)",
@@ -177,7 +177,7 @@ impl FloorSpectra {
     /// of the headline case at several damping ratios.
     pub(super) fn plots(
         &self,
-        cases: &[CaseFiles],
+        cases: &[ReportCase],
         headline: &str,
         folder: &Path,
     ) -> Result<Vec<(PathBuf, String)>, StudyError> {
@@ -255,6 +255,7 @@ impl FloorSpectra {
             label: "period".into(),
             unit: "s".into(),
             panels,
+            gaps: Vec::new(),
         };
         write_plot(file, &plot).map_err(powerhouse::Error::from)?;
         Ok(true)

@@ -5,27 +5,34 @@ use std::path::{Path, PathBuf};
 use powerhouse::io::{TableColumn, read_table};
 use powerhouse::{ResultFolder, file_name};
 
-use super::page::{Page, Table};
+use super::page::Page;
 use super::run_warnings::RunWarnings;
 use super::spectra::FloorSpectra;
-use super::{CaseFiles, PLOTS, charts, forces, fourier, paper, repetition, report_gaps, tables};
+use super::{
+    PLOTS, ReportCase, ReportItem, ReportSection, ReportTable, charts, forces, fourier, repetition,
+    report_gaps, tables,
+};
 use crate::StudyError;
 use crate::convergence::{ConvergenceReport, read_report};
 use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, Peak, RECORD};
-use crate::{conclusions, sensitivity};
+use crate::sensitivity;
+use crate::sweep::{CaseOutcome, RECORD};
 
 /// Results of a sweep for its report.
 struct Sweep<'s> {
     folder: &'s Path,
-    cases: &'s [CaseFiles],
+    cases: &'s [ReportCase],
     outcomes: Vec<CaseOutcome>,
     /// Folder of the plots.
     plots: PathBuf,
 }
 
 /// The report page of the finished cases of a sweep.
-pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyError> {
+pub(super) fn page(
+    folder: &Path,
+    cases: &[ReportCase],
+    sections: &[&dyn ReportSection],
+) -> Result<Page, StudyError> {
     let title = cases[0].summary["title"].as_str().unwrap_or("sweep");
     let title = title.rsplit_once(": ").map_or(title, |(scene, _)| scene);
     let mut page = Page::new(title);
@@ -37,9 +44,17 @@ pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyErro
     };
     sweep.runs(&mut page)?;
     sweep.input(&mut page)?;
-    sweep.findings(&mut page);
+    let mut has_results = true;
+    for section in sections {
+        let items = section.items(cases);
+        if !items.is_empty() {
+            sweep.further(&mut page, section.title(), items);
+            has_results &= !section.replaces_results();
+        }
+    }
+    sweep.sensitivity(&mut page);
     sweep.convergence(&mut page)?;
-    if !sweep.is_of_paper() {
+    if has_results {
         sweep.results(&mut page)?;
     }
     sweep.stress(&mut page)?;
@@ -59,21 +74,11 @@ pub(super) fn page(folder: &Path, cases: &[CaseFiles]) -> Result<Page, StudyErro
 impl Sweep<'_> {
     /// The case that is shown where only one is shown: that of an SV wave at 30 degrees, else the first unvaried one, else
     /// the first.
-    fn headline(&self) -> &CaseFiles {
+    fn headline(&self) -> &ReportCase {
         let mut plain = self.cases.iter().filter(|case| case.is_plain());
-        let is_headline = |case: &&CaseFiles| case.outcome.input.wave() == Some(("sv", 30.0));
+        let is_headline = |case: &&ReportCase| case.outcome.input.wave() == Some(("sv", 30.0));
         let found = plain.clone().find(is_headline).or(plain.next());
         found.unwrap_or(&self.cases[0])
-    }
-
-    /// Whether the recorded points are those of the paper; other sweeps have no tables of comparison.
-    fn is_of_paper(&self) -> bool {
-        let is_crown = |peak: &Peak| peak.name == "A" || peak.name.starts_with("A-concrete");
-        let of = |outcome: &CaseOutcome| {
-            let mut peaks = outcome.stresses.iter().chain(&outcome.displacements);
-            peaks.any(is_crown)
-        };
-        self.outcomes.iter().any(of)
     }
 
     /// Adds the warnings of the cases about some topics; about all topics for an empty list.
@@ -138,17 +143,19 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    fn findings(&self, page: &mut Page) {
-        if self.is_of_paper() {
-            page.section("Comparison with the paper");
-            page.paragraph(paper::CONCLUSIONS);
-            self.warnings(page, &["input"]);
-            page.table(&paper::conclusions(&conclusions(&self.outcomes)));
-            if let Some(figures) = paper::figures(self.cases) {
-                page.paragraph(paper::FIGURES);
-                page.table(&figures);
+    /// Adds a section that is not one of all reports.
+    fn further(&self, page: &mut Page, title: &str, items: Vec<ReportItem>) {
+        page.section(title);
+        self.warnings(page, &["input"]);
+        for item in items {
+            match item {
+                ReportItem::Paragraph(text) => page.paragraph(&text),
+                ReportItem::Table(table) => page.table(&table),
             }
         }
+    }
+
+    fn sensitivity(&self, page: &mut Page) {
         if let Some(table) = tables::sensitivity(&sensitivity(&self.outcomes)) {
             page.section("Sensitivity to single parameters");
             page.paragraph(
@@ -175,7 +182,7 @@ impl Sweep<'_> {
             let figures = found.figures.iter();
             let figures = figures.filter(move |figure| figure.negligible == negligible);
             let rows: Vec<_> = figures.map(ConvergenceReport::cells).collect();
-            Table {
+            ReportTable {
                 header: found.header(),
                 rows,
             }
@@ -215,13 +222,7 @@ impl Sweep<'_> {
         page.section("Displacement");
         self.warnings(page, &["histories"]);
         if relative {
-            page.paragraph(match self.is_of_paper() {
-                true => {
-                    "Greatest norm of the displacement of the points relative to the centres of the \
-                     bottom floors (mm)."
-                }
-                false => "Greatest norm of the relative displacement (mm).",
-            });
+            page.paragraph("Greatest norm of the relative displacement (mm).");
             page.table(&tables::peaks(self.cases, |outcome| &outcome.relative, 1e3));
             page.figures(charts::by_angle(self.cases, &self.plots, "relative")?)?;
         }

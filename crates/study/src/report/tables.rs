@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use super::CaseFiles;
-use super::page::Table;
+use super::ReportCase;
+use super::ReportTable;
 use crate::rounded::rounded;
 use crate::sensitivity::Variation;
 use crate::sweep::{CaseOutcome, JointCase, Peak};
@@ -35,7 +35,7 @@ pub(super) fn repetition(summaries: &[&Value]) -> String {
 }
 
 /// The table of cases: steps, times, energy residual and fingerprint.
-pub(super) fn cases(cases: &[CaseFiles]) -> Table {
+pub(super) fn cases(cases: &[ReportCase]) -> ReportTable {
     let rows = cases.iter().map(|case| {
         let outcome = &case.outcome;
         let limit = &case.summary["stable_step"];
@@ -55,7 +55,7 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
             case.fingerprint["inputs"].as_str().unwrap_or("").into(),
         ]
     });
-    Table {
+    ReportTable {
         header: header(&[
             "case",
             "elements",
@@ -72,8 +72,8 @@ pub(super) fn cases(cases: &[CaseFiles]) -> Table {
 }
 
 /// The table of stages, once for all cases that share them; `None` without stages.
-pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
-    let of_case = |case: &CaseFiles| case.summary["stages"].as_array().cloned();
+pub(super) fn stages(cases: &[ReportCase]) -> Option<ReportTable> {
+    let of_case = |case: &ReportCase| case.summary["stages"].as_array().cloned();
     let mut shared: Vec<(Vec<Value>, Vec<&str>)> = Vec::new();
     for case in cases {
         let stages = of_case(case).filter(|stages| !stages.is_empty());
@@ -106,7 +106,7 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
         })
     });
     let rows: Vec<Vec<String>> = rows.collect();
-    (!rows.is_empty()).then(|| Table {
+    (!rows.is_empty()).then(|| ReportTable {
         header: header(&[
             "cases",
             "stage",
@@ -123,10 +123,10 @@ pub(super) fn stages(cases: &[CaseFiles]) -> Option<Table> {
 
 /// The table of peaks, with a column for each history.
 pub(super) fn peaks(
-    cases: &[CaseFiles],
+    cases: &[ReportCase],
     of: impl Fn(&CaseOutcome) -> &Vec<Peak>,
     scale: f64,
-) -> Table {
+) -> ReportTable {
     let mut names: Vec<String> = Vec::new();
     for peak in cases.iter().flat_map(|case| of(&case.outcome)) {
         if !names.contains(&peak.name) {
@@ -143,15 +143,15 @@ pub(super) fn peaks(
             .chain(cells)
             .collect()
     });
-    Table {
+    ReportTable {
         rows: rows.collect(),
         header: std::iter::once("case".to_owned()).chain(names).collect(),
     }
 }
 
 /// The table of all peaks of the summaries, with a column for each case.
-pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
-    let peaks = |case: &CaseFiles| {
+pub(super) fn all_peaks(cases: &[ReportCase]) -> ReportTable {
+    let peaks = |case: &ReportCase| {
         case.summary["peaks"]
             .as_array()
             .cloned()
@@ -183,7 +183,7 @@ pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
     });
     let rows = rows.collect();
     let cases = cases.iter().map(|case| case.outcome.name.clone());
-    Table {
+    ReportTable {
         rows,
         header: ["peak".into(), "unit".into()]
             .into_iter()
@@ -193,7 +193,7 @@ pub(super) fn all_peaks(cases: &[CaseFiles]) -> Table {
 }
 
 /// The table of the damage variables of the cases.
-pub(super) fn damage(cases: &[CaseFiles]) -> Table {
+pub(super) fn damage(cases: &[ReportCase]) -> ReportTable {
     let rows = cases.iter().flat_map(|case| {
         let of = case.outcome.damage.iter();
         of.map(|damage| {
@@ -207,14 +207,14 @@ pub(super) fn damage(cases: &[CaseFiles]) -> Table {
             ]
         })
     });
-    Table {
+    ReportTable {
         header: header(&["case", "kind", "greatest", "element", "above 0.1"]),
         rows: rows.collect(),
     }
 }
 
 /// The table of the damage of the structure and its parts in a case.
-pub(super) fn parts(outcome: &CaseOutcome) -> Table {
+pub(super) fn parts(outcome: &CaseOutcome) -> ReportTable {
     let rows = outcome.parts.iter().map(|part| {
         let shares = [
             part.damaged,
@@ -232,7 +232,7 @@ pub(super) fn parts(outcome: &CaseOutcome) -> Table {
         row.extend(shares.map(|share| rounded(100.0 * share)));
         row
     });
-    Table {
+    ReportTable {
         header: header(&[
             "part",
             "volume (m3)",
@@ -249,7 +249,7 @@ pub(super) fn parts(outcome: &CaseOutcome) -> Table {
 }
 
 /// The table of the mean damage of the structure, its lining and its interior in each case.
-pub(super) fn mean_damage(cases: &[CaseFiles]) -> Table {
+pub(super) fn mean_damage(cases: &[ReportCase]) -> ReportTable {
     const SETS: [&str; 3] = ["structure", "lining", "interior"];
     let with = cases.iter().filter(|case| !case.outcome.parts.is_empty());
     let rows = with.map(|case| {
@@ -276,14 +276,14 @@ pub(super) fn mean_damage(cases: &[CaseFiles]) -> Table {
             "by tension or both (%)".into(),
         ]
     });
-    Table {
+    ReportTable {
         header: std::iter::once("case".to_owned()).chain(names).collect(),
         rows: rows.collect(),
     }
 }
 
 /// The table of the sensitivity of the main results to single parameters; `None` without varied cases.
-pub(super) fn sensitivity(variations: &[Variation]) -> Option<Table> {
+pub(super) fn sensitivity(variations: &[Variation]) -> Option<ReportTable> {
     let mut names: Vec<&str> = Vec::new();
     for figure in variations.iter().flat_map(|found| &found.figures) {
         if !names.contains(&figure.name.as_str()) {
@@ -312,7 +312,7 @@ pub(super) fn sensitivity(variations: &[Variation]) -> Option<Table> {
         row.extend(cells(&|figure| figure.text()));
         rows.push(row);
     }
-    (!rows.is_empty()).then(|| Table {
+    (!rows.is_empty()).then(|| ReportTable {
         header: (["case", "varied parameter"].into_iter().chain(names))
             .map(str::to_owned)
             .collect(),
@@ -321,8 +321,8 @@ pub(super) fn sensitivity(variations: &[Variation]) -> Option<Table> {
 }
 
 /// The table of the energies at the end of each case (J).
-pub(super) fn energies(cases: &[CaseFiles]) -> Table {
-    let entries = |case: &'_ CaseFiles| -> Vec<(String, f64)> {
+pub(super) fn energies(cases: &[ReportCase]) -> ReportTable {
+    let entries = |case: &'_ ReportCase| -> Vec<(String, f64)> {
         let list = case.summary["energies"].as_array().into_iter().flatten();
         list.filter_map(|entry| Some((entry["name"].as_str()?.into(), entry["value"].as_f64()?)))
             .collect()
@@ -344,7 +344,7 @@ pub(super) fn energies(cases: &[CaseFiles]) -> Table {
             .chain([rounded(case.outcome.energy_residual)])
             .collect()
     });
-    Table {
+    ReportTable {
         rows: rows.collect(),
         header: std::iter::once("case".to_owned())
             .chain(names.iter().cloned())
@@ -354,7 +354,7 @@ pub(super) fn energies(cases: &[CaseFiles]) -> Table {
 }
 
 /// The table of the bolt forces: static values, and peaks of the motion with their times.
-pub(super) fn bolts(cases: &[CaseFiles]) -> Table {
+pub(super) fn bolts(cases: &[ReportCase]) -> ReportTable {
     let rows = cases.iter().flat_map(|case| {
         case.outcome.bolts.iter().map(|peak| {
             let mut statics = case.outcome.bolts_at_rest.iter();
@@ -368,7 +368,7 @@ pub(super) fn bolts(cases: &[CaseFiles]) -> Table {
             ]
         })
     });
-    Table {
+    ReportTable {
         header: header(&[
             "case",
             "bolts",
@@ -381,7 +381,10 @@ pub(super) fn bolts(cases: &[CaseFiles]) -> Table {
 }
 
 /// The table of the joints of the cases, or of their parts.
-pub(super) fn joints(cases: &[CaseFiles], of: impl Fn(&CaseOutcome) -> &Vec<JointCase>) -> Table {
+pub(super) fn joints(
+    cases: &[ReportCase],
+    of: impl Fn(&CaseOutcome) -> &Vec<JointCase>,
+) -> ReportTable {
     let rows = cases.iter().flat_map(|case| {
         of(&case.outcome).iter().map(|joint| {
             vec![
@@ -396,7 +399,7 @@ pub(super) fn joints(cases: &[CaseFiles], of: impl Fn(&CaseOutcome) -> &Vec<Join
             ]
         })
     });
-    Table {
+    ReportTable {
         header: header(&[
             "case",
             "joint",

@@ -50,7 +50,7 @@ use powerhouse::{
 
 use crate::json::read_json;
 use crate::mark::Fingerprint;
-use crate::{CheckpointEvent, StudyError, registry};
+use crate::{CheckpointEvent, StudyError};
 use at_rest::BodyStore;
 use case::{CaseControl, Claim};
 pub use contact::{JointAndLining, JointCase};
@@ -154,7 +154,7 @@ impl Sweep {
     /// # Errors
     /// An invalid scene; [`StudyError::NoCases`].
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        Self::of_file_with(path, folder, &registry())
+        Self::of_file_with(path, folder, &Registry::default())
     }
     /// The same with the names of a registry. Finished cases of an earlier sweep are taken as they are, also
     /// if the code of a registered law has changed, unless the

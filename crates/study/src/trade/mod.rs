@@ -63,7 +63,7 @@ use toml::Table;
 use crate::mark::inputs;
 use crate::perturbation::{PERTURBATION, is_path_dependent};
 use crate::price::pareto_front;
-use crate::{StudyError, cost, registry};
+use crate::{StudyError, cost};
 pub use case::CaseCost;
 pub(crate) use case::columns;
 use case::{BodyCache, TradeRun, TradeRunner};
@@ -113,7 +113,7 @@ impl Trade {
     /// # Errors
     /// An invalid scene; [`StudyError::NoHistories`] for a scene without recorded histories.
     pub fn of_file(path: impl AsRef<Path>, folder: Option<PathBuf>) -> Result<Self, StudyError> {
-        Self::of_file_with(path, folder, &registry())
+        Self::of_file_with(path, folder, &Registry::default())
     }
     /// The same with the names of a registry: its own kernels of bricks, and boundaries that do without keys, are
     /// levels. Finished runs count until its [version](powerhouse::Registry::with_version) changes.
@@ -132,7 +132,7 @@ impl Trade {
             return Err(StudyError::NoHistories);
         }
         let text = scene.source().map_or("", |source| &source.text).to_owned();
-        let file: Table = toml::from_str(&text).map_err(|source| StudyError::BayFile {
+        let file: Table = toml::from_str(&text).map_err(|source| StudyError::SceneFile {
             file: path.into(),
             source: Box::new(source),
         })?;

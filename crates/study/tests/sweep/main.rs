@@ -16,14 +16,13 @@ use std::time::Duration;
 
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{EquilibratedBody, Error, ResultFolder, RunHooks, RunNotes, Scene};
+use powerhouse::{EquilibratedBody, Error, Registry, ResultFolder, RunHooks, RunNotes, Scene};
 use powerhouse_study::sweep::{CaseOutcome, NoProgress, Sweep, SweepWatch};
 use powerhouse_study::{
-    StudyError, read_outcomes, registry, report_gaps, sensitivity, write_report,
+    ReportCase, ReportItem, ReportSection, ReportTable, StudyError, read_outcomes, report_gaps,
+    sensitivity, write_report, write_report_with,
 };
 use powerhouse_test_support::TestFolder;
-
-const BAY: &str = "size = \"coarse\"\n[dimensions]\nbelow = 50\n";
 
 /// A slice of ground in a scene of its own folder: elastic, one stage, two cases and one without joint.
 const SCENE: &str = r#"
@@ -129,10 +128,17 @@ continuous = ["seam"]
 
 /// Ground of 24 m by 6 m by 24 m times a scale, with a structure at its heart and a void above that.
 fn slice(scale: f64) -> Mesh {
-    let size = Vec3::new(24.0, 6.0, 24.0);
-    let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [8, 2, 8], "rock").unwrap();
+    layers(2)
+        .map_positions(|position| position * scale)
+        .unwrap()
+}
+
+/// The same with a number of layers of 3 m along y.
+fn layers(count: usize) -> Mesh {
+    let size = Vec3::new(24.0, 3.0 * count as f64, 24.0);
+    let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [8, count, 8], "rock").unwrap();
     let within = |mesh: &Mesh, low: f64, high: f64| {
-        mesh.elements_in_box(&Vec3::new(9.0, 0.0, low), &Vec3::new(15.0, 6.0, high))
+        mesh.elements_in_box(&Vec3::new(9.0, 0.0, low), &Vec3::new(15.0, size.y, high))
     };
     let (structure, void) = (within(&mesh, 6.0, 12.0), within(&mesh, 12.0, 18.0));
     let all = 0..mesh.element_count() as u32;
@@ -147,7 +153,18 @@ fn slice(scale: f64) -> Mesh {
         let nodes = mesh.nodes_in_box(&at, &at);
         mesh.set_node_set(name, nodes).unwrap();
     }
-    mesh.map_positions(|position| position * scale).unwrap()
+    mesh
+}
+
+/// Built-in names, and the mesh generator `layers`, which reads their number from a file.
+fn registry() -> Registry {
+    let mut registry = Registry::default();
+    registry.add_mesh_generator("layers", |file: &Path| {
+        let text = std::fs::read_to_string(file)?;
+        let count = text.trim().parse();
+        count.map(layers).map_err(std::io::Error::other)
+    });
+    registry
 }
 
 struct Folder(TestFolder);
@@ -155,31 +172,23 @@ struct Folder(TestFolder);
 impl Folder {
     fn new(name: &str) -> Self {
         let path = TestFolder::new(name);
-        std::fs::write(path.join("bay.toml"), BAY).unwrap();
+        std::fs::write(path.join("layers.txt"), "2").unwrap();
         std::fs::write(path.join("scene.toml"), SCENE).unwrap();
         write_gmsh(path.join("mesh.msh"), &slice(1.0)).unwrap();
         Self(path)
     }
-    /// The scene of a bay, without outputs at points of the slice.
-    fn bay() -> String {
-        let place = |text: &str| SCENE.find(text).unwrap();
-        let (bolt, stage) = (place("[[bolt]]"), place("[[stage]]"));
-        let (section, relative) = (place("[[output.section]]"), place("[[output.relative]]"));
-        let kept = [
-            &SCENE[..bolt],
-            &SCENE[stage..section].replace("bolts = [\"pins\"]\n", ""),
-            &SCENE[relative..],
-        ];
-        kept.concat().replace(
+    /// The scene with a generated mesh.
+    fn generated() -> String {
+        SCENE.replace(
             "file = \"mesh.msh\"",
-            "generator = \"bay\"\nfile = \"bay.toml\"",
+            "generator = \"layers\"\nfile = \"layers.txt\"",
         )
     }
     fn scene(&self) -> PathBuf {
         self.0.join("scene.toml")
     }
     fn sweep(&self) -> Sweep {
-        Sweep::of_file(self.scene(), Some(self.0.join("out"))).unwrap()
+        Sweep::of_file_with(self.scene(), Some(self.0.join("out")), &registry()).unwrap()
     }
 }
 

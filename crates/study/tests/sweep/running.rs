@@ -172,27 +172,22 @@ time = { duration = 0.02, safety = 0.5 }
     assert!(nameless.contains("'name'"), "{nameless}");
 }
 
-/// A case may have a mesh and supports of its own: here the bay is embedded in a block that is supported by absorbing
-/// faces alone.
+/// A case may have a mesh and supports of its own: here a longer body that is supported by absorbing faces alone.
 #[test]
 fn a_case_may_have_another_mesh_and_other_supports() {
     let folder = Folder::new("block");
-    std::fs::write(
-        folder.0.join("block.toml"),
-        format!("{BAY}[ends]\nrock = 20\ncells = 2\n"),
-    )
-    .unwrap();
+    std::fs::write(folder.0.join("block.txt"), "3").unwrap();
     let case = "[[case]]\nname = \"block\"\nsupport = []\n\
-         mesh = { generator = \"bay\", file = \"block.toml\" }\n\
+         mesh = { generator = \"layers\", file = \"block.txt\" }\n\
          faces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\n";
-    std::fs::write(folder.scene(), format!("{}{case}", Folder::bay())).unwrap();
+    std::fs::write(folder.scene(), format!("{}{case}", Folder::generated())).unwrap();
     let of = |name| Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
-    let (bay, block) = (of("steep"), of("block"));
+    let (slice, block) = (of("steep"), of("block"));
     let elements = |scene: &Scene| scene.mesh().element_count();
-    assert_eq!(elements(&block) * 8, elements(&bay) * 12);
-    assert_eq!((bay.supports().len(), block.supports().len()), (2, 0));
+    assert_eq!(elements(&block) * 2, elements(&slice) * 3);
+    assert_eq!((slice.supports().len(), block.supports().len()), (2, 0));
     let faces = |scene: &Scene| scene.boundary().unwrap().faces.len();
-    assert_eq!((faces(&bay), faces(&block)), (3, 5));
+    assert_eq!((faces(&slice), faces(&block)), (3, 5));
 }
 
 /// A case on request is left out of a sweep unless it is requested by name.
@@ -246,8 +241,8 @@ fn a_cancelled_sweep_continues() {
 fn invalid_cases_are_errors() {
     let folder = Folder::new("refused");
     let write = |change: &dyn Fn(&str) -> String| {
-        std::fs::write(folder.scene(), change(&Folder::bay())).unwrap();
-        Sweep::of_file(folder.scene(), None)
+        std::fs::write(folder.scene(), change(&Folder::generated())).unwrap();
+        Sweep::of_file_with(folder.scene(), None, &registry())
             .err()
             .map(|error| error.to_string())
     };
@@ -256,14 +251,14 @@ fn invalid_cases_are_errors() {
         twice.contains("the case 'steep' is defined twice"),
         "{twice}"
     );
-    let unknown = write(&|text| text.replace("generator = \"bay\"", "generator = \"cave\""));
+    let unknown = write(&|text| text.replace("generator = \"layers\"", "generator = \"cave\""));
     let unknown = unknown.unwrap();
     assert!(
         unknown.contains("there is no mesh generator 'cave'"),
         "{unknown}"
     );
-    let bad = write(&|text| text.replace("bay.toml", "scene.toml")).unwrap();
-    assert!(bad.contains("unknown field"), "{bad}");
+    let bad = write(&|text| text.replace("layers.txt", "scene.toml")).unwrap();
+    assert!(bad.contains("invalid digit"), "{bad}");
     let none = write(&|text| text[..text.find("[[case]]").unwrap()].into()).unwrap();
     assert!(none.contains("has no [[case]]"), "{none}");
     assert_eq!(write(&|text| text.into()), None);

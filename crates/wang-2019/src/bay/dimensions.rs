@@ -3,7 +3,7 @@
 use powerhouse::model::ParameterError;
 use serde::Deserialize;
 
-use crate::StudyError;
+use crate::BayError;
 
 /// Dimensions (m) of a machine bay and of the rock around it.
 ///
@@ -207,9 +207,9 @@ impl BayDimensions {
     /// Checks that each value is within its range and that the floors lie above each other.
     ///
     /// # Errors
-    /// [`StudyError::Parameter`] with the name, the value and the permitted range; also for a height of the main
+    /// [`BayError::Parameter`] with the name, the value and the permitted range; also for a height of the main
     /// powerhouse that leaves less than 2 m of mass concrete.
-    pub fn check(&self) -> Result<(), StudyError> {
+    pub fn check(&self) -> Result<(), BayError> {
         for ((name, least, most), value) in RANGES.into_iter().zip(self.values()) {
             ParameterError::check(name, value, least, most)?;
         }

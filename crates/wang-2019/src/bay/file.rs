@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::{Bay, BayDimensions, BaySize, RockEnds};
-use crate::StudyError;
+use crate::BayError;
 
 /// Largest size of the file of a bay (bytes).
 const LARGEST: u64 = 1 << 20;
@@ -28,10 +28,10 @@ impl Bay {
     /// [`BayDimensions`] (defaults as in the paper) and [`RockEnds`].
     ///
     /// # Errors
-    /// [`StudyError::Read`], [`StudyError::BayFile`] with the line, [`StudyError::Parameter`].
-    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, StudyError> {
+    /// [`BayError::Read`], [`BayError::File`] with the line, [`BayError::Parameter`].
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, BayError> {
         let path = path.as_ref();
-        let unread = |source| StudyError::Read {
+        let unread = |source| BayError::Read {
             file: path.into(),
             source,
         };
@@ -44,9 +44,9 @@ impl Bay {
     /// Bay of a text in TOML, with the keys of [`from_file`](Self::from_file). `path` is used in messages.
     ///
     /// # Errors
-    /// [`StudyError::BayFile`] with the line, [`StudyError::Parameter`].
-    pub fn from_toml(text: &str, path: impl Into<PathBuf>) -> Result<Self, StudyError> {
-        let read: BayFile = toml::from_str(text).map_err(|source| StudyError::BayFile {
+    /// [`BayError::File`] with the line, [`BayError::Parameter`].
+    pub fn from_toml(text: &str, path: impl Into<PathBuf>) -> Result<Self, BayError> {
+        let read: BayFile = toml::from_str(text).map_err(|source| BayError::File {
             file: path.into(),
             source: Box::new(source),
         })?;

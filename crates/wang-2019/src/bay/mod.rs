@@ -6,7 +6,7 @@
 //! defaults of [`BayDimensions`] and are documented there.
 //!
 //! ```
-//! use powerhouse_study::bay::{Bay, BaySize};
+//! use powerhouse_wang_2019::bay::{Bay, BaySize};
 //! let bay = Bay::of_size(BaySize::Coarse).mesh()?;
 //! assert_eq!(bay.mesh.element_count(), 15_840);
 //! assert_eq!(bay.mesh.element_set("windshield")?.len(), bay.report.elements_of("windshield"));
@@ -58,7 +58,7 @@ pub use quality::scaled_jacobians;
 pub use report::{BayReport, PointReport};
 pub use sets::MonitoringPoint;
 
-use crate::StudyError;
+use crate::BayError;
 use grid::Grid;
 use plan::Plan;
 
@@ -112,8 +112,8 @@ impl Bay {
     /// Checks that all dimensions, numbers of elements and spacings are within their ranges.
     ///
     /// # Errors
-    /// [`StudyError::Parameter`] with the name, the value and the permitted range; [`StudyError::OddCells`].
-    pub fn check(&self) -> Result<(), StudyError> {
+    /// [`BayError::Parameter`] with the name, the value and the permitted range; [`BayError::OddCells`].
+    pub fn check(&self) -> Result<(), BayError> {
         self.dimensions.check()?;
         let cells = &self.cells;
         let counts = [
@@ -134,7 +134,7 @@ impl Bay {
             ParameterError::check("cells", count as f64, 1.0, 1000.0)?;
         }
         if !cells.transformer.is_multiple_of(2) {
-            return Err(StudyError::OddCells {
+            return Err(BayError::OddCells {
                 cells: cells.transformer,
             });
         }
@@ -157,8 +157,8 @@ impl Bay {
     /// Generates the mesh.
     ///
     /// # Errors
-    /// As [`check`](Self::check), and [`StudyError::Mesh`] if an element is inverted.
-    pub fn mesh(&self) -> Result<BayMesh, StudyError> {
+    /// As [`check`](Self::check), and [`BayError::Mesh`] if an element is inverted.
+    pub fn mesh(&self) -> Result<BayMesh, BayError> {
         self.check()?;
         let plan = Plan::of(self);
         let grid = Grid::new(self, &plan);

@@ -6,8 +6,7 @@ use powerhouse::io::{IoError, Picture, PictureField, PictureView, SectionPlane, 
 use powerhouse::model::Vec3;
 
 use super::{BayMesh, BayPart};
-use crate::StudyError;
-use crate::excerpt::excerpt;
+use crate::BayError;
 
 /// Width of the rock that is drawn around the caverns (m).
 const AROUND: f64 = 10.0;
@@ -36,7 +35,7 @@ impl BayMesh {
     ///
     /// # Errors
     /// A mesh without the element sets of a bay.
-    pub fn part_numbers(&self) -> Result<Vec<f64>, StudyError> {
+    pub fn part_numbers(&self) -> Result<Vec<f64>, BayError> {
         let mut numbers = vec![0.0; self.mesh.element_count()];
         for (number, part) in BayPart::ALL.into_iter().enumerate() {
             for &element in self.mesh.element_set(part.name())? {
@@ -50,7 +49,7 @@ impl BayMesh {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn draw(&self, file: &Path) -> Result<(), StudyError> {
+    pub fn draw(&self, file: &Path) -> Result<(), BayError> {
         let numbers = self.part_numbers()?;
         let structure = self
             .mesh
@@ -68,14 +67,14 @@ impl BayMesh {
             let part = BayPart::ALL[numbers[*element as usize] as usize];
             part == BayPart::Rock || part.is_concrete()
         };
-        let shown: Vec<u32> = near.into_iter().filter(is_there).collect();
-        let part = excerpt(&self.mesh, &shown)?;
-        let kind = |&element: &u32| {
-            let part = BayPart::ALL[numbers[element as usize] as usize];
-            kind(part) as f64
-        };
-        let values: Vec<f64> = shown.iter().map(kind).collect();
-        let mut picture = Picture::new(&part, PictureField::Elemental(&values), "part");
+        let mut shown = vec![false; self.mesh.element_count()];
+        for element in near.into_iter().filter(is_there) {
+            shown[element as usize] = true;
+        }
+        let kind = |number: &f64| kind(BayPart::ALL[*number as usize]) as f64;
+        let values: Vec<f64> = numbers.iter().map(kind).collect();
+        let mut picture = Picture::new(&self.mesh, PictureField::Elemental(&values), "part");
+        picture.present = Some(&shown);
         picture.title = "machine bay, section at its middle".into();
         picture.names = &KINDS;
         picture.view = PictureView::along(Vec3::y());

@@ -8,7 +8,7 @@ use powerhouse::model::{Mesh, Vec3};
 use super::quality::scaled_jacobians;
 use super::sets::{MonitoringPoint, position};
 use super::{Bay, BayPart};
-use crate::StudyError;
+use crate::BayError;
 
 /// Position of a monitoring point in the mesh of a bay.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ impl BayReport {
         mesh: &Mesh,
         parts: &BTreeMap<BayPart, usize>,
         points: &[MonitoringPoint],
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, BayError> {
         let quality = mesh.check()?;
         let mut jacobians = scaled_jacobians(mesh);
         jacobians.sort_by(f64::total_cmp);

@@ -4,8 +4,8 @@ use super::Conclusion;
 use super::Verdict;
 use super::series::{Measure, P, SV, Series, WORST, case, case_label, verdict};
 use crate::bay::BayPart;
-use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, PartDamage, Peak};
+use powerhouse_study::sweep::{CaseOutcome, PartDamage, Peak};
+use powerhouse_study::text::rounded;
 
 /// The set of all concrete.
 const STRUCTURE: &str = "structure";

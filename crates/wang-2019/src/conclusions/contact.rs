@@ -3,8 +3,8 @@
 use super::claims::part;
 use super::series::{P, SV, WORST, case, case_label, verdict};
 use super::{Conclusion, Verdict};
-use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, JointAndLining};
+use powerhouse_study::sweep::{CaseOutcome, JointAndLining};
+use powerhouse_study::text::rounded;
 
 /// Keys and sentences of the claims on a kind of wave.
 struct ClaimTexts {

@@ -5,7 +5,7 @@
 //! intensity of their records is not judged.
 //!
 //! ```
-//! use powerhouse_study::{Verdict, conclusions};
+//! use powerhouse_wang_2019::{Verdict, conclusions};
 //! let without_cases = conclusions(&[]);
 //! assert!(without_cases.iter().all(|claim| matches!(claim.verdict, Verdict::Missing(_))));
 //! ```
@@ -16,7 +16,7 @@ mod series;
 
 use std::fmt;
 
-use crate::sweep::CaseOutcome;
+use powerhouse_study::sweep::CaseOutcome;
 
 /// Claim of the paper with its verdict and the computed values behind it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! A measure as a function of the angle of incidence.
 
 use super::Verdict;
-use crate::rounded::rounded;
-use crate::sweep::CaseOutcome;
+use powerhouse_study::sweep::CaseOutcome;
+use powerhouse_study::text::rounded;
 
 /// The angles of SV waves that the paper computes (degrees).
 pub(super) const SV: [f64; 4] = [0.0, 15.0, 25.0, 30.0];
