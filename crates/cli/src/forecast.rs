@@ -57,7 +57,7 @@ pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport) {
     let slowest = slowest.copied().unwrap_or_default();
     let (step, share) = (step(&&slowest), slowest.work);
     say!(
-        "  the slowest: {:.1} % of the work, {:.1} % of it while its messages are under way",
+        "  the slowest: {:.1} % of the work, {:.1} % of it in blocks that share no node, computed while messages travel",
         100.0 * share,
         100.0 * slowest.inner_work / share.max(f64::MIN_POSITIVE)
     );
@@ -72,7 +72,9 @@ pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport) {
         NETWORK / 1e9
     );
     let mesh = OF_NODE * check.nodes as u64 + OF_ELEMENT * check.elements as u64;
-    let own = check.cost.memory.saturating_sub(mesh) as f64 * share;
+    let all: usize = ranks.iter().map(|rank| rank.elements).sum();
+    let most = elements.1 as f64 / all.max(1) as f64;
+    let own = check.cost.memory.saturating_sub(mesh) as f64 * most;
     say!(
         "  about {} memory a rank, {} of it for the mesh, which every rank has",
         bytes(mesh + own as u64),

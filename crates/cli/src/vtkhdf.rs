@@ -16,9 +16,17 @@ pub(crate) fn vtkhdf(results: &Path, out: Option<PathBuf>) -> Outcome {
     if let Some(file) = &out {
         check_ending(file, ("VTKHDF file", "vtkhdf"))?;
     }
+    if !results.is_dir() {
+        let folder = results.display();
+        return Err(
+            format!("{folder} is no folder of results: the file is one of all snapshots").into(),
+        );
+    }
     let fields = RecordedFields::at(results)?;
     let file = out.unwrap_or_else(|| fields.folder().join(FILE));
     fields.write_vtkhdf(&file)?;
-    say!("{} ({} snapshots)", file.display(), fields.len());
+    let count = fields.len();
+    let ending = if count == 1 { "" } else { "s" };
+    say!("{} ({count} snapshot{ending})", file.display());
     Ok(ExitCode::SUCCESS)
 }

@@ -20,6 +20,7 @@ fn bar() -> Mesh {
     let mut mesh =
         Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(3.0, 1.0, 1.0), [3, 1, 1], "rock").unwrap();
     mesh.set_element_set("a/b", vec![1, 2]).unwrap();
+    mesh.set_element_set("a_b", vec![0]).unwrap();
     mesh
 }
 
@@ -95,6 +96,9 @@ fn every_step_is_there_with_its_offsets() {
         [1, 1, 1, 1, 1, 0, 1, 1, 0]
     );
     assert_eq!(whole("CellData/set a_b"), [0, 1, 1]);
+    assert_eq!(whole("CellData/set a_b_2"), [1, 0, 0]);
+    // Single precision and integers of 32 bits: three numbers at a node, two in an element; three times that.
+    assert_eq!(all.memory(3), 3 * 3 * 4 * (3 * nodes as u64 + 2 * 3));
     for constant in [
         "PointDataOffsets/node_tag",
         "CellDataOffsets/set a_b",

@@ -474,13 +474,8 @@ impl Simulation {
             });
             if let Some(StagingOutcome { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));
-                results.in_situ_stress = staging.is_some_and(|Staging { scene, .. }| {
-                    let opens = scene
-                        .stages
-                        .first()
-                        .is_some_and(|s| s.options.release < 1.0);
-                    scene.in_situ_stress.is_some() && !opens
-                });
+                results.in_situ_stress =
+                    staging.is_some_and(|staging| staging.scene.in_situ_stress.is_some());
             }
             results
         };

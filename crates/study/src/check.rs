@@ -178,7 +178,7 @@ impl fmt::Display for Warning {
             ),
             Self::Unbalanced { stage, share } => write!(
                 f,
-                "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}': stress, density, gravity, surface loads and supports are inconsistent, and the body moves until they agree",
+                "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}': stress, density, gravity, surface loads and supports are inconsistent, and the body moves until they agree (in a mesh that is hollow from the start the force is that of its opening)",
                 100.0 * share
             ),
             Self::Tetrahedra { set } => write!(

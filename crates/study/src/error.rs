@@ -113,6 +113,18 @@ pub enum StudyError {
         /// Path of the file.
         file: PathBuf,
     },
+    /// A file whose fields take more memory than is available.
+    #[error(
+        "the fields take {:.1} GB of memory, of which {:.1} are available: request fewer snapshots or quantities",
+        *needed as f64 / 1e9,
+        *available as f64 / 1e9
+    )]
+    Memory {
+        /// Memory that is needed (bytes).
+        needed: u64,
+        /// Memory that is available (bytes).
+        available: u64,
+    },
     /// A line along which no values can be read.
     #[error("{reason}")]
     Line {

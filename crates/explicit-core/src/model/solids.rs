@@ -65,8 +65,11 @@ fn build_subsets(
     let lists: Vec<&[u32]> = subsets.iter().map(|subset| &*subset.elements).collect();
     let factory = |subset: usize| sets[subsets[subset].set].1.as_ref();
     let labels: Vec<&str> = (0..subsets.len()).map(|i| factory(i).label()).collect();
-    let costs: Vec<f64> = (0..subsets.len())
-        .map(|i| factory(i).relative_cost())
+    let costs = (0..subsets.len()).map(|i| factory(i).relative_cost());
+    // A factory of a user may return anything.
+    let is_sound = |cost: f64| cost.is_finite() && cost > 0.0;
+    let costs: Vec<f64> = costs
+        .map(|cost| if is_sound(cost) { cost } else { 1.0 })
         .collect();
     let sets_of_elements = ElementSets {
         labels: &labels,

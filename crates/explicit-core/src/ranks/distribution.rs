@@ -146,16 +146,16 @@ mod tests {
     }
 
     fn divided(mesh: &Mesh, size: usize) -> Partition {
-        with_costs(mesh, size, &[1.0, 1.0])
+        let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
+        with_costs(mesh, size, [&all[..200], &all[200..]], [1.0, 1.0])
     }
 
-    fn with_costs(mesh: &Mesh, size: usize, costs: &[f64]) -> Partition {
-        let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
+    fn with_costs(mesh: &Mesh, size: usize, elements: [&[u32]; 2], costs: [f64; 2]) -> Partition {
         let sets = ElementSets {
             labels: &["lower", "upper"],
-            elements: &[&all[..200], &all[200..]],
-            costs,
-            absent: &vec![false; all.len()],
+            elements: &elements,
+            costs: &costs,
+            absent: &vec![false; mesh.element_count()],
         };
         Partition::new(mesh, sets, size).unwrap()
     }
@@ -199,8 +199,10 @@ mod tests {
     #[test]
     fn ranks_share_the_cost_and_not_the_elements() {
         let mesh = body();
-        let partition = with_costs(&mesh, 10, &[7.0, 1.0]);
-        let total = 7.0 * 200.0 + 520.0;
+        let all = 0..mesh.element_count() as u32;
+        let (left, right): (Vec<u32>, Vec<u32>) = all.partition(|&e| mesh.centroid(e).x < 8.0);
+        let partition = with_costs(&mesh, 10, [&left, &right], [7.0, 1.0]);
+        let total = 7.0 * 240.0 + 480.0;
         for ranks in [2, 3, 5] {
             let distribution = Distribution::new(&partition, &mesh, ranks).unwrap();
             let costs = distribution.costs(&partition);

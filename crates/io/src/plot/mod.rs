@@ -98,9 +98,10 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// Sets the points to which no line is drawn from the point before.
+    /// Sets the points to which no line is drawn from the point before, in any order.
     #[must_use]
-    pub fn with_gaps(self, gaps: Vec<usize>) -> Self {
+    pub fn with_gaps(self, mut gaps: Vec<usize>) -> Self {
+        gaps.sort_unstable();
         Self { gaps, ..self }
     }
 }

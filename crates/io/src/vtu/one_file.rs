@@ -24,14 +24,69 @@ const COMPONENTS: &str = "components";
 
 /// Mesh and fields of all instants of a run, to be written as one VTKHDF file.
 ///
-/// The fields are kept until the file is written, so that all of them have to fit into memory.
+/// The fields are kept until the file is written, and the file as a whole before it is written:
+/// [`memory`](Self::memory) has what it takes.
 pub struct VtkHdf {
     mesh: Mesh,
     times: Vec<f64>,
-    at_nodes: Vec<FieldOfFile>,
-    in_elements: Vec<FieldOfFile>,
+    at_nodes: Vec<Kept>,
+    in_elements: Vec<Kept>,
     /// Whether elements are active, of each instant that states it.
     present: Vec<Option<Vec<bool>>>,
+}
+
+/// Values of a field at all instants, in the type of its file.
+struct Kept {
+    /// The field at the first instant, without its values.
+    form: FieldOfFile,
+    values: Values,
+}
+
+enum Values {
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+    Whole(Vec<i32>),
+}
+
+impl Kept {
+    fn new(mut form: FieldOfFile) -> Self {
+        let values = core::mem::take(&mut form.values);
+        let empty = match form.numbers {
+            FieldNumbers::Single => Values::Single(Vec::new()),
+            FieldNumbers::Double => Values::Double(Vec::new()),
+            FieldNumbers::Whole => Values::Whole(Vec::new()),
+        };
+        let mut kept = Self {
+            form,
+            values: empty,
+        };
+        kept.add(&values);
+        kept
+    }
+
+    fn add(&mut self, more: &[f64]) {
+        match &mut self.values {
+            Values::Single(values) => values.extend(more.iter().map(|&value| value as f32)),
+            Values::Double(values) => values.extend_from_slice(more),
+            Values::Whole(values) => values.extend(more.iter().map(|&value| value as i32)),
+        }
+    }
+
+    /// Number of values, and size of each (bytes).
+    fn size(&self) -> (usize, usize) {
+        match &self.values {
+            Values::Single(values) => (values.len(), 4),
+            Values::Double(values) => (values.len(), 8),
+            Values::Whole(values) => (values.len(), 4),
+        }
+    }
+
+    /// Whether a field of another instant is the same but for its values.
+    fn is_one_with(&self, other: &FieldOfFile) -> bool {
+        let form = |field: &FieldOfFile| (field.components, field.numbers);
+        let of_names = (&self.form.name, &self.form.unit) == (&other.name, &other.unit);
+        of_names && form(&self.form) == form(other)
+    }
 }
 
 impl VtkHdf {
@@ -44,10 +99,21 @@ impl VtkHdf {
         Ok(Self {
             mesh: first.mesh,
             times: vec![time],
-            at_nodes: first.at_nodes,
-            in_elements: first.in_elements,
+            at_nodes: first.at_nodes.into_iter().map(Kept::new).collect(),
+            in_elements: first.in_elements.into_iter().map(Kept::new).collect(),
             present: vec![first.present],
         })
+    }
+
+    /// Memory (bytes) that the fields of a number of instants and the file of them take together, at most.
+    pub fn memory(&self, instants: usize) -> u64 {
+        let fields = self.at_nodes.iter().chain(&self.in_elements);
+        let of_first = fields.map(|field| {
+            let (count, size) = field.size();
+            count / self.times.len() * size
+        });
+        // Kept, in the form of the file, and compressed.
+        3 * (of_first.sum::<usize>() * instants) as u64
     }
 
     /// Adds the next instant.
@@ -71,17 +137,19 @@ impl VtkHdf {
             (&mut self.in_elements, &next.in_elements),
         ];
         for (all, next) in &pairs {
-            let form = |field: &FieldOfFile| {
-                let name = field.name.clone();
-                (name, field.unit.clone(), field.components, field.numbers)
-            };
-            if !all.iter().map(form).eq(next.iter().map(form)) {
+            let is_same = all.len() == next.len();
+            if !(is_same
+                && all
+                    .iter()
+                    .zip(*next)
+                    .all(|(all, next)| all.is_one_with(next)))
+            {
                 return Err(fault("its fields are not those of the first file".into()));
             }
         }
         for (all, next) in pairs {
             for (all, next) in all.iter_mut().zip(next) {
-                all.values.extend_from_slice(&next.values);
+                all.add(&next.values);
             }
         }
         self.times.push(time);
@@ -121,11 +189,12 @@ impl VtkHdf {
         for ((name, fields, count, constants), starts) in groups.into_iter().zip(&mut starts) {
             let mut group = root.create_group(name);
             for field in fields {
-                let name = link(&field.name);
+                let name = link(&field.form.name, starts);
                 put_field(group.create_dataset(&name), field, count);
                 starts.push((name, count));
             }
             for (name, values) in constants {
+                let name = link(&name, starts);
                 let data = group.create_dataset(&name).with_i64_data(&values);
                 compressed(data, &[values.len()]);
                 starts.push((name, 0));
@@ -200,7 +269,7 @@ impl VtkHdf {
             for &element in elements {
                 inside[element as usize] = 1;
             }
-            all.push((link(&format!("{SET}{name}")), inside));
+            all.push((format!("{SET}{name}"), inside));
         }
         all
     }
@@ -255,29 +324,29 @@ fn numbers(tags: &[u64]) -> Vec<i64> {
     tags.iter().map(|&tag| tag as i64).collect()
 }
 
-/// Name as that of an object of a file.
-fn link(name: &str) -> String {
-    name.replace('/', "_")
+/// Name as that of an object of a file, other than those that there are.
+fn link(name: &str, known: &[(String, usize)]) -> String {
+    let plain = name.replace('/', "_");
+    let is_free = |name: &String| !known.iter().any(|(other, _)| other == name);
+    let numbered = (2..).map(|number| format!("{plain}_{number}"));
+    let mut names = [plain.clone()].into_iter().chain(numbered);
+    names.find(is_free).unwrap_or(plain)
 }
 
 /// Writes the values of all steps of a field with a number of nodes or elements.
-fn put_field(data: &mut DatasetBuilder, field: &FieldOfFile, count: usize) {
-    match field.numbers {
-        FieldNumbers::Double => data.with_f64_data(&field.values),
-        FieldNumbers::Single => {
-            let values: Vec<f32> = field.values.iter().map(|&value| value as f32).collect();
-            data.with_f32_data(&values)
-        }
-        FieldNumbers::Whole => {
-            let values: Vec<i32> = field.values.iter().map(|&value| value as i32).collect();
-            data.with_i32_data(&values)
-        }
+fn put_field(data: &mut DatasetBuilder, field: &Kept, count: usize) {
+    match &field.values {
+        Values::Double(values) => data.with_f64_data(values),
+        Values::Single(values) => data.with_f32_data(values),
+        Values::Whole(values) => data.with_i32_data(values),
     };
+    let (length, _) = field.size();
+    let field = &field.form;
     let components = field.components.max(1);
     match components {
         1 => compressed(data, &[count]),
         _ => {
-            let rows = field.values.len() / components;
+            let rows = length / components;
             data.with_shape(&[rows as u64, components as u64]);
             compressed(data, &[count, components]);
         }

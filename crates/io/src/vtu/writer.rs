@@ -455,7 +455,10 @@ fn comment(name: &str, text: &str) -> String {
     match text.trim_end() {
         "" => String::new(),
         // A comment has no two dashes in succession.
-        text => format!("<!-- {name}\n{} -->\n", text.replace('-', "\u{2010}")),
+        text => format!(
+            "<!-- {name}\n{} -->\n",
+            text.replace("--", "\u{2010}\u{2010}")
+        ),
     }
 }
 

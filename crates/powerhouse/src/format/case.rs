@@ -82,6 +82,8 @@ pub struct ByName {
 pub struct BySet {
     /// Element set of the part that is changed.
     pub set: At<String>,
+    /// Material of the case, if it is another one.
+    pub material: Option<String>,
 }
 
 /// Changed keys of a table that a scene has once.

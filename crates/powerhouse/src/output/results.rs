@@ -79,8 +79,7 @@ pub struct Results {
     pub snapshots: u64,
     /// Reports of the construction stages before the run, in their order; empty without stages.
     pub stages: Vec<StageReport>,
-    /// Whether an in-situ stress was given before the first stage, which releases all forces that it does not balance: a
-    /// release factor below 1 is one of an opening that the mesh has from the start.
+    /// Whether an in-situ stress was given before the first stage.
     pub in_situ_stress: bool,
     /// Report of the transfer from the stages to the dynamic run: reactions and residual forces that are carried on; none
     /// without stages.

@@ -527,7 +527,7 @@ impl fmt::Display for Remark {
                 node,
             } => write!(
                 f,
-                "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}', and the body moved by up to {displacement:.3e} m (node {node}) until equilibrium: stress, density, gravity, surface loads and supports are inconsistent, and the stress is no longer the given one",
+                "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}', and the body moved by up to {displacement:.3e} m (node {node}) until equilibrium: stress, density, gravity, surface loads and supports are inconsistent, and the stress is no longer the given one (in a mesh that is hollow from the start the force is that of its opening)",
                 100.0 * share
             ),
             Self::Undersampled { name, interval } => write!(

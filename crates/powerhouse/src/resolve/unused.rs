@@ -40,19 +40,21 @@ fn of_input(waves: &[Wave], motions: &[Motion], supports: &[At<Support>]) -> Vec
         .collect()
 }
 
-/// Warnings about materials that no part, no layer and no stage uses, nor a layer of a case. None in a scene with a case that
-/// changes parts, whose materials may be others.
+/// Warnings about materials that no part, no layer and no stage uses, nor a part or a layer of a case.
 pub(super) fn materials(file: &SceneFile) -> Vec<Remark> {
-    if file.cases.iter().any(|case| !case.parts.is_empty()) {
-        return Vec::new();
-    }
+    let of_cases = file.cases.iter().flat_map(|case| &case.parts);
+    let of_cases = of_cases.filter_map(|part| part.material.as_deref());
     let of_parts = file.parts.iter().map(|part| part.material.as_str());
     let of_stages = file.stages.iter().flat_map(|stage| &stage.parts);
     let of_stages = of_stages.map(|part| part.material.as_str());
     let layers = file.layers.iter();
     let layers = layers.chain(file.cases.iter().flat_map(|case| &case.layers));
     let of_layers = layers.map(|layer| layer.material.as_str());
-    let used: BTreeSet<&str> = of_parts.chain(of_stages).chain(of_layers).collect();
+    let used: BTreeSet<&str> = of_parts
+        .chain(of_stages)
+        .chain(of_layers)
+        .chain(of_cases)
+        .collect();
     let materials = file.materials.iter().map(|material| &material.name);
     let unused = materials.filter(|name| !used.contains(name.as_str()));
     unused

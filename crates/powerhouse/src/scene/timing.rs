@@ -4,8 +4,8 @@ use super::{InitialMotion, Scene};
 use crate::Remark;
 
 impl Scene {
-    /// Sets the duration of the dynamic run (s), above 0. What was found of the duration before, that it ends within
-    /// the strong motion of a record, is no longer a remark.
+    /// Sets the duration of the dynamic run (s), above 0. The remark that the duration before ends within the strong
+    /// motion of a record is gone, and not replaced by one about the new duration.
     #[must_use]
     pub fn with_duration(mut self, duration: f64) -> Self {
         self.duration = duration;

@@ -159,13 +159,6 @@ fn a_stress_that_contradicts_gravity_is_warned_of() {
         1,
     );
     assert!(share_of(&dug).1.is_none());
-    // A release factor states that the forces are those of an opening.
-    let opened = lighter.replacen(
-        "name = \"ground\"\n",
-        "name = \"ground\"\nrelease = 0.6\n",
-        1,
-    );
-    assert!(share_of(&opened).1.is_none());
 }
 
 /// Accelerations with too long sampling intervals have warnings, in histories and envelopes; those with sufficient ones

@@ -7,7 +7,7 @@ mod quantity;
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::io::{VtkHdf, VtuGrid, read_pvd, read_vtu};
+use powerhouse::io::{VtkHdf, VtuGrid, available_memory, read_pvd, read_vtu};
 use serde_json::Value;
 
 pub use line::{FieldLine, LineTable};
@@ -149,10 +149,15 @@ impl RecordedFields {
     /// Writes all instants as one VTKHDF file. Their fields have to fit into memory.
     ///
     /// # Errors
-    /// A file that cannot be read or written; instants with other meshes or fields than the first; one file without a time.
+    /// A file that cannot be read or written; instants with other meshes or fields than the first; a file that is no
+    /// snapshot; [`StudyError::Memory`] with more fields than the memory that is available.
     pub fn write_vtkhdf(&self, file: &Path) -> Result<(), StudyError> {
         let fault = |error| StudyError::from(powerhouse::Error::from(error));
         let mut all = VtkHdf::new(self.read(0)?, self.file(0)).map_err(fault)?;
+        let needed = all.memory(self.len());
+        if let Some(available) = available_memory().filter(|available| needed > *available) {
+            return Err(StudyError::Memory { needed, available });
+        }
         for index in 1..self.len() {
             all.add(&self.read(index)?, self.file(index))
                 .map_err(fault)?;

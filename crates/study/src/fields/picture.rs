@@ -291,15 +291,17 @@ impl FieldPicture {
             ..
         } = instant;
         // Few integers have a colour each; fractions between them mean nothing.
-        let has_kinds = field.is_whole && self.range.is_none() && last - first < MOST_KINDS;
-        let from = if has_kinds { first } else { 0.0 };
+        // Numbers from 0 up have the same colours in all pictures.
+        let lowest = first.min(0.0);
+        let has_kinds = field.is_whole && self.range.is_none() && last - lowest < MOST_KINDS;
+        let from = if has_kinds { lowest } else { 0.0 };
         let numbers: Vec<f64> = field.values.iter().map(|value| value - from).collect();
         let content = match field.is_nodal {
             true => PictureField::Nodal(&numbers),
             false => PictureField::Elemental(&numbers),
         };
         let kinds = 0..if has_kinds {
-            (last - first) as u32 + 1
+            (last - lowest) as u32 + 1
         } else {
             0
         };

@@ -12,7 +12,7 @@
 //!
 //! ```no_run
 //! use powerhouse_study::sweep::{NoProgress, Sweep};
-//! let sweep = Sweep::of_file("data/scenes/wang_2019.toml", None)?;
+//! let sweep = Sweep::of_file("scene.toml", None)?;
 //! for outcome in sweep.run(None, &mut NoProgress)? {
 //!     println!("{}: {} steps", outcome.name, outcome.steps);
 //! }
