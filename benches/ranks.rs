@@ -38,7 +38,7 @@ fn step(side: usize, shape: [usize; 3]) -> (f64, Traffic) {
     let foot = mesh.nodes_of_facets(mesh.facet_set("bottom").expect("a foot"));
     let law = LinearElastic::new(ElasticMedium::new(9.0e9, 0.27, 2750.0).expect("rock"));
     let spec = || {
-        let rock = SolidKernel::ONE_POINT.factory("rock", law.clone(), BlockOptions::default());
+        let rock = SolidKernel::ONE_POINT.factory("rock", law, BlockOptions::default());
         ModelSpec::new(&mesh)
             .elements("rock", rock)
             .support(Support::fixed(foot.clone()))

@@ -169,7 +169,7 @@ fn few_integers_have_a_colour_each() {
         let mut picture = FieldPicture::new("state");
         picture.size = [300, 200];
         picture.range = range;
-        let fields = RecordedFields::at(&folder.join(&name)).unwrap();
+        let fields = RecordedFields::at(folder.join(&name)).unwrap();
         drawn(&picture, &fields, folder.join(&name).join("one.png"))
     };
     let (whole, real) = (VtuNumbers::Whole, VtuNumbers::Real);
