@@ -346,7 +346,7 @@ const OTHERS: &[Left] = &[
 /// Commands on the meshes of the paper, which take hours.
 const HOURS: &[Left] = &[
     left(
-        "powerhouse sweep data/scenes/wang_2019.toml --duration 12 --jobs 2 --case sv-30 --case sv-30-medium \
+        "powerhouse sweep data/scenes/wang_2019.toml --jobs 2 --case sv-30 --case sv-30-medium \
          --case sv-30-paper",
         "hours",
     ),
