@@ -11,10 +11,14 @@ pub(crate) struct Weight {
 }
 
 impl Weight {
-    /// From the masses (kg) of the first nodes of the mesh.
-    pub(crate) fn new(mass: Vec<f64>, acceleration: Vec3, history: Box<dyn TimeFunction>) -> Self {
+    /// From nodes (mesh indices) and their masses (kg).
+    pub(crate) fn new(
+        (nodes, mass): (Vec<u32>, Vec<f64>),
+        acceleration: Vec3,
+        history: Box<dyn TimeFunction>,
+    ) -> Self {
         Self {
-            nodes: (0..mass.len() as u32).collect(),
+            nodes,
             mass,
             acceleration,
             history,

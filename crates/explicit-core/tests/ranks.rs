@@ -398,6 +398,28 @@ fn a_rank_that_dies_is_reported_by_the_others() {
     assert!(start.elapsed() < SOON);
 }
 
+/// A weight that changes in time moves every node as on one rank.
+#[test]
+fn a_weight_that_changes_in_time_is_that_of_one_rank() {
+    let mesh = mesh();
+    let spec = || spec(mesh).gravity(-9.81 * Vec3::z(), Box::new(|t: f64| (700.0 * t).cos()));
+    let options = RunOptions::steps(30);
+    let mut alone = spec().build().unwrap();
+    run(&mut alone, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+    let nodes = 0..mesh.node_count() as u32;
+    let expected: Vec<Vec3> = nodes.map(|node| alone.displacement(node)).collect();
+    for count in [2, 5] {
+        let equal = ThreadRanks::run(count, |ranks| {
+            let mut model = RankModel::build(spec(), Box::new(ranks)).unwrap();
+            let report = model.run(&Leapfrog, &options, &mut [], &mut |_| {});
+            report.unwrap();
+            let mut nodes = (0..).zip(&expected);
+            Ok(nodes.all(|(node, u)| model.displacement(node).is_none_or(|found| found == *u)))
+        });
+        assert_eq!(equal, vec![Ok(true); count]);
+    }
+}
+
 /// In every step a rank sends one message to each neighbour, and for each node that it shares little more than the three
 /// numbers of a force: 30 bytes or less in blocks of 2048 elements.
 #[test]

@@ -128,9 +128,10 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         loads.push(with_engine_nodes(load, &numbers, mesh)?);
     }
     for (acceleration, history) in spec.weights {
-        let of_mesh = numbers.iter().map(|&n| mass.get(ranked.local(n) as usize));
-        let of_mesh = of_mesh.map(|mass| mass.copied().unwrap_or(0.0)).collect();
-        let weight = Box::new(Weight::new(of_mesh, acceleration, history));
+        let mass_of = |&number: &u32| mass.get(ranked.local(number) as usize).copied();
+        let of_rank = (0..).zip(&numbers);
+        let of_rank = of_rank.filter_map(|(node, number)| Some((node, mass_of(number)?)));
+        let weight = Box::new(Weight::new(of_rank.unzip(), acceleration, history));
         loads.push(with_engine_nodes(weight, &numbers, mesh)?);
     }
     let own_loads = loads.len();
