@@ -1,5 +1,6 @@
 //! Exchange of the forces at nodes that several ranks share.
 
+use core::iter::Peekable;
 use core::ops::Range;
 
 use powerhouse_model::{Message, Quad, RankError};
@@ -33,6 +34,13 @@ pub(crate) struct Neighbour {
     pub(crate) incoming: Range<usize>,
 }
 
+impl Neighbour {
+    /// Own slots that it receives, in rising order.
+    fn slots(&self) -> Peekable<impl Iterator<Item = usize> + '_> {
+        self.outgoing.iter().map(|&slot| slot as usize).peekable()
+    }
+}
+
 /// First byte of a message: what follows.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -62,11 +70,7 @@ pub(crate) struct Exchange {
 fn border(neighbours: &[Neighbour], lengths: &[usize]) -> Vec<bool> {
     let mut border = vec![false; lengths.len()];
     for neighbour in neighbours {
-        let mut slots = neighbour
-            .outgoing
-            .iter()
-            .map(|&slot| slot as usize)
-            .peekable();
+        let mut slots = neighbour.slots();
         let mut end = 0;
         for (length, is_at_border) in lengths.iter().zip(&mut border) {
             end += length;
@@ -132,11 +136,7 @@ impl Exchange {
             bytes.clear();
             bytes.reserve(1 + neighbour.outgoing.len() * 3 * S::BYTES);
             bytes.push(Kind::Forces as u8);
-            let mut slots = neighbour
-                .outgoing
-                .iter()
-                .map(|&slot| slot as usize)
-                .peekable();
+            let mut slots = neighbour.slots();
             for (first, forces) in parts {
                 while let Some(slot) = slots.next_if(|&slot| slot < first + forces.len()) {
                     let [x, y, z, _] = forces[slot - first].values;

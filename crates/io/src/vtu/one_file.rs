@@ -10,7 +10,7 @@ use hdf5_pure::{AttrValue, DatasetBuilder, FileBuilder, FinishedGroup, GroupBuil
 use powerhouse_model::Mesh;
 
 use super::reader::{FieldNumbers, FieldOfFile, VtuGrid};
-use super::writer::{PRESENT, SET, TAGS, cell, components_of};
+use super::writer::{Cells, PRESENT, SET, TAGS, components_of};
 use crate::{IoError, write_whole};
 
 const ROOT: &str = "VTKHDF";
@@ -162,19 +162,20 @@ impl VtkHdf {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, file: &Path) -> Result<(), IoError> {
-        let bytes = self.bytes().map_err(|error| IoError::Grid {
+        let cells = Cells::of(&self.mesh).map_err(IoError::file(file))?;
+        let bytes = self.bytes(cells).map_err(|error| IoError::Grid {
             file: file.into(),
             reason: error.to_string(),
         })?;
         write_whole(file, &bytes)
     }
 
-    fn bytes(&self) -> Result<Vec<u8>, hdf5_pure::Error> {
+    fn bytes(&self, cells: Cells) -> Result<Vec<u8>, hdf5_pure::Error> {
         let mut out = FileBuilder::new();
         let mut root = out.create_group(ROOT);
         root.set_attr("Version", AttrValue::I64Array(VERSION.to_vec()));
         root.set_attr("Type", AttrValue::AsciiString(KIND.into()));
-        self.put_mesh(&mut root);
+        self.put_mesh(&mut root, cells);
         let [nodes, elements] = [self.mesh.node_count(), self.mesh.element_count()];
         let mut starts = [Vec::new(), Vec::new()];
         let groups = [
@@ -220,18 +221,13 @@ impl VtkHdf {
     }
 
     /// Nodes and elements.
-    fn put_mesh(&self, root: &mut GroupBuilder) {
-        let (mut connectivity, mut offsets, mut types) = (Vec::new(), vec![0], Vec::new());
-        for element in 0..self.mesh.element_count() as u32 {
-            // A mesh that was read has these kinds alone.
-            let Some((kind, order)) = cell(self.mesh.kind(element)) else {
-                continue;
-            };
-            let nodes = self.mesh.nodes_of(element);
-            connectivity.extend(order.iter().map(|&index| i64::from(nodes[index])));
-            offsets.push(connectivity.len() as i64);
-            types.push(kind);
-        }
+    fn put_mesh(&self, root: &mut GroupBuilder, cells: Cells) {
+        let Cells {
+            connectivity,
+            ends,
+            types,
+        } = cells;
+        let offsets: Vec<i64> = [0].into_iter().chain(ends).collect();
         let positions: Vec<f64> = (self.mesh.positions().iter())
             .flat_map(|p| [p.x, p.y, p.z])
             .collect();

@@ -81,27 +81,53 @@ pub(super) fn cell(kind: ElementKind) -> Option<(u8, &'static [usize])> {
     })
 }
 
-impl VtuWriter {
-    /// Writer of the files of a mesh.
-    ///
+/// Elements of a mesh as VTK's cells.
+pub(super) struct Cells {
+    /// Nodes of the cells, one cell after the other.
+    pub(super) connectivity: Vec<i64>,
+    /// Number of nodes in the list up to the end of each cell.
+    pub(super) ends: Vec<i64>,
+    pub(super) types: Vec<u8>,
+}
+
+impl Cells {
     /// # Errors
-    /// If the compressor fails, or VTK has no cell for a kind of element of the mesh.
-    pub fn new(mesh: &Mesh, precision: FieldPrecision) -> std::io::Result<Self> {
-        let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
-        let mut end = 0_i64;
+    /// If VTK has no cell for a kind of element of the mesh.
+    pub(super) fn of(mesh: &Mesh) -> std::io::Result<Self> {
+        let (mut connectivity, mut ends, mut types) = (Vec::new(), Vec::new(), Vec::new());
         for element in 0..mesh.element_count() as u32 {
             let kind = mesh.kind(element);
             let (number, order) = cell(kind).ok_or_else(|| {
                 std::io::Error::other(format!("no VTK cell for elements of kind {}", kind.name()))
             })?;
             let nodes = mesh.nodes_of(element);
-            for &index in order {
-                connectivity.extend_from_slice(&i64::from(nodes[index]).to_le_bytes());
-            }
-            end += order.len() as i64;
-            offsets.extend_from_slice(&end.to_le_bytes());
+            connectivity.extend(order.iter().map(|&index| i64::from(nodes[index])));
+            ends.push(connectivity.len() as i64);
             types.push(number);
         }
+        Ok(Self {
+            connectivity,
+            ends,
+            types,
+        })
+    }
+}
+
+impl VtuWriter {
+    /// Writer of the files of a mesh.
+    ///
+    /// # Errors
+    /// If the compressor fails, or VTK has no cell for a kind of element of the mesh.
+    pub fn new(mesh: &Mesh, precision: FieldPrecision) -> std::io::Result<Self> {
+        let Cells {
+            connectivity,
+            ends,
+            types,
+        } = Cells::of(mesh)?;
+        let [connectivity, offsets] = [connectivity, ends].map(|numbers| -> Vec<u8> {
+            let bytes = numbers.iter().flat_map(|number| number.to_le_bytes());
+            bytes.collect()
+        });
         let tags =
             |tags: &[u64]| -> Vec<u8> { tags.iter().flat_map(|t| t.to_le_bytes()).collect() };
         let array = |attributes: String, bytes: &[u8]| -> std::io::Result<Array> {
