@@ -9,7 +9,7 @@ use powerhouse_model::{ElasticMedium, ModelError};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::format::{AmplitudeRatio, DashpotRatio, PoissonRatio, Positive};
+use crate::spec::{AmplitudeRatio, DashpotRatio, PoissonRatio, Positive};
 use crate::{Material, Registry, keys};
 
 pub(crate) fn register(registry: &mut Registry) {

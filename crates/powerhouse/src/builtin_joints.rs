@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::Registry;
-use crate::format::{NonNegative, Positive};
+use crate::spec::{NonNegative, Positive};
 
 pub(crate) fn register(registry: &mut Registry) {
     registry.add_joint_law("tied", |_: NoKeys| Ok(Box::new(Tied)));

@@ -13,7 +13,7 @@ use powerhouse_observe::principal_stresses;
 use serde::Deserialize;
 
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
-use crate::format::{self, At, Finite, Positive};
+use crate::spec::{self, At, Finite, Positive};
 use crate::{Error, Material, Registry};
 
 /// Default number of steps of a leg.
@@ -205,7 +205,7 @@ impl PointPath {
     /// File that cannot be read, or a fault in it with line and column.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        Self::from_toml(crate::scene::read_text(path)?, path)
+        Self::from_toml(spec::read_text(path)?, path)
     }
 
     /// Strain and stress path of a text in TOML. `path` is used in messages.
@@ -217,7 +217,7 @@ impl PointPath {
             path: path.into(),
             text: text.into(),
         });
-        let file = format::decode_tagged(&text.text);
+        let file = spec::decode_tagged(&text.text);
         let file: PathFile = file.map_err(|fault| SceneFault::new(text.clone(), fault))?;
         let mut steps = 0_usize;
         for leg in &file.legs {
@@ -284,7 +284,7 @@ impl Material {
         registry: &Registry,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        Self::from_toml(crate::scene::read_text(path)?, path, name, registry)
+        Self::from_toml(spec::read_text(path)?, path, name, registry)
     }
 
     /// Material of a text in TOML with `[[material]]` tables, as [`from_file`](Self::from_file). `path` is used in
@@ -302,7 +302,7 @@ impl Material {
             path: path.into(),
             text: text.into(),
         });
-        let found = format::decode_materials(&text.text).and_then(|tables| {
+        let found = spec::decode_materials(&text.text).and_then(|tables| {
             let available = || tables.iter().map(|table| table.name.to_string()).collect();
             let selected = match name {
                 Some(name) => tables.iter().find(|table| *table.name == *name),

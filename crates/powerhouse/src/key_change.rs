@@ -6,7 +6,7 @@ use core::str::FromStr;
 use thiserror::Error;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Key, TableLike, Value};
 
-use crate::format::NAMED;
+use crate::spec::NAMED;
 
 /// Change of a key of a scene file, such as `time.duration=5` or `part.lining.kernel=hex8-eas`.
 ///

@@ -54,8 +54,9 @@
 //! beside those that come with the software and named in scene files like them. A scene keeps the registry that
 //! it was read with, so that checks and advice know the same names.
 //!
-//! *Tables of scene files are private.* Scene files get new keys; a program that composes scenes uses [`Scene`],
-//! one that edits files takes names from [`keys`].
+//! *A file is parsed once.* A [`SceneFile`] has the tables of the text with the byte range of every value; a
+//! [`SceneSpec`] has the scene or one of its cases as typed values, which studies and programs change before a [`Scene`] is
+//! made of it. Scene files get new keys, so that the types of [`spec`] are not exhaustive.
 //!
 //! *The surroundings of a body are checked when a scene is prepared*, by sampling the incident field at the nodes
 //! through which it enters: the body must start with the field's motion, the ground must be of one medium, free
@@ -92,12 +93,6 @@ mod drive;
 pub mod engine;
 mod error;
 mod fault;
-#[cfg(feature = "scene-files")]
-#[expect(
-    unreachable_pub,
-    reason = "tables of scene files: every new key would break users of these types"
-)]
-mod format;
 mod joint;
 #[cfg(feature = "scene-files")]
 mod key_change;
@@ -119,6 +114,8 @@ mod resolve;
 mod scene;
 mod scene_remark;
 mod simulation;
+#[cfg(feature = "scene-files")]
+pub mod spec;
 mod stage;
 
 pub use powerhouse_boundary as boundary;
@@ -136,8 +133,6 @@ pub use powerhouse_model::nalgebra;
 #[cfg(feature = "scene-files")]
 pub use schemars;
 
-#[cfg(feature = "scene-files")]
-pub use checkpoint::named_files;
 pub use checkpoint::{
     CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointPlan, CheckpointWriter,
     IntervalError, KeptState, ResumedRun, RunInputs,
@@ -174,6 +169,8 @@ pub use scene::{
 };
 pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
+#[cfg(feature = "scene-files")]
+pub use spec::{SceneFile, SceneSpec};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
     SceneStage, StageCheckpointSink, StageHook, StageOverview, StageSink, StageSolution,

@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 
 use crate::engine::standard_engine;
 use crate::fault::{Fault, Problem};
-use crate::format::{
-    At, BoundarySection, JointSection, Material as MaterialTable, Parameters, SceneFile,
+use crate::spec::{
+    At, BoundarySection, JointSection, Material as MaterialTable, Parameters, SceneSpec,
 };
 use crate::{Kernel, Material, builtin};
 
@@ -302,7 +302,7 @@ impl Registry {
         let laws = choices(&self.laws, &mut generator);
         let boundaries = choices(&self.boundaries, &mut generator);
         let joint_laws = choices(&self.joint_laws, &mut generator);
-        let mut root = generator.into_root_schema_for::<SceneFile>();
+        let mut root = generator.into_root_schema_for::<SceneSpec>();
         let kernels = json!({ "enum": self.kernels.keys().collect::<Vec<_>>() });
         for (table, key, choices) in [
             ("Material", "law", laws),

@@ -27,14 +27,6 @@ pub enum StudyError {
         /// Cause.
         source: std::io::Error,
     },
-    /// A scene file of a trade study or sweep that is not valid TOML.
-    #[error("{}: {source}", file.display())]
-    SceneFile {
-        /// Path of the file.
-        file: PathBuf,
-        /// Cause, with the position in the file.
-        source: Box<toml::de::Error>,
-    },
     /// A case of a sweep that is invalid or whose run failed; its results until then are in its folder.
     #[error("case '{case}': {source}")]
     Case {
@@ -233,7 +225,7 @@ pub enum StudyError {
         /// Reason in words.
         reason: &'static str,
     },
-    /// A scene with changed levels of a trade study that cannot be written as TOML.
+    /// A scene that cannot be written as TOML.
     #[error("{}: {source}", file.display())]
     Unwritable {
         /// File of the original scene.

@@ -57,6 +57,7 @@ mod static_cost;
 pub mod sweep;
 pub mod text;
 pub mod trade;
+mod variant;
 
 pub use advice::{BoundaryAdvice, BoxAdvice, advise_boundary, advise_box};
 pub use check::{CheckReport, Warning, check, warnings};

@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::preset::{self, Preset};
 use super::{ElasticKeys, KeysError, elastic_medium, missing, placed, refused};
-use crate::format::{NonNegative, Positive, Share};
+use crate::spec::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {
@@ -151,22 +151,22 @@ macro_rules! frictional_keys {
             /// Preset: name of a published material whose parameters are the defaults of the other keys.
             preset: Option<$crate::builtin_laws::preset::Preset>,
             /// Young's modulus (Pa), above 0.
-            young: Option<$crate::format::Positive>,
+            young: Option<$crate::spec::Positive>,
             /// Poisson's ratio (dimensionless), above -1 and below 0.5.
-            poisson: Option<$crate::format::PoissonRatio>,
+            poisson: Option<$crate::spec::PoissonRatio>,
             /// Mass density (kg/m3), above 0.
-            density: Option<$crate::format::Positive>,
+            density: Option<$crate::spec::Positive>,
             /// Friction angle (degrees), 0 to 75.
-            friction: Option<$crate::format::NonNegative>,
+            friction: Option<$crate::spec::NonNegative>,
             /// Dilation angle (degrees), 0 to the friction angle; that of the preset, or 0.
-            dilation: Option<$crate::format::NonNegative>,
+            dilation: Option<$crate::spec::NonNegative>,
             /// Cohesion (Pa), 0 or above.
-            cohesion: Option<$crate::format::NonNegative>,
+            cohesion: Option<$crate::spec::NonNegative>,
             /// Uniaxial tensile strength (Pa), 0 or above.
-            tensile_strength: Option<$crate::format::NonNegative>,
+            tensile_strength: Option<$crate::spec::NonNegative>,
             /// Uniaxial compressive strength (Pa), above 0; a warning is given where the yield surface of the
             /// law implies another one.
-            compressive_strength: Option<$crate::format::Positive>,
+            compressive_strength: Option<$crate::spec::Positive>,
             $($(#[$own_doc])* $own: $type,)*
         }
 

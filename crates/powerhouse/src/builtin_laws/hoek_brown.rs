@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::placed;
-use crate::format::{NonNegative, PoissonRatio, Positive};
+use crate::spec::{NonNegative, PoissonRatio, Positive};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {

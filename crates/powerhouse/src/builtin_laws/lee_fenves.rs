@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::preset::{self, Preset};
 use super::{ElasticKeys, RESIDUAL_STIFFNESS, elastic_medium, missing, placed};
-use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use crate::spec::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::preset::{self, Preset};
 use super::{ElasticKeys, KeysError, RESIDUAL_STIFFNESS, elastic_medium, missing, placed, refused};
-use crate::format::{NonNegative, PoissonRatio, Positive, Share};
+use crate::spec::{NonNegative, PoissonRatio, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {

@@ -12,7 +12,7 @@ use powerhouse_model::{ElasticMedium, ModelError};
 use thiserror::Error;
 
 use crate::Registry;
-use crate::format::{PoissonRatio, Positive};
+use crate::spec::{PoissonRatio, Positive};
 
 pub(crate) fn register(registry: &mut Registry) {
     frictional::register(registry);

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::frictional::{Fit, frictional_keys};
 use super::preset::{self, Preset};
 use super::{KeysError, RESIDUAL_STIFFNESS, placed, refused};
-use crate::format::{NonNegative, Positive, Share};
+use crate::spec::{NonNegative, Positive, Share};
 use crate::{Material, Registry};
 
 pub(super) fn register(registry: &mut Registry) {

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use powerhouse_model::Checksum;
 use serde::{Deserialize, Serialize};
 
-use crate::{Scene, SceneText};
+use crate::Scene;
+#[cfg(feature = "scene-files")]
+use crate::SceneSpec;
 
 /// Name of the input that is the duration of a run.
 const DURATION: &str = "duration";
@@ -45,8 +47,9 @@ impl RunInputs {
             items.push(("version of registered parts".into(), version));
         }
         let source = scene.source();
-        if let Some(source) = source {
-            add_text(&mut items, source, scene.case());
+        #[cfg(feature = "scene-files")]
+        if let Some(spec) = scene.spec() {
+            add_keys(&mut items, spec);
         }
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         Self {
@@ -108,10 +111,11 @@ fn is_file(name: &str) -> bool {
     name.starts_with("file '")
 }
 
-/// Adds the keys of a scene, of its cases only one, and the files that it names.
+/// Adds the keys of a scene, and the files that it names.
 #[cfg(feature = "scene-files")]
-fn add_text(items: &mut Vec<(String, String)>, source: &SceneText, case: Option<&str>) {
-    let mut table: toml::Table = toml::from_str(&source.text).unwrap_or_default();
+fn add_keys(items: &mut Vec<(String, String)>, spec: &SceneSpec) {
+    // A number that TOML does not have is refused where it is read.
+    let mut table = spec.to_table().unwrap_or_default();
     // Inputs of their own, or without influence.
     for (of, key) in [("output", "directory"), ("time", "duration")] {
         if let Some(toml::Value::Table(keys)) = table.get_mut(of) {
@@ -120,10 +124,6 @@ fn add_text(items: &mut Vec<(String, String)>, source: &SceneText, case: Option<
     }
     for key in ["threads", "checkpoint", "precision"] {
         table.remove(key);
-    }
-    // Other cases than the one that is run do not change it.
-    if let Some(toml::Value::Array(cases)) = table.get_mut("case") {
-        cases.retain(|own| case.is_some() && own.get("name").and_then(toml::Value::as_str) == case);
     }
     let sum = |value: &toml::Value| Checksum::of(value.to_string().as_bytes()).to_string();
     for (key, value) in &table {
@@ -136,43 +136,13 @@ fn add_text(items: &mut Vec<(String, String)>, source: &SceneText, case: Option<
             _ => items.push((format!("key '{key}'"), sum(value))),
         }
     }
-    let mut names = named_files(&source.path, &table.to_string());
+    let mut names = spec.named_files();
     names.sort_unstable();
     names.dedup();
-    let folder = source.path.parent().unwrap_or(Path::new(""));
+    let folder = spec.file().text().folder();
     for name in names {
         if let Ok(bytes) = std::fs::read(folder.join(&name)) {
             items.push((format!("file '{name}'"), Checksum::of(&bytes).to_string()));
         }
-    }
-}
-
-/// Adds the text of a scene.
-#[cfg(not(feature = "scene-files"))]
-fn add_text(items: &mut Vec<(String, String)>, source: &SceneText, _case: Option<&str>) {
-    let text = Checksum::of(source.text.as_bytes());
-    items.push(("scene".into(), text.to_string()));
-}
-
-/// Names of the files on which a scene depends, such as mesh and records, in the order of its text: all strings in it that
-/// are the path of a file, as seen from the folder of the scene. None for a text that is not valid TOML.
-#[cfg(feature = "scene-files")]
-pub fn named_files(scene: &Path, text: &str) -> Vec<String> {
-    let table: toml::Table = toml::from_str(text).unwrap_or_default();
-    let mut texts = Vec::new();
-    table.values().for_each(|value| texts_in(value, &mut texts));
-    let folder = scene.parent().unwrap_or(Path::new(""));
-    texts.retain(|text| folder.join(text).is_file());
-    texts
-}
-
-/// Collects all strings in a value.
-#[cfg(feature = "scene-files")]
-fn texts_in(value: &toml::Value, texts: &mut Vec<String>) {
-    match value {
-        toml::Value::String(text) => texts.push(text.clone()),
-        toml::Value::Array(items) => items.iter().for_each(|item| texts_in(item, texts)),
-        toml::Value::Table(table) => table.values().for_each(|item| texts_in(item, texts)),
-        _ => {}
     }
 }

@@ -9,8 +9,6 @@ mod writer;
 
 pub use files::{CheckpointError, CheckpointFiles, ResumedRun};
 pub use inputs::RunInputs;
-#[cfg(feature = "scene-files")]
-pub use inputs::named_files;
 pub use kept::KeptState;
 pub use plan::{CheckpointInterval, CheckpointPlan, IntervalError};
 pub use writer::CheckpointWriter;

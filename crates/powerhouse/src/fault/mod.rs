@@ -10,6 +10,8 @@ use thiserror::Error;
 
 use crate::magnitude::Magnitude;
 
+#[cfg(feature = "scene-files")]
+pub(crate) use message::plain;
 pub use text::{SceneFault, SceneText};
 
 /// Hint on how to accept quantities outside their usual range.
@@ -180,13 +182,6 @@ impl Fault {
     /// Type of the fault.
     pub fn problem(&self) -> &Problem {
         &self.problem
-    }
-    #[cfg(feature = "scene-files")]
-    pub(crate) fn from_toml(error: toml::de::Error) -> Self {
-        Self::new(
-            error.span().unwrap_or(0..0),
-            Problem::from_serde(error.message()),
-        )
     }
     #[cfg(feature = "scene-files")]
     /// Adds permitted keys to the fault of an unknown key.

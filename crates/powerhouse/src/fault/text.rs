@@ -9,7 +9,7 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use super::{Fault, Problem};
 
 /// Text of a scene and its path.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct SceneText {
     /// Path of the file; of a scene that was given as text, the path that it was given under.
     pub path: PathBuf,

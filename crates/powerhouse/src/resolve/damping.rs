@@ -5,27 +5,27 @@ use powerhouse_model::Rayleigh;
 
 use super::ordered;
 use crate::fault::Fault;
-use crate::format::{self, At, Reference, SceneFile};
+use crate::spec::{self, At, Reference, SceneSpec};
 use crate::{Damping, Error, Scene};
 
 /// Default number of relaxation mechanisms.
 const MECHANISMS: usize = 3;
 
 /// Damping of a scene table.
-pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
+pub(super) fn damping(table: &At<spec::Damping>) -> Result<Damping, Fault> {
     match &**table {
-        format::Damping::None => Ok(Damping::None),
-        format::Damping::Rayleigh { ratio, frequencies } => {
+        spec::Damping::None => Ok(Damping::None),
+        spec::Damping::Rayleigh { ratio, frequencies } => {
             let [first, second] = frequencies.map(|frequency| frequency.get());
             let rayleigh = Rayleigh::from_ratio(ratio.get(), first, second);
             let rayleigh = rayleigh.map_err(|error| Fault::refused(table.span(), error))?;
             Ok(rayleigh.into())
         }
-        format::Damping::Coefficients { mass, stiffness } => {
+        spec::Damping::Coefficients { mass, stiffness } => {
             let (mass, stiffness) = (mass.get(), stiffness.get());
             Ok(Rayleigh { mass, stiffness }.into())
         }
-        format::Damping::Flat {
+        spec::Damping::Flat {
             ratio,
             band,
             mechanisms,
@@ -68,7 +68,7 @@ pub(super) fn damping(table: &At<format::Damping>) -> Result<Damping, Fault> {
 }
 
 /// Gives rims to parts that have the damping of their preset and touch an absorbing face, unless the field is damped alike.
-pub(super) fn default_rims(file: &SceneFile, scene: &mut Scene) -> Result<(), Fault> {
+pub(super) fn default_rims(file: &SceneSpec, scene: &mut Scene) -> Result<(), Fault> {
     // A damped field has the damping of its layers, which a rim has not.
     if scene.boundary.is_none() || scene.has_damped_layers() {
         return Ok(());

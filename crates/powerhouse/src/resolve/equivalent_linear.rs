@@ -11,8 +11,8 @@ use powerhouse_wavefield::{Ground, LayerDamping, LayeredWave};
 use super::record::PreparedRecord;
 use super::{layers, named, ordered};
 use crate::fault::{Fault, Problem};
-use crate::format::{self, At, EquivalentLinear, Layer, Positive, SceneFile};
 use crate::scene::damping_of_layer;
+use crate::spec::{self, At, EquivalentLinear, Layer, Positive, SceneSpec};
 use crate::{Damping, EquivalentLayer, Material, Remark, Scene};
 
 /// Law of the materials of these layers.
@@ -57,7 +57,7 @@ struct Soil<'f> {
 /// Gives layers with strain curves, and the parts of their materials, the modulus and damping of the strain that the waves cause
 /// in them; returns the damping of all layers above the half-space.
 pub(super) fn apply(
-    file: &SceneFile,
+    file: &SceneSpec,
     scene: &mut Scene,
     records: &BTreeMap<String, PreparedRecord>,
     materials: &mut BTreeMap<String, Material>,
@@ -86,7 +86,7 @@ pub(super) fn apply(
         return unused(file, dampings);
     }
     let settings = file.ground.equivalent_linear.as_deref();
-    let share = |key: fn(&EquivalentLinear) -> Option<format::Share>, default: f64| {
+    let share = |key: fn(&EquivalentLinear) -> Option<spec::Share>, default: f64| {
         settings.and_then(key).map_or(default, |share| share.get())
     };
     let strain_ratio = share(|s| s.strain_ratio, STRAIN_RATIO);
@@ -172,7 +172,7 @@ fn value(span: core::ops::Range<usize>, found: &str, expected: &str) -> Fault {
 }
 
 /// Refuses settings of the method that no layer needs.
-fn unused(file: &SceneFile, dampings: Vec<LayerDamping>) -> Result<Vec<LayerDamping>, Fault> {
+fn unused(file: &SceneSpec, dampings: Vec<LayerDamping>) -> Result<Vec<LayerDamping>, Fault> {
     let needed = file
         .layers
         .iter()
@@ -192,10 +192,10 @@ fn unused(file: &SceneFile, dampings: Vec<LayerDamping>) -> Result<Vec<LayerDamp
 
 /// A layer with strain curves, and what it must not have beside them.
 fn soil<'f>(
-    file: &'f SceneFile,
+    file: &'f SceneSpec,
     materials: &BTreeMap<String, Material>,
     (index, layer): (usize, &'f Layer),
-    table: &At<format::StrainCurves>,
+    table: &At<spec::StrainCurves>,
 ) -> Result<Soil<'f>, Fault> {
     if let Some(damping) = &layer.damping {
         let expected = "no damping of a layer with `strain_curves`, which has that of the curves";
@@ -245,9 +245,9 @@ fn soil<'f>(
     })
 }
 
-fn curves(table: &At<format::StrainCurves>) -> Result<StrainCurves, Fault> {
+fn curves(table: &At<spec::StrainCurves>) -> Result<StrainCurves, Fault> {
     let made = match &**table {
-        format::StrainCurves::Points {
+        spec::StrainCurves::Points {
             strain,
             modulus,
             damping_ratio,
@@ -256,7 +256,7 @@ fn curves(table: &At<format::StrainCurves>) -> Result<StrainCurves, Fault> {
             modulus.iter().map(|of| of.get()).collect(),
             damping_ratio.iter().map(|of| of.get()).collect(),
         ),
-        format::StrainCurves::Darendeli {
+        spec::StrainCurves::Darendeli {
             plasticity,
             pressure,
             overconsolidation,
@@ -389,7 +389,7 @@ fn greatest_strain(
 
 /// Gives the parts of the layers their media and damping, and in stages the medium of small strain.
 fn finish(
-    file: &SceneFile,
+    file: &SceneSpec,
     scene: &mut Scene,
     materials: &BTreeMap<String, Material>,
     soils: &[Soil],

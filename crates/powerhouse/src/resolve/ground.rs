@@ -15,10 +15,10 @@ use super::origin::Origin;
 use super::record::{PreparedRecord, cut_short, of_component};
 use super::{layers, named, stations, vector};
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{
-    self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneFile, Space, Wave, WaveAxis,
-};
 use crate::scene::{InitialMotion, box_corners};
+use crate::spec::{
+    self, At, Azimuth, Convention, Finite, Positive, Pulse, SceneSpec, Space, Wave, WaveAxis,
+};
 use crate::{Error, Material, Remark, Scene, magnitude};
 
 /// Hint on several media along the absorbing faces.
@@ -32,7 +32,7 @@ pub(super) const FASTER: &str = "past a critical angle, and where waves decay in
 /// Adds the sum of all waves to the scene, in the medium along the absorbing faces, or in layers with a damping; or the motions
 /// at stations.
 pub(super) fn field(
-    (text, file): (&SceneText, &SceneFile),
+    (text, file): (&SceneText, &SceneSpec),
     mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
     materials: &BTreeMap<String, Material>,
@@ -155,14 +155,14 @@ pub(super) fn truncated(origins: &[Origin], scene: &Scene, arrivals: &[f64]) -> 
 /// Type of a wave.
 pub(super) fn kind(table: &Wave) -> WaveKind {
     match table.kind {
-        format::WaveKind::P => WaveKind::P,
-        format::WaveKind::Sv => WaveKind::SV,
-        format::WaveKind::Sh => WaveKind::SH,
+        spec::WaveKind::P => WaveKind::P,
+        spec::WaveKind::Sv => WaveKind::SV,
+        spec::WaveKind::Sh => WaveKind::SH,
     }
 }
 
 /// Warning about a record along x or y of a wave whose azimuth is not 0.
-pub(super) fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
+pub(super) fn unclear_axis(table: &Wave, file: &SceneSpec) -> Option<Remark> {
     let azimuth = table.azimuth.map_or(0.0, Azimuth::get);
     let name = table.record.as_ref()?;
     let record = file.records.iter().find(|record| *record.name == **name)?;
@@ -187,7 +187,7 @@ pub(super) fn unclear_axis(table: &Wave, file: &SceneFile) -> Option<Remark> {
 /// Record of a wave: by its name, or by name and component.
 pub(super) fn component<'r>(
     name: &At<String>,
-    component: Option<&At<format::Component>>,
+    component: Option<&At<spec::Component>>,
     records: &'r BTreeMap<String, PreparedRecord>,
 ) -> Result<&'r PreparedRecord, Fault> {
     let Some(component) = component else {

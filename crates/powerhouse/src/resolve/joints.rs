@@ -5,7 +5,7 @@ use powerhouse_model::{ContactLaw, Facet, Mesh, Stress};
 
 use super::{Names, check_reach, no_such_set, one_of, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{self, At, Finite, Gap, JointSection, Positive, Zone};
+use crate::spec::{self, At, Finite, Gap, JointSection, Positive, Zone};
 use crate::{GroundStress, InitialGap, JointZone, Preload, Registry, SceneJoint};
 
 /// Doubles the nodes of a mesh between the sets of its joints, and pairs the nodes of the two sides of all joints.
@@ -86,12 +86,12 @@ fn start(names: &Names, section: &JointSection, joint: &mut SceneJoint) -> Resul
     Ok(())
 }
 
-fn preload(preload: &At<format::Preload>) -> Result<Preload, Fault> {
+fn preload(preload: &At<spec::Preload>) -> Result<Preload, Fault> {
     Ok(match &**preload {
-        format::Preload::Pressure { pressure } => Preload::Pressure(pressure.get()),
-        format::Preload::Traction { traction } => Preload::Traction(vector(traction)),
-        format::Preload::Stress { stress } => Preload::Stress(Stress(stress.map(Finite::get))),
-        format::Preload::Ground {
+        spec::Preload::Pressure { pressure } => Preload::Pressure(pressure.get()),
+        spec::Preload::Traction { traction } => Preload::Traction(vector(traction)),
+        spec::Preload::Stress { stress } => Preload::Stress(Stress(stress.map(Finite::get))),
+        spec::Preload::Ground {
             level,
             density,
             lateral,

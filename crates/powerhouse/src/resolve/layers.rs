@@ -15,8 +15,8 @@ use super::origin::Origin;
 use super::record::PreparedRecord;
 use super::{named, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{Azimuth, Layer, SceneFile, Space};
 use crate::scene::{InitialMotion, box_corners, damping_of_layer};
+use crate::spec::{Azimuth, Layer, SceneSpec, Space};
 use crate::{LayerError, Material, Remark, Scene};
 
 /// Time after the run (s), and over its duration, up to which the field is known as well: spectra of the input fade out there.
@@ -27,7 +27,7 @@ const OFF_PLANE: f64 = 1e-3;
 
 /// Adds the sum of all waves in layered ground to the scene; `damping` is that of the layers above the half-space.
 pub(super) fn field(
-    file: &SceneFile,
+    file: &SceneSpec,
     mut scene: Scene,
     records: &BTreeMap<String, PreparedRecord>,
     materials: &BTreeMap<String, Material>,
@@ -86,7 +86,7 @@ pub(super) struct Waves<'r> {
 
 /// The waves of a file in a ground, known for a duration (s) from the start of the run, before any delay for a start at rest.
 pub(super) fn waves<'r>(
-    file: &SceneFile,
+    file: &SceneSpec,
     scene: &Scene,
     records: &'r BTreeMap<String, PreparedRecord>,
     (ground, duration): (&Ground, f64),
@@ -156,7 +156,7 @@ pub(super) fn waves<'r>(
 /// Ground of the layers of a file, their interfaces on planes of the mesh; `damping` is that of the layers above the
 /// half-space.
 pub(super) fn ground(
-    file: &SceneFile,
+    file: &SceneSpec,
     scene: &Scene,
     materials: &BTreeMap<String, Material>,
     damping: &[LayerDamping],

@@ -15,8 +15,8 @@ use super::{Names, named, one_of, vector};
 use crate::acting::GRAVITY;
 use crate::acting::StagedLoad;
 use crate::fault::{Fault, Problem};
-use crate::format::{self, At, Finite, Function, Load, Positive, WATER_DENSITY};
 use crate::scene::InitialMotion;
+use crate::spec::{self, At, Finite, Function, Load, Positive, WATER_DENSITY};
 use crate::{Mirror, Parity, Remark, Scene};
 
 /// Matching tolerance of the nodes of periodic faces, over the diagonal of the mesh.
@@ -26,17 +26,17 @@ const PLANE: f64 = 0.999_85;
 
 pub(super) fn supports(
     names: &Names,
-    supports: &[At<format::Support>],
+    supports: &[At<spec::Support>],
     records: &BTreeMap<String, PreparedRecord>,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
     let arrivals = arrivals(supports, records, scene)?;
     for support in supports {
         match &**support {
-            format::Support::Fixed { set } => {
+            spec::Support::Fixed { set } => {
                 scene.supports.push(Support::fixed(names.nodes(set)?));
             }
-            format::Support::Roller { set, normal } => {
+            spec::Support::Roller { set, normal } => {
                 let normal = match normal {
                     Some(normal) => direction(normal)?,
                     None => mean_normal(names, set)?,
@@ -45,7 +45,7 @@ pub(super) fn supports(
                     .supports
                     .push(Support::roller(names.nodes(set)?, normal));
             }
-            format::Support::Symmetry { set, normal } => {
+            spec::Support::Symmetry { set, normal } => {
                 mirror(
                     names,
                     (support, set, normal.as_ref()),
@@ -53,11 +53,11 @@ pub(super) fn supports(
                     scene,
                 )?;
             }
-            format::Support::Antisymmetry { set, normal } => {
+            spec::Support::Antisymmetry { set, normal } => {
                 let plane = (support, set, normal.as_ref());
                 mirror(names, plane, Parity::Antisymmetric, scene)?;
             }
-            format::Support::Periodic { from, to } => {
+            spec::Support::Periodic { from, to } => {
                 let (from_nodes, to_nodes) = (names.nodes(from)?, names.nodes(to)?);
                 let (low, high) = names.mesh.bounding_box();
                 let tolerance = PERIODIC_TOLERANCE * (high - low).norm();
@@ -66,7 +66,7 @@ pub(super) fn supports(
                         .map_err(|error| Fault::refused(to.span(), error))?;
                 scene.periodic.push(pairs);
             }
-            format::Support::Prescribed {
+            spec::Support::Prescribed {
                 set,
                 direction: along,
                 displacement,
@@ -108,7 +108,7 @@ pub(super) fn supports(
 
 /// Symmetry plane: its table, its set, and its normal if given.
 type Plane<'f> = (
-    &'f At<format::Support>,
+    &'f At<spec::Support>,
     &'f At<String>,
     Option<&'f At<[Finite; 3]>>,
 );
@@ -198,14 +198,14 @@ fn signal(name: &At<String>, record: &PreparedRecord) -> Result<RecordSignal, Fa
 /// Arrival of the records of prescribed motions: the common delay with which the leads of their filters are below the
 /// threshold of a quiet start, as of waves, until the end of the ramp. A delay is added to the remarks.
 fn arrivals(
-    supports: &[At<format::Support>],
+    supports: &[At<spec::Support>],
     records: &BTreeMap<String, PreparedRecord>,
     scene: &mut Scene,
 ) -> Result<Arrivals, Fault> {
     let threshold = QuietStartLimits::default().threshold;
     let (mut padding, mut levels) = (0.0_f64, BTreeMap::new());
     for support in supports {
-        let format::Support::Prescribed {
+        let spec::Support::Prescribed {
             record: Some(name), ..
         } = &**support
         else {

@@ -9,7 +9,7 @@ use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use super::ordered;
 use crate::fault::{Fault, SceneText};
-use crate::format::{self, At, Finite};
+use crate::spec::{self, At, Finite};
 use crate::{Registry, Remark, SceneRemark};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
@@ -21,7 +21,7 @@ const HIGHEST_ORDER: u32 = 2;
 
 pub(super) fn mesh(
     text: &SceneText,
-    table: &format::MeshFile,
+    table: &spec::MeshFile,
     registry: &Registry,
 ) -> Result<(Mesh, Vec<Remark>), Fault> {
     let mut remarks = Vec::new();
@@ -97,7 +97,7 @@ pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRe
 
 /// Options of reading elements of second order; keys for a mesh file are refused with a generator, and straight edges
 /// without midpoints.
-fn order_options(table: &format::MeshFile) -> Result<MeshOptions, Fault> {
+fn order_options(table: &spec::MeshFile) -> Result<MeshOptions, Fault> {
     let mut options = MeshOptions::default();
     let of_file = |span: core::ops::Range<usize>, key: &str| match table.generator {
         None => Ok(()),
@@ -172,11 +172,11 @@ fn of_inp(report: InpReport) -> Vec<SceneRemark> {
 }
 
 /// Plane slice of a mesh.
-fn sliced(mesh: &Mesh, slice: &At<format::Slice>) -> Result<Mesh, Fault> {
+fn sliced(mesh: &Mesh, slice: &At<spec::Slice>) -> Result<Mesh, Fault> {
     let axis = match slice.across {
-        format::SliceAxis::X => Axis::X,
-        format::SliceAxis::Y => Axis::Y,
-        format::SliceAxis::Z => Axis::Z,
+        spec::SliceAxis::X => Axis::X,
+        spec::SliceAxis::Y => Axis::Y,
+        spec::SliceAxis::Z => Axis::Z,
     };
     let sliced = mesh.plane_slice(axis, slice.at.get());
     sliced.map_err(|error| Fault::refused(slice.span(), error))

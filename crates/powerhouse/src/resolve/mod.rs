@@ -22,9 +22,9 @@ use serde::Deserialize;
 
 use crate::engine::{Leapfrog, OneSided};
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{self, Allowance, At, Finite, Load, NonNegative, SceneFile};
 use crate::output::NamedThing;
 use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep, sets_with};
+use crate::spec::{self, Allowance, At, Finite, Load, NonNegative, SceneSpec};
 use crate::{
     CheckpointPlan, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene,
     SceneRemark, keys,
@@ -35,7 +35,7 @@ pub use mesh::read_mesh;
 /// Composes the scene of a file.
 pub(crate) fn compose(
     text: &SceneText,
-    file: &SceneFile,
+    file: &SceneSpec,
     registry: &Registry,
 ) -> Result<Scene, Fault> {
     let mut materials = materials(file, registry)?;
@@ -67,26 +67,26 @@ pub(crate) fn compose(
     scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
     scene.initial = match *file.time.initial {
-        format::InitialMotion::Rest => InitialMotion::Rest,
-        format::InitialMotion::Field => InitialMotion::Field,
+        spec::InitialMotion::Rest => InitialMotion::Rest,
+        spec::InitialMotion::Field => InitialMotion::Field,
     };
     scene.step = match *file.time.step {
-        format::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
-        format::Step::Seconds(step) => TimeStep::Seconds(step),
+        spec::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
+        spec::Step::Seconds(step) => TimeStep::Seconds(step),
     };
     scene.integrator = match *file.time.scheme {
-        format::Scheme::Leapfrog => Box::new(Leapfrog),
-        format::Scheme::OneSided => Box::new(OneSided),
+        spec::Scheme::Leapfrog => Box::new(Leapfrog),
+        spec::Scheme::OneSided => Box::new(OneSided),
     };
     scene.precision = match file.precision {
-        format::Precision::F64 => Precision::F64,
-        format::Precision::Mixed => Precision::Mixed,
-        format::Precision::F32 => Precision::F32,
+        spec::Precision::F64 => Precision::F64,
+        spec::Precision::Mixed => Precision::Mixed,
+        spec::Precision::F32 => Precision::F32,
     };
     scene.residual = match file.energy_residual {
-        format::Residual::Auto => ResidualLimit::OfPrecision,
-        format::Residual::Share(share) => ResidualLimit::Share(share),
-        format::Residual::Off => ResidualLimit::Unchecked,
+        spec::Residual::Auto => ResidualLimit::OfPrecision,
+        spec::Residual::Share(share) => ResidualLimit::Share(share),
+        spec::Residual::Off => ResidualLimit::Unchecked,
     };
     scene.places.step = file.time.step.span();
     scene.places.scheme = file.time.scheme.span();
@@ -190,7 +190,7 @@ pub(crate) fn compose(
 }
 
 /// Checkpoints that a scene requests.
-fn checkpoints(file: &format::Checkpoint, scene: &Scene) -> Result<CheckpointPlan, Fault> {
+fn checkpoints(file: &spec::Checkpoint, scene: &Scene) -> Result<CheckpointPlan, Fault> {
     let (start, end) = (scene.start, scene.start + scene.duration);
     for time in &file.keep {
         if time.get() <= start || time.get() >= end {
@@ -223,7 +223,7 @@ fn ordered(span: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), F
 }
 
 /// Warnings about empty sets of supports and loads, as of a part of the mesh that was cut off.
-fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
+fn empty_sets(names: &Names, file: &SceneSpec) -> Vec<Remark> {
     let of_stages = || file.stages.iter();
     let supports = (file.supports.iter().flat_map(|support| support.sets()))
         .chain(of_stages().flat_map(|stage| stage.supports.iter().map(|support| support.set())));
@@ -250,8 +250,8 @@ fn empty_sets(names: &Names, file: &SceneFile) -> Vec<Remark> {
 /// Warning about springs for spherical spreading on a model of a long body: a slice, or a body between periodic ends or
 /// rollers on two opposite sides.
 fn long_body(
-    file: &SceneFile,
-    section: &format::BoundarySection,
+    file: &SceneSpec,
+    section: &spec::BoundarySection,
     scene: &Scene,
 ) -> Result<Option<Remark>, Fault> {
     #[derive(Deserialize)]
@@ -271,7 +271,7 @@ fn long_body(
     Ok(ends.filter(|_| !is_cylindrical).map(remark))
 }
 
-fn materials(file: &SceneFile, registry: &Registry) -> Result<BTreeMap<String, Material>, Fault> {
+fn materials(file: &SceneSpec, registry: &Registry) -> Result<BTreeMap<String, Material>, Fault> {
     let mut materials = BTreeMap::new();
     for table in &file.materials {
         let material = registry.material(table)?;
@@ -281,7 +281,7 @@ fn materials(file: &SceneFile, registry: &Registry) -> Result<BTreeMap<String, M
 }
 
 fn parts(
-    file: &SceneFile,
+    file: &SceneSpec,
     materials: &BTreeMap<String, Material>,
     registry: &Registry,
 ) -> Result<Vec<Part>, Fault> {
@@ -318,8 +318,8 @@ fn parts(
 /// Elements of a domain reduction region. Waves enter around it, so that an `input` of the boundary is an error.
 fn region(
     names: &Names,
-    section: &format::BoundarySection,
-    region: &At<format::Region>,
+    section: &spec::BoundarySection,
+    region: &At<spec::Region>,
 ) -> Result<Vec<u32>, Fault> {
     let (input, nothing) = (
         section.parameters.span_of("input"),
@@ -342,7 +342,7 @@ fn region(
 }
 
 /// Checks that every element belongs to exactly one part; bars may belong to none.
-fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
+fn check_parts(names: &Names, file: &SceneSpec) -> Result<(), Fault> {
     let mesh = names.mesh;
     let mut owners = vec![0_usize; mesh.element_count()];
     for part in &file.parts {
@@ -362,7 +362,7 @@ fn check_parts(names: &Names, file: &SceneFile) -> Result<(), Fault> {
 }
 
 /// Checks that all names of results can be names of files, and that no two have the same file.
-fn check_names(file: &SceneFile) -> Result<(), Fault> {
+fn check_names(file: &SceneSpec) -> Result<(), Fault> {
     let output = &file.output;
     let joints = file.joints.iter().map(|j| (NamedThing::Joint, &j.name));
     let bolts = file
@@ -391,7 +391,7 @@ fn check_names(file: &SceneFile) -> Result<(), Fault> {
 }
 
 /// Checks that no rim is wider than the body.
-fn check_rims(mesh: &Mesh, file: &SceneFile) -> Result<(), Fault> {
+fn check_rims(mesh: &Mesh, file: &SceneSpec) -> Result<(), Fault> {
     let rims = file
         .parts
         .iter()
@@ -415,7 +415,7 @@ fn check_reach(mesh: &Mesh, (distance, span): (f64, core::ops::Range<usize>)) ->
 }
 
 /// Checks that every element has a kernel, and that every kernel is for an element of its part.
-fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), Fault> {
+fn check_kernels(names: &Names, file: &SceneSpec, parts: &[Part]) -> Result<(), Fault> {
     for (part, table) in parts.iter().zip(&file.parts) {
         let elements = names.elements(&table.set)?;
         let kinds = elements.iter().map(|&element| names.mesh.kind(element));
@@ -440,7 +440,7 @@ fn check_kernels(names: &Names, file: &SceneFile, parts: &[Part]) -> Result<(), 
 }
 
 fn part_count(
-    (mesh, file): (&Mesh, &SceneFile),
+    (mesh, file): (&Mesh, &SceneSpec),
     span: core::ops::Range<usize>,
     element: u32,
     count: usize,

@@ -14,7 +14,7 @@ use super::ordered;
 use super::origin::Origin;
 use super::record::{PreparedRecord, of_components};
 use crate::fault::{Fault, Problem};
-use crate::format::{At, Azimuth, Component, Finite, Incidence, Motion, Positive};
+use crate::spec::{At, Azimuth, Component, Finite, Incidence, Motion, Positive};
 use crate::{Remark, Scene, magnitude};
 
 /// Band (Hz) in which the split of a motion is checked by default.

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use super::ground::component;
 use super::record::PreparedRecord;
 use crate::fault::Fault;
-use crate::format::{At, Wave};
 use crate::scene::NOT_AT_REST;
+use crate::spec::{At, Wave};
 use crate::{Error, Scene};
 
 /// Table from which a wave comes: a `[[wave]]`, or a `[[motion]]` of which it is a part.

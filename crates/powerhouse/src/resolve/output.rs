@@ -11,13 +11,13 @@ use powerhouse_observe::{
 
 use super::{Names, check_reach, no_such_number, one_of, vector};
 use crate::fault::{Fault, Problem};
-use crate::format::{
-    At, Finite, History, JointHistory, JointQuantity, NonNegative, Output, Positive, Quantity,
-    Reinforcement, Ring, Section,
-};
 use crate::output::{
     EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
     SnapshotRequest, StressRequest,
+};
+use crate::spec::{
+    At, Finite, History, JointHistory, JointQuantity, NonNegative, Output, Positive, Quantity,
+    Reinforcement, Ring, Section,
 };
 use crate::{JointZone, SceneJoint};
 

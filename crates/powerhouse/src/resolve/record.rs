@@ -13,9 +13,9 @@ use powerhouse_wavefield::{
 
 use super::{one_of, ordered, unique};
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{
+use crate::spec::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
-    SceneFile, Share, Units, WaveAxis, Within,
+    SceneSpec, Share, Units, WaveAxis, Within,
 };
 use crate::{Registry, Remark, Scene};
 
@@ -46,7 +46,7 @@ const ALMOST_ALL: f64 = 0.999_999;
 /// Reads and processes all records, by name.
 pub(super) fn records(
     text: &SceneText,
-    file: &SceneFile,
+    file: &SceneSpec,
     registry: &Registry,
 ) -> Result<BTreeMap<String, PreparedRecord>, Fault> {
     let mut records = BTreeMap::new();

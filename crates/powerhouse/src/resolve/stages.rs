@@ -11,8 +11,8 @@ use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::acting::GRAVITY;
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{self, At, Finite, NonNegative, Positive, SceneFile, StageSupport};
 use crate::scene::StageSpans;
+use crate::spec::{self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport};
 use crate::stage::{Timeline, check_removal, surface_of};
 use crate::{BoltLayout, InSituStress, Material, Scene, SceneBolts, SceneStage, WeightLayer};
 
@@ -23,7 +23,7 @@ const STEEL: f64 = 200.0e9;
 pub(super) fn stages(
     text: &SceneText,
     names: &Names,
-    file: &SceneFile,
+    file: &SceneSpec,
     materials: &BTreeMap<String, Material>,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
@@ -73,7 +73,7 @@ pub(super) fn stages(
 }
 
 /// Byte ranges of stages and of the values in them.
-fn stage_spans(file: &SceneFile) -> StageSpans {
+fn stage_spans(file: &SceneSpec) -> StageSpans {
     let mut spans = StageSpans::default();
     let mut put = |stage: Option<&At<String>>, key, value: &str, span| {
         let stage = stage.map(|stage| stage.to_string());
@@ -134,10 +134,10 @@ fn stage_spans(file: &SceneFile) -> StageSpans {
 fn in_situ(
     text: &SceneText,
     mesh: &Mesh,
-    stress: &At<format::InSituStress>,
+    stress: &At<spec::InSituStress>,
 ) -> Result<InSituStress, Fault> {
     match &**stress {
-        format::InSituStress::Ground {
+        spec::InSituStress::Ground {
             level,
             density,
             lateral,
@@ -148,12 +148,12 @@ fn in_situ(
                 .map(InSituStress::Field)
                 .map_err(|error| Fault::refused(stress.span(), error))
         }
-        format::InSituStress::Layers { level, layers } => {
+        spec::InSituStress::Layers { level, layers } => {
             let layers = weight_layers(level.get(), layers)?;
             InSituStress::layers(level.get(), &layers)
                 .map_err(|error| Fault::refused(stress.span(), error))
         }
-        format::InSituStress::Linear {
+        spec::InSituStress::Linear {
             level,
             stress,
             gradient,
@@ -163,7 +163,7 @@ fn in_situ(
             gradient: Stress(gradient.map(Finite::get)),
             ends: false,
         })),
-        format::InSituStress::Elements { file } => {
+        spec::InSituStress::Elements { file } => {
             let path = text.folder().join(&**file);
             InSituStress::read(&path, mesh).map_err(|error| Fault::refused(file.span(), error))
         }
@@ -173,7 +173,7 @@ fn in_situ(
 /// Layers of ground under their own weight, each below the one before, of which the last alone has no lower end.
 fn weight_layers(
     level: f64,
-    layers: &At<Vec<format::StressLayer>>,
+    layers: &At<Vec<spec::StressLayer>>,
 ) -> Result<Vec<WeightLayer>, Fault> {
     let fault = |span, found: String, expected: String| {
         Err(Fault::new(span, Problem::Value { found, expected }))
@@ -213,7 +213,7 @@ fn weight_layers(
     Ok(found)
 }
 
-fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
+fn bolts(names: &Names, bolts: &spec::Bolt) -> Result<SceneBolts, Fault> {
     let span = bolts.name.span();
     let area = match (&bolts.diameter, &bolts.section) {
         (Some(diameter), None) => 0.25 * core::f64::consts::PI * diameter.get().powi(2),
@@ -286,17 +286,17 @@ fn bolts(names: &Names, bolts: &format::Bolt) -> Result<SceneBolts, Fault> {
     })
 }
 
-fn end(end: format::BoltEnd) -> powerhouse_elements::BoltEnd {
+fn end(end: spec::BoltEnd) -> powerhouse_elements::BoltEnd {
     match end {
-        format::BoltEnd::Free => powerhouse_elements::BoltEnd::Free,
-        format::BoltEnd::Anchored => powerhouse_elements::BoltEnd::Anchored,
+        spec::BoltEnd::Free => powerhouse_elements::BoltEnd::Free,
+        spec::BoltEnd::Anchored => powerhouse_elements::BoltEnd::Anchored,
     }
 }
 
 /// Stage without its loads, which depend on the active elements.
 fn stage(
     names: &Names,
-    table: &format::Stage,
+    table: &spec::Stage,
     materials: &BTreeMap<String, Material>,
 ) -> Result<SceneStage, Fault> {
     for set in table.excavate.iter().chain(&table.cast) {
@@ -342,16 +342,16 @@ fn stage(
     Ok(stage)
 }
 
-fn static_method(method: &At<format::StaticMethod>) -> Result<StaticMethod, Fault> {
+fn static_method(method: &At<spec::StaticMethod>) -> Result<StaticMethod, Fault> {
     match **method {
-        format::StaticMethod::ConjugateGradients => Ok(StaticMethod::ConjugateGradients),
-        format::StaticMethod::DynamicRelaxation => Ok(StaticMethod::DynamicRelaxation),
+        spec::StaticMethod::ConjugateGradients => Ok(StaticMethod::ConjugateGradients),
+        spec::StaticMethod::DynamicRelaxation => Ok(StaticMethod::DynamicRelaxation),
         #[cfg(feature = "direct")]
-        format::StaticMethod::Cholesky => Ok(StaticMethod::Cholesky(Linearisation::Elastic)),
+        spec::StaticMethod::Cholesky => Ok(StaticMethod::Cholesky(Linearisation::Elastic)),
         #[cfg(feature = "direct")]
-        format::StaticMethod::Newton => Ok(StaticMethod::Cholesky(Linearisation::Tangent)),
+        spec::StaticMethod::Newton => Ok(StaticMethod::Cholesky(Linearisation::Tangent)),
         #[cfg(not(feature = "direct"))]
-        format::StaticMethod::Cholesky | format::StaticMethod::Newton => {
+        spec::StaticMethod::Cholesky | spec::StaticMethod::Newton => {
             let found = "a direct solver, which this build does not include".into();
             let expected = "conjugate-gradients or dynamic-relaxation".into();
             let fault = Fault::new(method.span(), Problem::Value { found, expected });

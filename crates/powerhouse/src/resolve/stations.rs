@@ -7,7 +7,7 @@ use powerhouse_wavefield::{StationField, StationParameters};
 
 use super::vector;
 use crate::fault::{Fault, Problem, SceneText};
-use crate::format::{At, Finite, Interpolation, SceneFile, StationAxis, Stations};
+use crate::spec::{At, Finite, Interpolation, SceneSpec, StationAxis, Stations};
 use crate::{Error, Remark, Scene, magnitude};
 
 /// Share of the available memory that motions may take.
@@ -24,7 +24,7 @@ const OF_MESH: [StationAxis; 3] = [StationAxis::X, StationAxis::Y, StationAxis::
 const OTHER_ROWS: &str = "`rows` says which direction of the mesh each row of the stations has; some versions of ShakerMaker write vertical, east, north: `rows = [\"-z\", \"x\", \"y\"]`";
 
 /// Stations of a scene file, if there are any. They take the place of waves and need a region around which they lie.
-pub(super) fn section(file: &SceneFile) -> Result<Option<&At<Stations>>, Fault> {
+pub(super) fn section(file: &SceneSpec) -> Result<Option<&At<Stations>>, Fault> {
     let Some(boundary) = &file.boundary else {
         return Ok(None);
     };

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use crate::Remark;
-use crate::format::{At, Motion, SceneFile, Support, Wave};
+use crate::spec::{At, Motion, SceneSpec, Support, Wave};
 
 /// Warnings about records that neither a wave nor a prescribed motion uses, in any component, nor one of a case.
-pub(super) fn records(file: &SceneFile) -> Vec<Remark> {
+pub(super) fn records(file: &SceneSpec) -> Vec<Remark> {
     let mut used = of_input(&file.waves, &file.motions, &file.supports);
     for case in &file.cases {
         let supports = case.supports.as_deref().unwrap_or_default();
@@ -41,7 +41,7 @@ fn of_input(waves: &[Wave], motions: &[Motion], supports: &[At<Support>]) -> Vec
 }
 
 /// Warnings about materials that no part, no layer and no stage uses, nor a part or a layer of a case.
-pub(super) fn materials(file: &SceneFile) -> Vec<Remark> {
+pub(super) fn materials(file: &SceneSpec) -> Vec<Remark> {
     let of_cases = file.cases.iter().flat_map(|case| &case.parts);
     let of_cases = of_cases.filter_map(|part| part.material.as_deref());
     let of_parts = file.parts.iter().map(|part| part.material.as_str());

@@ -25,8 +25,6 @@ pub(crate) use body::Piece;
 pub use boundary::Boundary;
 #[cfg(feature = "scene-files")]
 pub use file::SceneChoice;
-#[cfg(feature = "scene-files")]
-pub(crate) use file::read_text;
 pub use layers::LayerError;
 pub(crate) use layers::damping_of_layer;
 pub(crate) use medium::sets_with;
@@ -56,6 +54,8 @@ use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::output::{OutputPlan, ResultFolder};
+#[cfg(feature = "scene-files")]
+use crate::spec::SceneSpec;
 use crate::{
     CheckpointPlan, InSituStress, Part, Remark, SceneBolts, SceneJoint, SceneStage, SceneText,
 };
@@ -177,6 +177,9 @@ pub struct Scene {
     pub(crate) source: Option<Arc<SceneText>>,
     pub(crate) places: SceneSpans,
     pub(crate) directory: Option<PathBuf>,
+    /// The specification in the scene file.
+    #[cfg(feature = "scene-files")]
+    pub(crate) spec: Option<Arc<SceneSpec>>,
     /// Names of the cases in the scene file.
     pub(crate) cases: Vec<String>,
     pub(crate) cases_on_request: Vec<String>,
@@ -230,6 +233,8 @@ impl Scene {
             source: None,
             places: SceneSpans::default(),
             directory: None,
+            #[cfg(feature = "scene-files")]
+            spec: None,
             cases: Vec::new(),
             cases_on_request: Vec::new(),
             case: None,
@@ -537,6 +542,11 @@ impl Scene {
     /// Path and text of the scene file; `None` for a scene composed in Rust.
     pub fn source(&self) -> Option<&Arc<SceneText>> {
         self.source.as_ref()
+    }
+    /// The specification that the scene was made of; `None` for a scene composed in Rust.
+    #[cfg(feature = "scene-files")]
+    pub fn spec(&self) -> Option<&SceneSpec> {
+        self.spec.as_deref()
     }
     /// Names of the cases in the scene file.
     pub fn case_names(&self) -> &[String] {

@@ -4,7 +4,7 @@ use powerhouse_wavefield::WaveKind;
 
 use super::Scene;
 #[cfg(feature = "scene-files")]
-use crate::format::{self, Azimuth, Finite, Incidence, Motion, SceneFile, Wave};
+use crate::spec::{self, Azimuth, Finite, Incidence, Motion, SceneSpec, Wave};
 
 /// Incident wave of a scene file in a few words and numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +27,9 @@ impl WaveOverview {
     fn of(wave: &Wave) -> Self {
         Self {
             kind: match wave.kind {
-                format::WaveKind::P => WaveKind::P,
-                format::WaveKind::Sv => WaveKind::SV,
-                format::WaveKind::Sh => WaveKind::SH,
+                spec::WaveKind::P => WaveKind::P,
+                spec::WaveKind::Sv => WaveKind::SV,
+                spec::WaveKind::Sh => WaveKind::SH,
             },
             incidence: wave.incidence.get(),
             azimuth: wave.azimuth.map_or(0.0, Azimuth::get),
@@ -88,14 +88,14 @@ pub struct InputOverview {
 #[cfg(feature = "scene-files")]
 impl InputOverview {
     /// The overview of a file that is already as the case has it.
-    pub(super) fn of(file: &SceneFile, case: Option<&str>) -> Self {
-        let case = case.and_then(|name| file.cases.iter().find(|case| *case.name == name));
+    pub(super) fn of(spec: &SceneSpec) -> Self {
+        let case = spec.of_case.as_ref();
         Self {
-            waves: (file.waves.iter().map(WaveOverview::of))
-                .chain(file.motions.iter().flat_map(waves_of))
+            waves: (spec.waves.iter().map(WaveOverview::of))
+                .chain(spec.motions.iter().flat_map(waves_of))
                 .collect(),
             varies: case.and_then(|case| case.varies.clone()),
-            continuous: case.is_some_and(|case| !case.continuous.is_empty()),
+            continuous: case.is_some_and(|case| case.continuous),
         }
     }
 }

@@ -40,13 +40,11 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use powerhouse::model::{Mesh, ParameterError};
-use powerhouse::{CheckpointInterval, Registry, Scene};
-use toml::{Table, Value};
+use powerhouse::{CheckpointInterval, Registry, Scene, SceneFile, SceneSpec};
 
 use crate::StudyError;
 use crate::cost::StepTimer;
-use crate::mark::is_case;
-use crate::perturbation::{OF_WAVES, PERTURBATION, enlarge_waves, is_path_dependent};
+use crate::perturbation::{PERTURBATION, enlarge_waves, is_path_dependent};
 use crate::sweep::{Sweep, SweepWatch};
 use crate::trade::check_same_loads;
 pub use estimate::{Estimate, Trend};
@@ -63,11 +61,8 @@ const FOLDER: &str = "converge";
 
 /// Convergence study of a scene file.
 pub struct Convergence {
-    path: PathBuf,
-    /// The scene without cases.
-    file: Table,
-    /// Keys that the case under study changes.
-    case: Table,
+    /// The scene, or its case under study.
+    spec: SceneSpec,
     registry: Registry,
     folder: PathBuf,
     title: String,
@@ -89,20 +84,23 @@ enum FinerMeshes {
 
 /// Run of a study.
 struct LevelRun {
-    name: String,
-    /// Its keys in the scene, as those of a case.
-    keys: Table,
+    /// The scene as a case with the name of the run.
+    spec: SceneSpec,
     /// Index of its mesh.
     mesh: usize,
     perturbed: bool,
+}
+
+impl LevelRun {
+    fn name(&self) -> &str {
+        self.spec.case().unwrap_or_default()
+    }
 }
 
 /// Runs of a convergence study, whose scene is valid on every mesh.
 pub struct PlannedRuns<'a> {
     study: &'a Convergence,
     runs: Vec<LevelRun>,
-    /// The scene with the runs as its cases.
-    text: String,
     levels: Vec<MeshLevel>,
 }
 
@@ -129,25 +127,11 @@ impl Convergence {
         folder: Option<PathBuf>,
         registry: &Registry,
     ) -> Result<Self, StudyError> {
-        let path = path.as_ref();
-        let scene = match case {
-            Some(case) => Scene::case_from_file_with(path, case, registry)?,
-            None => Scene::from_file_with(path, registry)?,
-        };
-        let text = scene.source().map_or("", |source| &source.text);
-        let mut file: Table = toml::from_str(text).map_err(|source| StudyError::SceneFile {
-            file: path.into(),
-            source: Box::new(source),
-        })?;
-        let cases = file.remove("case");
-        let cases = cases.as_ref().and_then(Value::as_array);
-        let own = case.and_then(|case| cases?.iter().find(|own| is_case(own, case)));
-        let own = own.and_then(Value::as_table).cloned();
+        let file = SceneFile::read(path)?;
+        let scene = Scene::of_case(&file, case, registry)?;
         let folder = folder.unwrap_or_else(|| scene.result_folder().path().join(FOLDER));
         Ok(Self {
-            path: path.into(),
-            file,
-            case: own.unwrap_or_default(),
+            spec: file.spec(case)?,
             registry: registry.clone(),
             folder,
             title: scene.title().to_owned(),
@@ -211,13 +195,11 @@ impl Convergence {
     /// # Errors
     /// A scene that is invalid on one of the meshes; [`StudyError::MoreLoad`]; [`StudyError::NotFiner`].
     pub fn plan(&self) -> Result<PlannedRuns<'_>, StudyError> {
-        let runs = self.runs()?;
-        let text = self.text(&runs)?;
-        let levels = self.levels(&runs, &text)?;
+        let runs = self.runs();
+        let levels = self.levels(&runs)?;
         Ok(PlannedRuns {
             study: self,
             runs,
-            text,
             levels,
         })
     }
@@ -235,96 +217,63 @@ impl Convergence {
     }
 
     /// The runs of the study: all meshes from the coarsest, each followed by its perturbed run if there is one.
-    fn runs(&self) -> Result<Vec<LevelRun>, StudyError> {
-        let mesh = self.case.get("mesh").or(self.file.get("mesh"));
-        let mesh = mesh.and_then(Value::as_table).cloned().unwrap_or_default();
-        let own = mesh.get("refine").and_then(Value::as_integer).unwrap_or(0);
+    fn runs(&self) -> Vec<LevelRun> {
+        let own = self.spec.mesh.refine.as_deref().copied().unwrap_or(0);
         let count = match &self.finer {
             FinerMeshes::Refined(count) => *count,
             FinerMeshes::Files(files) => files.len(),
         };
         let mut runs = Vec::new();
         for level in 0..=count {
-            let mut mesh = mesh.clone();
+            let mut spec = self.spec.clone();
             match &self.finer {
                 FinerMeshes::Refined(_) if level > 0 => {
-                    mesh.insert("refine".into(), (own + level as i64).into());
+                    **spec.mesh.refine.get_or_insert_default() = own + level as u32;
                 }
                 FinerMeshes::Files(files) if level > 0 => {
-                    let file = files[level - 1].to_string_lossy().into_owned();
-                    mesh.insert("file".into(), file.into());
+                    (*spec.mesh.file).clone_from(&files[level - 1]);
                 }
                 _ => {}
             }
             let name = format!("mesh-{}", level + 1);
-            let mut keys = self.case.clone();
-            keys.insert("name".into(), name.clone().into());
-            keys.insert("mesh".into(), mesh.into());
-            keys.remove("on_request");
-            keys.remove("varies");
-            let mut again = keys.clone();
-            if level > 0 {
-                keys.insert("varies".into(), "mesh".into());
-            }
+            spec.set_case(&name, (level > 0).then(|| "mesh".to_owned()));
+            let mut again = spec.clone();
             runs.push(LevelRun {
-                name: name.clone(),
-                keys,
+                spec,
                 mesh: level,
                 perturbed: false,
             });
-            if !self.perturbed || level == count {
-                continue;
-            }
-            for table in OF_WAVES {
-                if !again.contains_key(table) {
-                    let waves = self.file.get(table).cloned();
-                    again.extend(waves.map(|waves| (table.to_owned(), waves)));
-                }
-            }
-            if enlarge_waves(&mut again, PERTURBATION) > 0 {
-                let name = format!("{name}-perturbed");
-                again.insert("name".into(), name.clone().into());
-                again.insert("varies".into(), "waves larger by 1e-6".into());
+            let is_repeated = self.perturbed && level < count;
+            if is_repeated && enlarge_waves(&mut again, PERTURBATION) > 0 {
+                let varies = Some("waves larger by 1e-6".to_owned());
+                again.set_case(format!("{name}-perturbed"), varies);
                 runs.push(LevelRun {
-                    name,
-                    keys: again,
+                    spec: again,
                     mesh: level,
                     perturbed: true,
                 });
             }
         }
-        Ok(runs)
+        runs
     }
 
-    /// The scene with the runs as its cases, as text.
-    fn text(&self, runs: &[LevelRun]) -> Result<String, StudyError> {
-        let mut file = self.file.clone();
-        let cases = runs.iter().map(|run| Value::Table(run.keys.clone()));
-        file.insert("case".into(), Value::Array(cases.collect()));
-        toml::to_string(&file).map_err(|source| StudyError::Unwritable {
-            file: self.path.clone(),
-            source: Box::new(source),
-        })
-    }
-
-    fn scene(&self, text: &str, case: &str) -> Result<Scene, StudyError> {
-        let scene = Scene::case_from_toml(text, &self.path, case, &self.registry)?;
-        Ok(scene)
+    fn scene(&self, run: &LevelRun) -> Result<Scene, StudyError> {
+        Ok(Scene::from_spec(run.spec.clone(), &self.registry)?)
     }
 
     /// The meshes of the runs.
     ///
     /// # Errors
     /// A scene that is invalid on one of them; [`StudyError::MoreLoad`]; [`StudyError::NotFiner`].
-    fn levels(&self, runs: &[LevelRun], text: &str) -> Result<Vec<MeshLevel>, StudyError> {
+    fn levels(&self, runs: &[LevelRun]) -> Result<Vec<MeshLevel>, StudyError> {
         let plain = runs.iter().filter(|run| !run.perturbed);
         let mut levels: Vec<MeshLevel> = Vec::new();
         let mut coarsest: Option<Scene> = None;
         for run in plain {
-            let scene = self.scene(text, &run.name)?;
+            let scene = self.scene(run)?;
             let mesh = scene.mesh();
             let level = MeshLevel {
-                case: run.name.clone(),
+                case: run.name().to_owned(),
                 elements: mesh.element_count(),
                 size: mean_size(mesh),
             };
@@ -337,7 +286,7 @@ impl Convergence {
             }
             levels.push(level);
             match &coarsest {
-                Some(coarsest) => check_same_loads(&self.file, coarsest, &scene)?,
+                Some(coarsest) => check_same_loads(&self.spec, coarsest, &scene)?,
                 None => coarsest = Some(scene),
             }
         }
@@ -353,7 +302,7 @@ impl PlannedRuns<'_> {
     /// A step that cannot be computed.
     pub fn predicted_time(&self) -> Result<Duration, StudyError> {
         let first = &self.levels[0];
-        let scene = self.study.scene(&self.text, &first.case)?;
+        let scene = self.study.scene(&self.runs[0])?;
         let duration = self.study.duration.unwrap_or(scene.duration());
         let scene = scene.with_duration(duration);
         let mut simulation = scene.prepare()?;
@@ -383,14 +332,14 @@ impl PlannedRuns<'_> {
         let Self {
             study,
             runs,
-            text,
             levels,
         } = self;
-        let scene = study.scene(&text, &levels[0].case)?;
+        let scene = study.scene(&runs[0])?;
         let not_compared = figures::not_compared(&scene);
         let is_linear = !is_path_dependent(&scene);
+        let specs = runs.iter().map(|run| run.spec.clone()).collect();
+        let mut sweep = Sweep::of_variants(&scene, specs, study.folder.clone())?;
         drop(scene);
-        let mut sweep = Sweep::of_text((&study.path, text), study.folder.clone(), &study.registry)?;
         if let Some(duration) = study.duration {
             sweep = sweep.with_duration(duration)?;
         }
@@ -399,7 +348,7 @@ impl PlannedRuns<'_> {
         }
         sweep.run(stop, watch)?;
         let results =
-            |run: &LevelRun| figures::figures(&study.folder.join(&run.name), &not_compared);
+            |run: &LevelRun| figures::figures(&study.folder.join(run.name()), &not_compared);
         let (again, plain): (Vec<&LevelRun>, Vec<&LevelRun>) =
             runs.iter().partition(|run| run.perturbed);
         let plain: Vec<_> = plain.into_iter().map(results).collect::<Result<_, _>>()?;

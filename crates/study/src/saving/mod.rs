@@ -29,7 +29,7 @@ use crate::StudyError;
 use crate::advice::Band;
 use crate::cost::StepTimer;
 use crate::resolution::Resolution;
-use variant::Files;
+use variant::Variants;
 pub use window::MeasuredError;
 use window::{ErrorGrowth, SceneFacts, Window};
 
@@ -218,7 +218,7 @@ impl FormatError {
             return Ok(None);
         };
         let facts = SceneFacts::of(scene);
-        let files = Files::of(scene);
+        let files = Variants::of(scene);
         let error = match (facts.obstacle, &files) {
             (Some(obstacle), _) => PredictedError::unknown(obstacle),
             (None, None) => PredictedError::unknown(NO_FILE),
@@ -246,7 +246,7 @@ impl FormatError {
     }
 }
 
-fn against_double(files: &Files, window: &Window) -> PredictedError {
+fn against_double(files: &Variants, window: &Window) -> PredictedError {
     match window.error_against(&files.double, ErrorGrowth::OfRounding) {
         Ok(error) => PredictedError::measured(&error),
         Err(reason) => PredictedError::unknown(reason),
@@ -344,7 +344,7 @@ impl fmt::Display for Saving {
 /// Data for the savings of a scene that are collected before it is prepared.
 pub(crate) struct Survey {
     of_shape: Vec<Saving>,
-    files: Option<Files>,
+    files: Option<Variants>,
     facts: SceneFacts,
     /// Number format of the scene with its documented error, unless it is double precision.
     format: Option<(&'static str, f64)>,
@@ -366,7 +366,7 @@ impl Survey {
         };
         Ok(Self {
             of_shape: shape::savings(scene)?,
-            files: Files::of(scene),
+            files: Variants::of(scene),
             facts: SceneFacts::of(scene),
             format: FormatError::documented(scene),
             elements: scene.mesh().element_count(),
@@ -396,7 +396,7 @@ impl Survey {
         }
         let mut error = PredictedError::unknown(NO_FILE);
         if let Some(mut files) = self.files {
-            let variants = core::mem::take(&mut files.variants);
+            let variants = core::mem::take(&mut files.changed);
             let windows = variants.len() + usize::from(self.format.is_some());
             let window = Window::of(files.own.clone(), &self.facts, timing, windows);
             if self.format.is_some() {

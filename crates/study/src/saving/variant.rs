@@ -1,9 +1,9 @@
-//! Changes of a scene's file, and the cost of the changed scene.
+//! Changes of a scene, and the cost of the changed scene.
 
-use powerhouse::Scene;
-use toml::Table;
+use powerhouse::spec::Precision;
+use powerhouse::{Scene, SceneSpec};
 
-use super::window::{ErrorGrowth, SceneFile, Window};
+use super::window::{ErrorGrowth, Window, WindowScene};
 use super::{Change, PredictedError, RefusedChange, RunTiming, Saving};
 use crate::StudyError;
 use crate::cost::StepTimer;
@@ -16,7 +16,7 @@ struct ChangeOfLevel {
     level: &'static str,
 }
 
-/// The changes that are made in a scene's file.
+/// The changes that are made in a scene.
 fn changes() -> [ChangeOfLevel; 3] {
     let of = |change, factor, level| ChangeOfLevel {
         change,
@@ -30,59 +30,52 @@ fn changes() -> [ChangeOfLevel; 3] {
     ]
 }
 
-/// The files of a scene, unchanged and with single changes.
-pub(super) struct Files {
-    pub(super) own: SceneFile,
+/// A scene, unchanged and with single changes.
+pub(super) struct Variants {
+    pub(super) own: WindowScene,
     /// The scene in double precision.
-    pub(super) double: SceneFile,
-    pub(super) variants: Vec<Variant>,
+    pub(super) double: WindowScene,
+    pub(super) changed: Vec<ChangedScene>,
 }
 
 /// A scene with one change.
-pub(super) struct Variant {
+pub(super) struct ChangedScene {
     change: Change,
-    file: SceneFile,
+    scene: WindowScene,
 }
 
-impl Files {
-    /// The files of a scene; `None` for a scene without a file or a case.
+impl Variants {
+    /// The variants of a scene; `None` for a scene that was composed in Rust, and for a case.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
-        let (Some(source), None) = (scene.source(), scene.case()) else {
+        let (Some(spec), None) = (scene.spec(), scene.case()) else {
             return None;
         };
         let registry = scene.registry()?;
-        let mut table = source.text.parse::<Table>().ok()?;
-        table.remove("case");
-        let file = |table: &Table| {
-            Some(SceneFile {
-                text: toml::to_string(table).ok()?,
-                path: source.path.clone(),
-                duration: scene.duration(),
-                threads: scene.threads(),
-                registry: registry.clone(),
-            })
+        let with = |spec: SceneSpec| WindowScene {
+            spec,
+            duration: scene.duration(),
+            threads: scene.threads(),
+            registry: registry.clone(),
         };
-        let factors = factors(scene, &table);
-        let variants = changes().into_iter().filter_map(|of| {
+        let factors = factors(scene, spec);
+        let changed = changes().into_iter().filter_map(|of| {
             let factor = factors.iter().find(|other| other.name == of.factor)?;
-            let changed = with_level(&table, factor, of.level)?;
-            Some(Variant {
+            Some(ChangedScene {
                 change: of.change,
-                file: file(&changed)?,
+                scene: with(with_level(spec, factor, of.level)?),
             })
         });
-        let variants = variants.collect();
-        let own = file(&table)?;
-        table.remove("precision");
+        let mut double = spec.clone();
+        double.precision = Precision::default();
         Some(Self {
-            own,
-            double: file(&table)?,
-            variants,
+            changed: changed.collect(),
+            own: with(spec.clone()),
+            double: with(double),
         })
     }
 }
 
-impl Variant {
+impl ChangedScene {
     /// The saving by the change against the unchanged scene; `None` if either run has too few steps to be timed.
     ///
     /// # Errors
@@ -104,8 +97,8 @@ impl Variant {
         timing: &RunTiming,
         window: &Window,
     ) -> Result<Option<Saving>, StudyError> {
-        let duration = self.file.duration;
-        let scene = self.file.scene(duration)?;
+        let duration = self.scene.duration;
+        let scene = self.scene.scene(duration)?;
         let (deviation, unstaged) = (deviation(&scene), scene.stages().is_empty());
         let nonlinear = scene.parts().iter().any(|part| !part.material.is_linear());
         let mut simulation = scene.prepare()?;
@@ -127,7 +120,7 @@ impl Variant {
                     Change::Mixed => ErrorGrowth::OfRounding,
                     _ => ErrorGrowth::Unknown,
                 };
-                match window.error_of(&self.file, growth) {
+                match window.error_of(&self.scene, growth) {
                     Ok(error) => PredictedError::measured(&error),
                     Err(reason) => PredictedError::unknown(reason),
                 }
@@ -148,13 +141,13 @@ impl Variant {
     }
 }
 
-/// A scene's file with another level of a factor, if that is less accurate than the scene's.
-fn with_level(file: &Table, factor: &Factor, level: &str) -> Option<Table> {
+/// A scene with another level of a factor, if that is less accurate than the scene's.
+fn with_level(spec: &SceneSpec, factor: &Factor, level: &str) -> Option<SceneSpec> {
     let index = factor.levels.iter().position(|other| other.name == level)?;
     if index <= factor.own {
         return None;
     }
-    let mut changed = file.clone();
+    let mut changed = spec.clone();
     factor.levels[index].apply(&mut changed);
     Some(changed)
 }

@@ -1,4 +1,4 @@
-//! Error of a change of a scene's file in its histories, measured over the first part of the run.
+//! Error of a change of a scene in its histories, measured over the first part of the run.
 //!
 //! # Why so
 //! *The scene itself is run, unchanged and changed*, over as many steps as a share of the run's wall time permits, and
@@ -16,12 +16,11 @@
 //!
 //! *The errors of other changes are those of the window*: their growth is unknown.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
-use powerhouse::{Error, Registry, RunHooks, Scene, Simulation, TimeStep};
+use powerhouse::{Error, Registry, RunHooks, Scene, SceneSpec, Simulation, TimeStep};
 
 use super::RunTiming;
 use crate::trade::{Misfit, columns, misfits};
@@ -38,18 +37,17 @@ const SHORTER: f64 = 0.998;
 /// Least share of the run's error variance and motion within a window from which the run can be predicted.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// Text of a scene's file, with settings of the scene that replace those of the file.
+/// Scene with settings that replace those of its file.
 #[derive(Clone)]
-pub(crate) struct SceneFile {
-    pub(crate) text: String,
-    pub(crate) path: PathBuf,
+pub(crate) struct WindowScene {
+    pub(crate) spec: SceneSpec,
     pub(crate) duration: f64,
     pub(crate) threads: Option<usize>,
     /// The names that the scene was read with.
     pub(crate) registry: Registry,
 }
 
-impl SceneFile {
+impl WindowScene {
     /// The scene for some time (s), ready to run.
     ///
     /// # Errors
@@ -63,7 +61,7 @@ impl SceneFile {
     /// # Errors
     /// A scene that is refused.
     pub(crate) fn scene(&self, duration: f64) -> Result<Scene, Error> {
-        let scene = Scene::from_toml(self.text.clone(), self.path.clone(), &self.registry)?;
+        let scene = Scene::from_spec(self.spec.clone(), &self.registry)?;
         let scene = scene.with_duration(duration);
         Ok(match self.threads {
             Some(threads) => scene.with_threads(threads),
@@ -124,7 +122,7 @@ impl MeasuredError {
 
 /// First part of a scene's run, as the reference of changed runs.
 pub(crate) struct Window {
-    file: SceneFile,
+    file: WindowScene,
     length: f64,
     /// Time step of the reference (s).
     step: f64,
@@ -138,7 +136,7 @@ impl Window {
     /// The first part of the run of a scene's file with steps of a timing; it will be compared with so many
     /// others.
     pub(crate) fn of(
-        file: SceneFile,
+        file: WindowScene,
         facts: &SceneFacts,
         timing: &RunTiming,
         others: usize,
@@ -169,7 +167,7 @@ impl Window {
     /// The error of a changed scene, or the reason why it is unknown.
     pub(crate) fn error_of(
         &self,
-        changed: &SceneFile,
+        changed: &WindowScene,
         growth: ErrorGrowth,
     ) -> Result<MeasuredError, &'static str> {
         let reference = self.reference.as_ref().map_err(|reason| *reason)?;
@@ -181,7 +179,7 @@ impl Window {
     /// The error of the unchanged scene against a more accurate one, or the reason why it is unknown.
     pub(crate) fn error_against(
         &self,
-        accurate: &SceneFile,
+        accurate: &WindowScene,
         growth: ErrorGrowth,
     ) -> Result<MeasuredError, &'static str> {
         let found = self.reference.as_ref().map_err(|reason| *reason)?;
@@ -268,7 +266,7 @@ fn first_half(table: &[TableColumn]) -> Vec<TableColumn> {
 
 /// The histories of the first part (s) of a run, with a given step (s) unless that is unstable; `None` if it cannot be
 /// run.
-fn histories(file: &SceneFile, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
+fn histories(file: &WindowScene, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
     let mut simulation = file.prepare(length).ok()?;
     if let Some(step) = step
         && step <= simulation.stable_step().ok()?.step

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Checksum;
+use powerhouse::spec::InSituStress;
 use powerhouse::{Damping, EquilibratedBody, Registry, Scene};
 
 use super::locked;
 use super::processes::{SharedFolder, WorkLock};
 use crate::StudyError;
-use crate::mark::{REVISION, is_case};
+use crate::mark::REVISION;
 
 /// Name of the folder of body files within the folder of a sweep.
 const FOLDER: &str = "at-rest";
@@ -89,8 +90,8 @@ impl<'s> BodyStore<'s> {
 ///
 /// It is the checksum of the software revision, the mesh, the supports, the joints, the start time, at which static
 /// loads are evaluated, the absorbing faces, along which rock is elastic, media and damping of the parts at rest, and all
-/// sections of the scene and the case on which the stages depend.
-pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String {
+/// sections of the scene on which the stages depend.
+pub(super) fn key(scene: &Scene) -> String {
     let mut sum = Checksum::default();
     sum.add_whole(REVISION.as_bytes());
     let version = scene.registry().map_or("", Registry::version);
@@ -114,25 +115,19 @@ pub(super) fn key(scene: &Scene, file: &Path, text: &str, case: &str) -> String 
         let medium = material.medium();
         sum.add_whole(format!("{} {medium:?} {damping:?}", part.set).as_bytes());
     }
-    let table: toml::Table = toml::from_str(text).unwrap_or_default();
-    let cases = table.get("case").and_then(toml::Value::as_array);
-    let own = cases.and_then(|cases| cases.iter().find(|own| is_case(own, case)));
-    for section in SECTIONS {
-        for value in [table.get(section), own.and_then(|own| own.get(section))] {
-            let text = value.map_or(String::new(), toml::Value::to_string);
+    if let Some(spec) = scene.spec() {
+        // A number that TOML does not have is refused before.
+        let table = spec.to_table().unwrap_or_default();
+        for section in SECTIONS {
+            let text = table
+                .get(section)
+                .map_or(String::new(), toml::Value::to_string);
             sum.add_whole(text.as_bytes());
         }
-    }
-    let stress = |of: &toml::Table| {
-        of.get("in_situ_stress")?
-            .get("file")?
-            .as_str()
-            .map(str::to_owned)
-    };
-    let of_case = own.and_then(toml::Value::as_table).and_then(stress);
-    if let Some(name) = of_case.or_else(|| stress(&table)) {
-        let path = file.parent().unwrap_or(Path::new("")).join(name);
-        sum.add_whole(&std::fs::read(path).unwrap_or_default());
+        if let Some(InSituStress::Elements { file, .. }) = spec.in_situ_stress.as_deref() {
+            let path = spec.file().text().folder().join(&**file);
+            sum.add_whole(&std::fs::read(path).unwrap_or_default());
+        }
     }
     sum.to_string()
 }

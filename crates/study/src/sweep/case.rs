@@ -10,7 +10,7 @@ use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
     CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, ResultFolder,
-    RunHooks, RunNotes, Scene, SceneText, Simulation,
+    RunHooks, RunNotes, Scene, SceneFile, Simulation,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -89,7 +89,7 @@ impl Sweep {
         let text = scene.source().map(|source| source.text.clone());
         let relative = scene.output().relative.iter();
         let relative: Vec<String> = relative.map(|request| request.name.clone()).collect();
-        let body = at_rest::key(&scene, &self.scene, &self.text, case);
+        let body = at_rest::key(&scene);
         let title = format!("{}: {case}", scene.title());
         let ground = ground::relative_peaks(&scene)?;
         let coverage = Coverage::of(&scene, &input);
@@ -171,8 +171,8 @@ impl Sweep {
         if !is_held {
             return Err(Error::from(FolderError::Gone { folder: path }).into());
         }
-        if let Some(fingerprint) = self.fingerprints.get(case) {
-            finished::finish(&path, fingerprint, &files)?;
+        if let Some(variant) = self.variant(case) {
+            finished::finish(&path, variant.fingerprint(), &files)?;
         }
         checkpoints.remove()?;
         // Read back, as a later sweep does: a number may lose its last bit in a file.
@@ -181,10 +181,16 @@ impl Sweep {
 
     /// The scene of a case with the settings of this sweep.
     fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
-        let mut scene = match self.in_file {
-            true => Scene::case_from_file_with(&self.scene, case, &self.registry)?,
-            false => Scene::case_from_toml(self.text.as_str(), &self.scene, case, &self.registry)?,
-        };
+        let file = self.file.path();
+        let variant = self.variant(case).ok_or_else(|| Error::NoSuchCase {
+            name: case.into(),
+            available: self.all_names(),
+        })?;
+        if self.in_file && SceneFile::read(file)?.text().text != self.file.text().text {
+            let file = file.into();
+            return Err(StudyError::Changed { file });
+        }
+        let mut scene = variant.scene(&self.registry)?;
         let at_once = self.at_once.get().min(self.cases.len());
         if at_once > 1 && scene.threads().is_none() {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
@@ -192,11 +198,6 @@ impl Sweep {
         }
         if let Some(duration) = self.duration {
             scene = scene.with_duration(duration);
-        }
-        let is_other = |source: &SceneText| source.text != self.text;
-        if scene.source().is_some_and(|source| is_other(source)) {
-            let file = self.scene.clone();
-            return Err(StudyError::Changed { file });
         }
         Ok(scene)
     }

@@ -34,7 +34,7 @@ mod sections;
 mod table;
 mod workers;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -45,11 +45,12 @@ use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, ProgressHook, Registry, RunNotes, Scene, StageSink,
+    CheckpointFiles, CheckpointInterval, ProgressHook, Registry, RunNotes, Scene, SceneFile,
+    SceneSpec, StageSink,
 };
 
 use crate::json::read_json;
-use crate::mark::Fingerprint;
+use crate::variant::Variant;
 use crate::{CheckpointEvent, StudyError};
 use at_rest::BodyStore;
 use case::{CaseControl, Claim};
@@ -126,19 +127,16 @@ impl SweepWatch for NoProgress {}
 
 /// Parameter sweep over the cases of a scene file.
 pub struct Sweep {
-    scene: PathBuf,
-    /// Text of the scene: that of the file at the beginning of the sweep, or a text in its place.
-    text: String,
-    /// Whether the text is that of the file.
+    /// The scene file at the beginning of the sweep.
+    file: SceneFile,
+    /// Whether the cases are those of the file, which must then not be edited while they run.
     in_file: bool,
     registry: Registry,
     /// Cases to run.
     cases: Vec<String>,
-    /// All cases of the scene.
-    all: Vec<String>,
+    /// All cases of the scene, in their order.
+    all: Vec<Variant>,
     folder: PathBuf,
-    /// Fingerprint of each case.
-    fingerprints: BTreeMap<String, Fingerprint>,
     duration: Option<f64>,
     /// Number of cases that run in parallel.
     at_once: NonZeroUsize,
@@ -167,53 +165,67 @@ impl Sweep {
         folder: Option<PathBuf>,
         registry: &Registry,
     ) -> Result<Self, StudyError> {
-        let scene = Scene::from_file_with(path.as_ref(), registry)?;
-        Self::of_scene(path.as_ref(), scene, folder, registry)
-    }
-    /// The same for a text in place of the contents of the scene file.
-    pub(crate) fn of_text(
-        (path, text): (&Path, String),
-        folder: PathBuf,
-        registry: &Registry,
-    ) -> Result<Self, StudyError> {
-        let scene = Scene::from_toml(text, path, registry)?;
-        let mut sweep = Self::of_scene(path, scene, Some(folder), registry)?;
-        sweep.in_file = false;
+        let file = SceneFile::read(path)?;
+        let scene = Scene::of_case(&file, None, registry)?;
+        let own = scene.result_folder().path().to_path_buf();
+        let names = scene.case_names().iter();
+        let specs = names.map(|name| Ok(file.spec(Some(name))?));
+        let specs: Vec<SceneSpec> = specs.collect::<Result<_, StudyError>>()?;
+        let mut sweep = Self::of_variants(&scene, specs, folder.unwrap_or(own))?;
+        let on_request = scene.cases_on_request();
+        sweep.cases.retain(|case| !on_request.contains(case));
+        sweep.in_file = true;
         Ok(sweep)
     }
-    fn of_scene(
-        path: &Path,
-        scene: Scene,
-        folder: Option<PathBuf>,
-        registry: &Registry,
+    /// The sweep of variants of a scene, each with the name of its case.
+    ///
+    /// # Errors
+    /// [`StudyError::NoCases`]; a file of a variant that cannot be read.
+    pub(crate) fn of_variants(
+        scene: &Scene,
+        specs: Vec<SceneSpec>,
+        folder: PathBuf,
     ) -> Result<Self, StudyError> {
-        if scene.case_names().is_empty() {
-            let file = path.into();
+        let file = scene
+            .spec()
+            .map(|spec| spec.file().clone())
+            .unwrap_or_default();
+        if specs.is_empty() {
+            let file = file.path().into();
             return Err(StudyError::NoCases { file });
         }
-        let own = scene.result_folder().path().to_path_buf();
-        let text = scene.source().map_or("", |source| &source.text);
-        let fingerprints =
-            Fingerprint::of_cases((path, text), scene.case_names(), None, registry.version())?;
+        let registry = scene.registry().cloned().unwrap_or_default();
         let records = scene.records().iter();
         let records = records.map(|(name, history)| (name.clone(), history.clone()));
+        let all = specs.into_iter();
+        let all = all.map(|spec| Variant::new(spec, None, registry.version()));
+        let all: Vec<Variant> = all.collect::<Result<_, _>>()?;
         Ok(Self {
             records: records.collect(),
-            fingerprints,
-            text: text.to_owned(),
-            in_file: true,
-            scene: path.into(),
-            cases: (scene.case_names().iter())
-                .filter(|case| !scene.cases_on_request().contains(case))
-                .cloned()
+            file,
+            in_file: false,
+            cases: all
+                .iter()
+                .map(|variant| variant.name().to_owned())
                 .collect(),
-            all: scene.case_names().to_vec(),
-            folder: folder.unwrap_or(own),
-            registry: registry.clone(),
+            all,
+            folder,
+            registry,
             duration: None,
             at_once: NonZeroUsize::MIN,
             checkpoint_interval: None,
         })
+    }
+
+    /// The variant of a case.
+    fn variant(&self, case: &str) -> Option<&Variant> {
+        self.all.iter().find(|variant| variant.name() == case)
+    }
+    fn all_names(&self) -> Vec<String> {
+        self.all
+            .iter()
+            .map(|variant| variant.name().to_owned())
+            .collect()
     }
 
     /// Restricts the sweep to the named cases, which may include those that run only on request.
@@ -221,24 +233,25 @@ impl Sweep {
     /// # Errors
     /// [`StudyError::Scene`] for an unknown case.
     pub fn only(mut self, cases: &[String]) -> Result<Self, StudyError> {
-        if let Some(name) = cases.iter().find(|name| !self.all.contains(name)) {
-            let (name, available) = (name.clone(), self.all);
+        let available = self.all_names();
+        if let Some(name) = cases.iter().find(|name| !available.contains(name)) {
+            let name = name.clone();
             return Err(powerhouse::Error::NoSuchCase { name, available }.into());
         }
-        let requested = self.all.iter().filter(|case| cases.contains(case));
-        self.cases = requested.cloned().collect();
+        let requested = available.into_iter().filter(|case| cases.contains(case));
+        self.cases = requested.collect();
         Ok(self)
     }
 
     /// Sets the duration (s) of every case, above zero and finite, in place of that of the scene.
     ///
     /// # Errors
-    /// A duration out of its range; a file of the scene that cannot be read again.
+    /// A duration out of its range.
     pub fn with_duration(mut self, duration: f64) -> Result<Self, StudyError> {
         ParameterError::check("duration", duration, f64::MIN_POSITIVE, f64::MAX)?;
-        let file = (self.scene.as_path(), self.text.as_str());
-        let version = self.registry.version();
-        self.fingerprints = Fingerprint::of_cases(file, &self.all, Some(duration), version)?;
+        for variant in &mut self.all {
+            variant.set_duration(duration);
+        }
         self.duration = Some(duration);
         Ok(self)
     }
@@ -348,15 +361,17 @@ impl Sweep {
 
     /// Whether a case was finished, by this run or an earlier one with the same inputs.
     fn is_finished(&self, case: &str) -> bool {
-        let is_finished = |own| finished::is_finished(&self.folder.join(case), own);
-        self.fingerprints.get(case).is_some_and(is_finished)
+        let is_finished =
+            |own: &Variant| finished::is_finished(&self.folder.join(case), own.fingerprint());
+        self.variant(case).is_some_and(is_finished)
     }
 
     /// Writes the table of all finished cases, one process and case at a time.
     fn write_table(&self, shared: &SharedFolder) -> Result<(), StudyError> {
         let _lock = shared.files()?;
-        let finished = self.all.iter().filter(|case| self.is_finished(case));
-        let read = |case: &String| CaseOutcome::read(&self.folder.join(case).join(OUTCOME));
+        let finished = self.all.iter().map(Variant::name);
+        let finished = finished.filter(|case| self.is_finished(case));
+        let read = |case: &str| CaseOutcome::read(&self.folder.join(case).join(OUTCOME));
         let outcomes: Vec<CaseOutcome> = finished.map(read).collect::<Result<_, _>>()?;
         table::write(&self.folder.join(TABLE), &outcomes)
     }
@@ -369,8 +384,8 @@ impl Sweep {
         let file = self.folder.join(CASES);
         let others: Vec<CaseEntry> = read_json(&file)?;
         let is_same = |other: &CaseEntry| {
-            let own = self.fingerprints.get(other.name());
-            own.is_some_and(|own| other.has(own))
+            let own = self.variant(other.name());
+            own.is_some_and(|own| other.has(own.fingerprint()))
         };
         if !others.iter().all(is_same) {
             let folder = self.folder.clone();
@@ -382,13 +397,13 @@ impl Sweep {
 
     /// Writes the list of cases: those of this run, those finished earlier, and those of other processes.
     fn write_cases(&self, others: &[&str]) -> Result<(), StudyError> {
-        let is_listed = |case: &&String| {
-            let is_known = self.cases.contains(case) || others.contains(&case.as_str());
-            is_known || self.is_finished(case)
+        let is_listed = |variant: &&Variant| {
+            let case = variant.name();
+            let is_chosen = self.cases.iter().any(|chosen| chosen == case);
+            is_chosen || others.contains(&case) || self.is_finished(case)
         };
         let cases = self.all.iter().filter(is_listed);
-        let entries =
-            cases.filter_map(|case| Some(CaseEntry::new(case, self.fingerprints.get(case)?)));
+        let entries = cases.map(|case| CaseEntry::new(case.name(), case.fingerprint()));
         let entries: Vec<CaseEntry> = entries.collect();
         let file = self.folder.join(CASES);
         Ok(write_summary(&file, &entries).map_err(powerhouse::Error::from)?)

@@ -11,7 +11,7 @@ use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
 use powerhouse::model::{CheckpointSink, ModelError, Progress};
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, ResultFolder,
-    RunHooks, Scene,
+    RunHooks, Scene, SceneSpec,
 };
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +21,7 @@ use crate::checkpoints::{RunCheckpoints, is_of_state};
 use crate::cost::CostModel;
 use crate::json::read_json;
 use crate::mark::Fingerprint;
+use crate::variant::Variant;
 use crate::{CheckpointEvent, StudyError};
 
 const COST: &str = "cost.json";
@@ -321,32 +322,33 @@ impl Trade {
     ) -> Result<TradeRun, StudyError> {
         let folder = self.level_indices(design, |_| true);
         let body = self.body_of(design);
-        let text = self.text_of(design)?;
-        self.finish_file(&text, (&folder, &body), runner, (watch, name))
+        self.finish_spec(
+            self.spec_of(design),
+            (&folder, &body),
+            runner,
+            (watch, name),
+        )
     }
 
-    /// The results of a scene given as text, from its folder or a new run; `body` is the key of its equilibrated body.
-    pub(super) fn finish_file(
+    /// The results of a scene, from its folder or a new run; `body` is the key of its equilibrated body.
+    pub(super) fn finish_spec(
         &self,
-        text: &str,
+        spec: SceneSpec,
         (folder, body): (&str, &str),
         runner: &mut TradeRunner,
         (watch, name): (&mut dyn TradeWatch, &str),
     ) -> Result<TradeRun, StudyError> {
         let folder = self.folder.join(folder);
-        let fingerprint = Fingerprint::of(
-            text,
-            &self.inputs,
-            Some(self.window),
-            self.registry.version(),
-        );
-        if let Some(finished) = runner.finished(&folder, &fingerprint)? {
+        let version = self.registry.version();
+        let variant = Variant::with_files(spec, &self.inputs, Some(self.window), version)?;
+        let fingerprint = variant.fingerprint();
+        if let Some(finished) = runner.finished(&folder, fingerprint)? {
             // A study that was killed right after the end of the run has left its checkpoints.
             let _ = discard(&folder);
             watch.reused(name);
             return Ok(finished);
         }
-        let scene = || Scene::from_toml(text, &self.path, &self.registry);
+        let scene = || variant.scene(&self.registry);
         let mut done = runner.run(scene()?, (&folder, body), (watch, name));
         // A checkpoint whose state does not fit the body, as that of another build of the program, is removed.
         if let Err(error) = &done
@@ -364,10 +366,10 @@ impl Trade {
             }
             finished => finished?,
         };
-        runner.store(&folder, &fingerprint, &finished)?;
+        runner.store(&folder, fingerprint, &finished)?;
         discard(&folder)?;
         // Read back, as a later study does: a number may lose its last bit in a file.
-        Ok(runner.finished(&folder, &fingerprint)?.unwrap_or(finished))
+        Ok(runner.finished(&folder, fingerprint)?.unwrap_or(finished))
     }
 }
 

@@ -3,37 +3,32 @@
 use powerhouse::engine::observe::Place;
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
-use powerhouse::{Damping, Error, Scene};
-
-use toml::{Table, Value};
+use powerhouse::spec::{At, Support};
+use powerhouse::{Damping, Error, Scene, SceneSpec};
 
 use crate::StudyError;
 use crate::advice::inner_free_surface;
 use crate::recorded::nodes_of;
 
-/// Reason in a scene's file why its motion differs from the incident field.
-fn disturbance(file: &Table) -> Option<&'static str> {
-    let listed = |key: &str| {
-        file.get(key)
-            .and_then(Value::as_array)
-            .into_iter()
-            .flatten()
+/// Reason in a scene's keys why its motion differs from the incident field.
+fn disturbance(spec: &SceneSpec) -> Option<&'static str> {
+    let holds = |support: &At<Support>| {
+        matches!(
+            **support,
+            Support::Fixed { .. } | Support::Prescribed { .. }
+        )
     };
-    let holds = |support: &Value| {
-        let kind = support.get("kind").and_then(Value::as_str);
-        ["fixed", "prescribed"].contains(&kind.unwrap_or_default())
-    };
-    if listed("load").next().is_some() || listed("bolt").next().is_some() {
+    if !spec.loads.is_empty() || !spec.bolts.is_empty() {
         return Some("it has loads or bolts");
     }
-    if listed("support").any(holds) {
+    if spec.supports.iter().any(holds) {
         return Some("it has fixed or prescribed nodes");
     }
-    let boundary = file.get("boundary").and_then(Value::as_table);
-    if boundary.is_some_and(|boundary| boundary.contains_key("region")) {
-        return Some("its waves enter only around a region");
-    }
-    None
+    let region = spec
+        .boundary
+        .as_ref()
+        .and_then(|boundary| boundary.region.as_ref());
+    region.map(|_| "its waves enter only around a region")
 }
 
 /// The motion of the incident field at the recorded points of a scene, at given times (s).
@@ -41,11 +36,11 @@ fn disturbance(file: &Table) -> Option<&'static str> {
 /// # Errors
 /// [`StudyError::NoClosedForm`] for a scene whose motion differs from its incident field.
 pub(super) fn closed_form(
-    (scene, file): (&Scene, &Table),
+    (scene, spec): (&Scene, &SceneSpec),
     times: &[f64],
 ) -> Result<Vec<TableColumn>, StudyError> {
     let no_closed_form = |reason| StudyError::NoClosedForm { reason };
-    if let Some(reason) = disturbance(file) {
+    if let Some(reason) = disturbance(spec) {
         return Err(no_closed_form(reason));
     }
     let field = scene

@@ -1,11 +1,14 @@
-//! Factors of a trade study: numerical options of a scene, as edits of its file.
+//! Factors of a trade study: numerical options of a scene, as changes of its specification.
 
 use core::iter;
 
 use powerhouse::engine::{Hex8OnePoint, SolidKernel, StaticOptions};
 use powerhouse::model::ElementKind;
-use powerhouse::{Scene, keys};
-use toml::{Table, Value};
+use powerhouse::spec::{
+    At, Damping, Finite, Load, Part, Positive, Precision, Share, Stage, Step, Support, Time,
+};
+use powerhouse::{Scene, SceneSpec, keys};
+use toml::Table;
 
 use crate::advice::Bounds;
 
@@ -21,18 +24,26 @@ pub(crate) const OUTPUT: &str = "output";
 /// Names of levels.
 pub(crate) const FLAT: &str = "flat";
 pub(crate) const MIXED: &str = "mixed";
+/// Facet set at which an incident wave enters from below.
+const BOTTOM: &str = "bottom";
 /// Tolerances that stages of yielding rock still meet, and that the hand-over still takes.
 const MET: [f64; 2] = [1.0e-10, 1.0e-4];
 /// Least ratio of the band limits of flat damping.
 const NARROWEST_BAND: f64 = 1.5;
 
-/// Edit of a scene's file by a level.
+/// Change of a scene by a level.
 #[derive(Clone, Debug, PartialEq)]
 enum Edit {
-    /// No edit: the scene's own setting.
+    /// No change: the scene's own setting.
     Nothing,
-    /// Sets a key of a top-level table, or a top-level key.
-    Set(Option<&'static str>, &'static str, Value),
+    /// Factor on the stable step (1).
+    Safety(f64),
+    /// Number format of the elements.
+    Precision(Precision),
+    /// Sampling interval of the output (s).
+    Every(f64),
+    /// The incident wave alone, at the bottom, in place of the full field.
+    IncidentAtBottom,
     /// The kernel of the parts of some sets.
     Kernel { kernel: String, sets: Vec<String> },
     /// Another boundary, which takes these keys.
@@ -83,73 +94,68 @@ impl Level {
         self.index
     }
 
-    /// Applies the level to a scene's file.
-    pub(crate) fn apply(&self, file: &mut Table) {
+    /// Applies the level to a scene.
+    pub(crate) fn apply(&self, spec: &mut SceneSpec) {
         match &self.edit {
             Edit::Nothing => {}
-            Edit::Set(None, key, value) => {
-                file.insert((*key).into(), value.clone());
-            }
-            Edit::Set(Some(section), key, value) => {
-                let section = file.entry(*section).or_insert_with(|| Table::new().into());
-                if let Value::Table(table) = section {
-                    table.insert((*key).into(), value.clone());
+            Edit::Safety(factor) => spec.time.safety = Share::new(*factor),
+            Edit::Precision(precision) => spec.precision = *precision,
+            Edit::Every(interval) => spec.output.every = Positive::new(*interval).map(At::from),
+            Edit::IncidentAtBottom => {
+                if let Some(boundary) = &mut spec.boundary {
+                    let faces = (keys::INCIDENT_ONLY.to_owned(), vec![BOTTOM].into());
+                    let input = Table::from_iter([faces]).into();
+                    boundary.parameters.set(keys::INPUT, &input);
                 }
             }
             Edit::Kernel { kernel, sets } => {
-                for part in tables(file, "part") {
-                    let set = part.get("set").and_then(Value::as_str);
-                    if set.is_some_and(|set| sets.iter().any(|other| other == set)) {
-                        part.insert("kernel".into(), kernel.as_str().into());
+                for part in &mut spec.parts {
+                    if sets.contains(&part.set) {
+                        part.kernel = Some(kernel.clone().into());
                     }
                 }
             }
             Edit::Boundary { kind, takes } => {
-                if let Some(Value::Table(boundary)) = file.get_mut("boundary") {
+                if let Some(boundary) = &mut spec.boundary {
                     let takes = |key: &str| takes.iter().any(|taken| taken == key);
-                    boundary.retain(|key, _| keys::BOUNDARY.contains(&key) || takes(key));
-                    boundary.insert(keys::KIND.into(), kind.as_str().into());
+                    boundary.parameters.retain(takes);
+                    (*boundary.kind).clone_from(kind);
                 }
             }
             Edit::Ground { within, references } => {
-                for (wave, reference) in tables(file, "wave").zip(references) {
-                    let reference = Value::from(reference.to_vec());
-                    wave.entry("reference").or_insert(reference);
+                for (wave, reference) in spec.waves.iter_mut().zip(references) {
+                    if wave.reference.is_none() {
+                        wave.reference = Finite::array(*reference).map(At::from);
+                    }
                 }
-                let Some(Value::Table(mesh)) = file.get_mut("mesh") else {
-                    return;
-                };
-                let own = mesh.entry("within").or_insert_with(|| Table::new().into());
-                if let Value::Table(own) = own {
-                    let named = within.iter().zip(["x", "y", "z"]);
-                    own.extend(named.filter_map(|(pair, name)| {
-                        Some((name.to_owned(), Value::from((*pair)?.to_vec())))
-                    }));
+                let own = &mut **spec.mesh.within.get_or_insert_default();
+                for (side, bounds) in [&mut own.x, &mut own.y, &mut own.z].into_iter().zip(within) {
+                    *side = bounds.and_then(Finite::array).or(*side);
                 }
             }
             Edit::Tolerance(factor, [least, most]) => {
-                for stage in tables(file, "stage") {
-                    let own = stage.get("tolerance").and_then(number);
+                for stage in &mut spec.stages {
+                    let own = stage.tolerance.as_ref().map(|own| own.get());
                     let own = own.unwrap_or(StaticOptions::default().tolerance);
-                    stage.insert(
-                        "tolerance".into(),
-                        (factor * own).clamp(own.min(*least), own.max(*most)).into(),
-                    );
+                    let changed = (factor * own).clamp(own.min(*least), own.max(*most));
+                    stage.tolerance = Positive::new(changed).map(At::from);
                 }
             }
             Edit::Damping { flat } => {
-                for part in tables(file, "part") {
+                for part in &mut spec.parts {
                     let Some((ratio, band)) = rayleigh(part) else {
                         continue;
                     };
-                    part.insert("damping".into(), "none".into());
-                    if *flat {
-                        let mut damping = Table::new();
-                        damping.insert("kind".into(), "flat".into());
-                        damping.insert("ratio".into(), ratio.into());
-                        damping.insert("band".into(), band.to_vec().into());
-                        part.insert("damping".into(), damping.into());
-                    }
+                    let damping = match (flat, Positive::new(ratio.get())) {
+                        (true, Some(ratio)) => Damping::Flat {
+                            ratio: ratio.into(),
+                            band: band.into(),
+                            mechanisms: None,
+                            reference: None,
+                        },
+                        _ => Damping::None,
+                    };
+                    part.damping = Some(damping.into());
                 }
             }
         }
@@ -197,16 +203,16 @@ impl Factor {
 }
 
 /// The factors of a scene, the most important first.
-pub(crate) fn factors(scene: &Scene, file: &Table) -> Vec<Factor> {
+pub(crate) fn factors(scene: &Scene, spec: &SceneSpec) -> Vec<Factor> {
     let found = [
-        kernel(scene, file),
-        step(file),
-        boundary(scene, file),
-        input(scene, file),
-        damping(file),
-        precision(file),
-        statics(file),
-        output(scene, file),
+        kernel(scene, &spec.parts),
+        step(&spec.time),
+        boundary(scene, spec),
+        input(scene, spec),
+        damping(&spec.parts),
+        precision(spec.precision),
+        statics(&spec.stages),
+        output(scene),
     ];
     found.into_iter().flatten().collect()
 }
@@ -227,7 +233,7 @@ pub(crate) fn one_point() -> &'static str {
 /// The kernels of hexahedra, those of a program after those of the software, for all
 /// parts that have hexahedra and no kernel of other elements; `None` without such
 /// parts.
-fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
+fn kernel(scene: &Scene, parts: &[Part]) -> Option<Factor> {
     let mesh = scene.mesh();
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     for part in scene.parts() {
@@ -238,8 +244,10 @@ fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
             continue;
         }
         // A registered kernel may have another name of its own.
-        let named = (listed(file, "part").find(|other| text(other, "set") == Some(&part.set)))
-            .and_then(|other| text(other, "kernel"));
+        let named = parts.iter().find(|other| *other.set == part.set);
+        let named = named
+            .and_then(|other| other.kernel.as_deref())
+            .map(String::as_str);
         let name = named.or(own.map(|kernel| kernel.name()));
         let default = SolidKernel::default_for(ElementKind::Hex8).map(SolidKernel::name);
         names.extend(name.or(default).map(str::to_owned));
@@ -279,20 +287,16 @@ fn kernel(scene: &Scene, file: &Table) -> Option<Factor> {
 }
 
 /// Half of the scene's safety factor of the stable step, and the factor itself; `None` if the step is given in seconds.
-fn step(file: &Table) -> Option<Factor> {
-    let time = file.get("time")?.as_table()?;
-    if time
-        .get("step")
-        .is_some_and(|step| step.as_str() != Some("auto"))
-    {
+fn step(time: &Time) -> Option<Factor> {
+    if *time.step != Step::Auto {
         return None;
     }
-    let own = time.get("safety").and_then(number).unwrap_or(1.0);
-    let finer = Edit::Set(Some("time"), "safety", Value::Float(0.5 * own));
+    let own = time.safety.map_or(1.0, Share::get);
+    let half = 0.5 * own;
     Some(Factor::new(
         STEP,
         [
-            Level::new(format!("{} of the stable", 0.5 * own), finer),
+            Level::new(format!("{half} of the stable"), Edit::Safety(half)),
             Level::own(format!("{own} of the stable")),
         ],
         1,
@@ -300,13 +304,9 @@ fn step(file: &Table) -> Option<Factor> {
 }
 
 /// The scene's own boundary, dashpots alone, and the boundaries of a program that do without keys of their own.
-fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
+fn boundary(scene: &Scene, spec: &SceneSpec) -> Option<Factor> {
     let registry = scene.registry()?;
-    let own = file
-        .get("boundary")?
-        .as_table()?
-        .get(keys::KIND)?
-        .as_str()?;
+    let own = spec.boundary.as_ref()?.kind.as_str();
     let added = registry.added_boundary_names();
     let others = iter::once(keys::VISCOUS)
         .chain(added.filter(|name| *name != keys::VISCOUS))
@@ -322,45 +322,36 @@ fn boundary(scene: &Scene, file: &Table) -> Option<Factor> {
 }
 
 /// Input: the full field on every face, or only the incident wave at the bottom.
-fn input(scene: &Scene, file: &Table) -> Option<Factor> {
+fn input(scene: &Scene, spec: &SceneSpec) -> Option<Factor> {
     scene.field().filter(|field| field.carries_stress())?;
-    let boundary = file.get("boundary")?.as_table()?;
-    let kind = boundary.get(keys::KIND)?.as_str()?;
-    let takes = scene.registry()?.boundary_keys(kind)?;
-    let input = boundary.get(keys::INPUT);
+    let boundary = spec.boundary.as_ref()?;
+    let takes = scene.registry()?.boundary_keys(&boundary.kind)?;
+    let input = boundary.parameters.get(keys::INPUT);
     if !takes.iter().any(|key| key == keys::INPUT)
         || input.is_some_and(|input| input.as_str() != Some(keys::FULL_FIELD))
+        || !boundary.faces.iter().any(|face| face.as_str() == BOTTOM)
     {
         return None;
     }
-    let faces = boundary.get(keys::FACES)?.as_array()?;
-    if !faces.iter().any(|face| face.as_str() == Some("bottom")) {
-        return None;
-    }
-    let mut incident = Table::new();
-    incident.insert(keys::INCIDENT_ONLY.into(), vec!["bottom"].into());
-    let incident = Edit::Set(Some("boundary"), keys::INPUT, incident.into());
     Some(Factor::new(
         INPUT,
         [
             Level::own("full field"),
-            Level::new("incident wave at the bottom", incident),
+            Level::new("incident wave at the bottom", Edit::IncidentAtBottom),
         ],
         0,
     ))
 }
 
 /// Damping: Rayleigh, flat over the same band, or none.
-fn damping(file: &Table) -> Option<Factor> {
-    let parts = file.get("part")?.as_array()?;
-    let bands: Vec<[f64; 2]> = (parts.iter())
-        .filter_map(|part| rayleigh(part.as_table()?))
+fn damping(parts: &[Part]) -> Option<Factor> {
+    let bands: Vec<[Positive; 2]> = parts
+        .iter()
+        .filter_map(rayleigh)
         .map(|(_, band)| band)
         .collect();
-    let wide = bands
-        .iter()
-        .all(|[low, high]| *high >= NARROWEST_BAND * low);
-    if bands.is_empty() || !wide {
+    let is_wide = |[low, high]: &[Positive; 2]| high.get() >= NARROWEST_BAND * low.get();
+    if bands.is_empty() || !bands.iter().all(is_wide) {
         return None;
     }
     Some(Factor::new(
@@ -375,19 +366,23 @@ fn damping(file: &Table) -> Option<Factor> {
 }
 
 /// Number format of the elements.
-fn precision(file: &Table) -> Option<Factor> {
-    const FORMATS: [&str; 3] = ["f64", MIXED, "f32"];
-    let own = file.get("precision").map_or(Some("f64"), Value::as_str)?;
-    let own = FORMATS.iter().position(|format| *format == own)?;
-    let level =
-        |format: &'static str| Level::new(format, Edit::Set(None, "precision", format.into()));
-    Some(Factor::new(PRECISION, FORMATS.map(level), own))
+fn precision(own: Precision) -> Option<Factor> {
+    let formats = [
+        ("f64", Precision::F64),
+        (MIXED, Precision::Mixed),
+        ("f32", Precision::F32),
+    ];
+    let own = formats.iter().position(|(_, format)| *format == own)?;
+    let level = |(name, format)| Level::new(name, Edit::Precision(format));
+    Some(Factor::new(PRECISION, formats.map(level), own))
 }
 
 /// Tolerances of the stages: a hundredth of the given ones, the given ones, and a hundred times as much, within the
 /// limits of [`MET`].
-fn statics(file: &Table) -> Option<Factor> {
-    file.get("stage")?.as_array()?;
+fn statics(stages: &[Stage]) -> Option<Factor> {
+    if stages.is_empty() {
+        return None;
+    }
     let level = |name: &str, factor| Level::new(name, Edit::Tolerance(factor, MET));
     Some(Factor::new(
         STATICS,
@@ -401,73 +396,48 @@ fn statics(file: &Table) -> Option<Factor> {
 }
 
 /// Sampling interval of the output: as given, two and four times as long.
-fn output(scene: &Scene, file: &Table) -> Option<Factor> {
-    file.get("output")?.as_table()?;
+fn output(scene: &Scene) -> Option<Factor> {
     let own = scene.output().every;
     let level = |times: f64| {
         let every = times * own;
-        let edit = Edit::Set(Some("output"), "every", Value::Float(every));
-        Level::new(format!("every {every} s"), edit)
+        Level::new(format!("every {every} s"), Edit::Every(every))
     };
     let mut levels: Vec<Level> = [1.0, 2.0, 4.0].map(level).into();
     levels[0].edit = Edit::Nothing;
     Some(Factor::new(OUTPUT, levels, 0))
 }
 
-/// The tables of an array of tables.
-pub(crate) fn tables<'a>(file: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
-    let array = file.get_mut(key).and_then(Value::as_array_mut);
-    array.into_iter().flatten().filter_map(Value::as_table_mut)
-}
-
-/// The tables of all loads of the scene and of its stages.
-fn loads(file: &Table) -> impl Iterator<Item = &Value> {
-    let of_stages = listed(file, "stage").filter_map(|stage| stage.get("load")?.as_array());
-    listed(file, "load").chain(of_stages.flatten())
-}
-
-fn listed<'a>(file: &'a Table, key: &str) -> impl Iterator<Item = &'a Value> {
-    let array = file.get(key).and_then(Value::as_array);
-    array.into_iter().flatten()
-}
-
-fn text<'a>(table: &'a Value, key: &str) -> Option<&'a str> {
-    table.get(key)?.as_str()
+/// The loads of the scene and of its stages.
+fn loads(spec: &SceneSpec) -> impl Iterator<Item = &Load> {
+    let of_stages = spec.stages.iter().flat_map(|stage| &stage.loads);
+    spec.loads.iter().chain(of_stages).map(|load| &**load)
 }
 
 /// The sets with loads or prescribed motion.
-pub(super) fn sets_acted_on(file: &Table) -> Vec<&str> {
-    let prescribed =
-        listed(file, "support").filter(|table| text(table, "kind") == Some("prescribed"));
-    let sets = loads(file).chain(prescribed);
-    sets.filter_map(|table| text(table, "set")).collect()
+pub(super) fn sets_acted_on(spec: &SceneSpec) -> Vec<&str> {
+    let prescribed = spec.supports.iter().filter_map(|support| match &**support {
+        Support::Prescribed { set, .. } => Some(set),
+        _ => None,
+    });
+    let sets = loads(spec).filter_map(Load::set).chain(prescribed);
+    sets.map(|set| set.as_str()).collect()
 }
 
 /// The sets of nodal forces.
-pub(super) fn nodal_loads(file: &Table) -> Vec<&str> {
-    let nodal = loads(file).filter(|table| text(table, "kind") == Some("nodal"));
-    nodal.filter_map(|table| text(table, "set")).collect()
+pub(super) fn nodal_loads(spec: &SceneSpec) -> Vec<&str> {
+    let nodal = loads(spec).filter_map(|load| match load {
+        Load::Nodal { set, .. } => Some(set.as_str()),
+        _ => None,
+    });
+    nodal.collect()
 }
 
 /// Damping ratio and frequencies (Hz) of the Rayleigh damping of a part.
-fn rayleigh(part: &Table) -> Option<(f64, [f64; 2])> {
-    let damping = part.get("damping")?.as_table()?;
-    if damping.get("kind")?.as_str()? != "rayleigh" {
-        return None;
+fn rayleigh(part: &Part) -> Option<(Share, [Positive; 2])> {
+    match part.damping.as_deref()? {
+        Damping::Rayleigh { ratio, frequencies } => Some((*ratio, *frequencies)),
+        _ => None,
     }
-    let frequencies = damping.get("frequencies")?.as_array()?;
-    let frequency = |index: usize| number(frequencies.get(index)?);
-    Some((
-        number(damping.get("ratio")?)?,
-        [frequency(0)?, frequency(1)?],
-    ))
-}
-
-/// The value of an integer or a float.
-pub(crate) fn number(value: &Value) -> Option<f64> {
-    value
-        .as_float()
-        .or_else(|| value.as_integer().map(|x| x as f64))
 }
 
 /// Factors with given numbers of levels without edits.
@@ -504,29 +474,47 @@ mod tests {
         for set in ["bricks", "wedges"] {
             scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
         }
-        let factor = kernel(&scene, &Table::new()).unwrap();
+        let factor = kernel(&scene, &[]).unwrap();
         assert_eq!((factor.levels.len(), factor.own), (3, 1));
-        let mut file: Table =
-            toml::from_str("[[part]]\nset = \"bricks\"\n[[part]]\nset = \"wedges\"").unwrap();
-        factor.levels[0].apply(&mut file);
-        let kernels: Vec<Option<&str>> = listed(&file, "part")
-            .map(|part| text(part, "kernel"))
-            .collect();
-        assert_eq!(kernels, [Some("hex8-eas"), None]);
+        let parts =
+            ["bricks", "wedges"].map(|set| format!("[[part]]\nset = '{set}'\nmaterial = 'rock'\n"));
+        let mut spec = with(&parts.concat());
+        factor.levels[0].apply(&mut spec);
+        let kernels = spec
+            .parts
+            .iter()
+            .map(|part| part.kernel.as_deref().map(String::as_str));
+        assert_eq!(kernels.collect::<Vec<_>>(), [Some("hex8-eas"), None]);
+    }
+
+    /// A scene with some tables.
+    fn with(tables: &str) -> SceneSpec {
+        let text = format!(
+            "title = 'tables'\nmesh = {{ file = 'none.msh' }}\ntime = {{ duration = 1 }}\nmaterial = []\n{}{tables}",
+            if tables.contains("[[part]]") {
+                ""
+            } else {
+                "part = []\n"
+            },
+        );
+        let file = powerhouse::SceneFile::parse(text, "tables.toml").unwrap();
+        file.spec(None).unwrap()
     }
 
     /// Tolerances of stages are those of the file or the default ones, a hundredth and a hundred times as much, within
     /// the limits that statics can meet and a dynamic stage accepts.
     #[test]
     fn tolerances_stay_where_statics_can_meet_them() {
-        let text = "[[stage]]\ntolerance = 1e-6\n[[stage]]\n[[stage]]\ntolerance = 1e-11";
-        let file: Table = toml::from_str(text).unwrap();
-        let factor = statics(&file).unwrap();
+        let stages = ["tolerance = 1e-6", "", "tolerance = 1e-11"];
+        let stages = stages.map(|keys| format!("[[stage]]\nname = 'stage'\n{keys}\n"));
+        let spec = with(&stages.concat());
+        let factor = statics(&spec.stages).unwrap();
         let tolerances = |level: usize| -> Vec<f64> {
-            let mut file = file.clone();
-            factor.levels[level].apply(&mut file);
-            tables(&mut file, "stage")
-                .map(|stage| number(&stage["tolerance"]).unwrap())
+            let mut spec = spec.clone();
+            factor.levels[level].apply(&mut spec);
+            let stages = spec.stages.iter();
+            stages
+                .map(|stage| stage.tolerance.as_ref().unwrap().get())
                 .collect()
         };
         let expect = |level: usize, expected: [f64; 3]| {
@@ -536,6 +524,6 @@ mod tests {
         };
         expect(0, [1e-8, 1e-10, 1e-11]);
         expect(2, [1e-4, 1e-6, 1e-9]);
-        assert!(statics(&Table::new()).is_none());
+        assert!(statics(&[]).is_none());
     }
 }

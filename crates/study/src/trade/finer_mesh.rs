@@ -1,7 +1,6 @@
 //! Discretisation error of a scene's mesh, from a run on a refined mesh.
 
-use powerhouse::Scene;
-use toml::{Table, Value};
+use powerhouse::{Scene, SceneSpec};
 
 use super::case::TradeRunner;
 use super::misfit::misfit;
@@ -17,16 +16,16 @@ const FIRST_ORDER: f64 = 2.0;
 /// Name of the run on the refined mesh, and of its folder.
 pub(super) const REFINED: (&str, &str) = ("reference on elements half the size", "refined");
 
-/// Checks that the nodal loads of a scene's file act on as many nodes of a finer mesh.
+/// Checks that the nodal loads of a scene act on as many nodes of a finer mesh.
 ///
 /// # Errors
 /// [`StudyError::MoreLoad`].
 pub(crate) fn check_same_loads(
-    file: &Table,
+    spec: &SceneSpec,
     coarse: &Scene,
     fine: &Scene,
 ) -> Result<(), StudyError> {
-    for set in factor::nodal_loads(file) {
+    for set in factor::nodal_loads(spec) {
         let count = |scene: &Scene| {
             let nodes = scene.mesh().nodes_of_set(set);
             nodes.map_or(0, |nodes| nodes.len())
@@ -41,35 +40,31 @@ pub(crate) fn check_same_loads(
 }
 
 impl Trade {
-    /// The scene of the reference with elements of half the size, as text.
+    /// The scene of the reference with elements of half the size.
     ///
     /// # Errors
     /// A scene that cannot be refined, since it names elements by their numbers or is refined too often;
     /// [`StudyError::MoreLoad`].
-    pub(super) fn refined_text(&self) -> Result<String, StudyError> {
+    pub(super) fn refined(&self) -> Result<SceneSpec, StudyError> {
         let design = vec![0; self.factors.len()];
-        let mut file = self.file_of(&design);
-        if let Some(Value::Table(mesh)) = file.get_mut("mesh") {
-            let own = mesh.get("refine").and_then(Value::as_integer);
-            mesh.insert("refine".into(), (own.unwrap_or(0) + 1).into());
-        }
-        let text = self.written(&file)?;
-        let fine = Scene::from_toml(text.as_str(), &self.path, &self.registry)?;
-        check_same_loads(&file, &self.scene(&design)?, &fine)?;
-        Ok(text)
+        let mut spec = self.spec_of(&design);
+        **spec.mesh.refine.get_or_insert_default() += 1;
+        let fine = Scene::from_spec(spec.clone(), &self.registry)?;
+        check_same_loads(&spec, &self.scene(&design)?, &fine)?;
+        Ok(spec)
     }
 
     /// Runs the refined scene and estimates the error of the scene's mesh in all histories but the excluded ones.
     pub(super) fn error_of_mesh(
         &self,
-        (text, excluded): (&str, &[SensitiveHistory]),
+        (spec, excluded): (SceneSpec, &[SensitiveHistory]),
         runner: &mut TradeRunner,
         watch: &mut dyn TradeWatch,
     ) -> Result<MeshError, StudyError> {
         let (name, folder) = REFINED;
         let design = vec![0; self.factors.len()];
         let coarse = self.finish(&design, runner, &mut NoProgress, name)?;
-        let fine = self.finish_file(text, (folder, folder), runner, (watch, name))?;
+        let fine = self.finish_spec(spec, (folder, folder), runner, (watch, name))?;
         let compared = self.compared.among(fine.histories);
         let motions = self.compared.motions(&compared);
         let (truth, order) = match motions.len() {

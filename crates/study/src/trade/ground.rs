@@ -1,9 +1,6 @@
 //! The extent of the mesh as a factor of a trade study.
 
-use std::path::Path;
-
-use powerhouse::{Registry, Remark, Scene, keys};
-use toml::Table;
+use powerhouse::{Registry, Remark, Scene, SceneSpec, keys};
 
 use super::factor::{Factor, Level, sets_acted_on};
 use crate::advice::BoxReduction;
@@ -17,23 +14,19 @@ const DISTANCES: [&str; 4] = [keys::DISTANCE, keys::AXES[0], keys::AXES[1], keys
 
 /// The whole mesh and reduced boxes that contain the scatterer and all recorded, loaded and moved nodes; `None` if no
 /// box is smaller or the boundary depends on the extent of the mesh.
-pub(super) fn ground(
-    scene: &Scene,
-    (file, path): (&Table, &Path),
-    registry: &Registry,
-) -> Option<Factor> {
-    let boundary = file.get("boundary")?.as_table()?;
-    let is_given = |key: &&str| boundary.contains_key(*key);
+pub(super) fn ground(scene: &Scene, spec: &SceneSpec, registry: &Registry) -> Option<Factor> {
+    let boundary = spec.boundary.as_ref()?;
+    let is_given = |key: &&str| boundary.parameters.get(key).is_some();
     // The padding of waves past the critical angle, and the arrival of a recorded motion, depend on the box.
     let is_padded = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
-    if boundary.contains_key(keys::REGION)
-        || file.contains_key("motion")
+    if boundary.region.is_some()
+        || !spec.motions.is_empty()
         || DISTANCES.iter().any(is_given)
         || scene.remarks().iter().any(is_padded)
     {
         return None;
     }
-    let acted_on = sets_acted_on(file);
+    let acted_on = sets_acted_on(spec);
     let acted_on = acted_on
         .into_iter()
         .flat_map(|set| scene.mesh().nodes_of_set(set).unwrap_or_default());
@@ -52,7 +45,7 @@ pub(super) fn ground(
         }
         let name = format!("faces at {share} of their distance");
         let level = Level::less_ground(name, within, references.clone());
-        if !is_whole(scene, &level, (file, path), registry) {
+        if !is_whole(scene, &level, spec, registry) {
             break;
         }
         least = elements.len();
@@ -62,18 +55,10 @@ pub(super) fn ground(
 }
 
 /// Whether a scene with a level is valid and none of its sets has become empty.
-fn is_whole(
-    scene: &Scene,
-    level: &Level,
-    (file, path): (&Table, &Path),
-    registry: &Registry,
-) -> bool {
-    let mut changed = file.clone();
+fn is_whole(scene: &Scene, level: &Level, spec: &SceneSpec, registry: &Registry) -> bool {
+    let mut changed = spec.clone();
     level.apply(&mut changed);
-    let Ok(text) = toml::to_string(&changed) else {
-        return false;
-    };
-    let Ok(less) = Scene::from_toml(text, path, registry) else {
+    let Ok(less) = Scene::from_spec(changed, registry) else {
         return false;
     };
     let of_empty = |remark: &&Remark| matches!(remark, Remark::EmptySet { .. });

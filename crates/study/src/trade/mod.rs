@@ -57,8 +57,7 @@ use std::time::Duration;
 
 use powerhouse::engine::StaticError;
 use powerhouse::io::TableColumn;
-use powerhouse::{CheckpointInterval, Registry, Scene};
-use toml::Table;
+use powerhouse::{CheckpointInterval, Registry, Scene, SceneFile, SceneSpec};
 
 use crate::mark::inputs;
 use crate::perturbation::{PERTURBATION, is_path_dependent};
@@ -87,7 +86,7 @@ const MOST_COMBINATIONS: usize = 6;
 /// Trade study of cost against error over the numerical options of a scene file.
 pub struct Trade {
     path: PathBuf,
-    file: Table,
+    spec: SceneSpec,
     inputs: Vec<Vec<u8>>,
     registry: Registry,
     factors: Vec<Factor>,
@@ -126,19 +125,16 @@ impl Trade {
         registry: &Registry,
     ) -> Result<Self, StudyError> {
         let path = path.as_ref();
-        let scene = Scene::from_file_with(path, registry)?;
+        let file = SceneFile::read(path)?;
+        let scene = Scene::of_case(&file, None, registry)?;
+        let spec = file.spec(None)?;
         let compared = Compared::of(&scene);
         if compared.quantities.is_empty() {
             return Err(StudyError::NoHistories);
         }
-        let text = scene.source().map_or("", |source| &source.text).to_owned();
-        let file: Table = toml::from_str(&text).map_err(|source| StudyError::SceneFile {
-            file: path.into(),
-            source: Box::new(source),
-        })?;
         let own = scene.result_folder().path().join("trade");
-        let mut factors = factor::factors(&scene, &file);
-        let ground = ground::ground(&scene, (&file, path), registry);
+        let mut factors = factor::factors(&scene, &spec);
+        let ground = ground::ground(&scene, &spec, registry);
         let after = [factor::KERNEL, factor::STEP, factor::BOUNDARY];
         let index = factors
             .iter()
@@ -146,7 +142,7 @@ impl Trade {
         let index = index.count();
         factors.splice(index..index, ground);
         Ok(Self {
-            inputs: inputs(path, &text)?,
+            inputs: inputs(&spec)?,
             factors,
             title: scene.title().to_owned(),
             folder: folder.unwrap_or(own),
@@ -160,7 +156,7 @@ impl Trade {
             perturbation: Some(PERTURBATION),
             checkpoint_interval: None,
             path: path.into(),
-            file,
+            spec,
             registry: registry.clone(),
         })
     }
@@ -274,7 +270,7 @@ impl Trade {
         let alone = plan::alone(&self.factors);
         if self.reference == Reference::ClosedForm {
             // A missing closed form is an error before anything runs.
-            let known = closed_form::closed_form((&self.scene(&alone[0])?, &self.file), &[])?;
+            let known = closed_form::closed_form((&self.scene(&alone[0])?, &self.spec), &[])?;
             if self.compared.among(known).len() < 2 {
                 let reason = "only displacements and velocities have closed forms";
                 return Err(StudyError::NoClosedForm { reason });
@@ -282,13 +278,13 @@ impl Trade {
         }
         if self.mesh_error {
             // An invalid refined scene is an error before anything runs.
-            self.refined_text()?;
+            self.refined()?;
         }
         let most = match self.exhaustive {
             true => plan::all(&self.factors).len(),
             false => alone.len() + MOST_COMBINATIONS,
         };
-        let again = usize::from(self.perturbed_text()?.is_some());
+        let again = usize::from(self.perturbed().is_some());
         let _lock = powerhouse::ResultFolder::new(&self.folder).lock()?;
         self.announce(most + again, watch)?;
         let mut runner = TradeRunner {
@@ -371,10 +367,10 @@ impl Trade {
             known.push((design, ErrorAndCost { error, cost }));
             cases.push(case);
             // Only now the finest tolerance of stages is known.
-            if first && let Some(text) = self.perturbed_text()? {
+            if first && let Some(spec) = self.perturbed() {
                 begun += 1;
                 watch.begins(repeat::PERTURBED, begun);
-                let again = Perturbed::new(&text, reference, goal);
+                let again = Perturbed::new(spec, reference, goal);
                 match self.sensitive_histories(again, &mut runner, watch) {
                     Ok(found) => sensitive = found,
                     // Under slightly larger waves a run may fail.
@@ -405,8 +401,8 @@ impl Trade {
         self.write(&mut report)?;
         if self.mesh_error {
             watch.begins(REFINED.0, begun + 1);
-            let text = self.refined_text()?;
-            match self.error_of_mesh((&text, &report.sensitive), &mut runner, watch) {
+            let spec = self.refined()?;
+            match self.error_of_mesh((spec, &report.sensitive), &mut runner, watch) {
                 Ok(mesh) => report.mesh = Some(mesh),
                 // Elements of half the size may be invalid for a law.
                 Err(error @ StudyError::Scene(_)) => {
@@ -473,29 +469,17 @@ impl Trade {
         Ok(())
     }
 
-    /// The scene's file with the levels of a design.
-    fn file_of(&self, design: &Design) -> Table {
-        let mut file = self.file.clone();
+    /// The specification with the levels of a design.
+    fn spec_of(&self, design: &Design) -> SceneSpec {
+        let mut spec = self.spec.clone();
         for (factor, &level) in self.factors.iter().zip(design) {
-            factor.levels[level].apply(&mut file);
+            factor.levels[level].apply(&mut spec);
         }
-        file
-    }
-
-    fn text_of(&self, design: &Design) -> Result<String, StudyError> {
-        self.written(&self.file_of(design))
-    }
-
-    fn written(&self, file: &Table) -> Result<String, StudyError> {
-        toml::to_string(file).map_err(|source| StudyError::Unwritable {
-            file: self.path.clone(),
-            source: Box::new(source),
-        })
+        spec
     }
 
     fn scene(&self, design: &Design) -> Result<Scene, StudyError> {
-        let text = self.text_of(design)?;
-        Ok(Scene::from_toml(text, &self.path, &self.registry)?)
+        Ok(Scene::from_spec(self.spec_of(design), &self.registry)?)
     }
 
     /// The name of a design: the levels in which it differs from the reference.
@@ -537,7 +521,7 @@ impl Trade {
                 let scene = self.scene(&vec![0; self.factors.len()])?;
                 let times = finest.histories.first();
                 let times = times.map_or(&[][..], |time| &time.values);
-                closed_form::closed_form((&scene, &self.file), times)?
+                closed_form::closed_form((&scene, &self.spec), times)?
             }
         };
         let compared = self.compared.among(columns);

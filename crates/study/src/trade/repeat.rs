@@ -1,5 +1,6 @@
 //! Perturbation test: histories with sensitive dependence on the input, found by a run under slightly larger waves.
 
+use powerhouse::SceneSpec;
 use powerhouse::io::TableColumn;
 
 use super::case::TradeRunner;
@@ -19,10 +20,9 @@ const WITHOUT_ERROR: f64 = 0.01;
 const LEAST_CHANGE: f64 = 10.0;
 
 /// Run of the reference under waves that are hardly changed.
-#[derive(Clone, Copy)]
 pub(super) struct Perturbed<'a> {
     /// Its scene.
-    text: &'a str,
+    spec: SceneSpec,
     /// Histories of the reference.
     reference: &'a [TableColumn],
     /// Goal of the trade, which decides on the change that histories may show.
@@ -30,9 +30,9 @@ pub(super) struct Perturbed<'a> {
 }
 
 impl<'a> Perturbed<'a> {
-    pub(super) fn new(text: &'a str, reference: &'a [TableColumn], goal: Goal) -> Self {
+    pub(super) fn new(spec: SceneSpec, reference: &'a [TableColumn], goal: Goal) -> Self {
         Self {
-            text,
+            spec,
             reference,
             goal,
         }
@@ -40,20 +40,16 @@ impl<'a> Perturbed<'a> {
 }
 
 impl Trade {
-    /// The scene of the reference under perturbed waves, as text; `None` without history variables, without waves, or if
+    /// The scene of the reference under perturbed waves; `None` without history variables, without waves, or if
     /// all histories count.
-    pub(super) fn perturbed_text(&self) -> Result<Option<String>, StudyError> {
-        let Some(perturbation) = self.perturbation else {
-            return Ok(None);
-        };
+    pub(super) fn perturbed(&self) -> Option<SceneSpec> {
+        let perturbation = self.perturbation?;
         if !self.path_dependent || self.reference != Reference::Finest {
-            return Ok(None);
+            return None;
         }
-        let mut file = self.file_of(&vec![0; self.factors.len()]);
-        match enlarge_waves(&mut file, perturbation) {
-            0 => Ok(None),
-            _ => self.written(&file).map(Some),
-        }
+        let mut spec = self.spec_of(&vec![0; self.factors.len()]);
+        let waves = enlarge_waves(&mut spec, perturbation);
+        (waves > 0).then_some(spec)
     }
 
     /// Runs the perturbed reference and returns the histories with sensitive dependence on the input.
@@ -67,14 +63,14 @@ impl Trade {
         watch: &mut dyn TradeWatch,
     ) -> Result<Vec<SensitiveHistory>, StudyError> {
         let Perturbed {
-            text,
+            spec,
             reference,
             goal,
         } = perturbed;
         let design = vec![0; self.factors.len()];
         let folder = format!("{}-{FOLDER}", self.level_indices(&design, |_| true));
         let body = self.body_of(&design);
-        let perturbed = self.finish_file(text, (&folder, &body), runner, (watch, PERTURBED))?;
+        let perturbed = self.finish_spec(spec, (&folder, &body), runner, (watch, PERTURBED))?;
         let limit = match goal {
             Goal::Error(error) => SHARE_OF_ERROR * error,
             Goal::Budget(_) | Goal::Front => WITHOUT_ERROR,
@@ -205,8 +201,8 @@ mod tests {
     #[test]
     fn sensitive_histories_are_excluded_and_named() {
         let (_folder, mut trade) = trade("half", YIELDING, Some(0.5));
-        let text = trade.perturbed_text().unwrap().unwrap();
-        assert!(text.contains("factor = 3.0"), "{text}");
+        let spec = trade.perturbed().unwrap();
+        assert_eq!(spec.waves[0].factor.unwrap().get(), 3.0);
         let mut log = Log::default();
         let report = trade.run(Goal::Error(1.6), None, &mut log).unwrap();
         let again = format!("2 {PERTURBED}");
@@ -281,9 +277,9 @@ mod tests {
     #[test]
     fn only_scenes_with_history_variables_are_perturbed() {
         let (_folder, trade) = trade("elastic", ELASTIC, None);
-        assert_eq!(trade.perturbed_text().unwrap(), None);
+        assert!(trade.perturbed().is_none());
         let (_folder, trade) = self::trade("all", YIELDING, None);
-        assert!(trade.perturbed_text().unwrap().is_some());
-        assert_eq!(trade.with_every_history().perturbed_text().unwrap(), None);
+        assert!(trade.perturbed().is_some());
+        assert!(trade.with_every_history().perturbed().is_none());
     }
 }

@@ -1,10 +1,9 @@
 //! Files of a trade study: the chosen scene, a table and a plot.
 
-use toml::Value;
-
 use super::plan::Design;
 use super::{Trade, TradeReport};
 use crate::StudyError;
+use crate::mark::text_of;
 use crate::price::draw_pareto_front;
 use crate::sweep::write_text;
 
@@ -85,12 +84,11 @@ impl Trade {
 
     /// The scene of a design as text, with a result folder of its own, to be written beside the original.
     fn text_beside(&self, design: &Design) -> Result<String, StudyError> {
-        let mut file = self.file_of(design);
-        let output = file.get_mut("output").and_then(Value::as_table_mut);
-        let directory = output.and_then(|output| output.get_mut("directory"));
-        if let Some(Value::String(directory)) = directory {
-            *directory = format!("{}_trade", directory.trim_end_matches('/'));
+        let mut spec = self.spec_of(design);
+        if let Some(directory) = &mut spec.output.directory {
+            let own = directory.to_string_lossy();
+            *directory = format!("{}_trade", own.trim_end_matches('/')).into();
         }
-        self.written(&file)
+        text_of(&spec)
     }
 }

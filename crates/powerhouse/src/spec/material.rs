@@ -1,25 +1,28 @@
 //! Materials, parts and their damping.
 
 use schemars::{JsonSchema, Schema};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{At, NonNegative, Parameters, Positive, Reference, Share};
 
 /// Material: a constitutive law of the registry and its parameters.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 pub struct Material {
     /// Name to which parts refer.
     pub name: At<String>,
     /// Constitutive law: its name in the registry, such as `elastic`.
     pub law: At<String>,
     /// All other keys of the table: parameters of the law.
-    #[serde(skip)]
+    #[serde(skip_deserializing, flatten)]
+    #[schemars(skip)]
     pub parameters: Parameters,
 }
 
 /// Part: an element set with its material, element kernel and damping.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Part {
     /// Element set of the mesh.
@@ -42,7 +45,8 @@ pub struct Part {
 }
 
 /// Material damping of a part.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind", transform = or_none)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Damping {

@@ -1,13 +1,14 @@
 //! Layers of the ground.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{At, Damping, Finite, NonNegative, Positive, Share};
 
 /// Horizontal layer of the ground in which the incident waves travel. Layers are given from the uppermost down;
 /// the last one, without `bottom`, is the half-space below the others, in which the waves are incident.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
     /// Name of the material whose elastic medium the layer has. Elements along the absorbing faces must have the
@@ -26,7 +27,8 @@ pub struct Layer {
 }
 
 /// Curves of the secant shear modulus and the damping ratio of a soil against its cyclic shear strain.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum StrainCurves {
@@ -56,7 +58,8 @@ pub enum StrainCurves {
 }
 
 /// Settings of the equivalent linear method, for layers with `strain_curves`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct EquivalentLinear {
     /// Effective strain over the greatest one (dimensionless), above 0 and at most 1; 0.65 by default.

@@ -1,20 +1,16 @@
 //! Former names of keys, which are still read.
 
-use std::borrow::Cow;
-
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
-
+use super::node::{Node, Table};
 use crate::fault::{Fault, Problem};
 use crate::keys;
 
 /// Key of a scene file that has another name now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FormerKey {
+pub(crate) struct FormerKey {
     /// Table of the key.
-    pub table: &'static str,
+    pub(crate) table: &'static str,
     /// The former name and the present one.
-    pub names: &'static [&'static str; 2],
+    pub(crate) names: &'static [&'static str; 2],
 }
 
 const PART: FormerKey = FormerKey {
@@ -50,38 +46,43 @@ const SPRINGS: [FormerKey; 2] = [
 ///
 /// # Errors
 /// A table with a key under both names.
-pub(super) fn rename(root: &mut DeTable) -> Result<Vec<FormerKey>, Fault> {
+pub(super) fn rename(root: &mut Node) -> Result<Vec<FormerKey>, Fault> {
     let mut found = Vec::new();
-    let has_springs = is_of_springs(root.get(keys::BOUNDARY_TABLE), true);
+    let Some(root) = root.as_table_mut() else {
+        return Ok(found);
+    };
+    let has_springs = is_of_springs(root, true);
     tables(root, has_springs, &mut found)?;
-    if let Some(DeValue::Table(output)) = root.get_mut("output").map(Spanned::get_mut) {
+    if let Some(output) = root.get_mut("output").and_then(Node::as_table_mut) {
         in_tables(output, "history", HISTORY, &mut found)?;
         in_tables(output, "section", SECTION, &mut found)?;
     }
-    for case in items(root, "case") {
-        let own = is_of_springs(case.get(keys::BOUNDARY_TABLE), has_springs);
+    for case in root.tables_mut("case") {
+        let own = is_of_springs(case, has_springs);
         tables(case, own, &mut found)?;
     }
     Ok(found)
 }
 
-/// Whether a boundary is of springs and dashpots; as `otherwise` if it does not say.
-fn is_of_springs(boundary: Option<&Spanned<DeValue>>, otherwise: bool) -> bool {
-    let table = boundary.and_then(|boundary| boundary.get_ref().as_table());
-    let kind = table.and_then(|table| table.get(keys::KIND)?.get_ref().as_str());
+/// Whether the boundary of a scene or a case is of springs and dashpots; as `otherwise` if it does not say.
+fn is_of_springs(root: &Table, otherwise: bool) -> bool {
+    let table = root.get(keys::BOUNDARY_TABLE).and_then(Node::as_table);
+    let kind = table.and_then(|table| table.get(keys::KIND)?.as_text());
     kind.map_or(otherwise, |kind| kind == keys::VISCOUS_SPRING)
 }
 
 /// Renames the keys of the tables that scenes and cases have.
-fn tables(root: &mut DeTable, has_springs: bool, found: &mut Vec<FormerKey>) -> Result<(), Fault> {
+fn tables(root: &mut Table, has_springs: bool, found: &mut Vec<FormerKey>) -> Result<(), Fault> {
     in_tables(root, PART.table, PART, found)?;
     in_tables(root, STAGE.table, STAGE, found)?;
-    let boundary = root.get_mut(keys::BOUNDARY_TABLE).map(Spanned::get_mut);
-    if let (Some(DeValue::Table(boundary)), true) = (boundary, has_springs) {
+    let boundary = root
+        .get_mut(keys::BOUNDARY_TABLE)
+        .and_then(Node::as_table_mut);
+    if let (Some(boundary), true) = (boundary, has_springs) {
         for former in SPRINGS {
             rename_key(boundary, former, found)?;
             for axis in keys::AXES {
-                if let Some(DeValue::Table(axis)) = boundary.get_mut(axis).map(Spanned::get_mut) {
+                if let Some(axis) = boundary.get_mut(axis).and_then(Node::as_table_mut) {
                     rename_key(axis, former, found)?;
                 }
             }
@@ -91,46 +92,29 @@ fn tables(root: &mut DeTable, has_springs: bool, found: &mut Vec<FormerKey>) -> 
 }
 
 fn in_tables(
-    root: &mut DeTable,
+    root: &mut Table,
     section: &str,
     former: FormerKey,
     found: &mut Vec<FormerKey>,
 ) -> Result<(), Fault> {
-    items(root, section).try_for_each(|table| rename_key(table, former, found))
-}
-
-/// The tables of a section.
-fn items<'a, 't>(
-    table: &'a mut DeTable<'t>,
-    section: &str,
-) -> impl Iterator<Item = &'a mut DeTable<'t>> {
-    let items = match table.get_mut(section).map(Spanned::get_mut) {
-        Some(DeValue::Array(items)) => Some(items.iter_mut()),
-        _ => None,
-    };
-    items
-        .into_iter()
-        .flatten()
-        .filter_map(|item| match item.get_mut() {
-            DeValue::Table(table) => Some(table),
-            _ => None,
-        })
+    let mut tables = root.tables_mut(section);
+    tables.try_for_each(|table| rename_key(table, former, found))
 }
 
 fn rename_key(
-    table: &mut DeTable,
+    table: &mut Table,
     former: FormerKey,
     found: &mut Vec<FormerKey>,
 ) -> Result<(), Fault> {
     let [old, new] = *former.names;
-    let Some((key, value)) = table.remove_entry(old) else {
+    let Some(entry) = table.remove(old) else {
         return Ok(());
     };
-    if table.contains_key(new) {
+    if table.get(new).is_some() {
         let (keys, found) = (former.names, 2);
-        return Err(Fault::new(key.span(), Problem::OneOf { keys, found }));
+        return Err(Fault::new(entry.key, Problem::OneOf { keys, found }));
     }
-    table.insert(Spanned::new(key.span(), Cow::Borrowed(new)), value);
+    table.insert(new, entry);
     if !found.contains(&former) {
         found.push(former);
     }

@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     At, Azimuth, EquivalentLinear, Finite, Incidence, NonNegative, Parameters, Positive, Pulse,
-    Share, Stations,
+    Share, Stations, is_default,
 };
 
 /// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
 /// to a peak.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Record {
     /// Name to which waves and prescribed motions refer.
@@ -30,7 +31,7 @@ pub struct Record {
     pub units: Option<Units>,
     /// Treatment of a file whose declared number of samples differs from the number it contains: `as-declared`
     /// (an error; the default) or `as-found` (a warning).
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub count: Count,
     /// Sampling interval of a one-column text file (s), above 0.
     pub time_step: Option<Positive>,
@@ -40,7 +41,7 @@ pub struct Record {
     /// by default.
     pub taper: Option<At<NonNegative>>,
     /// Baseline correction, which removes drift of velocity and displacement; none by default.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub baseline: At<Baseline>,
     /// Peak ground acceleration to which the processed record is scaled (m/s2), above 0; with components, the
     /// peak of the largest one. No scaling by default.
@@ -54,7 +55,8 @@ pub struct Record {
 
 /// Component files of a record, each of a format permitted for `file`. The names are labels to which waves refer;
 /// they imply no direction of the motion.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Components {
     /// Path of the file of the first horizontal component.
@@ -66,7 +68,8 @@ pub struct Components {
 }
 
 /// Treatment of components of unequal length.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Length {
     /// All are cut to the length of the shortest.
@@ -76,7 +79,8 @@ pub enum Length {
 }
 
 /// Unit of acceleration.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Units {
     /// Metres per second squared.
     #[serde(rename = "m/s2")]
@@ -90,7 +94,8 @@ pub enum Units {
 }
 
 /// Treatment of a declared number of samples that differs from the number in the file.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Count {
     /// A file with another number of samples is an error.
@@ -101,7 +106,8 @@ pub enum Count {
 }
 
 /// Method of baseline correction of an accelerogram.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Baseline {
@@ -138,7 +144,8 @@ pub enum Baseline {
 }
 
 /// Type of motion that a record describes; it fixes the ratio of the incident wave to the record.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
     /// Motion of the incident wave itself.
@@ -166,7 +173,8 @@ pub enum Convention {
 }
 
 /// Within motion: the motion at a depth below the free surface.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Within {
     /// Depth below the free surface (m), above 0.
@@ -179,7 +187,8 @@ pub struct Within {
 }
 
 /// Component of motion in the coordinate system of a wave.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum WaveAxis {
     /// Horizontal, along the direction of travel.
@@ -195,7 +204,8 @@ pub enum WaveAxis {
 }
 
 /// Component of a record.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Component {
     /// First horizontal component.
@@ -219,11 +229,12 @@ impl Component {
 
 /// Free-field site: the ground without the structure. Its medium is that of the elements along the absorbing
 /// faces.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
     /// Half-space below a free surface (the default), or full space.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub space: Space,
     /// Height z of the free surface (m), by default that of the upper edge of the absorbing sides of the mesh (of its top, if no
     /// side absorbs). A warning is given if the top of the mesh along the absorbing faces lies elsewhere.
@@ -233,7 +244,8 @@ pub struct Ground {
 }
 
 /// Domain in which the incident waves travel.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Space {
     /// Half-space below a horizontal free surface, which reflects waves.
@@ -244,7 +256,8 @@ pub enum Space {
 }
 
 /// Incident plane body wave.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Wave {
     /// Wave type: `p`, `sv` or `sh`.
@@ -272,7 +285,8 @@ pub struct Wave {
 }
 
 /// Type of a body wave.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum WaveKind {
     /// Compressional wave.
@@ -284,7 +298,8 @@ pub enum WaveKind {
 }
 
 /// Absorbing boundary on outer faces of the mesh: its kind in the registry and its parameters.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 pub struct BoundarySection {
     /// Kind of the boundary: its name in the registry, such as `viscous-spring`.
     pub kind: At<String>,
@@ -296,7 +311,7 @@ pub struct BoundarySection {
     /// Element sets of parts of a structure that run through absorbing faces, such as the lining of a tunnel or a fault zone.
     /// They absorb there with their own impedance, and take the motion and the stress that the free field has in the
     /// ground at their place; none by default.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub through: Vec<At<String>>,
     /// Interior region of the domain reduction method (Bielak et al. 2003): incident waves enter through the
     /// layer of elements around it, and the absorbing faces absorb the scattered waves. Outside the layer
@@ -305,12 +320,14 @@ pub struct BoundarySection {
     /// Motions at the nodes of that layer from a file, such as those of a regional model, in place of waves; none by default.
     pub stations: Option<At<Stations>>,
     /// All other keys of the table: parameters of the boundary kind.
-    #[serde(skip)]
+    #[serde(skip_deserializing, flatten)]
+    #[schemars(skip)]
     pub parameters: Parameters,
 }
 
 /// Interior region of a domain reduction: either an element set or a box.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Region {
     /// Element set of the region.

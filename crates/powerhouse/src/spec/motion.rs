@@ -1,13 +1,14 @@
 //! Recorded motion of three components, and the waves of which it is the sum.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{At, Azimuth, Component, Finite, Incidence, Positive};
 
 /// Recorded motion of up to three components at one point of the site: it is split into incident P, SV and SH waves whose
 /// sum is the record at that point. Their motions are superposed with those of other motions and waves.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
     /// Name of a record with components, which are motions along the axes x, y and z of the mesh. Its convention is
@@ -33,7 +34,8 @@ pub struct Motion {
 
 /// Angles of incidence of the waves that a motion is split into. P and SV are given together, if the motion has a component along
 /// the direction of travel or upwards; SH if it has one across it.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct MotionIncidence {
     /// Angle of incidence of P waves (degrees), below 90.

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{At, Finite, NonNegative, Positive, Zone};
 
 /// Output requests of a run, and the results folder.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// Path of the results folder, relative to the working directory; `results/` followed by the name of the
@@ -18,20 +19,20 @@ pub struct Output {
     /// 0.005 by default.
     pub every: Option<At<Positive>>,
     /// History requests: motion, stress or state variables against time at a point, node, set or element.
-    #[serde(rename = "history", default)]
+    #[serde(rename = "history", default, skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<History>,
     /// Relative displacement requests: histories of the displacement of one point relative to another.
-    #[serde(rename = "relative", default)]
+    #[serde(rename = "relative", default, skip_serializing_if = "Vec::is_empty")]
     pub relative: Vec<RelativeDisplacement>,
     /// Section force requests: normal force, shear forces and moments of linings and pillars.
-    #[serde(rename = "section", default)]
+    #[serde(rename = "section", default, skip_serializing_if = "Vec::is_empty")]
     pub sections: Vec<Section>,
     /// Requests for the forces of sections around linings.
-    #[serde(rename = "ring", default)]
+    #[serde(rename = "ring", default, skip_serializing_if = "Vec::is_empty")]
     pub rings: Vec<Ring>,
     /// Joint history requests, for joints or zones of them. Contact state, slip, peak opening and energies of
     /// every whole joint are recorded in any case.
-    #[serde(rename = "joint", default)]
+    #[serde(rename = "joint", default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<JointHistory>,
     /// Sampling interval of the energy balance (s), above 0; a hundredth of the duration by default.
     pub energies: Option<At<Positive>>,
@@ -42,7 +43,8 @@ pub struct Output {
 }
 
 /// Recorded field quantity.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// Displacement (m).
@@ -62,7 +64,8 @@ pub enum Quantity {
 }
 
 /// History request: quantities against time at exactly one of `at`, `node`, `set` and `element`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct History {
     /// Name in results; 1 to 100 characters.
@@ -90,7 +93,8 @@ pub struct History {
 
 /// Relative displacement request: displacement of one location relative to another one, in x, y, z and along the
 /// line between them. Each of the two is given by exactly one key.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct RelativeDisplacement {
     /// Name in results; 1 to 100 characters.
@@ -112,7 +116,8 @@ pub struct RelativeDisplacement {
 }
 
 /// Section force request: normal force, shear forces and moments of a plane cut through a lining or pillar.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Section {
     /// Name in results; 1 to 100 characters.
@@ -137,7 +142,8 @@ pub struct Section {
 /// Request for the forces of sections around the lining of a tunnel or cavern: normal to its centre line, at equal angles about an
 /// axis. They are sections like any other, named after the ring and their angle, such as `lining-090`, and have a table and a
 /// plot in common.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Ring {
     /// Name in results, before the angles of the sections; 1 to 100 characters.
@@ -158,7 +164,8 @@ pub struct Ring {
 }
 
 /// Reinforcement of a section of concrete. Strengths are those of the comparison: design values include their factors.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Reinforcement {
     /// Compressive strength of the concrete (Pa), above 0.
@@ -173,7 +180,8 @@ pub struct Reinforcement {
 }
 
 /// Recorded quantity of a joint.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum JointQuantity {
     /// Shares of the area that are sliding, open, and without bond (dimensionless).
@@ -198,7 +206,8 @@ pub enum JointQuantity {
 
 /// Joint history request: quantities against time of a joint, or of the node pairs selected by one of `at`,
 /// `node`, `set` and `low` with `high`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct JointHistory {
     /// Name in results; 1 to 100 characters.
@@ -237,7 +246,8 @@ impl JointHistory {
 }
 
 /// Envelope request: greatest values of quantities over the run, with the times at which they occur.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Envelope {
     /// Recorded quantities; displacement, velocity and acceleration by default.
@@ -249,7 +259,8 @@ pub struct Envelope {
 }
 
 /// Snapshot request: fields of the whole body at regular times.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Snapshots {
     /// Interval between snapshots (s), above 0.

@@ -1,11 +1,11 @@
-//! Numbers with a permitted range, which is checked when they are read.
+//! Numbers with a permitted range, which is checked when they are read, and words in the place of numbers.
 
 use core::fmt;
 use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 macro_rules! quantity {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $valid:expr, $schema:tt) => {
@@ -45,6 +45,12 @@ macro_rules! quantity {
             }
         }
 
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_f64(self.0)
+            }
+        }
+
         impl JsonSchema for $name {
             fn inline_schema() -> bool {
                 true
@@ -59,10 +65,79 @@ macro_rules! quantity {
     };
 }
 
+/// Implements the reading and writing of an enum whose variants are words, and one a number within a range.
+macro_rules! words_or_number {
+    (
+        $name:ident { $($word:literal => $variant:ident,)* number => $number:ident }
+        $expected:literal, $valid:expr, $schema:tt
+    ) => {
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                use serde::de::{Error, Unexpected};
+                struct Reader;
+                impl serde::de::Visitor<'_> for Reader {
+                    type Value = $name;
+                    fn expecting(&self, f: &mut core::fmt::Formatter) -> core::fmt::Result {
+                        f.write_str($expected)
+                    }
+                    fn visit_str<E: Error>(self, value: &str) -> Result<$name, E> {
+                        match value {
+                            $($word => Ok($name::$variant),)*
+                            _ => Err(E::invalid_value(Unexpected::Str(value), &self)),
+                        }
+                    }
+                    fn visit_f64<E: Error>(self, value: f64) -> Result<$name, E> {
+                        let valid: fn(f64) -> bool = $valid;
+                        match value.is_finite() && valid(value) {
+                            true => Ok($name::$number(value)),
+                            false => Err(E::invalid_value(Unexpected::Float(value), &self)),
+                        }
+                    }
+                    fn visit_i64<E: Error>(self, value: i64) -> Result<$name, E> {
+                        self.visit_f64(value as f64)
+                    }
+                }
+                deserializer.deserialize_any(Reader)
+            }
+        }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                match *self {
+                    $($name::$variant => serializer.serialize_str($word),)*
+                    $name::$number(number) => serializer.serialize_f64(number),
+                }
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn inline_schema() -> bool {
+                true
+            }
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!({ "oneOf": [{ "enum": [$($word),*] }, $schema] })
+            }
+        }
+    };
+}
+pub(super) use words_or_number;
+
 quantity! {
     /// Finite number.
     Finite, "a finite number", |_| true, { "type": "number" }
 }
+
+impl Finite {
+    /// Checked numbers; `None` if one of them is not finite.
+    pub fn array<const N: usize>(values: [f64; N]) -> Option<[Self; N]> {
+        let finite = values.iter().all(|value| value.is_finite());
+        finite.then(|| values.map(Self))
+    }
+}
+
 quantity! {
     /// Positive finite number.
     Positive, "a number above 0", |x| x > 0.0, { "type": "number", "exclusiveMinimum": 0 }

@@ -3,9 +3,7 @@
 //! The keys are replaced before the tables are deserialised: so every key of a law or a record can be changed,
 //! and a fault in a changed key is reported at its position in the case.
 
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
-
+use super::node::{Node, Table};
 use crate::fault::{Fault, Problem};
 
 /// Tables that a case may change, with the key that selects one of them.
@@ -41,41 +39,44 @@ const SINGLE: [&str; 2] = ["boundary", "time"];
 ///
 /// # Errors
 /// The case changes a table that the scene does not have.
-pub(super) fn apply(root: &mut DeTable, case: &str) -> Result<(), Fault> {
-    let Some(own) = table_of(root, "case", ("name", case)).map(|own| own.clone()) else {
+pub(super) fn apply(root: &mut Node, case: &str) -> Result<(), Fault> {
+    let Some(root) = root.as_table_mut() else {
+        return Ok(());
+    };
+    let Some(own) = table_of(root, "case", ("name", case)).cloned() else {
         return Ok(());
     };
     for (section, key) in NAMED {
-        for change in items(&own, section).into_iter().flatten() {
-            let Some(name) = text(change, key) else {
+        for change in own.tables(section) {
+            let Some(name) = change.get(key) else {
                 continue;
             };
-            let Some(table) = table_of(root, section, (key, name.get_ref())) else {
-                let tables = items(root, section).into_iter().flatten();
-                let names = tables.filter_map(|table| text(table, key));
+            let Some(wanted) = name.as_text() else {
+                continue;
+            };
+            let names = root.tables(section).filter_map(|table| text(table, key));
+            let available: Vec<String> = names.map(str::to_owned).collect();
+            let Some(table) = table_of(root, section, (key, wanted)) else {
                 let problem = Problem::NoSuchName {
                     what: section,
-                    name: (*name.get_ref()).into(),
-                    available: names.map(|name| (*name.get_ref()).into()).collect(),
+                    name: wanted.into(),
+                    available,
                 };
-                return Err(Fault::new(name.span(), problem));
+                return Err(Fault::new(name.span.clone(), problem));
             };
             if let Some((_, kept)) = BESIDE_LAW.iter().find(|(of, _)| *of == section)
                 && let (Some(new), Some(old)) = (text(change, "law"), text(table, "law"))
-                && new.get_ref() != old.get_ref()
+                && new != old
             {
-                let keys: Vec<_> = table.keys().map(|key| key.get_ref().clone()).collect();
-                for of_old in keys.iter().filter(|key| !kept.contains(&&***key)) {
-                    table.remove(&**of_old);
-                }
+                table.split(|key| kept.contains(&key));
             }
             replace(table, change, key);
         }
     }
     for section in SINGLE {
-        if let Some(DeValue::Table(change)) = own.get(section).map(Spanned::get_ref)
-            && let Some(DeValue::Table(table)) = root.get_mut(section).map(Spanned::get_mut)
-        {
+        let change = own.get(section).and_then(Node::as_table);
+        let table = root.get_mut(section).and_then(Node::as_table_mut);
+        if let (Some(change), Some(table)) = (change, table) {
             replace(table, change, "");
         }
     }
@@ -83,56 +84,25 @@ pub(super) fn apply(root: &mut DeTable, case: &str) -> Result<(), Fault> {
 }
 
 /// Replaces keys of a table by the changed ones, except the key that selects the table.
-fn replace<'t>(table: &mut DeTable<'t>, change: &DeTable<'t>, name: &str) {
-    for (key, value) in change {
-        if key.get_ref() != name {
-            // Inserting over an existing key would keep the old key's span: remove it first.
-            table.remove(&**key.get_ref());
-            table.insert(key.clone(), value.clone());
-        }
+fn replace(table: &mut Table, change: &Table, name: &str) {
+    for (key, entry) in change.iter().filter(|(key, _)| *key != name) {
+        table.insert(key, entry.clone());
     }
-}
-
-/// The tables of a section.
-fn items<'a, 't>(
-    table: &'a DeTable<'t>,
-    section: &str,
-) -> Option<impl Iterator<Item = &'a DeTable<'t>>> {
-    let DeValue::Array(items) = table.get(section)?.get_ref() else {
-        return None;
-    };
-    Some(items.iter().filter_map(|item| match item.get_ref() {
-        DeValue::Table(table) => Some(table),
-        _ => None,
-    }))
 }
 
 /// First table of a section in which a key has the given value.
-fn table_of<'a, 't>(
-    root: &'a mut DeTable<'t>,
+fn table_of<'a>(
+    root: &'a mut Table,
     section: &str,
     (key, value): (&str, &str),
-) -> Option<&'a mut DeTable<'t>> {
-    let DeValue::Array(items) = root.get_mut(section)?.get_mut() else {
-        return None;
-    };
-    items.iter_mut().find_map(|item| match item.get_mut() {
-        DeValue::Table(table)
-            if text(table, key).is_some_and(|found| *found.get_ref() == value) =>
-        {
-            Some(table)
-        }
-        _ => None,
-    })
+) -> Option<&'a mut Table> {
+    let mut tables = root.tables_mut(section);
+    tables.find(|table| text(table, key) == Some(value))
 }
 
-/// Text of a key, with its byte range.
-fn text<'a>(table: &'a DeTable, key: &str) -> Option<Spanned<&'a str>> {
-    let value = table.get(key)?;
-    match value.get_ref() {
-        DeValue::String(text) => Some(Spanned::new(value.span(), &**text)),
-        _ => None,
-    }
+/// Text of a key.
+fn text<'a>(table: &'a Table, key: &str) -> Option<&'a str> {
+    table.get(key)?.as_text()
 }
 
 #[cfg(test)]
@@ -140,7 +110,7 @@ mod tests {
     use schemars::{JsonSchema, schema_for};
 
     use super::BESIDE_LAW;
-    use crate::format::{JointSection, Material};
+    use crate::spec::{JointSection, Material};
 
     fn keys<T: JsonSchema>() -> Vec<String> {
         let schema = schema_for!(T);

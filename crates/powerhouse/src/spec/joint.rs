@@ -1,16 +1,14 @@
 //! Joints: geometry, initial state and contact law.
 
-use core::fmt;
-use std::borrow::Cow;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Error, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer};
-
+use super::quantity::words_or_number;
 use super::{At, Finite, NonNegative, Parameters, Positive};
 
 /// Joint: two facing surfaces of the mesh with their initial state and the contact law of their tractions.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 pub struct JointSection {
     /// Name of the joint in results.
     pub name: At<String>,
@@ -36,12 +34,14 @@ pub struct JointSection {
     /// Contact law: its name in the registry, such as `bonded-coulomb`.
     pub law: At<String>,
     /// All other keys of the table: parameters of the contact law.
-    #[serde(skip)]
+    #[serde(skip_deserializing, flatten)]
+    #[schemars(skip)]
     pub parameters: Parameters,
 }
 
 /// Preload: initial traction on a joint in the reference configuration.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Preload {
@@ -72,7 +72,8 @@ pub enum Preload {
 }
 
 /// Zone of a joint: node pairs selected by exactly one of `at`, `node`, `set` and `low` with `high`.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Zone {
     /// Point (m): selects the pairs of the nearest node.
@@ -107,6 +108,7 @@ impl Zone {
 
 /// Initial gap between the two sides of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Gap {
     /// Distance of the paired nodes in the mesh, along the normal.
     Meshed,
@@ -114,43 +116,7 @@ pub enum Gap {
     Distance(f64),
 }
 
-impl<'de> Deserialize<'de> for Gap {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl Visitor<'_> for Reader {
-            type Value = Gap;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("\"meshed\" or a number of 0 or above")
-            }
-            fn visit_str<E: Error>(self, value: &str) -> Result<Gap, E> {
-                match value {
-                    "meshed" => Ok(Gap::Meshed),
-                    _ => Err(E::invalid_value(Unexpected::Str(value), &self)),
-                }
-            }
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Gap, E> {
-                if value.is_finite() && value >= 0.0 {
-                    Ok(Gap::Distance(value))
-                } else {
-                    Err(E::invalid_value(Unexpected::Float(value), &self))
-                }
-            }
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Gap, E> {
-                self.visit_f64(value as f64)
-            }
-        }
-        deserializer.deserialize_any(Reader)
-    }
-}
-
-impl JsonSchema for Gap {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        "Gap".into()
-    }
-    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "oneOf": [{ "const": "meshed" }, { "type": "number", "minimum": 0 }] })
-    }
+words_or_number! {
+    Gap { "meshed" => Meshed, number => Distance }
+    "\"meshed\" or a number of 0 or above", |x| x >= 0.0, { "type": "number", "minimum": 0 }
 }

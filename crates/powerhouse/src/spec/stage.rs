@@ -4,12 +4,13 @@ use core::num::NonZeroU32;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::{At, Finite, Load, NonNegative, Positive, Share};
+use super::{At, Finite, Load, NonNegative, Positive, Share, is_default};
 
 /// In-situ stress of the ground before the first construction stage. Elements that are cast later are free of it.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum InSituStress {
@@ -51,7 +52,8 @@ pub enum InSituStress {
 }
 
 /// Layer of ground under its own weight.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct StressLayer {
     /// Height z of the lower end of the layer (m), below that of the layer above. The last layer has none: it reaches to
@@ -66,7 +68,8 @@ pub struct StressLayer {
 }
 
 /// Group of rock bolts with equal properties: bars embedded in the elements that they cross.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Bolt {
     /// Name of the group in stages and results.
@@ -94,7 +97,8 @@ pub struct Bolt {
 }
 
 /// Regular pattern of bolts normal to a surface of an opening.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Pattern {
     /// Facet set of the heads; only facets on the surface of the body when the bolts are installed are used.
@@ -108,7 +112,8 @@ pub struct Pattern {
 }
 
 /// Elastic-perfectly plastic grout between bolt and rock.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Grout {
     /// Shear stiffness: shear force per length of bolt and slip (N/m2), above 0.
@@ -116,15 +121,16 @@ pub struct Grout {
     /// Shear strength per length of bolt (N/m), above 0; unlimited by default.
     pub strength: Option<Positive>,
     /// End condition of the head: `free` (grout alone; the default) or `anchored`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub head: BoltEnd,
     /// End condition of the toe: `free` (grout alone; the default) or `anchored`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub toe: BoltEnd,
 }
 
 /// End condition of a bolt in grout.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum BoltEnd {
     /// No anchor: the end is held by the grout alone.
@@ -141,17 +147,18 @@ pub enum BoltEnd {
 /// dynamic run starts: then the reactions of the supports are kept as nodal forces, and absorbing faces take their
 /// place. Supports and loads of the scene itself act in all stages, with their values at the start of the run, and in
 /// the run.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
     /// Name of the stage in results.
     pub name: At<String>,
     /// Element sets that are excavated (deactivated).
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub excavate: Vec<At<String>>,
     /// Element sets that are cast (activated) without stress in the deformed body. A set that is cast without
     /// having been excavated before is inactive until this stage.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cast: Vec<At<String>>,
     /// Method of the static analysis; `conjugate-gradients` by default.
     pub method: Option<At<StaticMethod>>,
@@ -163,31 +170,32 @@ pub struct Stage {
     /// Tolerance of static equilibrium: unbalanced force over the force of the load, above 0; 1e-8 by default.
     pub tolerance: Option<At<Positive>>,
     /// Names of the bolt groups that are installed.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bolts: Vec<At<String>>,
     /// Names of joints that are tied in this stage: no relative displacement, whatever their law. In the next
     /// stage that does not tie it, or in the dynamic run, a joint is re-initialised in its current position: as
     /// defined in `[[joint]]`, or as grouted if an earlier stage grouted it.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tied: Vec<At<String>>,
     /// Names of joints that are grouted: gaps are filled in the current position, and the joint is re-initialised
     /// closed, with the bond of its law everywhere. Opening, slip and energies are counted from there.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub grouted: Vec<At<String>>,
     /// Temporary materials of parts, in force until a later stage casts the part or gives it another one, or the
     /// dynamic run starts.
-    #[serde(rename = "part", default)]
+    #[serde(rename = "part", default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<StagePart>,
     /// Supports in force until the dynamic run starts.
-    #[serde(rename = "support", default)]
+    #[serde(rename = "support", default, skip_serializing_if = "Vec::is_empty")]
     pub supports: Vec<At<StageSupport>>,
     /// Loads added in this stage, in force in later stages and in the run unless `removed_in` names a stage.
-    #[serde(rename = "load", default)]
+    #[serde(rename = "load", default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<At<Load>>,
 }
 
 /// Method of computing static equilibrium.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum StaticMethod {
     /// Iterations with the elastic stiffness, solved by preconditioned conjugate gradients without a matrix.
@@ -205,7 +213,8 @@ pub enum StaticMethod {
 }
 
 /// Temporary material of a part from a construction stage on.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct StagePart {
     /// Element set of the part.
@@ -216,7 +225,8 @@ pub struct StagePart {
 
 /// Support of a construction stage, in force in later stages too, until the dynamic run starts; then its reactions are
 /// kept as nodal forces, so that the body remains in equilibrium.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum StageSupport {

@@ -5,13 +5,14 @@ use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{At, Finite};
 use crate::CheckpointInterval;
 
 /// Checkpoints of the run, from which it can be resumed, and states that are kept after it.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Checkpoint {
     /// Wall time between two checkpoints: a number with the unit s, min or h, `"10min"` by default, or `"never"`.
@@ -19,7 +20,7 @@ pub struct Checkpoint {
     pub every: Option<Interval>,
     /// Times (s), after the start of the run and before its end, of which states are kept in the subfolder `kept` of
     /// the results: `powerhouse run --from DIR@TIME` starts a variant of the run from one of them. None by default.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keep: Vec<At<Finite>>,
 }
 
@@ -43,6 +44,12 @@ impl<'de> Deserialize<'de> for Interval {
             }
         }
         deserializer.deserialize_str(Reader)
+    }
+}
+
+impl Serialize for Interval {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
     }
 }
 

@@ -1,12 +1,13 @@
 //! Functions of time.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Finite, Positive};
 
 /// Dimensionless function of time by which a load or a prescribed motion is multiplied.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Function {
@@ -39,7 +40,8 @@ pub enum Function {
 }
 
 /// Analytic displacement pulse of an incident wave, in place of a record.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Pulse {

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{At, Finite, Positive};
 
 /// File of motions at stations, such as those of a regional model, which enter through the layer of elements around the
 /// `region` in place of waves. Every node of the layer needs a station; stations elsewhere have no effect.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Stations {
     /// Path of the file, relative to the scene file: H5DRM (`.h5drm`, `.h5` or `.hdf5`), which a program reads that was
@@ -38,7 +39,8 @@ pub struct Stations {
 }
 
 /// Direction along an axis of the mesh.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum StationAxis {
     /// Along the first horizontal axis.
     #[serde(rename = "x")]
@@ -86,7 +88,8 @@ impl StationAxis {
 }
 
 /// Interpolation between the samples of a station.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
     /// Cubic through displacements and velocities.

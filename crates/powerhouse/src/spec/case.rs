@@ -3,11 +3,12 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Ground, InSituStress, Layer, MeshFile, Motion, SceneFile, Support, Wave};
+use super::{At, Ground, InSituStress, Layer, MeshFile, Motion, SceneSpec, Support, Wave};
 
 /// A case of a sweep: a variant of the scene with another mesh, other waves, ground, absorbing faces or supports,
 /// without some of its joints, or with changed keys in some of its tables. Everything else is as in the scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// Name of the case, and of its results folder; 1 to 100 characters.
@@ -70,6 +71,7 @@ pub struct Case {
 
 /// Changed keys of one table of the scene, selected by name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[schemars(extend("additionalProperties" = true))]
 pub struct ByName {
     /// Name of the table of the scene that is changed.
@@ -78,6 +80,7 @@ pub struct ByName {
 
 /// Changed keys of one part of the scene, selected by element set.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[schemars(extend("additionalProperties" = true))]
 pub struct BySet {
     /// Element set of the part that is changed.
@@ -88,13 +91,29 @@ pub struct BySet {
 
 /// Changed keys of a table that a scene has once.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[schemars(extend("additionalProperties" = true))]
 pub struct Changed {}
 
-impl SceneFile {
+/// Case of a sweep that a scene is.
+#[derive(Clone, Debug)]
+pub(crate) struct OfCase {
+    pub(crate) name: String,
+    /// Description of the one parameter that the case varies.
+    pub(crate) varies: Option<String>,
+    /// Whether the case leaves out joints.
+    pub(crate) continuous: bool,
+}
+
+impl SceneSpec {
     /// Scene of a case, after the case's changed keys were applied to the tables.
     pub(crate) fn with_case(&self, case: &Case) -> Self {
         let mut file = self.clone();
+        file.of_case = Some(OfCase {
+            name: case.name.to_string(),
+            varies: case.varies.clone(),
+            continuous: !case.continuous.is_empty(),
+        });
         if let Some(mesh) = &case.mesh {
             file.mesh = mesh.clone();
         }

@@ -1,12 +1,13 @@
 //! Supports and loads.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{At, Finite, Function, Positive};
 
 /// Displacement boundary condition on a node, facet or element set of the mesh.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Support {
@@ -78,7 +79,8 @@ impl Support {
 }
 
 /// External load.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
 #[schemars(tag = "kind")]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Load {

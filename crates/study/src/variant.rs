@@ -1,0 +1,58 @@
+//! Variants of a scene, the runs of sweeps, convergence studies and trades.
+
+use powerhouse::{Error, Registry, Scene, SceneSpec};
+
+use crate::StudyError;
+use crate::mark::{Fingerprint, inputs};
+
+/// Variant of a scene: its specification, and the fingerprint by which its finished run is recognised.
+pub(crate) struct Variant {
+    spec: SceneSpec,
+    fingerprint: Fingerprint,
+}
+
+impl Variant {
+    /// A variant that runs for another duration (s) than the scene's, if one is given, with what a registry of a version has.
+    ///
+    /// # Errors
+    /// A file of the scene that cannot be read; [`StudyError::Unwritable`].
+    pub(crate) fn new(
+        spec: SceneSpec,
+        duration: Option<f64>,
+        registered: &str,
+    ) -> Result<Self, StudyError> {
+        let files = inputs(&spec)?;
+        Self::with_files(spec, &files, duration, registered)
+    }
+    /// The same with the bytes of the files of the scene, which are then not read again.
+    ///
+    /// # Errors
+    /// [`StudyError::Unwritable`].
+    pub(crate) fn with_files(
+        spec: SceneSpec,
+        files: &[Vec<u8>],
+        duration: Option<f64>,
+        registered: &str,
+    ) -> Result<Self, StudyError> {
+        let fingerprint = Fingerprint::of(&spec, files, duration, registered)?;
+        Ok(Self { spec, fingerprint })
+    }
+    /// Name of the case; empty for a variant that is none.
+    pub(crate) fn name(&self) -> &str {
+        self.spec.case().unwrap_or_default()
+    }
+    pub(crate) fn fingerprint(&self) -> &Fingerprint {
+        &self.fingerprint
+    }
+    /// Sets a duration (s) in place of the scene's.
+    pub(crate) fn set_duration(&mut self, duration: f64) {
+        self.fingerprint.set_duration(duration);
+    }
+    /// The scene of the variant.
+    ///
+    /// # Errors
+    /// A scene that is refused.
+    pub(crate) fn scene(&self, registry: &Registry) -> Result<Scene, Error> {
+        Scene::from_spec(self.spec.clone(), registry)
+    }
+}
