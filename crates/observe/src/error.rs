@@ -128,6 +128,16 @@ pub enum ObserveError {
         /// Name of the section.
         section: String,
     },
+    /// A sampler of a program whose row has not a value for each of its columns.
+    #[error("'{name}' has {found} values for {expected} columns")]
+    SampledColumns {
+        /// Name of the request.
+        name: String,
+        /// Number of values.
+        found: usize,
+        /// Number of columns.
+        expected: usize,
+    },
     /// An energy history in a run without an energy ledger, at the first observed step.
     #[error("the run has no energy ledger")]
     NoLedger,

@@ -1,14 +1,17 @@
 //! Histories of motion, stress and history variables.
 
+use std::sync::Arc;
+
 use powerhouse_model::{
     Cadence, Fields, Flow, HistoryVariable, Mesh, ModelError, Observer, Reach, Selection,
     StateError, StepView, Stress, Vec3,
 };
 
 use super::place::{ActiveElements, Probe, elements, probes};
+use super::sampler::{Sampled, reach_of_both};
 use super::{
-    HistoryTable, Motion, ObservationPoint, ObserveError, Place, Recording, StressPlace,
-    check_cadence, principal_stresses,
+    HistorySampler, HistoryTable, Motion, ObservationPoint, ObserveError, Place, Recording,
+    StressPlace, check_cadence, principal_stresses,
 };
 
 /// Observer of histories: motion at locations, relative motion of two locations, and stress and history variables of
@@ -76,6 +79,10 @@ enum Channel {
         name: String,
         element: usize,
         variables: Vec<HistoryVariable>,
+    },
+    Sampled {
+        name: String,
+        sampler: Sampled,
     },
 }
 
@@ -155,6 +162,15 @@ impl HistoryBuilder {
             variables: Vec::new(),
         });
         self.stress_places.push((name.into(), place.into()));
+        self
+    }
+    /// Records quantities of a program's own: columns `NAME.` with the names of the [sampler](HistorySampler).
+    #[must_use]
+    pub fn sampled(mut self, name: &str, sampler: Arc<dyn HistorySampler>) -> Self {
+        self.channels.push(Channel::Sampled {
+            name: name.into(),
+            sampler: Sampled(sampler),
+        });
         self
     }
     /// Sets the active elements of the mesh, one flag per element: points are located among them alone, and
@@ -252,13 +268,23 @@ impl Channel {
             } => (variables.iter())
                 .map(|variable| (format!("{name}.{}", variable.name), variable.unit))
                 .collect(),
+            Self::Sampled { name, sampler } => (sampler.0.columns().into_iter())
+                .map(|(column, unit)| (format!("{name}.{column}"), unit))
+                .collect(),
+        }
+    }
+
+    fn sampler(&self) -> Option<&dyn HistorySampler> {
+        match self {
+            Self::Sampled { sampler, .. } => Some(sampler.0.as_ref()),
+            _ => None,
         }
     }
 
     fn motion(&self) -> Motion {
         match self {
             Self::Motion { motion, .. } | Self::Relative { motion, .. } => *motion,
-            Self::Stress { .. } | Self::State { .. } => Motion::default(),
+            Self::Stress { .. } | Self::State { .. } | Self::Sampled { .. } => Motion::default(),
         }
     }
 }
@@ -308,9 +334,16 @@ impl Observer for History {
     }
     fn fields(&self) -> Fields {
         let channels = || self.channels.iter();
+        let sampled = |reads: fn(&Fields) -> bool| {
+            let mut samplers = channels().filter_map(Channel::sampler);
+            samplers.any(|sampler| reads(&sampler.fields()))
+        };
+        let acceleration = channels().any(|c| c.motion().acceleration);
+        let stress = channels().any(|c| matches!(c, Channel::Stress { .. }));
         Fields::default()
-            .with_acceleration(channels().any(|c| c.motion().acceleration))
-            .with_stress(channels().any(|c| matches!(c, Channel::Stress { .. })))
+            .with_acceleration(acceleration || sampled(|fields| fields.acceleration))
+            .with_stress(stress || sampled(|fields| fields.stress))
+            .with_energy(sampled(|fields| fields.energy))
     }
     fn reach(&self) -> Reach {
         let nodes = self.probes.iter().flat_map(Probe::nodes);
@@ -318,12 +351,14 @@ impl Observer for History {
             Channel::State { variables, .. } => variables.as_slice(),
             _ => &[],
         });
-        Reach::NONE
+        let own = Reach::NONE
             .with_nodes(Selection::These(nodes.collect()))
             .with_elements(Selection::These(
                 self.elements.iter().map(|(e, _)| *e).collect(),
             ))
-            .with_variables(variables.map(|variable| variable.name))
+            .with_variables(variables.map(|variable| variable.name));
+        let samplers = self.channels.iter().filter_map(Channel::sampler);
+        samplers.fold(own, |all, sampler| reach_of_both(all, sampler.reach()))
     }
     fn cadence(&self) -> Cadence {
         self.cadence
@@ -381,6 +416,20 @@ impl Observer for History {
                     let (element, _) = self.elements[*element];
                     let values = variables.iter().map(|v| view.history(element, v.name));
                     self.row.extend(values.map(|value| value.unwrap_or(0.0)));
+                }
+                Channel::Sampled { name, sampler } => {
+                    let before = self.row.len();
+                    sampler.0.sample(view, &mut self.row)?;
+                    let (found, expected) = (self.row.len() - before, sampler.0.columns().len());
+                    if found != expected {
+                        let name = name.clone();
+                        let error = ObserveError::SampledColumns {
+                            name,
+                            found,
+                            expected,
+                        };
+                        return Err(error.into());
+                    }
                 }
             }
         }

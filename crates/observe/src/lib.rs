@@ -32,6 +32,7 @@ mod peaks;
 mod place;
 mod principal;
 mod recording;
+mod sampler;
 mod section;
 mod snapshots;
 mod state;
@@ -51,6 +52,7 @@ pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, ObservationPoint, Place, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
+pub use sampler::HistorySampler;
 pub use section::{
     CrossSection, RingSection, SectionForces, SectionGeometry, SectionPiece, SectionRing,
 };

@@ -150,8 +150,8 @@ pub use message::{Message, RunNotes, Topic, merge_messages};
 pub use output::{
     BendingError, BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock,
     HistoryRequest, JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results,
-    RingRequest, RunningTables, SectionRequest, SectionUse, SnapshotRequest, StateRequest,
-    StressRequest, file_name,
+    RingRequest, RunningTables, SampledRequest, SectionRequest, SectionUse, SnapshotRequest,
+    StateRequest, StressRequest, file_name,
 };
 pub use part::{Kernel, Material, Part};
 pub use program_sources::{ProgramSource, ProgramSources};

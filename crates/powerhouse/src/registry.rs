@@ -1,10 +1,11 @@
-//! Laws, kernels, boundaries, joint laws and mesh generators by name.
+//! Laws, kernels, boundaries, joint laws, outputs and mesh generators by name.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use powerhouse_model::{AbsorbingBoundary, ContactLaw, Engine, Mesh, ModelError};
+use powerhouse_observe::HistorySampler;
 use powerhouse_wavefield::TimeHistory;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
@@ -13,12 +14,12 @@ use serde_json::{Value, json};
 use crate::engine::standard_engine;
 use crate::fault::{Fault, Problem};
 use crate::spec::{
-    At, BoundarySection, JointSection, Material as MaterialTable, Parameters, SceneSpec,
+    At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, SceneSpec,
 };
 use crate::{Kernel, Material, builtin};
 
-/// Constitutive laws, element kernels, absorbing boundaries, joint laws, mesh generators and records in memory by the
-/// names that scenes give them.
+/// Constitutive laws, element kernels, absorbing boundaries, joint laws, kinds of output, mesh generators and records in
+/// memory by the names that scenes give them.
 ///
 /// A scene keeps the registry that it was read with, so that checks, advice and savings of the scene know the
 /// same names; sweeps and trades of a file are given one. A clone shares what is registered.
@@ -51,6 +52,7 @@ pub struct Registry {
     boundaries: BTreeMap<String, Entry<Arc<dyn AbsorbingBoundary>>>,
     kernels: BTreeMap<String, Kernel>,
     joint_laws: BTreeMap<String, Entry<Box<dyn ContactLaw>>>,
+    outputs: BTreeMap<String, Entry<OutputKind>>,
     mesh_generators: BTreeMap<String, MeshGenerator>,
     records: BTreeMap<PathBuf, Arc<TimeHistory>>,
     built_in: BuiltIn,
@@ -67,6 +69,9 @@ struct BuiltIn {
     kernels: BTreeSet<String>,
 }
 
+/// Function from a mesh to the sampler of an output.
+pub(crate) type OutputKind =
+    Arc<dyn Fn(&Mesh) -> Result<Arc<dyn HistorySampler>, ModelError> + Send + Sync>;
 /// Function from a file to a mesh.
 type MeshGenerator = Arc<dyn Fn(&Path) -> Result<Mesh, Refusal> + Send + Sync>;
 /// Why a mesh generator refuses a file.
@@ -96,19 +101,21 @@ impl<T> Entry<T> {
     {
         Self {
             build: Arc::new(move |parameters| {
-                build(parameters.decode()?).map_err(|error| {
-                    // The name in the error may be that of the key concerned.
-                    let key = match &error {
-                        ModelError::Parameter(parameter) => parameter.name,
-                        ModelError::Refused { part, .. } => part,
-                        _ => "",
-                    };
-                    Fault::refused(parameters.span_of(key), error)
-                })
+                build(parameters.decode()?).map_err(|error| placed(parameters, error))
             }),
             schema: P::json_schema,
         }
     }
+}
+
+/// Fault of an error at the key whose name it has, or at the whole table.
+pub(crate) fn placed(parameters: &Parameters, error: ModelError) -> Fault {
+    let key = match &error {
+        ModelError::Parameter(parameter) => parameter.name,
+        ModelError::Refused { part, .. } => part,
+        _ => "",
+    };
+    Fault::refused(parameters.span_of(key), error)
 }
 
 impl Default for Registry {
@@ -119,6 +126,7 @@ impl Default for Registry {
             boundaries: BTreeMap::new(),
             kernels: BTreeMap::new(),
             joint_laws: BTreeMap::new(),
+            outputs: BTreeMap::new(),
             mesh_generators: BTreeMap::new(),
             records: BTreeMap::new(),
             built_in: BuiltIn::default(),
@@ -170,6 +178,54 @@ impl Registry {
         F: Fn(P) -> Result<Box<dyn ContactLaw>, ModelError> + Send + Sync + 'static,
     {
         self.joint_laws.insert(name.into(), Entry::new(build));
+    }
+    /// Adds or replaces a kind of output, which `[[output.own]]` tables of a scene request by their key `kind`. `build` is called
+    /// with the keys of the table, as in [`add_law`](Self::add_law), and the mesh; the columns of its sampler are among the
+    /// histories of a run, and so in its tables, plots, reports and checkpoints.
+    ///
+    /// ```
+    /// use powerhouse::engine::observe::HistorySampler;
+    /// use powerhouse::model::{ModelError, Reach, Selection, StepView};
+    /// use powerhouse::{Registry, schemars};
+    /// use std::sync::Arc;
+    /// #[derive(serde::Deserialize, schemars::JsonSchema)]
+    /// #[serde(deny_unknown_fields)]
+    /// struct SpeedKeys {
+    ///     /// Set of the nodes.
+    ///     set: String,
+    /// }
+    /// struct Speed(Vec<u32>);
+    /// impl HistorySampler for Speed {
+    ///     fn columns(&self) -> Vec<(String, &'static str)> {
+    ///         vec![("speed".into(), "m/s")]
+    ///     }
+    ///     fn reach(&self) -> Reach {
+    ///         Reach::NONE.with_nodes(Selection::These(self.0.clone()))
+    ///     }
+    ///     fn sample(&self, view: &dyn StepView, row: &mut Vec<f64>) -> Result<(), ModelError> {
+    ///         let speeds = self.0.iter().map(|&node| view.velocity(node).norm());
+    ///         row.push(speeds.fold(0.0, f64::max));
+    ///         Ok(())
+    ///     }
+    /// }
+    /// let mut registry = Registry::default();
+    /// registry.add_output("greatest-speed", |keys: &SpeedKeys, mesh| {
+    ///     let nodes = mesh.nodes_of_set(&keys.set)?;
+    ///     Ok(Arc::new(Speed(nodes)) as Arc<dyn HistorySampler>)
+    /// });
+    /// assert_eq!(registry.output_names().collect::<Vec<_>>(), ["greatest-speed"]);
+    /// ```
+    pub fn add_output<P, F>(&mut self, kind: impl Into<String>, build: F)
+    where
+        P: DeserializeOwned + JsonSchema + Send + Sync + 'static,
+        F: Fn(&P, &Mesh) -> Result<Arc<dyn HistorySampler>, ModelError> + Send + Sync + 'static,
+    {
+        let build = Arc::new(build);
+        let of_keys = move |keys: P| {
+            let build = build.clone();
+            Ok(Arc::new(move |mesh: &Mesh| build(&keys, mesh)) as OutputKind)
+        };
+        self.outputs.insert(kind.into(), Entry::new(of_keys));
     }
     /// Adds or replaces a mesh generator, which builds a mesh from an input file. A scene names both in its `[mesh]` table
     /// (`generator`, `file`); none is built in. `generate` is called when a scene is read, with the path of the file.
@@ -275,6 +331,10 @@ impl Registry {
         let entry = look_up(&self.joint_laws, "joint law", &section.law)?;
         (entry.build)(&section.parameters)
     }
+    pub(crate) fn output(&self, request: &OwnOutput) -> Result<OutputKind, Fault> {
+        let entry = look_up(&self.outputs, "output", &request.kind)?;
+        (entry.build)(&request.parameters)
+    }
     pub(crate) fn kernel(&self, name: &At<String>) -> Result<&Kernel, Fault> {
         look_up(&self.kernels, "kernel", name)
     }
@@ -291,6 +351,10 @@ impl Registry {
     pub fn mesh_generator_names(&self) -> impl Iterator<Item = &str> {
         self.mesh_generators.keys().map(String::as_str)
     }
+    /// Names of the kinds of output that a program has added.
+    pub fn output_names(&self) -> impl Iterator<Item = &str> {
+        self.outputs.keys().map(String::as_str)
+    }
     /// Names of the contact laws of joints.
     pub fn joint_law_names(&self) -> impl Iterator<Item = &str> {
         self.joint_laws.keys().map(String::as_str)
@@ -302,12 +366,14 @@ impl Registry {
         let laws = choices(&self.laws, &mut generator);
         let boundaries = choices(&self.boundaries, &mut generator);
         let joint_laws = choices(&self.joint_laws, &mut generator);
+        let outputs = choices(&self.outputs, &mut generator);
         let mut root = generator.into_root_schema_for::<SceneSpec>();
         let kernels = json!({ "enum": self.kernels.keys().collect::<Vec<_>>() });
         for (table, key, choices) in [
             ("Material", "law", laws),
             ("BoundarySection", "kind", boundaries),
             ("JointSection", "law", joint_laws),
+            ("OwnOutput", "kind", outputs),
         ] {
             if let Some(table) = definition(&mut root, table) {
                 open_table(table, key, choices);

@@ -441,6 +441,11 @@ fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
     let columns = histories.sum::<f64>()
         + STRESS_COLUMNS * plan.stresses.len() as f64
         + RELATIVE_COLUMNS * plan.relative.len() as f64
+        + plan
+            .sampled
+            .iter()
+            .map(|request| request.sampler.columns().len() as f64)
+            .sum::<f64>()
         + SECTION_COLUMNS * plan.cuts.len() as f64;
     let energies = plan
         .energies

@@ -54,6 +54,7 @@ mod shell_octant;
 mod sides;
 pub mod starter;
 mod static_cost;
+mod store;
 pub mod sweep;
 pub mod text;
 pub mod trade;

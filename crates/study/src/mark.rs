@@ -1,6 +1,6 @@
 //! Fingerprint of the inputs of a case, by which finished results are recognised.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use powerhouse::SceneSpec;
 use powerhouse::model::Checksum;
@@ -55,13 +55,6 @@ impl Fingerprint {
     /// Sets the duration (s) that replaces the scene's.
     pub(crate) fn set_duration(&mut self, duration: f64) {
         self.duration = Some(duration);
-    }
-
-    /// Whether a file contains this fingerprint.
-    pub(crate) fn is_in(&self, file: &Path) -> bool {
-        let text = std::fs::read(file).unwrap_or_default();
-        let found: Option<Self> = serde_json::from_slice(&text).ok();
-        found.as_ref() == Some(self)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use powerhouse::Scene;
 use powerhouse::engine::observe::{ObservationPoint, Place, StressPlace};
-use powerhouse::model::{Mesh, Vec3};
+use powerhouse::model::{Mesh, Selection, Vec3};
 
 /// Nodes, elements and points that the output requests of a scene refer to.
 #[derive(Default)]
@@ -40,6 +40,15 @@ impl Recorded {
                         .elements
                         .extend(known.map(|element| element as u32));
                 }
+            }
+        }
+        for request in &plan.sampled {
+            let reach = request.sampler.reach();
+            if let Selection::These(nodes) = reach.nodes {
+                recorded.nodes.extend(nodes);
+            }
+            if let Selection::These(elements) = reach.elements {
+                recorded.elements.extend(elements);
             }
         }
         recorded

@@ -80,26 +80,16 @@ pub(super) enum Fit {
     PlaneStrain,
 }
 
-/// Parameters of a frictional law: elastic medium, friction and strengths.
+/// Parameters of a frictional law: those of Mohr-Coulomb, and the compressive strength that is given beside them.
 pub(super) struct Frictional {
-    pub(super) medium: ElasticMedium,
-    pub(super) friction: f64,
-    pub(super) dilation: f64,
-    pub(super) cohesion: f64,
-    pub(super) tension: Option<f64>,
+    pub(super) surface: MohrCoulombParameters,
+    /// Uniaxial compressive strength (Pa).
     pub(super) compression: Option<f64>,
 }
 
 impl Frictional {
     pub(super) fn mohr_coulomb(&self) -> Result<(MohrCoulomb, Vec<Finding>), ModelError> {
-        let surface = MohrCoulomb::new(MohrCoulombParameters {
-            medium: self.medium,
-            friction: self.friction,
-            dilation: self.dilation,
-            cohesion: self.cohesion,
-            tension_strength: self.tension,
-        });
-        let surface = surface.map_err(placed)?;
+        let surface = MohrCoulomb::new(self.surface).map_err(placed)?;
         let findings = surface.findings(self.compression);
         Ok((surface, findings))
     }
@@ -107,11 +97,12 @@ impl Frictional {
         &self,
         fit: Option<Fit>,
     ) -> Result<(DruckerPrager, Vec<Finding>), ModelError> {
+        let own = &self.surface;
         let surface = DruckerPrager::new(DruckerPragerParameters {
-            medium: self.medium,
-            friction: self.friction,
-            dilation: self.dilation,
-            cohesion: self.cohesion,
+            medium: own.medium,
+            friction: own.friction,
+            dilation: own.dilation,
+            cohesion: own.cohesion,
             fit: match fit {
                 Some(Fit::Circumscribed) => ConeFit::Circumscribed,
                 Some(Fit::PlaneStrain) => ConeFit::PlaneStrain,
@@ -119,16 +110,17 @@ impl Frictional {
             },
         });
         let surface = surface.map_err(placed)?;
-        let findings = surface.findings([self.tension, self.compression]);
+        let findings = surface.findings([own.tension_strength, self.compression]);
         Ok((surface, findings))
     }
     pub(super) fn two_surface(&self) -> Result<(TwoSurface, Vec<Finding>), ModelError> {
+        let own = &self.surface;
         let surface = TwoSurface::new(TwoSurfaceParameters {
-            medium: self.medium,
-            friction: self.friction,
-            dilation: self.dilation,
-            cohesion: self.cohesion,
-            tension_strength: self.tension.ok_or(missing("tensile_strength"))?,
+            medium: own.medium,
+            friction: own.friction,
+            dilation: own.dilation,
+            cohesion: own.cohesion,
+            tension_strength: own.tension_strength.ok_or(missing("tensile_strength"))?,
             compression_strength: (self.compression).ok_or(missing("compressive_strength"))?,
         });
         let surface = surface.map_err(placed)?;
@@ -171,60 +163,67 @@ macro_rules! frictional_keys {
         }
 
         impl $name {
+            /// The keys, completed by those of the preset.
             fn frictional(
                 &self,
             ) -> Result<$crate::builtin_laws::frictional::Frictional, powerhouse_model::ModelError> {
-                $crate::builtin_laws::frictional::FrictionalKeys {
-                    preset: self.preset,
-                    elastic: $crate::builtin_laws::ElasticKeys {
-                        young: self.young,
-                        poisson: self.poisson,
-                        density: self.density,
+                use $crate::spec::{NonNegative, Positive};
+                let preset = $crate::builtin_laws::frictional::OfPreset::new(self.preset)?;
+                let elastic = $crate::builtin_laws::ElasticKeys {
+                    young: self.young,
+                    poisson: self.poisson,
+                    density: self.density,
+                };
+                let tension = self.tensile_strength.map(NonNegative::get);
+                let compression = self.compressive_strength.map(Positive::get);
+                let dilation = preset.or(self.dilation, |p| p.dilation, "dilation");
+                Ok($crate::builtin_laws::frictional::Frictional {
+                    surface: powerhouse_material_damage::MohrCoulombParameters {
+                        medium: preset.medium(elastic)?,
+                        friction: preset.or(self.friction, |p| p.friction, "friction")?,
+                        dilation: dilation.unwrap_or(0.0),
+                        cohesion: preset.or(self.cohesion, |p| p.cohesion, "cohesion")?,
+                        tension_strength: tension.or(preset.tension()),
                     },
-                    angles: [self.friction, self.dilation],
-                    cohesion: self.cohesion,
-                    tensile_strength: self.tensile_strength,
-                    compressive_strength: self.compressive_strength,
-                }
-                .fill()
+                    compression: compression.or(preset.compression),
+                })
             }
         }
     };
 }
 pub(super) use frictional_keys;
 
-/// Common keys of frictional laws, as given in the scene.
-pub(super) struct FrictionalKeys {
-    pub(super) preset: Option<Preset>,
-    /// Young's modulus, Poisson's ratio, density.
-    pub(super) elastic: ElasticKeys,
-    /// Friction and dilation angles (degrees).
-    pub(super) angles: [Option<NonNegative>; 2],
-    pub(super) cohesion: Option<NonNegative>,
-    pub(super) tensile_strength: Option<NonNegative>,
-    pub(super) compressive_strength: Option<Positive>,
+/// Parameters of the preset of a frictional law, if it has one.
+pub(super) struct OfPreset {
+    surface: Option<MohrCoulombParameters>,
+    /// Listed uniaxial compressive strength (Pa).
+    pub(super) compression: Option<f64>,
 }
 
-impl FrictionalKeys {
-    /// Completes the keys with those of the preset.
-    pub(super) fn fill(self) -> Result<Frictional, ModelError> {
-        let preset = self.preset.map(Preset::surface).transpose()?;
-        let (surface, listed) = preset.unzip();
-        let medium = elastic_medium(self.elastic, surface.map(|surface| surface.medium))?;
-        let given = |own: Option<NonNegative>, of: fn(&MohrCoulombParameters) -> f64, key| {
-            let own = own.map(NonNegative::get);
-            own.or(surface.as_ref().map(of)).ok_or(missing(key))
-        };
-        let [friction, dilation] = self.angles;
-        let tension = self.tensile_strength.map(NonNegative::get);
-        Ok(Frictional {
-            medium,
-            friction: given(friction, |p| p.friction, "friction")?,
-            dilation: given(dilation, |p| p.dilation, "dilation").unwrap_or(0.0),
-            cohesion: given(self.cohesion, |p| p.cohesion, "cohesion")?,
-            tension: tension.or(surface.and_then(|surface| surface.tension_strength)),
-            compression: self.compressive_strength.map(Positive::get).or(listed),
+impl OfPreset {
+    pub(super) fn new(preset: Option<Preset>) -> Result<Self, ModelError> {
+        let found = preset.map(Preset::surface).transpose()?;
+        let (surface, compression) = found.unzip();
+        Ok(Self {
+            surface,
+            compression,
         })
+    }
+    pub(super) fn medium(&self, keys: ElasticKeys) -> Result<ElasticMedium, ModelError> {
+        elastic_medium(keys, self.surface.map(|surface| surface.medium))
+    }
+    pub(super) fn tension(&self) -> Option<f64> {
+        self.surface.and_then(|surface| surface.tension_strength)
+    }
+    /// A given value, or that of the preset.
+    pub(super) fn or(
+        &self,
+        given: Option<NonNegative>,
+        of: fn(&MohrCoulombParameters) -> f64,
+        key: &'static str,
+    ) -> Result<f64, ModelError> {
+        let given = given.map(NonNegative::get);
+        given.or(self.surface.as_ref().map(of)).ok_or(missing(key))
     }
 }
 

@@ -35,8 +35,8 @@ pub(crate) use names::Named;
 pub use naming::{NameError, file_name};
 pub(crate) use naming::{NamedThing, check_names};
 pub use plan::{
-    EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SectionRequest,
-    SnapshotRequest, StateRequest, StressRequest,
+    EnvelopeRequest, HistoryRequest, JointRequest, OutputPlan, RelativeRequest, SampledRequest,
+    SectionRequest, SnapshotRequest, StateRequest, StressRequest,
 };
 pub use results::Results;
 pub(crate) use results::{FinishedRun, Recordings};

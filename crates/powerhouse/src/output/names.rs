@@ -34,6 +34,7 @@ impl Named<'_> {
         let names = histories
             .chain(stresses.map(|request| &request.name))
             .chain(plan.relative.iter().map(|request| &request.name))
+            .chain(plan.sampled.iter().map(|request| &request.name))
             .chain(cuts);
         for name in names {
             add("plots", name, ".svg");

@@ -1,8 +1,11 @@
 //! Output requests.
 
+use core::fmt;
+use std::sync::Arc;
+
 use powerhouse_observe::{
-    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SectionReinforcement,
-    SnapshotFields, StressPlace,
+    CrossSection, HistorySampler, JointQuantities, Motion, ObservationPoint, Place,
+    SectionReinforcement, SnapshotFields, StressPlace,
 };
 
 use super::RingRequest;
@@ -83,6 +86,42 @@ impl RelativeRequest {
             at: at.into(),
             from: from.into(),
         }
+    }
+}
+
+/// Request for quantities of a program's own, against time.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct SampledRequest {
+    /// Name of the request, with which its columns and plots begin.
+    pub name: String,
+    /// What computes the quantities.
+    pub sampler: Arc<dyn HistorySampler>,
+}
+
+impl SampledRequest {
+    /// Request for the quantities of a sampler, under a name.
+    pub fn new(name: impl Into<String>, sampler: Arc<dyn HistorySampler>) -> Self {
+        let name = name.into();
+        Self { name, sampler }
+    }
+}
+
+/// Requests of one name are equal if they share a sampler.
+impl PartialEq for SampledRequest {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && Arc::ptr_eq(&self.sampler, &other.sampler)
+    }
+}
+
+impl fmt::Debug for SampledRequest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "SampledRequest({:?}, {:?})",
+            self.name,
+            self.sampler.columns()
+        )
     }
 }
 
@@ -283,6 +322,8 @@ pub struct OutputPlan {
     pub stresses: Vec<StressRequest>,
     /// Requests for relative displacements against time.
     pub relative: Vec<RelativeRequest>,
+    /// Requests for quantities of a program's own against time.
+    pub sampled: Vec<SampledRequest>,
     /// Requests for section forces against time.
     pub cuts: Vec<SectionRequest>,
     /// Sections among them that go around linings, added by [`ring`](Self::ring).
@@ -309,6 +350,7 @@ impl Default for OutputPlan {
             histories: Vec::new(),
             stresses: Vec::new(),
             relative: Vec::new(),
+            sampled: Vec::new(),
             cuts: Vec::new(),
             rings: Vec::new(),
             joints: Vec::new(),
@@ -380,6 +422,12 @@ impl OutputPlan {
     #[must_use]
     pub fn relative(mut self, name: &str, at: impl Into<Place>, from: impl Into<Place>) -> Self {
         self.relative.push(RelativeRequest::new(name, at, from));
+        self
+    }
+    /// Adds the quantities of a sampler of a program's own.
+    #[must_use]
+    pub fn sample(mut self, name: &str, sampler: Arc<dyn HistorySampler>) -> Self {
+        self.sampled.push(SampledRequest::new(name, sampler));
         self
     }
     /// Adds states, openings, slips and tractions of some node pairs of a joint.

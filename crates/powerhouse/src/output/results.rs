@@ -574,6 +574,9 @@ fn histories(
         let (from, at) = (request.from.clone(), request.at.clone());
         builder = builder.relative(&request.name, from, at, Motion::DISPLACEMENT);
     }
+    for request in &plan.sampled {
+        builder = builder.sampled(&request.name, request.sampler.clone());
+    }
     // In the order of the requests.
     let asked = RefCell::new(Vec::new());
     let variables = |element| {

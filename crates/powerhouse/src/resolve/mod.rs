@@ -23,11 +23,11 @@ use serde::Deserialize;
 use crate::engine::{Leapfrog, OneSided};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::output::NamedThing;
-use crate::scene::{Boundary, InitialMotion, ResidualLimit, TimeStep, sets_with};
+use crate::scene::{Boundary, InitialMotion, TimeStep, sets_with};
 use crate::spec::{self, Allowance, At, Finite, Load, NonNegative, SceneSpec};
 use crate::{
-    CheckpointPlan, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark, Scene,
-    SceneRemark, keys,
+    CheckpointPlan, Error, Magnitude, MagnitudeOf, Material, Part, Registry, Remark,
+    SampledRequest, Scene, SceneRemark, keys, registry,
 };
 
 pub use mesh::read_mesh;
@@ -66,10 +66,7 @@ pub(crate) fn compose(
     scene.joints = joints;
     scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
-    scene.initial = match *file.time.initial {
-        spec::InitialMotion::Rest => InitialMotion::Rest,
-        spec::InitialMotion::Field => InitialMotion::Field,
-    };
+    scene.initial = *file.time.initial;
     scene.step = match *file.time.step {
         spec::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
         spec::Step::Seconds(step) => TimeStep::Seconds(step),
@@ -83,11 +80,7 @@ pub(crate) fn compose(
         spec::Precision::Mixed => Precision::Mixed,
         spec::Precision::F32 => Precision::F32,
     };
-    scene.residual = match file.energy_residual {
-        spec::Residual::Auto => ResidualLimit::OfPrecision,
-        spec::Residual::Share(share) => ResidualLimit::Share(share),
-        spec::Residual::Off => ResidualLimit::Unchecked,
-    };
+    scene.residual = file.energy_residual;
     scene.places.step = file.time.step.span();
     scene.places.scheme = file.time.scheme.span();
     let of_waves = file.waves.iter().map(|wave| wave.incidence.span());
@@ -171,6 +164,12 @@ pub(crate) fn compose(
         &scene.joints,
         file.time.duration.get(),
     )?;
+    for request in &file.output.own {
+        let sampler = registry.output(request)?(&mesh);
+        let sampler = sampler.map_err(|error| registry::placed(&request.parameters, error))?;
+        let request = SampledRequest::new(request.name.to_string(), sampler);
+        scene.output.sampled.push(request);
+    }
     scene.checkpoints = checkpoints(&file.checkpoint, &scene)?;
     check_names(file)?;
     let materials = file.parts.iter();
@@ -184,7 +183,8 @@ pub(crate) fn compose(
     [scene.places.cuts, scene.places.reinforcements] = output::places(&file.output);
     let histories = file.output.histories.iter().map(|history| &history.name);
     let relative = file.output.relative.iter().map(|relative| &relative.name);
-    let named = histories.chain(relative);
+    let own = file.output.own.iter().map(|own| &own.name);
+    let named = histories.chain(relative).chain(own);
     scene.places.histories = named.map(|name| (name.to_string(), name.span())).collect();
     Ok(scene)
 }
@@ -373,7 +373,8 @@ fn check_names(file: &SceneSpec) -> Result<(), Fault> {
     let histories = output.histories.iter().map(|history| &history.name);
     let relative = output.relative.iter().map(|relative| &relative.name);
     let sections = output.sections.iter().map(|section| &section.name);
-    let results = histories.chain(relative).chain(sections);
+    let own = output.own.iter().map(|own| &own.name);
+    let results = histories.chain(relative).chain(sections).chain(own);
     let results = results.map(|name| (NamedThing::Result, name));
     let zones = output
         .joints

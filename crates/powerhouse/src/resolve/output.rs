@@ -40,7 +40,8 @@ pub(super) fn plan(
         .chain(output.relative.iter().map(|relative| &relative.name))
         .chain(output.sections.iter().map(|section| &section.name))
         .chain(output.rings.iter().map(|ring| &ring.name))
-        .chain(output.joints.iter().map(|joint| &joint.name));
+        .chain(output.joints.iter().map(|joint| &joint.name))
+        .chain(output.own.iter().map(|own| &own.name));
     for name in all_names {
         if used.contains(&name.as_str()) {
             let (what, name_of) = ("result", name.to_string());

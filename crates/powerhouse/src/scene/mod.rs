@@ -101,6 +101,11 @@ pub enum ResidualLimit {
 
 /// Motion of the body at the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "scene-files",
+    derive(serde::Deserialize, serde::Serialize, schemars::JsonSchema),
+    serde(rename_all = "kebab-case")
+)]
 pub enum InitialMotion {
     /// Zero displacement and velocity.
     #[default]

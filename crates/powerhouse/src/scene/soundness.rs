@@ -146,8 +146,10 @@ impl Scene {
         results.extend(output.stresses.iter().map(|request| &*request.name));
         results.extend(output.state.places.iter().map(|request| &*request.name));
         let relative = output.relative.iter().map(|request| &*request.name);
+        let sampled = output.sampled.iter().map(|request| &*request.name);
         let cuts = output.cuts.iter().map(|request| &*request.cut.name);
-        let mut named: Vec<(NamedThing, &str)> = (results.into_iter().chain(relative).chain(cuts))
+        let results = results.into_iter().chain(relative).chain(sampled);
+        let mut named: Vec<(NamedThing, &str)> = (results.chain(cuts))
             .map(|name| (NamedThing::Result, name))
             .collect();
         named.extend(self.joints.iter().map(|j| (NamedThing::Joint, &*j.name)));

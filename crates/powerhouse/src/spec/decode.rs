@@ -28,10 +28,12 @@ const TAGGED: [&str; 10] = [
 ];
 /// Key of a tagged table in whose place a text may stand, and this text.
 const ABSENT: (&str, &str) = ("damping", "none");
-/// Open tables, and their keys that belong to the scene format.
-const MATERIAL: (&str, &[&str]) = ("material", &["name", "law"]);
-const JOINT: (&str, &[&str]) = (
-    "joint",
+/// Open tables, by the way to them, and their keys that belong to the scene format.
+type Open = (&'static [&'static str], &'static [&'static str]);
+const MATERIAL: Open = (&["material"], &["name", "law"]);
+const OUTPUT: Open = (&["output", "own"], &["name", "kind"]);
+const JOINT: Open = (
+    &["joint"],
     &[
         "name",
         "between",
@@ -44,7 +46,7 @@ const JOINT: (&str, &[&str]) = (
         "unbonded",
     ],
 );
-const BOUNDARY: (&str, &[&str]) = (crate::keys::BOUNDARY_TABLE, &crate::keys::BOUNDARY);
+const BOUNDARY: Open = (&[crate::keys::BOUNDARY_TABLE], &crate::keys::BOUNDARY);
 
 /// Reads the scene of parsed tables, or a case of it; as the scene itself if there is no such case.
 ///
@@ -57,8 +59,8 @@ pub(super) fn scene(tables: &Node, case: Option<&str>) -> Result<SceneSpec, Faul
     if let Some(case) = case {
         change::apply(&mut root, case)?;
     }
-    let [materials, joints, boundary] =
-        [MATERIAL, JOINT, BOUNDARY].map(|open| split(&mut root, open));
+    let [materials, joints, boundary, outputs] =
+        [MATERIAL, JOINT, BOUNDARY, OUTPUT].map(|open| split(&mut root, open));
     let mut scene: SceneSpec = root.read()?;
     give(
         scene.materials.iter_mut().map(|m| &mut m.parameters),
@@ -69,6 +71,8 @@ pub(super) fn scene(tables: &Node, case: Option<&str>) -> Result<SceneSpec, Faul
         scene.boundary.iter_mut().map(|b| &mut b.parameters),
         boundary,
     );
+    let of_outputs = scene.output.own.iter_mut();
+    give(of_outputs.map(|output| &mut output.parameters), outputs);
     let Some(case) = case else {
         return Ok(scene);
     };
@@ -112,16 +116,18 @@ fn give<'a>(of: impl Iterator<Item = &'a mut Parameters>, own: Vec<Parameters>) 
 
 /// Removes the parameters from the open tables of a section and returns them, table by table; shared keys
 /// remain. Values that are not tables are left for serde to reject.
-fn split(root: &mut Node, (section, shared): (&str, &'static [&'static str])) -> Vec<Parameters> {
+fn split(root: &mut Node, (way, shared): Open) -> Vec<Parameters> {
     let of_table = |node: &mut Node| {
         let span = node.span.clone();
-        let own = node
-            .as_table_mut()
-            .map(|table| table.split(|key| shared.contains(&key)));
+        let table = node.as_table_mut();
+        let own = table.map(|table| table.split(|key| shared.contains(&key)));
         Parameters::new(Node::table(span, own.unwrap_or_default()), shared)
     };
-    let section = root.as_table_mut().and_then(|root| root.get_mut(section));
-    match section {
+    let start = Some(root);
+    let found = way
+        .iter()
+        .fold(start, |node, key| node?.as_table_mut()?.get_mut(key));
+    match found {
         Some(Node {
             value: Value::List(items),
             ..

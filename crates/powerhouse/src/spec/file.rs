@@ -201,6 +201,9 @@ impl SceneSpec {
         if let Some(boundary) = &self.boundary {
             registry.boundary(boundary)?;
         }
+        for output in &self.output.own {
+            registry.output(output)?;
+        }
         Ok(())
     }
 }

@@ -41,6 +41,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::scene::InitialMotion;
 pub use at::At;
 pub use case::Case;
 pub(crate) use case::OfCase;
@@ -62,7 +63,7 @@ pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
 pub use motion::Motion;
 pub use output::{
-    History, JointHistory, JointQuantity, Output, Quantity, Reinforcement, Ring, Section,
+    History, JointHistory, JointQuantity, Output, OwnOutput, Quantity, Reinforcement, Ring, Section,
 };
 pub use parameters::Parameters;
 pub use quantity::{
@@ -72,7 +73,7 @@ pub use reference::Reference;
 pub use residual::Residual;
 pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod, StressLayer};
 pub use stations::{Interpolation, StationAxis, Stations};
-pub use time::{InitialMotion, Precision, Scheme, Step, Time};
+pub use time::{Precision, Scheme, Step, Time};
 
 /// A scene: mesh, materials, joints, ground motion, boundary, construction stages, time stepping and output of
 /// one analysis.

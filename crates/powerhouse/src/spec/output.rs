@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{At, Finite, NonNegative, Positive, Zone};
+use super::{At, Finite, NonNegative, Parameters, Positive, Zone};
 
 /// Output requests of a run, and the results folder.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -34,12 +34,29 @@ pub struct Output {
     /// every whole joint are recorded in any case.
     #[serde(rename = "joint", default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<JointHistory>,
+    /// Requests of kinds that a program has registered, among the histories; none come with the software.
+    #[serde(rename = "own", default, skip_serializing_if = "Vec::is_empty")]
+    pub own: Vec<OwnOutput>,
     /// Sampling interval of the energy balance (s), above 0; a hundredth of the duration by default.
     pub energies: Option<At<Positive>>,
     /// Envelope request: greatest values over the run in all nodes and elements; none by default.
     pub envelope: Option<Envelope>,
     /// Snapshot request: fields of the whole body at regular times, for ParaView; none by default.
     pub snapshots: Option<Snapshots>,
+}
+
+/// Request of a kind that a program has registered: its columns are among the histories.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
+pub struct OwnOutput {
+    /// Name in results; 1 to 100 characters.
+    pub name: At<String>,
+    /// Kind of the output: its name in the registry.
+    pub kind: At<String>,
+    /// All other keys of the table: parameters of the kind.
+    #[serde(skip_deserializing, flatten)]
+    #[schemars(skip)]
+    pub parameters: Parameters,
 }
 
 /// Recorded field quantity.

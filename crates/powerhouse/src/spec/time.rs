@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::quantity::words_or_number;
 use super::{At, Finite, Positive, Share, is_default};
+use crate::scene::InitialMotion;
 
 /// Time integration of the dynamic run: duration, start, step and scheme.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -44,18 +45,6 @@ pub enum Step {
 words_or_number! {
     Step { "auto" => Auto, number => Seconds }
     "\"auto\" or a number of seconds above 0", |x| x > 0.0, { "type": "number", "exclusiveMinimum": 0 }
-}
-
-/// Initial motion of the body.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
-#[non_exhaustive]
-#[serde(rename_all = "kebab-case")]
-pub enum InitialMotion {
-    /// Zero displacement and velocity.
-    #[default]
-    Rest,
-    /// Motion of the free field at the start, for waves that have entered the body already.
-    Field,
 }
 
 /// Time integration scheme.

@@ -138,6 +138,10 @@ impl fmt::Display for BoundaryAdvice {
                 }
             )?;
         }
+        writeln!(
+            f,
+            "  (ns/node and share of a step: from figures of one machine, not measured here)"
+        )?;
         for left_out in &self.left_out {
             writeln!(
                 f,

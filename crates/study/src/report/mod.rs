@@ -24,7 +24,8 @@ use std::path::{Path, PathBuf};
 
 use powerhouse::io::{TableColumn, read_table};
 
-use crate::sweep::{CASES, CaseEntry, CaseOutcome, MARK, OUTCOME, write_text};
+use crate::store::MARK;
+use crate::sweep::{CASES, CaseEntry, CaseOutcome, OUTCOME, write_text};
 use crate::{StudyError, json};
 
 pub use section::{ReportItem, ReportSection, ReportTable};

@@ -291,6 +291,7 @@ impl SceneFacts {
         let plan = scene.output();
         let records = !plan.histories.is_empty()
             || !plan.relative.is_empty()
+            || !plan.sampled.is_empty()
             || !plan.stresses.is_empty()
             || !plan.cuts.is_empty();
         let obstacle = if !records {

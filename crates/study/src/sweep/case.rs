@@ -16,10 +16,10 @@ use powerhouse::{
 use super::at_rest::{self, BodyStore};
 use super::processes::pause;
 use super::{
-    CaseInput, CaseOutcome, Coverage, LOOK, OUTCOME, Sweep, SweepWatch, finished, ground, locked,
-    pictures,
+    CaseInput, CaseOutcome, Coverage, LOOK, OUTCOME, Sweep, SweepWatch, ground, locked, pictures,
 };
 use crate::checkpoints::{RunCheckpoints, is_of_state};
+use crate::store;
 use crate::{CheckpointEvent, FreeFieldCheck, OutputSize, StudyError, Warning};
 
 /// Cancellation flag and progress callback of a case.
@@ -114,7 +114,7 @@ impl Sweep {
         };
         folder.remove_unfinished()?;
         folder.prove(&simulation, size.bytes(step))?;
-        finished::unmark(&path)?;
+        store::unmark(&path, &[OUTCOME])?;
         let report = |event: CheckpointEvent| locked(control.watch).checkpoint(case, event);
         checkpoints.report(report);
         if !checkpoints.is_resumed() {
@@ -167,12 +167,13 @@ impl Sweep {
         outcome.coverage = coverage;
         let file = path.join(OUTCOME);
         write_summary(&file, &outcome).map_err(Error::from)?;
+        files.push(file.clone());
         // The fingerprint is written last: without it the case is not finished.
         if !is_held {
             return Err(Error::from(FolderError::Gone { folder: path }).into());
         }
         if let Some(variant) = self.variant(case) {
-            finished::finish(&path, variant.fingerprint(), &files)?;
+            store::finish(&path, variant.fingerprint(), &files)?;
         }
         checkpoints.remove()?;
         // Read back, as a later sweep does: a number may lose its last bit in a file.

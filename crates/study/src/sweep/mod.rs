@@ -24,7 +24,7 @@ mod case;
 mod contact;
 mod coverage;
 mod damage;
-mod finished;
+mod entry;
 mod ground;
 mod input;
 mod outcome;
@@ -50,6 +50,7 @@ use powerhouse::{
 };
 
 use crate::json::read_json;
+use crate::store;
 use crate::variant::Variant;
 use crate::{CheckpointEvent, StudyError};
 use at_rest::BodyStore;
@@ -57,7 +58,7 @@ use case::{CaseControl, Claim};
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
 pub use damage::PartDamage;
-pub(crate) use finished::CaseEntry;
+pub(crate) use entry::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 use processes::SharedFolder;
@@ -65,8 +66,6 @@ pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.
 pub(crate) const OUTCOME: &str = "outcome.json";
-/// Name of the fingerprint file in the folder of a case.
-pub(crate) const MARK: &str = "finished.json";
 /// Name of the table of all cases in the folder of the sweep.
 pub(crate) const TABLE: &str = "sweep.csv";
 /// Name of the list of cases in their order, with the fingerprint that each must have.
@@ -362,7 +361,7 @@ impl Sweep {
     /// Whether a case was finished, by this run or an earlier one with the same inputs.
     fn is_finished(&self, case: &str) -> bool {
         let is_finished =
-            |own: &Variant| finished::is_finished(&self.folder.join(case), own.fingerprint());
+            |own: &Variant| store::is_finished(&self.folder.join(case), own.fingerprint());
         self.variant(case).is_some_and(is_finished)
     }
 

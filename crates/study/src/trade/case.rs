@@ -21,12 +21,12 @@ use crate::checkpoints::{RunCheckpoints, is_of_state};
 use crate::cost::CostModel;
 use crate::json::read_json;
 use crate::mark::Fingerprint;
+use crate::store;
 use crate::variant::Variant;
 use crate::{CheckpointEvent, StudyError};
 
 const COST: &str = "cost.json";
 const HISTORIES: &str = "histories.csv";
-const MARK: &str = "finished.json";
 /// Wall time that an unfinished run has taken.
 const SPENT: &str = "spent.json";
 
@@ -171,7 +171,7 @@ impl TradeRunner<'_> {
         folder: &Path,
         fingerprint: &Fingerprint,
     ) -> Result<Option<TradeRun>, StudyError> {
-        if !fingerprint.is_in(&folder.join(MARK)) {
+        if !store::is_finished(folder, fingerprint) {
             return Ok(None);
         }
         let cost = read_json(&folder.join(COST))?;
@@ -298,16 +298,17 @@ impl TradeRunner<'_> {
         fingerprint: &Fingerprint,
         finished: &TradeRun,
     ) -> Result<(), StudyError> {
+        let files = [folder.join(COST), folder.join(HISTORIES)];
         let write = || -> Result<(), powerhouse::io::IoError> {
-            write_summary(&folder.join(COST), &finished.cost)?;
-            write_table(&folder.join(HISTORIES), &finished.histories)?;
-            write_summary(&folder.join(MARK), fingerprint)
+            write_summary(&files[0], &finished.cost)?;
+            write_table(&files[1], &finished.histories)
         };
         std::fs::create_dir_all(folder).map_err(|source| StudyError::Read {
             file: folder.into(),
             source,
         })?;
-        Ok(write().map_err(powerhouse::Error::from)?)
+        write().map_err(powerhouse::Error::from)?;
+        store::finish(folder, fingerprint, &files)
     }
 }
 

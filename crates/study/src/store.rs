@@ -1,4 +1,7 @@
-//! Recognition of finished cases by their fingerprints.
+//! Store of runs: folders whose finished results are recognised by the fingerprint of their inputs.
+//!
+//! A finished run has a file with the fingerprint, the sizes of its result files and the checksum of its summary, which
+//! another run into the same folder changes. It is written last.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -8,63 +11,20 @@ use powerhouse::io::write_summary;
 use powerhouse::model::Checksum;
 use serde::{Deserialize, Serialize};
 
-use super::{MARK, OUTCOME};
 use crate::StudyError;
 use crate::mark::Fingerprint;
 
-/// Name of the summary file, which every run into a folder replaces.
+/// Name of the fingerprint file in the folder of a run.
+pub(crate) const MARK: &str = "finished.json";
+/// Name of the summary file, which every run of a scene into a folder replaces.
 const SUMMARY: &str = "summary.json";
 
-/// Entry of the list of cases: name and fingerprint of the inputs.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct CaseEntry {
-    name: String,
-    #[serde(rename = "mark")]
-    fingerprint: Fingerprint,
-}
-
-impl CaseEntry {
-    pub(super) fn new(name: &str, fingerprint: &Fingerprint) -> Self {
-        Self {
-            name: name.into(),
-            fingerprint: fingerprint.clone(),
-        }
-    }
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
-    /// Whether the inputs have this fingerprint.
-    pub(super) fn has(&self, fingerprint: &Fingerprint) -> bool {
-        self.fingerprint == *fingerprint
-    }
-    /// Whether the case folder contains complete results with this fingerprint.
-    pub(crate) fn is_finished(&self, sweep: &Path) -> bool {
-        is_finished(&sweep.join(&self.name), &self.fingerprint)
-    }
-    /// Describes what is missing of the case; `None` if it is finished.
-    pub(crate) fn gap(&self, sweep: &Path) -> Option<String> {
-        let folder = sweep.join(&self.name);
-        if is_finished(&folder, &self.fingerprint) {
-            return None;
-        }
-        let missing = read(&folder).map_or_else(Vec::new, |found| found.missing(&folder));
-        Some(match &missing[..] {
-            [] => format!("case '{}' is not finished", self.name),
-            files => format!(
-                "case '{}' was finished, but files of it are gone or changed: {}",
-                self.name,
-                files.join(", ")
-            ),
-        })
-    }
-}
-
-/// Contents of the fingerprint file of a finished case.
+/// Contents of the fingerprint file of a finished run.
 #[derive(Serialize, Deserialize)]
 struct Finished {
     #[serde(flatten)]
     fingerprint: Fingerprint,
-    /// Checksum of the summary of the run, which another run into the same folder changes.
+    /// Checksum of the summary of the run; empty for a run without one.
     summary: String,
     /// Result files relative to the folder, with their sizes (bytes).
     files: Vec<(String, u64)>,
@@ -88,7 +48,7 @@ fn read(folder: &Path) -> Option<Finished> {
 }
 
 /// Whether a folder contains complete results with a fingerprint.
-pub(super) fn is_finished(folder: &Path, fingerprint: &Fingerprint) -> bool {
+pub(crate) fn is_finished(folder: &Path, fingerprint: &Fingerprint) -> bool {
     read(folder).is_some_and(|found| {
         let summary = summary_of(folder).ok();
         let is_same = found.fingerprint == *fingerprint && Some(&found.summary) == summary.as_ref();
@@ -96,18 +56,22 @@ pub(super) fn is_finished(folder: &Path, fingerprint: &Fingerprint) -> bool {
     })
 }
 
+/// Result files of a folder that was finished that are missing or have another size; none if it was not finished.
+pub(crate) fn missing(folder: &Path) -> Vec<String> {
+    read(folder).map_or_else(Vec::new, |found| found.missing(folder))
+}
+
 /// Marks a folder as finished with a fingerprint and the given result files.
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub(super) fn finish(
+pub(crate) fn finish(
     folder: &Path,
     fingerprint: &Fingerprint,
     files: &[PathBuf],
 ) -> Result<(), StudyError> {
-    let outcome = folder.join(OUTCOME);
-    let mut sizes = Vec::with_capacity(files.len() + 1);
-    for file in files.iter().chain([&outcome]) {
+    let mut sizes = Vec::with_capacity(files.len());
+    for file in files {
         let found = fs::metadata(file).map_err(|source| {
             let file = file.clone();
             StudyError::Read { file, source }
@@ -123,12 +87,12 @@ pub(super) fn finish(
     Ok(write_summary(&folder.join(MARK), &finished).map_err(powerhouse::Error::from)?)
 }
 
-/// Removes the finished mark of a folder.
+/// Removes the finished mark of a folder, and some of its files.
 ///
 /// # Errors
 /// A file that cannot be removed.
-pub(super) fn unmark(folder: &Path) -> Result<(), StudyError> {
-    for name in [MARK, OUTCOME] {
+pub(crate) fn unmark(folder: &Path, files: &[&str]) -> Result<(), StudyError> {
+    for name in [MARK].iter().chain(files) {
         let file = folder.join(name);
         match fs::remove_file(&file) {
             Err(source) if source.kind() != ErrorKind::NotFound => {
@@ -140,11 +104,16 @@ pub(super) fn unmark(folder: &Path) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// The checksum of the summary file in a folder.
+/// The checksum of the summary file in a folder; empty without one.
 fn summary_of(folder: &Path) -> Result<String, StudyError> {
     let file = folder.join(SUMMARY);
-    let bytes = fs::read(&file).map_err(|source| StudyError::Read { file, source })?;
-    let mut sum = Checksum::default();
-    sum.add_whole(&bytes);
-    Ok(sum.to_string())
+    match fs::read(&file) {
+        Ok(bytes) => {
+            let mut sum = Checksum::default();
+            sum.add_whole(&bytes);
+            Ok(sum.to_string())
+        }
+        Err(source) if source.kind() == ErrorKind::NotFound => Ok(String::new()),
+        Err(source) => Err(StudyError::Read { file, source }),
+    }
 }
