@@ -51,11 +51,6 @@ impl Fingerprint {
             registered: registered.into(),
         })
     }
-
-    /// Sets the duration (s) that replaces the scene's.
-    pub(crate) fn set_duration(&mut self, duration: f64) {
-        self.duration = Some(duration);
-    }
 }
 
 /// The keys of a scene as text.

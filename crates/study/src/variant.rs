@@ -1,5 +1,6 @@
 //! Variants of a scene, the runs of sweeps, convergence studies and trades.
 
+use powerhouse::spec::Positive;
 use powerhouse::{Error, Registry, Scene, SceneSpec};
 
 use crate::StudyError;
@@ -12,19 +13,16 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// A variant that runs for another duration (s) than the scene's, if one is given, with what a registry of a version has.
+    /// A variant, with what a registry of a version has.
     ///
     /// # Errors
     /// A file of the scene that cannot be read; [`StudyError::Unwritable`].
-    pub(crate) fn new(
-        spec: SceneSpec,
-        duration: Option<f64>,
-        registered: &str,
-    ) -> Result<Self, StudyError> {
+    pub(crate) fn new(spec: SceneSpec, registered: &str) -> Result<Self, StudyError> {
         let files = inputs(&spec)?;
-        Self::with_files(spec, &files, duration, registered)
+        Self::with_files(spec, &files, None, registered)
     }
-    /// The same with the bytes of the files of the scene, which are then not read again.
+    /// The same with the bytes of the files of the scene, which are then not read again, for runs of another duration (s) than
+    /// the scene's, if one is given.
     ///
     /// # Errors
     /// [`StudyError::Unwritable`].
@@ -44,9 +42,20 @@ impl Variant {
     pub(crate) fn fingerprint(&self) -> &Fingerprint {
         &self.fingerprint
     }
-    /// Sets a duration (s) in place of the scene's.
-    pub(crate) fn set_duration(&mut self, duration: f64) {
-        self.fingerprint.set_duration(duration);
+    /// The same with another duration (s) of the scene, above zero and finite.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_duration(
+        &self,
+        duration: f64,
+        registered: &str,
+    ) -> Result<Self, StudyError> {
+        let mut spec = self.spec.clone();
+        if let Some(duration) = Positive::new(duration) {
+            spec.time.duration = duration;
+        }
+        Self::new(spec, registered)
     }
     /// The scene of the variant.
     ///

@@ -197,9 +197,6 @@ impl Sweep {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
             scene = scene.with_threads((cores / at_once).max(1));
         }
-        if let Some(duration) = self.duration {
-            scene = scene.with_duration(duration);
-        }
         Ok(scene)
     }
 }

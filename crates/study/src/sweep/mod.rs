@@ -136,7 +136,6 @@ pub struct Sweep {
     /// All cases of the scene, in their order.
     all: Vec<Variant>,
     folder: PathBuf,
-    duration: Option<f64>,
     /// Number of cases that run in parallel.
     at_once: NonZeroUsize,
     /// Wall time between two checkpoints, in place of the scene's.
@@ -197,7 +196,7 @@ impl Sweep {
         let records = scene.records().iter();
         let records = records.map(|(name, history)| (name.clone(), history.clone()));
         let all = specs.into_iter();
-        let all = all.map(|spec| Variant::new(spec, None, registry.version()));
+        let all = all.map(|spec| Variant::new(spec, registry.version()));
         let all: Vec<Variant> = all.collect::<Result<_, _>>()?;
         Ok(Self {
             records: records.collect(),
@@ -210,7 +209,6 @@ impl Sweep {
             all,
             folder,
             registry,
-            duration: None,
             at_once: NonZeroUsize::MIN,
             checkpoint_interval: None,
         })
@@ -245,13 +243,12 @@ impl Sweep {
     /// Sets the duration (s) of every case, above zero and finite, in place of that of the scene.
     ///
     /// # Errors
-    /// A duration out of its range.
+    /// A duration out of its range; a file of the scene that cannot be read again.
     pub fn with_duration(mut self, duration: f64) -> Result<Self, StudyError> {
         ParameterError::check("duration", duration, f64::MIN_POSITIVE, f64::MAX)?;
-        for variant in &mut self.all {
-            variant.set_duration(duration);
-        }
-        self.duration = Some(duration);
+        let version = self.registry.version();
+        let shortened = |variant: &Variant| variant.with_duration(duration, version);
+        self.all = self.all.iter().map(shortened).collect::<Result<_, _>>()?;
         Ok(self)
     }
 
