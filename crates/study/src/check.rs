@@ -245,6 +245,8 @@ pub struct CheckReport {
     pub nodes: usize,
     /// Number of elements of the mesh.
     pub elements: usize,
+    /// Length of the list of nodes of all elements.
+    pub element_nodes: usize,
     /// Lower and upper corner of the box of the mesh (m).
     pub extent: (Vec3, Vec3),
     /// Boxes of the sets of elements, facets and nodes.
@@ -356,6 +358,9 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         title,
         nodes: mesh.node_count(),
         elements: mesh.element_count(),
+        element_nodes: (0..mesh.element_count() as u32)
+            .map(|element| mesh.nodes_of(element).len())
+            .sum(),
         extent: mesh.bounding_box(),
         sets: SetExtent::all(&mesh),
         quality,

@@ -160,11 +160,11 @@ impl<'a> StepTimer<'a> {
 
 /// Bytes per node: position, displacement, velocity and forces (32 each), mass, numbers.
 const NODE_BYTES: f64 = 260.0;
-/// Bytes per element: geometry, connectivity, masses, tags and sets.
-const ELEMENT_BYTES: [(Precision, f64); 3] = [
-    (Precision::F64, 700.0),
-    (Precision::Mixed, 450.0),
-    (Precision::F32, 350.0),
+/// Bytes per node of an element: geometry, connectivity, masses, tags and sets of bricks, and in proportion of others.
+const ELEMENT_NODE_BYTES: [(Precision, f64); 3] = [
+    (Precision::F64, 88.0),
+    (Precision::Mixed, 56.0),
+    (Precision::F32, 44.0),
 ];
 /// Bytes per history variable of a law and integration point: committed and trial value.
 const HISTORY_BYTES: [(Precision, f64); 3] = [
@@ -308,12 +308,13 @@ impl CostModel {
 
     /// Memory of program, mesh and dynamic model (bytes).
     fn bytes_of_model(&self) -> f64 {
-        let (nodes, elements) = self.counts();
+        let (nodes, _) = self.counts();
         let of_precision = |table: [(Precision, f64); 3]| {
             let known = table.iter().find(|(p, _)| *p == self.precision);
             known.map_or(table[0].1, |(_, bytes)| *bytes)
         };
-        let element = of_precision(ELEMENT_BYTES);
+        let elements = 0..self.mesh.element_count() as u32;
+        let element_nodes: usize = elements.map(|e| self.mesh.nodes_of(e).len()).sum();
         let LawSizes {
             numbers,
             elements: with_history,
@@ -323,7 +324,7 @@ impl CostModel {
         } = self.laws;
         BASE_BYTES
             + NODE_BYTES * nodes
-            + element * elements
+            + of_precision(ELEMENT_NODE_BYTES) * element_nodes as f64
             + of_precision(HISTORY_BYTES) * numbers
             + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * with_history
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
