@@ -80,7 +80,7 @@ pub(crate) fn point(position: &Vec3) -> String {
 pub(crate) fn stage(stage: &CompletedStage) {
     let (report, solution) = (stage.report, &stage.report.solution);
     say!(
-        "stage {} of {}, '{}': {} increments, {} corrections, residual {:.1e} of the load, largest displacement {:.3e} m at node {}",
+        "stage {} of {}, '{}': {} increments, {} corrections, residual {:.1e} of the load, largest displacement {:.3e} m in this stage, at node {}",
         stage.index + 1,
         stage.count,
         report.name,

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use indicatif::MultiProgress;
-use powerhouse::{CheckpointInterval, ProgressHook, Remark, RunNotes, StageSink};
+use powerhouse::{CheckpointInterval, Message, ProgressHook, Remark, RunNotes, StageSink};
 use powerhouse_study::sweep::{CaseOutcome, Peak, Sweep, SweepWatch};
 use powerhouse_study::{CheckpointEvent, StudyError};
 
@@ -33,6 +33,22 @@ impl SweepOutput {
     /// Prints around the bars.
     fn say(&self, text: &str) {
         self.bars.suspend(|| say!("{text}"));
+    }
+    /// Prints the warnings of a case that no case before had, and the number of the others.
+    fn warn(&mut self, case: &str, warnings: &[Message]) {
+        let mut repeated = 0;
+        for Message { text, .. } in warnings {
+            // Most cases of a sweep have the same warnings.
+            match self.warned.insert(text.clone()) {
+                true => self.say(&format!("  {case}: warning: {text}")),
+                false => repeated += 1,
+            }
+        }
+        if repeated > 0 {
+            self.say(&format!(
+                "  {case}: {repeated} warning(s) as of cases before"
+            ));
+        }
     }
     /// Removes all progress bars.
     pub(crate) fn clear_all(&self) {
@@ -59,12 +75,11 @@ impl SweepWatch for SweepOutput {
         }
         let remarks = notes.remarks.iter().filter(|remark| remark.is_warning());
         let warnings = remarks.map(Remark::message).chain(notes.warnings.clone());
-        for warning in warnings {
-            // Most cases of a sweep have the same warnings.
-            if self.warned.insert(warning.text.clone()) {
-                self.say(&format!("  {case}: warning: {}", warning.text));
-            }
-        }
+        let warnings: Vec<_> = warnings.collect();
+        self.warn(case, &warnings);
+    }
+    fn warns_of_results(&mut self, case: &str, warnings: &[Message]) {
+        self.warn(case, warnings);
     }
     fn self_check(&mut self, case: &str, error: f64) {
         self.say(&format!(

@@ -115,7 +115,14 @@ pub(crate) fn placed(parameters: &Parameters, error: ModelError) -> Fault {
         ModelError::Refused { part, .. } => part,
         _ => "",
     };
-    Fault::refused(parameters.span_of(key), error)
+    let span = parameters.span_of(key);
+    match error {
+        // The cause begins with the name of the key, or the fault is one of the whole table.
+        ModelError::Refused { part, source } if source.to_string().starts_with(&part) => {
+            Fault::refused(span, source)
+        }
+        error => Fault::refused(span, error),
+    }
 }
 
 impl Default for Registry {

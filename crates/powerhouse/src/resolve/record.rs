@@ -40,6 +40,8 @@ pub(super) struct PreparedRecord {
 /// Peak ground acceleration (m/s2) of about 0.1 g below which a record is weak for a design motion, and its peak may be
 /// a number of g.
 const WEAK_PEAK: f64 = 1.0;
+/// Peak (m/s2) below which a record in cm/s2, of which there are many of weak motions, may be one in g.
+const WEAK_IN_CENTIMETRES: f64 = 0.02;
 /// Share of the largest peak of the components of a record from which on a component counts as the largest.
 const ALMOST_ALL: f64 = 0.999_999;
 
@@ -86,6 +88,9 @@ fn processed(
     let weak = match (table.peak, table.units) {
         (Some(peak), _) => (peak.get() < WEAK_PEAK).then_some("peak"),
         (None, Some(Units::MetrePerSecondSquared)) => (present < WEAK_PEAK).then_some("units"),
+        (None, Some(Units::CentimetrePerSecondSquared)) => {
+            (present < WEAK_IN_CENTIMETRES).then_some("units")
+        }
         (None, _) => None,
     };
     let mut processed = Vec::new();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::former::FormerKey;
 use super::node::Node;
-use super::{Allowance, SceneSpec, decode, former, survey};
+use super::{Allowance, At, SceneSpec, decode, former, survey};
 use crate::fault::{Fault, Problem, SceneFault, SceneText};
 use crate::magnitude::Magnitude;
 use crate::output::{NamedThing, check_names};
@@ -204,8 +204,65 @@ impl SceneSpec {
         for output in &self.output.own {
             registry.output(output)?;
         }
+        self.check_references()
+    }
+
+    /// Checks that materials and records have names of their own, and that those of parts, layers, stages, waves and motions
+    /// are there.
+    fn check_references(&self) -> Result<(), Fault> {
+        let materials: Vec<&At<String>> = self.materials.iter().map(|m| &m.name).collect();
+        let records: Vec<&At<String>> = self.records.iter().map(|record| &record.name).collect();
+        for (what, names) in [("material", &materials), ("record", &records)] {
+            for (index, name) in names.iter().enumerate() {
+                if names[..index].contains(name) {
+                    let name_of = name.to_string();
+                    let problem = Problem::Duplicate {
+                        what,
+                        name: name_of,
+                    };
+                    return Err(Fault::new(name.span(), problem));
+                }
+            }
+        }
+        let of_stages = self.stages.iter().flat_map(|stage| &stage.parts);
+        let of_parts = (self.parts.iter().map(|part| &part.material))
+            .chain(self.layers.iter().map(|layer| &layer.material))
+            .chain(of_stages.map(|part| &part.material));
+        for name in of_parts {
+            known("material", name, name, &materials)?;
+        }
+        let of_waves = self.waves.iter().filter_map(|wave| wave.record.as_ref());
+        for name in of_waves.chain(self.motions.iter().map(|motion| &motion.record)) {
+            // A component may follow a point.
+            let stem = name
+                .rsplit_once('.')
+                .map_or(name.as_str(), |(stem, _)| stem);
+            let is_whole = records.iter().any(|record| ***record == **name);
+            known("record", name, if is_whole { name } else { stem }, &records)?;
+        }
         Ok(())
     }
+}
+
+/// Checks that a name, or what it begins with, is one of a list.
+fn known(
+    what: &'static str,
+    name: &At<String>,
+    wanted: &str,
+    names: &[&At<String>],
+) -> Result<(), Fault> {
+    if names.iter().any(|other| other.as_str() == wanted) {
+        return Ok(());
+    }
+    let mut available: Vec<String> = names.iter().map(|other| other.to_string()).collect();
+    available.sort_unstable();
+    let name_of = name.to_string();
+    let problem = Problem::NoSuchName {
+        what,
+        name: name_of,
+        available,
+    };
+    Err(Fault::new(name.span(), problem))
 }
 
 /// Checks that the names of cases are unique and valid.

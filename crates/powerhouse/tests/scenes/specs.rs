@@ -103,6 +103,42 @@ fn a_changed_specification_is_a_changed_file() {
     assert_eq!(differ, expected);
 }
 
+/// Names of materials and records are checked with the keys, without a mesh, also those that a case changes.
+#[test]
+fn names_are_checked_with_the_keys() {
+    let folder = Folder::new("specs-names");
+    let path = folder.join("scene.toml");
+    let check = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        let registry = powerhouse::Registry::default();
+        let checked = Scene::check_keys(&path, &[], &registry);
+        checked.map_err(|error| error.to_string())
+    };
+    assert_eq!(check(CUBE), Ok(0));
+    let record = "[[record]]\nname = \"quake\"\nfile = \"quake.txt\"\nunits = \"g\"\nconvention = \"incident\"\n";
+    let pulse = "pulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }";
+    let shaken = |name: &str| CUBE.replace(pulse, &format!("record = \"{name}\"")) + record;
+    assert_eq!(check(&shaken("quake")), Ok(0));
+    let material = "material = \"granite\"";
+    let of_case =
+        "[[case]]\nname = \"other\"\n[[case.part]]\nset = \"rock\"\nmaterial = \"granit\"\n";
+    for (text, expected) in [
+        (
+            CUBE.replace(material, "material = \"granit\""),
+            "there is no material 'granit'",
+        ),
+        (format!("{CUBE}{of_case}"), "there is no material 'granit'"),
+        (shaken("quack"), "there is no record 'quack'"),
+        (
+            shaken("quake") + record,
+            "the record 'quake' is defined twice",
+        ),
+    ] {
+        let found = check(&text).unwrap_err();
+        assert!(found.contains(expected), "{expected}: {found}");
+    }
+}
+
 /// A fault in a changed value is reported where the file has the former one.
 #[test]
 fn a_fault_in_a_changed_value_is_where_the_value_was() {

@@ -31,6 +31,8 @@ pub enum Trend {
     Oscillating,
     /// The finest difference is within the scatter of runs under waves that differ by 1e-6, or within what sampling changes.
     Scattered,
+    /// The value falls so much from mesh to mesh that its limit would have the other sign, such as a peak below zero.
+    TooCoarse,
     /// Differences grow, or fall more slowly than with order 0.5.
     Diverging,
 }
@@ -45,6 +47,7 @@ impl Trend {
             Self::Assumed => "order assumed",
             Self::Oscillating => "oscillating",
             Self::Scattered => "scattered",
+            Self::TooCoarse => "too coarse",
             Self::Diverging => "not converging",
         }
     }
@@ -107,11 +110,18 @@ pub(super) fn estimate(values: &[f64], sizes: &[f64], scatter: f64, formal: f64)
     }
     let ratio = sizes[sizes.len() - 2] / sizes[sizes.len() - 1];
     let extrapolated = |order: f64| finest - fine / (ratio.powf(order) - 1.0);
+    let changes_sign = |order: f64| {
+        let limit = extrapolated(order);
+        values.iter().all(|value| value * limit < 0.0)
+    };
     let band = |safety: f64, order: f64| {
         Some((safety * fine.abs() / (ratio.powf(order) - 1.0)).max(least))
     };
     let [near, safe] = FACTORS_OF_SAFETY;
     let [coarsest, _] = *coarser else {
+        if changes_sign(formal) {
+            return without_order(Trend::TooCoarse, safe * spread);
+        }
         return Estimate {
             trend: Trend::Assumed,
             order: None,
@@ -133,6 +143,9 @@ pub(super) fn estimate(values: &[f64], sizes: &[f64], scatter: f64, formal: f64)
         };
     }
     let limited = order.clamp(LEAST_ORDER, formal);
+    if changes_sign(limited) {
+        return without_order(Trend::TooCoarse, safe * spread);
+    }
     let (safety, used) = match (order - formal).abs() <= NEAR_FORMAL * formal {
         true => (near, formal),
         false => (safe, limited),
@@ -254,5 +267,25 @@ mod tests {
         let four = [-50.0, 14.0, 11.0, 10.0];
         let three = estimate(&four[1..], &sizes[1..], 0.0, 2.0);
         assert_eq!(estimate(&four, &sizes, 0.0, 2.0), three);
+    }
+
+    /// A peak that falls so much that its limit would be below zero has none; nor has one of three meshes.
+    #[test]
+    fn a_peak_has_no_limit_below_zero() {
+        let falling = estimate(&[9.0639e4, 2.8954e4], &[2.0, 1.0], 0.0, 1.0);
+        assert_eq!(
+            (falling.trend, falling.extrapolated),
+            (Trend::TooCoarse, None)
+        );
+        let falling = estimate(&[-9.0, -4.0, -1.0], &[4.0, 2.0, 1.0], 0.0, 1.0);
+        assert_eq!(
+            (falling.trend, falling.extrapolated),
+            (Trend::TooCoarse, None)
+        );
+        // What changes its sign between the meshes may do so again.
+        let signed = estimate(&[-1.0, 1.0], &[2.0, 1.0], 0.0, 1.0);
+        assert_eq!(signed.extrapolated, Some(3.0));
+        let slight = estimate(&[1.2, 1.1], &[2.0, 1.0], 0.0, 1.0);
+        assert_eq!(slight.trend, Trend::Assumed);
     }
 }

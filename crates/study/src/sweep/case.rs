@@ -9,8 +9,8 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, ResultFolder,
-    RunHooks, RunNotes, Scene, SceneFile, Simulation,
+    CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, Remark,
+    ResultFolder, RunHooks, RunNotes, Scene, SceneFile, Simulation,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -151,6 +151,9 @@ impl Sweep {
             Err(Error::Failed { error, results }) => (*results, Some(error)),
             Err(error) => return Err(error.into()),
         };
+        let of_results = results.warnings(&mesh);
+        let of_results: Vec<Message> = of_results.iter().map(Remark::message).collect();
+        locked(control.watch).warns_of_results(case, &of_results);
         let is_held = lock.is_held();
         let mut files = folder.write((&title, &mesh), &results, &notes, text.as_deref())?;
         if let Some(failure) = failure {

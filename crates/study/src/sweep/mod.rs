@@ -45,8 +45,8 @@ use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, ProgressHook, Registry, RunNotes, Scene, SceneFile,
-    SceneSpec, StageSink,
+    CheckpointFiles, CheckpointInterval, Message, ProgressHook, Registry, RunNotes, Scene,
+    SceneFile, SceneSpec, StageSink,
 };
 
 use crate::json::read_json;
@@ -90,6 +90,8 @@ pub trait SweepWatch: Send {
     fn reused(&mut self, _case: &str) {}
     /// Called before a case runs, with its remarks and warnings, and a remark on the lock of its folder if there is one.
     fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
+    /// Called before a case [ends](Self::ends) or fails in its run, with the warnings about its results, of which there may be none.
+    fn warns_of_results(&mut self, _case: &str, _warnings: &[Message]) {}
     /// Called after the free-field check of a case, if the scene requests one, with its largest relative error of velocity
     /// (1), also if it is above the limit.
     fn self_check(&mut self, _case: &str, _error: f64) {}
