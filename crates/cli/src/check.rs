@@ -38,7 +38,7 @@ pub(crate) fn keys(path: &Path, changes: &[KeyChange]) -> Outcome {
         count => format!(" and its {count} cases"),
     };
     say!(
-        "the keys of {}{cases} exist, and each value is of the right form; mesh, records, and what tables say of each other were not checked",
+        "the keys of {}{cases} exist, and each value is of the right form; mesh, sets and record files were not checked",
         path.display()
     );
     Ok(ExitCode::SUCCESS)

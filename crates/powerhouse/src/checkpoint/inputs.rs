@@ -35,6 +35,10 @@ impl RunInputs {
     pub fn of(scene: &Scene) -> Self {
         let mut mesh = Checksum::default();
         mesh.add_mesh(scene.mesh());
+        #[cfg_attr(
+            not(feature = "scene-files"),
+            expect(unused_mut, reason = "keys and files are those of scene files")
+        )]
         let mut items = vec![
             ("program version".into(), env!("CARGO_PKG_VERSION").into()),
             ("mesh".into(), mesh.to_string()),
