@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::engine::standard_engine;
-use crate::fault::{Fault, Problem};
+use crate::fault::Fault;
 use crate::spec::{
     At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, SceneSpec,
 };
@@ -403,16 +403,8 @@ fn look_up<'r, T>(
     what: &'static str,
     name: &At<String>,
 ) -> Result<&'r T, Fault> {
-    entries.get(name.as_str()).ok_or_else(|| {
-        Fault::new(
-            name.span(),
-            Problem::NoSuchName {
-                what,
-                name: name.to_string(),
-                available: entries.keys().cloned().collect(),
-            },
-        )
-    })
+    let unknown = || name.unknown(what, entries.keys().cloned().collect());
+    entries.get(name.as_str()).ok_or_else(unknown)
 }
 
 /// Schema of the keys of each registered entry, by name.

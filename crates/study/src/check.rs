@@ -358,9 +358,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         title,
         nodes: mesh.node_count(),
         elements: mesh.element_count(),
-        element_nodes: (0..mesh.element_count() as u32)
-            .map(|element| mesh.nodes_of(element).len())
-            .sum(),
+        element_nodes: cost::element_nodes(&mesh),
         extent: mesh.bounding_box(),
         sets: SetExtent::all(&mesh),
         quality,

@@ -313,8 +313,6 @@ impl CostModel {
             let known = table.iter().find(|(p, _)| *p == self.precision);
             known.map_or(table[0].1, |(_, bytes)| *bytes)
         };
-        let elements = 0..self.mesh.element_count() as u32;
-        let element_nodes: usize = elements.map(|e| self.mesh.nodes_of(e).len()).sum();
         let LawSizes {
             numbers,
             elements: with_history,
@@ -324,7 +322,7 @@ impl CostModel {
         } = self.laws;
         BASE_BYTES
             + NODE_BYTES * nodes
-            + of_precision(ELEMENT_NODE_BYTES) * element_nodes as f64
+            + of_precision(ELEMENT_NODE_BYTES) * element_nodes(&self.mesh) as f64
             + of_precision(HISTORY_BYTES) * numbers
             + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * with_history
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
@@ -407,6 +405,12 @@ impl CostModel {
         let mesh = &self.mesh;
         (mesh.node_count() as f64, mesh.element_count() as f64)
     }
+}
+
+/// Length of the list of nodes of all elements.
+pub(crate) fn element_nodes(mesh: &Mesh) -> usize {
+    let elements = 0..mesh.element_count() as u32;
+    elements.map(|element| mesh.nodes_of(element).len()).sum()
 }
 
 /// Numbers of samples of outputs with a cadence.

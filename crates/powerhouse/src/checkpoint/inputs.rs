@@ -29,8 +29,8 @@ pub struct RunInputs {
 }
 
 impl RunInputs {
-    /// The inputs of a scene: program version, version of registered parts, mesh, precision, duration, the keys of the scene
-    /// file but for threads, results folder, checkpoints and cases but its own, and the files that it names. Of a scene
+    /// The inputs of a scene: program version, version of registered parts, mesh, precision, duration, the keys of the scene,
+    /// or of the case that it is, but for threads, results folder and checkpoints, and the files that it names. Of a scene
     /// that was composed in Rust all but keys and files are known.
     pub fn of(scene: &Scene) -> Self {
         let mut mesh = Checksum::default();

@@ -521,16 +521,8 @@ fn named<'m, T>(
     name: &At<String>,
     items: &'m BTreeMap<String, T>,
 ) -> Result<&'m T, Fault> {
-    items.get(name.as_str()).ok_or_else(|| {
-        Fault::new(
-            name.span(),
-            Problem::NoSuchName {
-                what,
-                name: name.to_string(),
-                available: items.keys().cloned().collect(),
-            },
-        )
-    })
+    let unknown = || name.unknown(what, items.keys().cloned().collect());
+    items.get(name.as_str()).ok_or_else(unknown)
 }
 
 fn unique<T>(
@@ -541,13 +533,7 @@ fn unique<T>(
 ) -> Result<(), Fault> {
     match items.insert(name.to_string(), item) {
         None => Ok(()),
-        Some(_) => Err(Fault::new(
-            name.span(),
-            Problem::Duplicate {
-                what,
-                name: name.to_string(),
-            },
-        )),
+        Some(_) => Err(name.duplicate(what)),
     }
 }
 

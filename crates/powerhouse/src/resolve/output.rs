@@ -44,12 +44,7 @@ pub(super) fn plan(
         .chain(output.own.iter().map(|own| &own.name));
     for name in all_names {
         if used.contains(&name.as_str()) {
-            let (what, name_of) = ("result", name.to_string());
-            let problem = Problem::Duplicate {
-                what,
-                name: name_of,
-            };
-            return Err(Fault::new(name.span(), problem));
+            return Err(name.duplicate("result"));
         }
         used.push(name);
     }

@@ -9,6 +9,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::fault::{Fault, Problem};
+
 /// Name of the structure that asks a deserialiser for a value with its byte range: start, end, value.
 pub(super) const SPANNED: &str = "$powerhouse::At";
 
@@ -29,6 +31,24 @@ impl<T> At<T> {
     /// Byte range in the scene file.
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
+    }
+}
+
+impl At<String> {
+    /// Fault of a name that none of the available ones is.
+    pub(crate) fn unknown(&self, what: &'static str, available: Vec<String>) -> Fault {
+        let name = self.to_string();
+        let problem = Problem::NoSuchName {
+            what,
+            name,
+            available,
+        };
+        Fault::new(self.span(), problem)
+    }
+    /// Fault of a name that is defined before.
+    pub(crate) fn duplicate(&self, what: &'static str) -> Fault {
+        let name = self.to_string();
+        Fault::new(self.span(), Problem::Duplicate { what, name })
     }
 }
 

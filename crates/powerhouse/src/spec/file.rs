@@ -215,12 +215,7 @@ impl SceneSpec {
         for (what, names) in [("material", &materials), ("record", &records)] {
             for (index, name) in names.iter().enumerate() {
                 if names[..index].contains(name) {
-                    let name_of = name.to_string();
-                    let problem = Problem::Duplicate {
-                        what,
-                        name: name_of,
-                    };
-                    return Err(Fault::new(name.span(), problem));
+                    return Err(name.duplicate(what));
                 }
             }
         }
@@ -256,13 +251,7 @@ fn known(
     }
     let mut available: Vec<String> = names.iter().map(|other| other.to_string()).collect();
     available.sort_unstable();
-    let name_of = name.to_string();
-    let problem = Problem::NoSuchName {
-        what,
-        name: name_of,
-        available,
-    };
-    Err(Fault::new(name.span(), problem))
+    Err(name.unknown(what, available))
 }
 
 /// Checks that the names of cases are unique and valid.
@@ -270,9 +259,7 @@ fn check_cases(spec: &SceneSpec) -> Result<(), Fault> {
     let cases = &spec.cases;
     for (index, case) in cases.iter().enumerate() {
         if cases[..index].iter().any(|other| other.name == case.name) {
-            let (what, name) = ("case", case.name.to_string());
-            let problem = Problem::Duplicate { what, name };
-            return Err(Fault::new(case.name.span(), problem));
+            return Err(case.name.duplicate("case"));
         }
     }
     let named = cases
