@@ -32,7 +32,8 @@ FAULTS = [
     ("at = [60, 60, 60]", "at = [60, 60, 600]", ph.SceneError, "600"),
     ("at = [60, 60, 60]", "at = [60, 60]", ph.SceneError, "expected a list of length 3"),
     ("duration = 0.3", "duration = 0.3\nstep = 0.5", ph.SceneError, "0.5"),
-    ("incidence = 20", 'incidence = 20\nrecord = "r"', ph.SceneError, "exactly one of"),
+    ("incidence = 20", 'incidence = 20\nrecord = "r"', ph.SceneError, "there is no record 'r'"),
+    ("at = [60, 60, 60]", "at = [60, 60, 60]\nnode = 3", ph.SceneError, "exactly one of"),
     ('quantities = ["displacement", "stress"]', 'quantities = ["strain"]', ph.SceneError, "'strain' is not permitted"),
 ]
 
