@@ -18,6 +18,7 @@ mod forecast;
 mod look;
 mod manual;
 mod mesh;
+mod pack;
 mod page;
 mod picture;
 mod plot;
@@ -160,7 +161,16 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Print sizes, quality and sets of a mesh file (Gmsh, Abaqus), and draw its element sets.
+    /// Write a mesh file (Gmsh, Abaqus) as packed mesh, which is opened without being read, and of which all ranks of a
+    /// machine share one copy.
+    Pack {
+        /// Mesh file.
+        mesh: PathBuf,
+        /// Packed mesh (`.phm`); by default named after the mesh file, and beside it.
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+    /// Print sizes, quality and sets of a mesh file (Gmsh, Abaqus, packed), and draw its element sets.
     Look {
         /// Mesh file.
         mesh: PathBuf,
@@ -401,6 +411,7 @@ fn main() -> ExitCode {
         Command::Report { folder } => page::page(&folder),
         Command::New { folder } => starter::new(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
+        Command::Pack { mesh, out } => pack::pack(&mesh, out),
         Command::Look { mesh, picture } => look::look(&mesh, picture),
         Command::Schema => {
             say!("{:#}", powerhouse_wang_2019::registry().schema().to_value());

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::engine::observe::{Snapshot, SnapshotSink};
-use powerhouse::model::Checksum;
+use powerhouse::io::file_checksum;
 use powerhouse::{RunInputs, Scene};
 
 use crate::Outcome;
@@ -81,8 +81,8 @@ impl Place {
             return Ok(scene);
         };
         engine.check_same("the scene, or a file that it names,", inputs.checksum())?;
-        let program = std::env::current_exe().and_then(std::fs::read);
-        let sum = program.map(|bytes| Checksum::of(&bytes).value());
+        let program = std::env::current_exe().and_then(|program| file_checksum(&program));
+        let sum = program.map(|sum| sum.value());
         engine.check_same("the program", sum.unwrap_or_default())?;
         Ok(scene.with_engine(engine.clone()))
     }

@@ -1,11 +1,12 @@
 //! Partition of the elements of a mesh into blocks.
 
 use powerhouse_model::{Checksum, EngineError, Mesh, Vec3};
+use serde::{Deserialize, Serialize};
 
 use crate::numbering::{Incidence, reverse_cuthill_mckee};
 
 /// Elements and nodes of one block of a [`Partition`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct PartitionBlock {
     /// Index of the element set among those that were divided.
@@ -42,7 +43,7 @@ impl PartitionBlock {
 ///
 /// It is a function of mesh, element sets with their costs, and block size alone: neither the number of threads nor the order of
 /// nodes and elements in the mesh file changes it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Partition {
     /// The blocks. The forces at a node are summed in this order.

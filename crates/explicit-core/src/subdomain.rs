@@ -87,8 +87,11 @@ pub(crate) struct Subdomain {
     pub(crate) node_ranges: NodeRanges,
     /// Local numbers of orphan nodes, in rising order.
     pub(crate) orphans: Vec<u32>,
-    /// Block of each mesh element, and index in the block; `u32::MAX` as block of absent elements.
-    pub(crate) block_of_element: Vec<(u32, u32)>,
+    /// Place of each mesh element among `places`, plus one; zero for elements of no block. Memory of zeros is not taken, which
+    /// matters to a rank that has few elements of a large mesh.
+    place_of_element: Vec<u32>,
+    /// Block and index in the block of each element that has one.
+    places: Vec<(u32, u32)>,
 }
 
 impl Subdomain {
@@ -114,6 +117,7 @@ impl Subdomain {
             end += length;
             end - length..end
         });
+        let (place_of_element, places) = places_of_elements(mesh, blocks);
         Self {
             ranges: ranges.collect(),
             runs: nodes.iter().map(|nodes| run(nodes)).collect(),
@@ -123,9 +127,17 @@ impl Subdomain {
             slots,
             nodes: nodes.concat(),
             orphans,
-            block_of_element: blocks_of_elements(mesh, blocks),
+            place_of_element,
+            places,
             numbering,
         }
+    }
+
+    /// Block of a mesh element, and its index in the block; none for one of no block of this rank.
+    pub(crate) fn block_of(&self, element: u32) -> Option<(usize, usize)> {
+        let place = *self.place_of_element.get(element as usize)?;
+        let (block, index) = self.places[place.checked_sub(1)? as usize];
+        Some((block as usize, index as usize))
     }
 
     /// Number of nodes.
@@ -185,17 +197,22 @@ fn run(nodes: &[u32]) -> usize {
     successive.count()
 }
 
-/// Block of each mesh element, and its index in the block; `u32::MAX` as block of absent elements.
-fn blocks_of_elements(mesh: &Mesh, blocks: &[Box<dyn ElementBlock>]) -> Vec<(u32, u32)> {
-    let mut found = vec![(u32::MAX, 0); mesh.element_count()];
-    for (b, block) in blocks.iter().enumerate() {
-        for (index, &element) in block.elements().iter().enumerate() {
-            if let Some(entry) = found.get_mut(element as usize) {
-                *entry = (b as u32, index as u32);
+/// Place of each mesh element among the elements of all blocks, plus one, and block and index in the block of each of these.
+fn places_of_elements(
+    mesh: &Mesh,
+    blocks: &[Box<dyn ElementBlock>],
+) -> (Vec<u32>, Vec<(u32, u32)>) {
+    let mut place_of_element = vec![0; mesh.element_count()];
+    let mut places = Vec::with_capacity(blocks.iter().map(|block| block.elements().len()).sum());
+    for (number, block) in (0..).zip(blocks) {
+        for (index, &element) in (0..).zip(block.elements()) {
+            places.push((number, index));
+            if let Some(place) = place_of_element.get_mut(element as usize) {
+                *place = places.len() as u32;
             }
         }
     }
-    found
+    (place_of_element, places)
 }
 
 /// Copies of nodal values for one block: one set of buffers per thread, which stays in its cache from block to block.

@@ -62,16 +62,15 @@ impl StepView for View<'_> {
     }
     fn stress(&self, element: u32) -> Stress {
         let model = self.model;
-        let Some(&(block, index)) = model.subdomain.block_of_element.get(element as usize) else {
+        let Some((block, index)) = model.subdomain.block_of(element) else {
             return Stress::default();
         };
-        let Some(known) = self.stresses.get(block as usize) else {
+        let Some(known) = self.stresses.get(block) else {
             return Stress::default();
         };
-        let block = block as usize;
         let stresses =
             known.get_or_init(|| model.stresses_of(block, self.displacement_of_block(block)));
-        let change = stresses[index as usize];
+        let change = stresses[index];
         match model.initial_stress.get(element as usize) {
             Some(initial) => Stress(core::array::from_fn(|i| initial.0[i] + change.0[i])),
             None => change,
@@ -80,12 +79,9 @@ impl StepView for View<'_> {
     fn stress_at(&self, element: u32, natural: &Vec3) -> Option<Stress> {
         let mut stress = self.stress(element);
         let model = self.model;
-        let of_block = model.subdomain.block_of_element.get(element as usize);
-        let known = of_block.filter(|(block, _)| (*block as usize) < model.blocks.len());
-        let Some(&(block, index)) = known else {
+        let Some((block, index)) = model.subdomain.block_of(element) else {
             return Some(stress);
         };
-        let (block, index) = (block as usize, index as usize);
         let displacement = NodalView::F64(self.displacement_of_block(block));
         if let Some(linear) = model.blocks[block].surface_stresses(index, displacement) {
             for (part, coordinate) in linear.iter().zip(natural.iter()) {
@@ -98,15 +94,12 @@ impl StepView for View<'_> {
     }
     fn element_forces(&self, element: u32, out: &mut [Vec3]) -> bool {
         let model = self.model;
-        let of_block = model.subdomain.block_of_element.get(element as usize);
-        let known = of_block.filter(|(block, _)| (*block as usize) < model.blocks.len());
-        let Some(&(block, index)) = known else {
+        let Some((block, index)) = model.subdomain.block_of(element) else {
             out.fill(Vec3::zeros());
             return true;
         };
         let initial = model.initial_stress.get(element as usize);
         let initial = initial.copied().unwrap_or_default();
-        let (block, index) = (block as usize, index as usize);
         let displacement = NodalView::F64(self.displacement_of_block(block));
         model.blocks[block].element_forces(index, displacement, &initial, out)
     }
@@ -114,13 +107,8 @@ impl StepView for View<'_> {
         self.energies
     }
     fn history(&self, element: u32, variable: &str) -> Option<f64> {
-        let &(block, index) = self
-            .model
-            .subdomain
-            .block_of_element
-            .get(element as usize)?;
-        let block = self.model.blocks.get(block as usize)?;
-        block.shown_history(index as usize, variable)
+        let (block, index) = self.model.subdomain.block_of(element)?;
+        self.model.blocks[block].shown_history(index, variable)
     }
     fn embedded(&self, block: &str, variable: &str) -> Option<Vec<f64>> {
         self.model.embedded_values(block, variable)

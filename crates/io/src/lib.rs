@@ -68,6 +68,8 @@ pub mod gmsh;
 #[cfg(feature = "inp")]
 pub mod inp;
 mod memory;
+#[cfg(feature = "packed")]
+mod packed;
 #[cfg(feature = "pictures")]
 mod picture;
 #[cfg(feature = "plots")]
@@ -101,6 +103,8 @@ pub use gmsh::{
 #[cfg(feature = "inp")]
 pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_with};
 pub use memory::available_memory;
+#[cfg(feature = "packed")]
+pub use packed::{PackedMeshError, PackedMeshFault, read_packed_mesh, write_packed_mesh};
 #[cfg(feature = "pictures")]
 pub use picture::{
     AnimationFile, ColourMap, Deformation, FacetField, Picture, PictureField, PictureView,
@@ -134,4 +138,4 @@ pub use vtu::{
     FieldNumbers, FieldOfFile, FieldPrecision, PvdCollection, PvdEntry, VtuField, VtuGrid,
     VtuNumbers, VtuWriter, read_pvd, read_vtu,
 };
-pub use whole::{Unread, read_whole};
+pub use whole::{Unread, file_checksum, read_whole};

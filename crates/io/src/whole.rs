@@ -1,9 +1,10 @@
 //! Reading of complete files up to a size.
 
 use std::fs::File;
-use std::io::{Error, Read};
+use std::io::{BufRead, BufReader, Error, Read};
 use std::path::Path;
 
+use powerhouse_model::Checksum;
 use thiserror::Error as ThisError;
 
 /// Reason for which a file is not read.
@@ -44,6 +45,24 @@ pub fn read_whole(file: &Path, most: u64) -> Result<Vec<u8>, Error> {
     match bytes.len() as u64 {
         size if size > most => Err(Error::other(Unread::TooLarge { size, most })),
         _ => Ok(bytes),
+    }
+}
+
+/// Checksum of a file, of which a small part at a time is in memory.
+///
+/// # Errors
+/// The operating system's error.
+pub fn file_checksum(file: &Path) -> Result<Checksum, Error> {
+    let mut reader = BufReader::with_capacity(1 << 16, File::open(file)?);
+    let mut sum = Checksum::default();
+    loop {
+        let bytes = reader.fill_buf()?;
+        if bytes.is_empty() {
+            return Ok(sum);
+        }
+        sum.add_bytes(bytes);
+        let length = bytes.len();
+        reader.consume(length);
     }
 }
 

@@ -52,12 +52,13 @@ impl Checksum {
                 .for_each(|bits| self.add_whole(&bits.to_le_bytes()));
         }
         for tags in [mesh.node_tags(), mesh.element_tags()] {
-            let bytes: Vec<u8> = tags.iter().flat_map(|tag| tag.to_le_bytes()).collect();
-            self.add_whole(&bytes);
+            self.add_number(8 * tags.len() as u64);
+            tags.iter().for_each(|&tag| self.add_number(tag));
         }
         let mut add = |numbers: &[u32]| {
-            let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-            self.add_whole(&bytes);
+            self.add_number(4 * numbers.len() as u64);
+            let bytes = numbers.iter().map(|number| number.to_le_bytes());
+            bytes.for_each(|bytes| self.add_bytes(&bytes));
         };
         (0..mesh.element_count() as u32).for_each(|element| add(mesh.nodes_of(element)));
         for sets in [mesh.element_sets(), mesh.node_sets()] {

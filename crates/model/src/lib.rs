@@ -108,8 +108,8 @@ pub use law_input::{LawInput, PointLocation};
 pub use load::{Constant, NodalLoad, Table, TimeFunction};
 pub use medium::ElasticMedium;
 pub use mesh::{
-    Axis, ElementKind, Facet, FacetGeometry, Located, Mesh, MeshBuilder, MeshError, NodeTributary,
-    QualityReport, Split,
+    Axis, ElementKind, Facet, FacetGeometry, Located, Mesh, MeshArrays, MeshBuilder, MeshError,
+    NodeTributary, QualityReport, SharedArray, Split,
 };
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;

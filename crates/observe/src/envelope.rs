@@ -23,6 +23,10 @@ impl PeakField {
             times: vec![0.0; count],
         }
     }
+    /// Sets an entry.
+    pub(super) fn set(&mut self, index: usize, value: f64, time: f64) {
+        (self.values[index], self.times[index]) = (value, time);
+    }
     pub(super) fn raise(&mut self, index: usize, value: f64, time: f64) {
         if value > self.values[index] {
             self.values[index] = value;
@@ -38,7 +42,7 @@ impl PeakField {
 }
 
 /// Results of an [`Envelope`]. Fields that were not requested are empty; before the first
-/// observation magnitudes are negative and stresses infinite.
+/// [observation](Self::observations) all values are zero.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnvelopeTable {
     /// Mesh indices of the nodes that the fields of motion are of, in the order of their values.
@@ -119,15 +123,16 @@ impl Envelope {
                 name: "envelope".into(),
                 element,
             })?;
-        let of_nodes = |wanted: bool| PeakField::new(if wanted { nodes.len() } else { 0 }, -1.0);
+        // Zeros, whose memory is not taken before the first observation: there is none on other ranks than 0.
+        let of_nodes = |wanted: bool| PeakField::new(if wanted { nodes.len() } else { 0 }, 0.0);
         let table = EnvelopeTable {
             nodes: nodes.to_vec(),
             displacement: of_nodes(motion.displacement),
             velocity: of_nodes(motion.velocity),
             acceleration: of_nodes(motion.acceleration),
             elements: elements.to_vec(),
-            greatest_stress: PeakField::new(elements.len(), f64::NEG_INFINITY),
-            least_stress: PeakField::new(elements.len(), f64::INFINITY),
+            greatest_stress: PeakField::new(elements.len(), 0.0),
+            least_stress: PeakField::new(elements.len(), 0.0),
             observations: 0,
             alternate_acceleration: [0.0; 2],
         };
@@ -158,7 +163,7 @@ fn update(
     field: &mut PeakField,
     what: &'static str,
     (nodes, tags): (&[u32], &[u64]),
-    time: f64,
+    (time, is_first): (f64, bool),
     value: impl Fn(u32) -> Vec3,
 ) -> Result<f64, ObserveError> {
     let mut greatest = 0.0_f64;
@@ -173,7 +178,10 @@ fn update(
                 time,
             });
         }
-        field.raise(index, magnitude, time);
+        match is_first {
+            true => field.set(index, magnitude, time),
+            false => field.raise(index, magnitude, time),
+        }
         greatest = greatest.max(magnitude);
     }
     Ok(greatest)
@@ -216,23 +224,16 @@ impl Observer for Envelope {
         let mut guard = self.recording.lock();
         let table = &mut *guard;
         let numbers = (table.nodes.as_slice(), self.node_tags.as_slice());
-        update(
-            &mut table.displacement,
-            "displacement",
-            numbers,
-            time,
-            |n| view.displacement(n),
-        )?;
-        update(&mut table.velocity, "velocity", numbers, time, |n| {
+        let now = (time, table.observations == 0);
+        update(&mut table.displacement, "displacement", numbers, now, |n| {
+            view.displacement(n)
+        })?;
+        update(&mut table.velocity, "velocity", numbers, now, |n| {
             view.velocity(n)
         })?;
-        let acceleration = update(
-            &mut table.acceleration,
-            "acceleration",
-            numbers,
-            time,
-            |n| view.acceleration(n),
-        )?;
+        let acceleration = update(&mut table.acceleration, "acceleration", numbers, now, |n| {
+            view.acceleration(n)
+        })?;
         let alternate = &mut table.alternate_acceleration[(table.observations % 2) as usize];
         *alternate = alternate.max(acceleration);
         for (index, &element) in table.elements.iter().enumerate() {
@@ -246,8 +247,13 @@ impl Observer for Envelope {
                 }
                 .into());
             }
-            table.greatest_stress.raise(index, greatest, time);
-            table.least_stress.lower(index, least, time);
+            if table.observations == 0 {
+                table.greatest_stress.set(index, greatest, time);
+                table.least_stress.set(index, least, time);
+            } else {
+                table.greatest_stress.raise(index, greatest, time);
+                table.least_stress.lower(index, least, time);
+            }
         }
         table.observations += 1;
         Ok(Flow::Continue)

@@ -32,9 +32,10 @@
 //! | none | | 63 |
 //! | `gmsh` | Gmsh meshes, [`io::read_gmsh`] | 80 |
 //! | `inp` | meshes of Abaqus input files, [`io::read_inp`] | 63 |
+//! | `packed` | packed meshes, [`io::read_packed_mesh`] | 66 |
 //! | `records` | accelerograms, [`io::read_record`] | 63 |
 //! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] | 66 |
-//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp` and `records` | 95 |
+//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp`, `packed` and `records` | 96 |
 //! | `direct` | a direct solver for static equilibrium | 101 |
 //! | `gpu` | steps on a graphics processor of NVIDIA, `engine = "gpu"` | 66 |
 //! | `h5drm` | motions of stations in H5DRM files, [`io::read_station_motions`] | 65 |

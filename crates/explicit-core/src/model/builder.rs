@@ -96,6 +96,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
             let first = assembly.first_at(&nodes);
             assembly.add(extra.block, nodes, first);
         }
+        impedance.reserve_exact(parts.impedance.len());
         for item in parts.impedance {
             let node = engine_node("a boundary", item.node, &numbers)?;
             if orphans.binary_search(&node).is_err() {
@@ -140,7 +141,9 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         *node = ranked.local(*node);
     }
 
-    let mut plan = GroupPlan::new(mesh, &numbering, numbering.mesh_of.len());
+    let nodes = 0..numbering.mesh_of.len() as u32;
+    let is_here: Vec<bool> = nodes.map(|node| ranked.local(node) != ABSENT).collect();
+    let mut plan = GroupPlan::new(mesh, &numbering, &is_here);
     for pairs in &spec.periodic {
         plan.tie(pairs)?;
     }
@@ -150,9 +153,9 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     for support in &spec.supports {
         plan.hold(support)?;
     }
-    for (motion, prescribed) in spec.prescribed.iter().enumerate() {
-        plan.prescribe(prescribed, motion)?;
-    }
+    let mut all = spec.prescribed.iter().enumerate();
+    let conflict = all.try_for_each(|(motion, prescribed)| plan.prescribe(prescribed, motion));
+    ranked.team.agree(conflict.map_err(ModelError::from))?;
     let constrained = plan.constrain(&spec.constraints)?;
     let restricted = ranked.restrict(spec.constraints, constrained, &numbers);
     let (constraints, constrained) = ranked.team.agree(restricted)?;

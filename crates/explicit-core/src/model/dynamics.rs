@@ -341,8 +341,8 @@ impl Model {
             fault
         });
         let failed = fault.map(|(set, fault)| {
-            let of_block = self.subdomain.block_of_element.get(fault.element as usize);
-            let block = of_block.map_or(u32::MAX, |&(block, _)| block);
+            let of_block = self.subdomain.block_of(fault.element);
+            let block = of_block.map_or(u32::MAX, |(block, _)| block as u32);
             let error = RunError::Element {
                 element: self.element_tag(fault.element),
                 set,

@@ -50,6 +50,8 @@ pub(super) fn tag(mesh: &Mesh, node: u32) -> u64 {
 pub(super) struct GroupPlan<'a> {
     mesh: &'a Mesh,
     numbering: &'a Numbering,
+    /// Whether each engine node is one of this rank: conditions of others need no group.
+    is_here: &'a [bool],
     /// Union-find over engine nodes.
     parent: Vec<u32>,
     /// Contributions of each node to its group; nodes without a group have no entry.
@@ -57,10 +59,12 @@ pub(super) struct GroupPlan<'a> {
 }
 
 impl<'a> GroupPlan<'a> {
-    pub(super) fn new(mesh: &'a Mesh, numbering: &'a Numbering, node_count: usize) -> Self {
+    pub(super) fn new(mesh: &'a Mesh, numbering: &'a Numbering, is_here: &'a [bool]) -> Self {
+        let node_count = is_here.len();
         Self {
             mesh,
             numbering,
+            is_here,
             parent: (0..node_count as u32).collect(),
             nodes: BTreeMap::new(),
         }
@@ -104,6 +108,9 @@ impl<'a> GroupPlan<'a> {
                 return Err(EngineError::Impedance { what, node });
             }
         }
+        if !self.is_here[engine as usize] {
+            return Ok(());
+        }
         let group = self.entry(engine);
         group.spring += item.spring;
         group.dashpot += item.dashpot;
@@ -114,6 +121,9 @@ impl<'a> GroupPlan<'a> {
         let directions = support.directions()?;
         for &node in support.nodes() {
             let engine = engine_node("a support", node, self.numbers())?;
+            if !self.is_here[engine as usize] {
+                continue;
+            }
             let group = self.entry(engine);
             for &direction in &directions {
                 group.condition.hold(direction);
@@ -130,6 +140,9 @@ impl<'a> GroupPlan<'a> {
         let direction = EngineError::check_direction("a prescribed motion", prescribed.direction)?;
         for &node in &prescribed.nodes {
             let engine = engine_node("a prescribed motion", node, self.numbers())?;
+            if !self.is_here[engine as usize] {
+                continue;
+            }
             if !self.entry(engine).condition.prescribe(direction, motion) {
                 let node = self.tag_of(engine);
                 return Err(EngineError::SupportConflict { node });
@@ -157,7 +170,9 @@ impl<'a> GroupPlan<'a> {
                         second: constraint.name().into(),
                     });
                 }
-                self.entry(node);
+                if self.is_here[node as usize] {
+                    self.entry(node);
+                }
             }
             all.push(nodes);
         }
@@ -212,7 +227,8 @@ impl<'a> GroupPlan<'a> {
                 group.mass_damping += damping.get(node as usize).copied().unwrap_or(0.0);
             }
         }
-        let mut groups = Vec::with_capacity(self.nodes.len());
+        let here = (self.nodes.values()).filter(|group| !group.members.is_empty());
+        let mut groups = Vec::with_capacity(here.count());
         for &node in constrained.iter().flatten() {
             groups.extend(self.nodes.remove(&self.root(node)));
         }

@@ -77,7 +77,7 @@ fn build_subsets(
         costs: &costs,
         absent,
     };
-    let partition = Partition::new(mesh, sets_of_elements, block_size)?;
+    let partition = team.of_first(|| Ok(Partition::new(mesh, sets_of_elements, block_size)?))?;
     for (subset, elements) in lists.iter().enumerate() {
         let factory = factory(subset);
         let other = elements.iter().find(|&&e| mesh.kind(e) != factory.kind());

@@ -193,6 +193,26 @@ impl Communicator {
         values.collect()
     }
 
+    /// A value that rank 0 computes, on all ranks.
+    ///
+    /// # Errors
+    /// The error of rank 0 on all, and a failure of the communication.
+    pub(crate) fn of_first<T: Serialize + DeserializeOwned>(
+        &self,
+        compute: impl FnOnce() -> Result<T, ModelError>,
+    ) -> Result<T, ModelError> {
+        if self.is_single() {
+            return compute();
+        }
+        let unsent = |error: StateError| ModelError::refused("ranks", error);
+        let own = (self.rank == 0).then(compute).transpose();
+        let own = self.agree(own)?;
+        let bytes = self.agree(own.as_ref().map_or(Ok(Vec::new()), encode).map_err(unsent))?;
+        let bytes = self.of_rank(0, bytes);
+        self.check().map_err(|failure| rank_failure(&failure))?;
+        own.map_or_else(|| decode(&bytes).map_err(unsent), Ok)
+    }
+
     /// The result of work on every rank: an error of one of them is an error on all.
     pub(crate) fn agree<T>(&self, result: Result<T, ModelError>) -> Result<T, ModelError> {
         if self.is_single() {

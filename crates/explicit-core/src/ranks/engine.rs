@@ -86,12 +86,16 @@ impl Engine for ExplicitOnRanks {
     }
 }
 
-/// A model of which each rank computes a part, with the state of the whole body on every rank.
+/// Motion of a node that this rank does not know.
+const UNKNOWN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
+
+/// A model of which each rank computes a part, with the state of the whole body on rank 0. The other ranks know the motion
+/// of their own nodes; that of others is NaN there.
 struct WholeModel {
     part: RankModel,
-    /// Lumped mass (kg) of each mesh node.
+    /// Lumped mass (kg) of each mesh node; empty on other ranks than 0.
     mass: Vec<f64>,
-    /// Displacement (m) and velocity (m/s) of each mesh node.
+    /// Displacement (m) and velocity (m/s) of each mesh node; empty on other ranks than 0.
     motion: Vec<[f64; 6]>,
     joints: Vec<JointValues>,
 }
@@ -99,7 +103,7 @@ struct WholeModel {
 impl WholeModel {
     fn of(part: RankModel) -> Result<Self, ModelError> {
         let model = part.local();
-        let mass = model.of_all_nodes(|node| [model.mass[node]]);
+        let mass = model.of_all_nodes_at_first(|node| [model.mass[node]]);
         let mut whole = Self {
             mass: mass.into_iter().map(|[mass]| mass).collect(),
             motion: Vec::new(),
@@ -110,10 +114,10 @@ impl WholeModel {
         Ok(whole)
     }
 
-    /// Gathers the state of the body on every rank.
+    /// Gathers the motion of the body on rank 0, and the state of its joints on every rank.
     fn refresh(&mut self) -> Result<(), ModelError> {
         let model = self.part.local();
-        self.motion = model.of_all_nodes(|node| {
+        self.motion = model.of_all_nodes_at_first(|node| {
             let (u, v) = (model.displacement_of(node), model.velocity_of(node));
             [u.x, u.y, u.z, v.x, v.y, v.z]
         });
@@ -149,13 +153,22 @@ impl EngineModel for WholeModel {
         self.part.steps_taken()
     }
     fn mass(&self, node: u32) -> f64 {
-        self.mass[node as usize]
+        match self.part.rank() {
+            0 => self.mass[node as usize],
+            _ => self.part.mass(node).unwrap_or(f64::NAN),
+        }
     }
     fn displacement(&self, node: u32) -> Vec3 {
-        vector(&self.motion[node as usize], 0)
+        match self.part.rank() {
+            0 => vector(&self.motion[node as usize], 0),
+            _ => self.part.displacement(node).unwrap_or(UNKNOWN),
+        }
     }
     fn velocity(&self, node: u32) -> Vec3 {
-        vector(&self.motion[node as usize], 3)
+        match self.part.rank() {
+            0 => vector(&self.motion[node as usize], 3),
+            _ => self.part.velocity(node).unwrap_or(UNKNOWN),
+        }
     }
     fn joints(&self) -> Vec<JointView<'_>> {
         let joints = self.part.local().ranks.joints.iter();

@@ -141,10 +141,7 @@ impl Sent {
             write(node, &numbers, &mut sent.nodes);
         });
         let elements = mesh.element_count();
-        let is_here = |element: u32| {
-            let block = subdomain.block_of_element.get(element as usize);
-            block.is_some_and(|(block, _)| (*block as usize) < model.blocks.len())
-        };
+        let is_here = |element: u32| subdomain.block_of(element).is_some();
         each(&wanted.stresses, elements, is_here, |element| {
             write(element, &view.stress(element).0, &mut sent.stresses);
         });

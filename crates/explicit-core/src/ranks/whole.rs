@@ -106,20 +106,36 @@ impl Model {
         &self,
         of: impl Fn(usize) -> [f64; N],
     ) -> Vec<[f64; N]> {
-        let numbering = &self.subdomain.numbering;
-        let mut own = Vec::new();
-        for local in self
-            .subdomain
-            .node_ranges
-            .ranges()
-            .iter()
-            .cloned()
-            .flatten()
-        {
-            write(numbering.mesh_of[local], &of(local), &mut own);
+        self.by_node(&self.ranks.team.of_all(&self.own_nodes(of)))
+    }
+
+    /// The same on rank 0, and nothing on the others.
+    pub(crate) fn of_all_nodes_at_first<const N: usize>(
+        &self,
+        of: impl Fn(usize) -> [f64; N],
+    ) -> Vec<[f64; N]> {
+        let team = &self.ranks.team;
+        let sent = team.at_first(&self.own_nodes(of));
+        match team.rank() {
+            0 => self.by_node(&sent),
+            _ => Vec::new(),
         }
-        let mut all = vec![[0.0; N]; numbering.local_of.len()];
-        for (node, numbers) in (self.ranks.team.of_all(&own).iter()).flat_map(|bytes| read(bytes)) {
+    }
+
+    /// Numbers of the nodes that this rank owns, as they are sent.
+    fn own_nodes<const N: usize>(&self, of: impl Fn(usize) -> [f64; N]) -> Vec<u8> {
+        let subdomain = &self.subdomain;
+        let mut own = Vec::new();
+        for local in subdomain.node_ranges.ranges().iter().cloned().flatten() {
+            write(subdomain.numbering.mesh_of[local], &of(local), &mut own);
+        }
+        own
+    }
+
+    /// Numbers by mesh index from those that the ranks have sent.
+    fn by_node<const N: usize>(&self, sent: &[Vec<u8>]) -> Vec<[f64; N]> {
+        let mut all = vec![[0.0; N]; self.subdomain.numbering.local_of.len()];
+        for (node, numbers) in sent.iter().flat_map(|bytes| read(bytes)) {
             if let Some(entry) = all.get_mut(node) {
                 *entry = numbers;
             }

@@ -149,8 +149,8 @@ impl Model {
 
     /// Name of the element set of an active element (mesh index) of any rank, on all ranks.
     pub(super) fn set_of_all(&self, element: u32) -> String {
-        let block = self.subdomain.block_of_element.get(element as usize);
-        let block = block.and_then(|&(block, _)| self.blocks.get(block as usize));
+        let block = self.subdomain.block_of(element);
+        let block = block.map(|(block, _)| &self.blocks[block]);
         let team = &self.ranks.team;
         let rank = team.least(if block.is_some() {
             team.rank() as u64

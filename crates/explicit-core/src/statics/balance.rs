@@ -169,9 +169,8 @@ impl Model {
         let computed = match fault {
             None => Ok(()),
             Some((set, fault)) => {
-                let block = self.subdomain.block_of_element.get(fault.element as usize);
-                let block = block.map(|(block, _)| *block as usize);
-                let number = block.and_then(|block| self.ranks.block_numbers.get(block));
+                let block = self.subdomain.block_of(fault.element);
+                let number = block.and_then(|(block, _)| self.ranks.block_numbers.get(block));
                 order = number.map_or(u64::MAX - 1, |&number| number.into());
                 Err(StaticError::Element {
                     element: self.element_tag(fault.element),

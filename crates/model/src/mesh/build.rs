@@ -84,8 +84,18 @@ fn resolve(builder: MeshBuilder) -> Result<Mesh, MeshError> {
             return Err(MeshError::TooLarge { what, count });
         }
     }
-    for (index, &(tag, position)) in builder.nodes.iter().enumerate() {
-        if index_of.insert(tag, index as u32).is_some() {
+    let MeshBuilder {
+        nodes,
+        elements,
+        corners,
+        element_sets,
+        facet_sets,
+        node_sets,
+    } = builder;
+    let mut node_tags = Vec::with_capacity(nodes.len());
+    let mut positions = Vec::with_capacity(nodes.len());
+    for (index, (tag, position)) in (0..).zip(nodes) {
+        if index_of.insert(tag, index).is_some() {
             return Err(MeshError::DuplicateNode { node: tag });
         }
         for (axis, value) in ['x', 'y', 'z'].into_iter().zip(position.iter()) {
@@ -97,11 +107,15 @@ fn resolve(builder: MeshBuilder) -> Result<Mesh, MeshError> {
                 });
             }
         }
-        mesh.node_tags.push(tag);
-        mesh.positions.push(position);
+        node_tags.push(tag);
+        positions.push(position);
     }
-    elements(&builder, &index_of, &mut mesh)?;
-    for (name, tags) in &builder.node_sets {
+    (mesh.node_tags, mesh.positions) = (node_tags.into(), positions.into());
+    put_elements((&elements, &corners), &index_of, &mut mesh)?;
+    // A large mesh has little room beside it.
+    drop((elements, corners));
+    coincident_elements(&mesh)?;
+    for (name, tags) in &node_sets {
         let mut nodes = Vec::with_capacity(tags.len());
         for tag in tags {
             let node = index_of.get(tag).ok_or_else(|| MeshError::SetOutOfRange {
@@ -113,27 +127,30 @@ fn resolve(builder: MeshBuilder) -> Result<Mesh, MeshError> {
         }
         mesh.set_node_set(name, nodes)?;
     }
-    for (name, indices) in builder.element_sets {
+    for (name, indices) in element_sets {
         mesh.set_element_set(&name, indices)?;
     }
-    facets(&builder.facet_sets, &index_of, &mut mesh)?;
+    facets(&facet_sets, &index_of, &mut mesh)?;
     Ok(mesh)
 }
 
-fn elements(
-    builder: &MeshBuilder,
+/// Puts elements, with the numbers of the nodes of all of them, into a mesh.
+fn put_elements(
+    (elements, corners): (&[(u64, ElementKind, u32)], &[u64]),
     index_of: &HashMap<u64, u32>,
     mesh: &mut Mesh,
 ) -> Result<(), MeshError> {
-    if builder.elements.is_empty() {
+    if elements.is_empty() {
         return Err(MeshError::Empty);
     }
-    let mut seen = HashSet::with_capacity(builder.elements.len());
-    let mut start = 0;
-    mesh.offsets.push(0);
-    for &(tag, kind, count) in &builder.elements {
-        let corners = &builder.corners[start..start + count as usize];
-        start += count as usize;
+    let mut seen = HashSet::with_capacity(elements.len());
+    let mut offsets = Vec::with_capacity(elements.len() + 1);
+    let mut connectivity = Vec::with_capacity(corners.len());
+    let mut rest = corners;
+    offsets.push(0);
+    for &(tag, kind, count) in elements {
+        let corners;
+        (corners, rest) = rest.split_at(count as usize);
         if !seen.insert(tag) {
             return Err(MeshError::DuplicateElement { element: tag });
         }
@@ -145,25 +162,26 @@ fn elements(
                 expected: kind.node_count(),
             });
         }
-        let first = mesh.connectivity.len();
+        let first = connectivity.len();
         for node in corners {
             let index = index_of.get(node).ok_or(MeshError::DanglingNode {
                 element: tag,
                 node: *node,
             })?;
-            if mesh.connectivity[first..].contains(index) {
+            if connectivity[first..].contains(index) {
                 return Err(MeshError::RepeatedNode {
                     element: tag,
                     node: *node,
                 });
             }
-            mesh.connectivity.push(*index);
+            connectivity.push(*index);
         }
-        mesh.kinds.push(kind);
-        mesh.element_tags.push(tag);
-        mesh.offsets.push(mesh.connectivity.len() as u32);
+        offsets.push(connectivity.len() as u32);
     }
-    coincident_elements(mesh)
+    mesh.kinds = elements.iter().map(|&(_, kind, _)| kind).collect();
+    mesh.element_tags = elements.iter().map(|&(tag, ..)| tag).collect();
+    (mesh.offsets, mesh.connectivity) = (offsets.into(), connectivity.into());
+    Ok(())
 }
 
 /// Refuses two elements with the same nodes, found by the hash of their sorted nodes.
@@ -202,7 +220,13 @@ fn facets(
     if sets.is_empty() {
         return Ok(());
     }
-    let sides = SideTable::of_all(mesh);
+    let mut is_on_facet = vec![false; mesh.node_count()];
+    for tag in sets.values().flatten().flatten() {
+        if let Some(&node) = index_of.get(tag) {
+            is_on_facet[node as usize] = true;
+        }
+    }
+    let sides = SideTable::with_all_nodes(mesh, |node| is_on_facet[node as usize]);
     for (name, list) in sets {
         let mut resolved = Vec::with_capacity(list.len());
         for tags in list {

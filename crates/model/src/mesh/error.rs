@@ -71,6 +71,16 @@ pub enum MeshError {
         /// Number of nodes of this kind.
         expected: usize,
     },
+    /// Arrays of a mesh whose lengths do not fit.
+    #[error("there are {found} {what} instead of {expected}")]
+    ArrayLength {
+        /// What the array has.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Length expected.
+        expected: usize,
+    },
     /// An inverted or flat solid element.
     #[error(
         "element {element} is inverted or flat: its scaled Jacobian at corner node {node} is {scaled_jacobian:.3e}"

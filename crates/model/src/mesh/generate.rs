@@ -122,7 +122,7 @@ impl Mesh {
         }
         mesh.element_tags = (1..=mesh.kinds.len() as u64).collect();
         mesh.set_element_set(elements, (0..mesh.kinds.len() as u32).collect())?;
-        for (name, facets) in &bricks.facet_sets {
+        for (name, facets) in &*bricks.facet_sets {
             let base = |facet: &Facet| Facet {
                 element: 6 * facet.element + u32::from(facet.side),
                 side: 0,

@@ -84,6 +84,16 @@ const PYRAMID_CORNERS: [[u8; 4]; 8] = [
 ];
 
 impl ElementKind {
+    /// All kinds, each at its place for ever: files number them by it.
+    pub const ALL: [Self; 6] = [
+        Self::Hex8,
+        Self::Tet4,
+        Self::Wedge6,
+        Self::Bar2,
+        Self::Pyramid5,
+        Self::Tet10,
+    ];
+
     /// Number of nodes of an element of this kind.
     pub fn node_count(self) -> usize {
         match self {

@@ -1,5 +1,6 @@
 //! Finite element meshes with named sets.
 
+mod arrays;
 mod build;
 mod check;
 mod copy_on_write;
@@ -19,11 +20,14 @@ mod slice;
 mod split;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::Vec3;
+pub use arrays::MeshArrays;
 pub use build::MeshBuilder;
 pub use check::QualityReport;
 use copy_on_write::CopyOnWrite;
+pub use copy_on_write::SharedArray;
 pub use error::MeshError;
 pub use facet::{FacetGeometry, NodeTributary};
 pub use kind::ElementKind;
@@ -64,9 +68,9 @@ pub struct Mesh {
     pub(crate) element_tags: CopyOnWrite<u64>,
     pub(crate) offsets: CopyOnWrite<u32>,
     pub(crate) connectivity: CopyOnWrite<u32>,
-    pub(crate) node_sets: BTreeMap<String, Vec<u32>>,
-    pub(crate) element_sets: BTreeMap<String, Vec<u32>>,
-    pub(crate) facet_sets: BTreeMap<String, Vec<Facet>>,
+    pub(crate) node_sets: Arc<BTreeMap<String, Vec<u32>>>,
+    pub(crate) element_sets: Arc<BTreeMap<String, Vec<u32>>>,
+    pub(crate) facet_sets: Arc<BTreeMap<String, Vec<Facet>>>,
 }
 
 impl Mesh {
@@ -168,7 +172,7 @@ impl Mesh {
         nodes.sort_unstable();
         nodes.dedup();
         in_range("node", name, nodes.last(), self.node_count())?;
-        self.node_sets.insert(name.into(), nodes);
+        Arc::make_mut(&mut self.node_sets).insert(name.into(), nodes);
         Ok(())
     }
     /// Adds or replaces an element set; duplicates are removed.
@@ -179,7 +183,7 @@ impl Mesh {
         elements.sort_unstable();
         elements.dedup();
         in_range("element", name, elements.last(), self.element_count())?;
-        self.element_sets.insert(name.into(), elements);
+        Arc::make_mut(&mut self.element_sets).insert(name.into(), elements);
         Ok(())
     }
     /// Adds or replaces a facet set; duplicates are removed.
@@ -202,7 +206,7 @@ impl Mesh {
                 });
             }
         }
-        self.facet_sets.insert(name.into(), facets);
+        Arc::make_mut(&mut self.facet_sets).insert(name.into(), facets);
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! Change of the order of elements.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::{ElementKind, Mesh, MeshError, Vec3};
 
@@ -41,7 +42,7 @@ impl Mesh {
         let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
         for element in 0..self.element_count() as u32 {
             let nodes = self.nodes_of(element);
-            mesh.connectivity.extend(nodes);
+            mesh.connectivity.extend(nodes.iter().copied());
             let kind = match self.kind(element) {
                 ElementKind::Tet4 => ElementKind::Tet10,
                 kind => kind,
@@ -71,7 +72,7 @@ impl Mesh {
             mesh.kinds.push(kind);
             mesh.offsets.push(count as u32);
         }
-        for nodes in mesh.node_sets.values_mut() {
+        for nodes in Arc::make_mut(&mut mesh.node_sets).values_mut() {
             let has = |node: &u32| nodes.binary_search(node).is_ok();
             let between = middles.iter().filter(|(ends, _)| ends.iter().all(has));
             let mut added: Vec<u32> = between.map(|(_, &middle)| middle).collect();

@@ -48,15 +48,15 @@ impl Mesh {
         }
         let mut part = builder.build()?;
         let index = |all: &[u32], one: &u32| all.binary_search(one).ok().map(|index| index as u32);
-        for (name, elements) in &self.element_sets {
+        for (name, elements) in &*self.element_sets {
             let left = elements.iter().filter_map(|e| index(&kept, e)).collect();
             part.set_element_set(name, left)?;
         }
-        for (name, set) in &self.node_sets {
+        for (name, set) in &*self.node_sets {
             let left = set.iter().filter_map(|node| index(&nodes, node)).collect();
             part.set_node_set(name, left)?;
         }
-        for (name, facets) in &self.facet_sets {
+        for (name, facets) in &*self.facet_sets {
             let left = facets.iter().filter_map(|facet| {
                 let element = index(&kept, &facet.element)?;
                 Some(Facet { element, ..*facet })
@@ -96,7 +96,7 @@ impl Mesh {
         }
         let mut part = self.of_elements(&kept)?;
         let sides = self.cut_sides(&kept, (low, high));
-        for (name, facets) in &self.facet_sets {
+        for (name, facets) in &*self.facet_sets {
             let mut left: BTreeSet<Facet> = part.facet_set(name)?.iter().copied().collect();
             let own: BTreeSet<&Facet> = facets.iter().collect();
             for side in sides.iter().filter(|side| side.is_covered_by(&own)) {

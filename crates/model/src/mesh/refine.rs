@@ -1,6 +1,7 @@
 //! Uniform refinement: every element divided into smaller ones of its kind.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::{ElementKind, Facet, Mesh, MeshError, Vec3};
 
@@ -77,7 +78,7 @@ impl Mesh {
             for (part, corners) in (1..).zip(parts.chunks(kind.node_count())) {
                 fine.kinds.push(kind);
                 fine.element_tags.push(tag + part * stride);
-                fine.connectivity.extend(corners);
+                fine.connectivity.extend(corners.iter().copied());
                 fine.offsets.push(fine.connectivity.len() as u32);
             }
             firsts.push(fine.kinds.len() as u32);
@@ -90,7 +91,7 @@ impl Mesh {
         fine.node_tags
             .extend((greatest..last).map(|number| number + 1));
         self.refine_sets(&mut fine, &subdivisions, &firsts, &new)?;
-        fine.positions.append(&mut new.positions);
+        fine.positions.extend(new.positions);
         Ok(fine)
     }
 
@@ -134,17 +135,17 @@ impl Mesh {
         firsts: &[u32],
         new: &NewNodes,
     ) -> Result<(), MeshError> {
-        for (name, elements) in &self.element_sets {
+        for (name, elements) in &*self.element_sets {
             let parts = |&element: &u32| firsts[element as usize]..firsts[element as usize + 1];
             let all = elements.iter().flat_map(parts).collect();
-            fine.element_sets.insert(name.clone(), all);
+            Arc::make_mut(&mut fine.element_sets).insert(name.clone(), all);
         }
-        for (name, nodes) in &self.node_sets {
+        for (name, nodes) in &*self.node_sets {
             let mut all = nodes.clone();
             all.extend(new.among(nodes));
-            fine.node_sets.insert(name.clone(), all);
+            Arc::make_mut(&mut fine.node_sets).insert(name.clone(), all);
         }
-        for (name, facets) in &self.facet_sets {
+        for (name, facets) in &*self.facet_sets {
             let parts = facets.iter().flat_map(|facet| {
                 let first = firsts[facet.element as usize];
                 let subdivision = subdivisions.of(self, facet.element);

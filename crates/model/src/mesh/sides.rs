@@ -64,11 +64,7 @@ impl Mesh {
 
     /// The chosen sides without a chosen neighbour, in rising order; `chosen` decides by the sorted nodes of a side.
     pub(super) fn alone_among(&self, chosen: impl Fn(&[u32]) -> bool) -> Vec<Facet> {
-        SideTable::of(self, |facet| {
-            let key = self.side_key(facet);
-            chosen(&key[..key.partition_point(|&node| node != u32::MAX)])
-        })
-        .alone(self)
+        SideTable::of_nodes(self, chosen).alone(self)
     }
 }
 
@@ -76,6 +72,19 @@ impl SideTable {
     /// The table of all sides of all solid elements.
     pub(super) fn of_all(mesh: &Mesh) -> Self {
         Self::of(mesh, |_| true)
+    }
+
+    /// The table of the sides all of whose nodes are chosen.
+    pub(super) fn with_all_nodes(mesh: &Mesh, chosen: impl Fn(u32) -> bool) -> Self {
+        Self::of_nodes(mesh, |nodes| nodes.iter().all(|&node| chosen(node)))
+    }
+
+    /// The table of the sides that are chosen by their sorted nodes.
+    fn of_nodes(mesh: &Mesh, chosen: impl Fn(&[u32]) -> bool) -> Self {
+        Self::of(mesh, |facet| {
+            let key = mesh.side_key(facet);
+            chosen(&key[..key.partition_point(|&node| node != u32::MAX)])
+        })
     }
 
     fn of(mesh: &Mesh, chosen: impl Fn(Facet) -> bool) -> Self {

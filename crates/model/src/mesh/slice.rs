@@ -84,7 +84,7 @@ impl Mesh {
             let facets = slice.facets_on_plane(axis, side, tolerance);
             (end, Opposite::new(&slice, axis, &facets, tolerance))
         });
-        for (name, facets) in &self.facet_sets {
+        for (name, facets) in &*self.facet_sets {
             let mut of_slice: BTreeSet<Facet> = slice.facet_set(name)?.iter().copied().collect();
             for (end, side) in &sides {
                 let nodes_of = |facet: Facet| self.facet_nodes(facet).into_iter();

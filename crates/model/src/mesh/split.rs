@@ -1,6 +1,7 @@
 //! Splitting of a mesh along an internal surface, as for joints.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::sides::SideTable;
 use super::{Facet, Mesh, MeshError};
@@ -119,7 +120,7 @@ impl Mesh {
                 }
             }
         }
-        for nodes in mesh.node_sets.values_mut() {
+        for nodes in Arc::make_mut(&mut mesh.node_sets).values_mut() {
             let own = copies
                 .iter()
                 .filter(|[node, _]| nodes.binary_search(node).is_ok());

@@ -145,8 +145,8 @@ fn add_keys(items: &mut Vec<(String, String)>, spec: &SceneSpec) {
     names.dedup();
     let folder = spec.file().text().folder();
     for name in names {
-        if let Ok(bytes) = std::fs::read(folder.join(&name)) {
-            items.push((format!("file '{name}'"), Checksum::of(&bytes).to_string()));
+        if let Ok(sum) = powerhouse_io::file_checksum(&folder.join(&name)) {
+            items.push((format!("file '{name}'"), sum.to_string()));
         }
     }
 }

@@ -18,8 +18,8 @@ pub(crate) struct StateVariables {
     pub(crate) variables: Vec<HistoryVariable>,
     /// History variables of the law of each part.
     of_parts: Vec<Vec<HistoryVariable>>,
-    /// Index of the part of each element; `None` for rims and elements without part.
-    part_of: Vec<Option<usize>>,
+    /// Index of the part of each element, plus one; zero for elements without history variables.
+    part_of: Vec<u32>,
 }
 
 impl StateVariables {
@@ -29,15 +29,17 @@ impl StateVariables {
         let mut found = Self {
             variables: Vec::new(),
             of_parts: Vec::new(),
-            part_of: vec![None; mesh.element_count()],
+            part_of: vec![0; mesh.element_count()],
         };
-        for (index, (part, rim)) in scene.parts.iter().zip(rims).enumerate() {
+        for (number, (part, rim)) in (1..).zip(scene.parts.iter().zip(rims)) {
             let of_part = part.material.history();
             found.of_parts.push(of_part.to_vec());
-            for &element in mesh.element_set(&part.set)? {
-                if !rim.contains(&element) {
-                    found.part_of[element as usize] = Some(index);
-                }
+            let with_history = match of_part {
+                [] => &[],
+                _ => mesh.element_set(&part.set)?,
+            };
+            for element in with_history.iter().filter(|element| !rim.contains(element)) {
+                found.part_of[*element as usize] = number;
             }
             for variable in of_part {
                 if found.variables.iter().all(|v| v.name != variable.name) {
@@ -49,7 +51,8 @@ impl StateVariables {
     }
     /// History variables of the law of an element.
     pub(crate) fn of_element(&self, element: u32) -> &[HistoryVariable] {
-        self.part_of[element as usize].map_or(&[], |part| &self.of_parts[part])
+        let part = self.part_of[element as usize].checked_sub(1);
+        part.map_or(&[], |part| &self.of_parts[part as usize])
     }
     /// Observer of the envelopes of history variables; `None` if no law has any.
     pub(crate) fn peaks(

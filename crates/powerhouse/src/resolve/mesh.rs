@@ -16,6 +16,8 @@ type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Largest number of refinements: three make 512 elements of each.
 const MOST_REFINEMENTS: u32 = 3;
+/// Why elements of a packed mesh are not lowered.
+const PACKED: &str = "a packed mesh has elements of its own order: `order = 1` is for the file from which it is made";
 /// Highest order of elements.
 const HIGHEST_ORDER: u32 = 2;
 
@@ -78,14 +80,28 @@ pub(super) fn mesh(
     Ok((mesh, remarks))
 }
 
-/// Mesh of a Gmsh file, or of an Abaqus input file by its extension `.inp`, with remarks about what was left out or
-/// changed.
+/// Mesh of a Gmsh file, or by its extension of an Abaqus input file (`.inp`) or a packed mesh (`.phm`), with remarks about
+/// what was left out or changed.
 ///
 /// # Errors
-/// Those of [`read_gmsh`](powerhouse_io::read_gmsh) and [`read_inp`](powerhouse_io::read_inp).
+/// Those of [`read_gmsh`](powerhouse_io::read_gmsh), [`read_inp`](powerhouse_io::read_inp) and
+/// [`read_packed_mesh`](powerhouse_io::read_packed_mesh); `first_order` for a packed mesh.
 pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
-    let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
-    if is_inp {
+    let is = |extension: &str| {
+        path.extension()
+            .is_some_and(|own| own.eq_ignore_ascii_case(extension))
+    };
+    if is("phm") {
+        if options.first_order {
+            return Err(PACKED.into());
+        }
+        let mesh = powerhouse_io::read_packed_mesh(path)?;
+        let mesh = match options.straighten {
+            true => mesh.with_straight_edges(),
+            false => mesh,
+        };
+        Ok((mesh, Vec::new()))
+    } else if is("inp") {
         let inp = powerhouse_io::read_inp_with(path, options)?;
         Ok((inp.mesh, of_inp(inp.report)))
     } else {

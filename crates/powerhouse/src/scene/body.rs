@@ -68,8 +68,10 @@ impl Scene {
                     set: part.set.clone(),
                     kind: kind.name(),
                 })?;
-                let (at_rim, inner): (Vec<u32>, Vec<u32>) =
-                    elements.iter().partition(|element| rim.contains(element));
+                let (at_rim, inner): (Vec<u32>, Vec<u32>) = match rim.is_empty() {
+                    true => (Vec::new(), elements),
+                    false => (elements.iter()).partition(|element| rim.contains(element)),
+                };
                 for (elements, material, damping, rim) in [
                     (inner, moving.clone(), part.damping.rayleigh(), false),
                     (at_rim, part.material.elastic(), Rayleigh::default(), true),

@@ -107,7 +107,7 @@ impl Scene {
             self.engine.build(spec)?
         };
         self.remarks.append(&mut remarks);
-        if timeline.is_none() {
+        if timeline.is_none() && self.start != 0.0 {
             let mut state = State::at_rest(self.mesh.node_count());
             state.time = self.start;
             model.set_state(&state)?;
