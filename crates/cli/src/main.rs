@@ -195,6 +195,10 @@ enum Command {
         /// Number of cases that run in parallel; the cores are divided among them, and their memory adds up.
         #[arg(long, value_name = "CASES", default_value = "1")]
         jobs: NonZeroUsize,
+        /// Number of processes that compute each case together, of those that `mpirun` has started; by default every process
+        /// computes cases of its own.
+        #[arg(long, value_name = "RANKS", conflicts_with = "jobs")]
+        ranks_per_case: Option<NonZeroUsize>,
         /// Wall time between two checkpoints of a running case, such as 30s, 10min or 1h, in place of the scene's; `never`
         /// writes none but that of an interruption. Ten minutes by default.
         #[arg(long, value_name = "TIME")]
@@ -395,13 +399,16 @@ fn main() -> ExitCode {
             cases,
             duration,
             jobs,
+            ranks_per_case,
             checkpoint_every,
         } => {
             let schedule = sweep::Schedule {
                 jobs,
                 checkpoint_every,
             };
-            sweep::sweep(&scene, out, &cases, duration, schedule)
+            ranks::in_groups(ranks_per_case, |place| {
+                sweep::sweep(&scene, out, &cases, duration, (schedule, place))
+            })
         }
         Command::Trade(arguments) => trade::trade(arguments),
         Command::Converge(arguments) => converge::converge(arguments),

@@ -4,6 +4,7 @@
 //! follow in silence.
 
 use std::fmt;
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use powerhouse::engine::ExplicitOnRanks;
@@ -24,6 +25,11 @@ impl Place {
     /// Whether this process writes the results.
     pub(crate) fn leads(&self) -> bool {
         self.engine.as_ref().is_none_or(|engine| engine.rank() == 0)
+    }
+
+    /// The engine of this process among several.
+    pub(crate) fn engine(&self) -> Option<&Arc<ExplicitOnRanks>> {
+        self.engine.as_ref()
     }
 
     /// Number of processes.
@@ -126,14 +132,36 @@ pub(crate) fn refuse_processes() -> Result<(), Box<dyn std::error::Error>> {
 /// Calls a function on every process of a run; an error of one ends all.
 pub(crate) fn on_all(work: impl FnOnce(&Place) -> Outcome + Send) -> Outcome {
     match powerhouse::mpi::processes() {
-        Some(count) if count > 1 => on_processes(count, work),
+        Some(count) if count > 1 => on_processes(count, None, work),
         _ => work(&Place::default()),
+    }
+}
+
+/// Calls a function on every process of a sweep, with its place among those that compute a case together: itself alone,
+/// unless a number of them is given.
+pub(crate) fn in_groups(
+    size: Option<NonZeroUsize>,
+    work: impl FnOnce(&Place) -> Outcome + Send,
+) -> Outcome {
+    let Some(size) = size.filter(|size| size.get() > 1) else {
+        return work(&Place::default());
+    };
+    match powerhouse::mpi::processes() {
+        Some(count) if count > 1 => on_processes(count, Some(size), work),
+        _ => Err(format!(
+            "--ranks-per-case {size} needs so many processes or a multiple of it, such as those of `mpirun -n {size} powerhouse sweep SCENE --ranks-per-case {size}`"
+        )
+        .into()),
     }
 }
 
 /// Refuses processes that know nothing of each other: each would write the same files.
 #[cfg(not(feature = "mpi"))]
-fn on_processes(count: usize, _work: impl FnOnce(&Place) -> Outcome + Send) -> Outcome {
+fn on_processes(
+    count: usize,
+    _group: Option<NonZeroUsize>,
+    _work: impl FnOnce(&Place) -> Outcome + Send,
+) -> Outcome {
     Err(format!(
         "{count} processes were started, but this powerhouse was built without MPI: build it with \
          `cargo build --release --features mpi`, or start it as one process"
@@ -142,10 +170,14 @@ fn on_processes(count: usize, _work: impl FnOnce(&Place) -> Outcome + Send) -> O
 }
 
 #[cfg(feature = "mpi")]
-fn on_processes(_count: usize, work: impl FnOnce(&Place) -> Outcome + Send) -> Outcome {
+fn on_processes(
+    _count: usize,
+    group: Option<NonZeroUsize>,
+    work: impl FnOnce(&Place) -> Outcome + Send,
+) -> Outcome {
     use std::process::ExitCode;
 
-    use powerhouse::mpi::with_ranks;
+    use powerhouse::mpi::with_groups;
 
     use crate::{FAILED, terminal};
 
@@ -164,7 +196,7 @@ fn on_processes(_count: usize, work: impl FnOnce(&Place) -> Outcome + Send) -> O
     let report = |(rank, text): &(usize, String)| {
         terminal::aside(format_args!("rank {rank}: {text}"));
     };
-    match with_ranks(on_rank, report)? {
+    match with_groups(group, on_rank, report)? {
         Ok(status) => Ok(status),
         // Printed by rank 0.
         Err((rank, _)) if rank > 0 => Ok(ExitCode::from(FAILED)),

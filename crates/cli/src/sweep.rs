@@ -13,6 +13,7 @@ use powerhouse_study::sweep::{CaseOutcome, Peak, Sweep, SweepWatch};
 use powerhouse_study::{CheckpointEvent, StudyError};
 
 use crate::progress::Display;
+use crate::ranks::Place;
 use crate::run::Stages;
 use crate::terminal::say;
 use crate::{INTERRUPTED, Outcome, stop};
@@ -213,7 +214,7 @@ pub(crate) fn sweep(
     out: Option<PathBuf>,
     cases: &[String],
     duration: Option<f64>,
-    schedule: Schedule,
+    (schedule, place): (Schedule, &Place),
 ) -> Outcome {
     let mut sweep = Sweep::of_file_with(scene, out, &powerhouse_wang_2019::registry())?;
     if !cases.is_empty() {
@@ -225,7 +226,10 @@ pub(crate) fn sweep(
     if let Some(interval) = schedule.checkpoint_every {
         sweep = sweep.with_checkpoint_interval(interval);
     }
-    let sweep = sweep.side_by_side(schedule.jobs);
+    sweep = sweep.side_by_side(schedule.jobs);
+    if let Some(engine) = place.engine() {
+        sweep = sweep.on_ranks(engine.clone());
+    }
     let started = Instant::now();
     let mut output = SweepOutput {
         several: schedule.jobs > NonZeroUsize::MIN,

@@ -208,6 +208,17 @@ fn keys_and_meshes_are_checked_alone() {
         assert!(looked.contains(passage), "{looked}");
     }
     assert!(folder.join("mesh.png").is_file());
+    let packed = said(&here, &["pack", "tunnel.msh"]);
+    assert!(packed.contains("tunnel.phm: "), "{packed}");
+    let description = |text: &str| text.split_once('\n').map(|(_, rest)| rest.to_owned());
+    let of_text = said(&here, &["look", "tunnel.msh"]);
+    assert_eq!(
+        description(&said(&here, &["look", "tunnel.phm"])),
+        description(&of_text)
+    );
+    let refused = powerhouse(&here, &["pack", "tunnel.msh", "--out", "mesh.bin"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("mesh.bin: a packed mesh has the extension .phm"));
     std::fs::remove_file(folder.join("tunnel.msh")).unwrap();
     let checked = said(&here, &["check", "--keys", "scene.toml"]);
     assert!(

@@ -24,6 +24,6 @@ mod ranks;
 
 pub use launch::processes;
 #[cfg(feature = "mpi")]
-pub use process::{MpiError, with_ranks};
+pub use process::{MpiError, with_groups, with_ranks};
 #[cfg(feature = "mpi")]
 pub use ranks::MpiRanks;

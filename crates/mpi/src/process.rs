@@ -1,11 +1,12 @@
 //! The thread of MPI: it carries out the operations of the ranks, and ends the process together with the others.
 
+use core::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 use mpi::Threading;
 use mpi::collective::SystemOperation;
 use mpi::environment::Universe;
-use mpi::topology::SimpleCommunicator;
+use mpi::topology::{Color, SimpleCommunicator};
 use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalence, Root, Source};
 use thiserror::Error;
 
@@ -37,17 +38,38 @@ pub enum MpiError {
     /// A library that permits no threads beside the one that uses it.
     #[error("the MPI library permits no other threads beside the one that uses it")]
     NoThreads,
+    /// Processes that cannot be divided into groups of one size.
+    #[error("{processes} processes cannot be divided into groups of {size}")]
+    NoGroups {
+        /// Number of processes.
+        processes: usize,
+        /// Size of a group.
+        size: usize,
+    },
 }
 
 /// Initialises MPI, and calls a function with the ranks of this process on a thread of its own; returns its result when the
 /// function has returned on all processes.
 ///
-/// A process whose function fails, or panics, waits some seconds for the others to end; if they do not, as after a failure
-/// of this process alone, it calls `report` with the error, and aborts all processes of the computation.
+/// A process whose function fails, or panics, waits some seconds for the others of its group to end; if they do not, as after a
+/// failure of this process alone, it calls `report` with the error, and aborts all processes of the computation.
 ///
 /// # Errors
 /// See [`MpiError`].
 pub fn with_ranks<R: Send, E: Send>(
+    work: impl FnOnce(MpiRanks) -> Result<R, E> + Send,
+    report: impl FnOnce(&E),
+) -> Result<Result<R, E>, MpiError> {
+    with_groups(None, work, report)
+}
+
+/// As [`with_ranks`] with processes in groups of a size, those of successive numbers, whose ranks know of those of their group
+/// alone; with all processes in one group if there is no size.
+///
+/// # Errors
+/// [`MpiError::NoGroups`] for a number of processes that is no multiple of the size; others as [`with_ranks`].
+pub fn with_groups<R: Send, E: Send>(
+    size: Option<NonZeroUsize>,
     work: impl FnOnce(MpiRanks) -> Result<R, E> + Send,
     report: impl FnOnce(&E),
 ) -> Result<Result<R, E>, MpiError> {
@@ -57,12 +79,13 @@ pub fn with_ranks<R: Send, E: Send>(
         return Err(MpiError::NoThreads);
     }
     let world = universe.world();
-    let (ranks, requests) = MpiRanks::new(world.rank() as usize, world.size() as usize);
+    let group = group_of(&world, size)?;
+    let (ranks, requests) = MpiRanks::new(group.rank() as usize, group.size() as usize);
     let joined = std::thread::scope(|scope| {
         let thread = scope.spawn(move || work(ranks));
         Service {
             universe: &mut universe,
-            world: &world,
+            group: &group,
             capacity: 0,
             spare: Vec::new(),
         }
@@ -70,14 +93,15 @@ pub fn with_ranks<R: Send, E: Send>(
         thread.join()
     });
     match joined {
-        Ok(Err(error)) => {
-            if !all_end(&world, Some(GRACE)) {
-                report(&error);
+        Ok(result) => {
+            let limit = result.is_err().then_some(GRACE);
+            if !all_end(&group, limit) {
+                if let Err(error) = &result {
+                    report(error);
+                }
                 world.abort(ABORTED);
             }
-            Ok(Err(error))
-        }
-        Ok(result) => {
+            // Other groups go on.
             all_end(&world, None);
             Ok(result)
         }
@@ -86,10 +110,26 @@ pub fn with_ranks<R: Send, E: Send>(
     }
 }
 
-/// Waits until all processes have come here; returns whether they did within a time, if there is a limit.
-fn all_end(world: &SimpleCommunicator, limit: Option<Duration>) -> bool {
+/// The group of this process: all processes, or those that have it in common with it when they are divided into groups of a
+/// size.
+fn group_of(
+    world: &SimpleCommunicator,
+    size: Option<NonZeroUsize>,
+) -> Result<SimpleCommunicator, MpiError> {
+    let (rank, processes) = (world.rank() as usize, world.size() as usize);
+    let size = size.map_or(processes, NonZeroUsize::get);
+    let refused = MpiError::NoGroups { processes, size };
+    if !processes.is_multiple_of(size) {
+        return Err(refused);
+    }
+    let group = Color::with_value((rank / size) as i32);
+    world.split_by_color(group).ok_or(refused)
+}
+
+/// Waits until all processes of a group have come here; returns whether they did within a time, if there is a limit.
+fn all_end(group: &SimpleCommunicator, limit: Option<Duration>) -> bool {
     let started = Instant::now();
-    let mut barrier = world.immediate_barrier();
+    let mut barrier = group.immediate_barrier();
     loop {
         match barrier.test() {
             Ok(_) => return true,
@@ -107,7 +147,7 @@ fn all_end(world: &SimpleCommunicator, limit: Option<Duration>) -> bool {
 /// The operations of the ranks.
 struct Service<'a> {
     universe: &'a mut Universe,
-    world: &'a SimpleCommunicator,
+    group: &'a SimpleCommunicator,
     /// Size (bytes) of the buffer from which messages are sent.
     capacity: usize,
     /// Memory of messages that have been sent.
@@ -122,7 +162,7 @@ impl Service<'_> {
                 Request::Start(messages) => {
                     self.reserve(messages.iter().map(|message| message.bytes.len()));
                     for message in messages {
-                        let to = self.world.process_at_rank(message.rank as i32);
+                        let to = self.group.process_at_rank(message.rank as i32);
                         to.buffered_send_with_tag(&message.bytes[..], MESSAGE);
                         self.spare.push(message.bytes);
                     }
@@ -135,13 +175,13 @@ impl Service<'_> {
                 Request::Sum(own) => {
                     let mut sums = own.clone();
                     let sum = SystemOperation::sum();
-                    self.world.all_reduce_into(&own[..], &mut sums[..], sum);
+                    self.group.all_reduce_into(&own[..], &mut sums[..], sum);
                     Reply::Sum(sums)
                 }
                 Request::Least(own) => {
                     let mut least = own.clone();
                     let min = SystemOperation::min();
-                    self.world.all_reduce_into(&own[..], &mut least[..], min);
+                    self.group.all_reduce_into(&own[..], &mut least[..], min);
                     Reply::Least(least)
                 }
                 Request::Gather(own) => Reply::Gather(self.gather(own)),
@@ -164,7 +204,7 @@ impl Service<'_> {
 
     /// The next message of a rank.
     fn receive(&mut self, rank: usize) -> Vec<u8> {
-        let from = self.world.process_at_rank(rank as i32);
+        let from = self.group.process_at_rank(rank as i32);
         let status = from.probe_with_tag(MESSAGE);
         let length = status.count(u8::equivalent_datatype()) as usize;
         let mut bytes = self.spare.pop().unwrap_or_default();
@@ -175,8 +215,8 @@ impl Service<'_> {
 
     /// The bytes of all ranks in their order on rank 0, and nothing on the others.
     fn gather(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
-        let root = self.world.process_at_rank(0);
-        if self.world.rank() != 0 {
+        let root = self.group.process_at_rank(0);
+        if self.group.rank() != 0 {
             let length = own.len() as u64;
             root.send_with_tag(&length, GATHERED);
             for part in own.chunks(PART) {
@@ -185,8 +225,8 @@ impl Service<'_> {
             return Vec::new();
         }
         let mut all = vec![own];
-        for rank in 1..self.world.size() {
-            let from = self.world.process_at_rank(rank);
+        for rank in 1..self.group.size() {
+            let from = self.group.process_at_rank(rank);
             let (length, _) = from.receive_with_tag::<u64>(GATHERED);
             let mut bytes = vec![0; length as usize];
             for part in bytes.chunks_mut(PART) {
@@ -199,7 +239,7 @@ impl Service<'_> {
 
     /// The bytes of a rank on all of them.
     fn broadcast(&self, from: usize, mut bytes: Vec<u8>) -> Vec<u8> {
-        let root = self.world.process_at_rank(from as i32);
+        let root = self.group.process_at_rank(from as i32);
         let mut length = bytes.len() as u64;
         root.broadcast_into(&mut length);
         bytes.resize(length as usize, 0);

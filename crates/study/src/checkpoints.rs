@@ -114,6 +114,14 @@ impl RunCheckpoints {
     pub(crate) fn step(&self) -> Option<f64> {
         Some(self.resumed.as_ref()?.run.as_ref()?.step)
     }
+    /// What the run goes on from, in words that differ if it does.
+    pub(crate) fn description(&self) -> String {
+        let resumed = self.resumed.as_ref();
+        let run = resumed.and_then(|resumed| resumed.run.as_ref());
+        let run = run.map(|run| (run.done, run.step.to_bits(), run.time.to_bits()));
+        let body = resumed.and_then(|resumed| resumed.body.as_ref());
+        format!("{run:?} {:?}", body.map(|body| body.stages().len()))
+    }
     /// Reports from where the run goes on, and which checkpoints are not used.
     pub(crate) fn report(&self, mut event: impl FnMut(CheckpointEvent)) {
         let unused = self.unused.iter();

@@ -47,6 +47,14 @@ pub enum StudyError {
         /// Path of the folder.
         folder: PathBuf,
     },
+    /// What one rank alone can compute.
+    #[error("{what} cannot be used on {ranks} ranks, only on one")]
+    OneRankOnly {
+        /// What it is.
+        what: &'static str,
+        /// Number of ranks.
+        ranks: usize,
+    },
     /// A result folder without a table of histories.
     #[error("{} has no histories: its scene needs at least one [[output.history]]", folder.display())]
     NoHistoryTable {

@@ -66,6 +66,14 @@ impl ExplicitOnRanks {
             _ => Ok(()),
         }
     }
+    /// The bytes of rank 0 on all ranks.
+    ///
+    /// # Errors
+    /// A failure of the communication.
+    pub fn of_first(&self, bytes: Vec<u8>) -> Result<Vec<u8>, RankError> {
+        let bytes = self.team.of_rank(0, bytes);
+        self.team.check().map(|()| bytes)
+    }
     /// Whether something is true on all ranks.
     ///
     /// # Errors

@@ -30,6 +30,7 @@ mod motions;
 mod names;
 mod nonsense;
 mod own_output;
+mod packed;
 mod region;
 mod rings;
 mod runs;

@@ -16,7 +16,8 @@ use powerhouse::{
 use super::at_rest::{self, BodyStore};
 use super::processes::pause;
 use super::{
-    CaseInput, CaseOutcome, Coverage, LOOK, OUTCOME, Sweep, SweepWatch, ground, locked, pictures,
+    CaseInput, CaseOutcome, Coverage, LOOK, OUTCOME, Peak, Sweep, SweepWatch, ground, locked,
+    pictures,
 };
 use crate::checkpoints::{RunCheckpoints, is_of_state};
 use crate::store;
@@ -36,6 +37,24 @@ pub(super) enum Claim {
     Own(FolderLock),
     /// Another process, or a run into the folder of the case.
     Elsewhere,
+}
+
+/// A case before its model is built.
+struct PlannedCase {
+    scene: Scene,
+    input: CaseInput,
+    text: Option<String>,
+    relative: Vec<String>,
+    /// Key of the body after the stages.
+    body: String,
+    title: String,
+    ground: Vec<Peak>,
+    coverage: Option<Coverage>,
+    checkpoints: RunCheckpoints,
+    /// The free-field check with its limit.
+    check: Option<(FreeFieldCheck, f64)>,
+    size: OutputSize,
+    warnings: Vec<Message>,
 }
 
 impl Sweep {
@@ -82,27 +101,25 @@ impl Sweep {
         control: &CaseControl,
         bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
-        let scene = self.scene_of(case)?;
-        let input = CaseInput::of(scene.input());
+        self.ranks.begin(Some(case))?;
+        let planned = self.ranks.agree(self.plan(case))?;
+        let PlannedCase {
+            scene,
+            input,
+            text,
+            relative,
+            body,
+            title,
+            ground,
+            coverage,
+            mut checkpoints,
+            check,
+            size,
+            mut warnings,
+        } = planned;
+        self.ranks.check_same(&checkpoints)?;
         let path = self.folder.join(case);
         let folder = ResultFolder::new(&path);
-        let text = scene.source().map(|source| source.text.clone());
-        let relative = scene.output().relative.iter();
-        let relative: Vec<String> = relative.map(|request| request.name.clone()).collect();
-        let body = at_rest::key(&scene);
-        let title = format!("{}: {case}", scene.title());
-        let ground = ground::relative_peaks(&scene)?;
-        let coverage = Coverage::of(&scene, &input);
-        let mut checkpoints = RunCheckpoints::open(&path, &scene, self.checkpoint_interval, true);
-        // A run that is resumed has passed the check.
-        let check = scene.self_check().filter(|_| !checkpoints.is_resumed());
-        let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
-        let check = check.transpose()?;
-        let size = OutputSize::of(&scene)?;
-        let mut warnings: Vec<Message> = crate::warnings(&scene)?
-            .iter()
-            .map(Warning::message)
-            .collect();
         let mut simulation = scene.prepare()?;
         // An invalid step is an error before any file is removed.
         let step = match checkpoints.step() {
@@ -112,22 +129,26 @@ impl Sweep {
             }
             None => simulation.step()?,
         };
-        folder.remove_unfinished()?;
-        folder.prove(&simulation, size.bytes(step))?;
-        store::unmark(&path, &[OUTCOME])?;
         let report = |event: CheckpointEvent| locked(control.watch).checkpoint(case, event);
-        checkpoints.report(report);
-        if !checkpoints.is_resumed() {
-            folder.clear()?;
-            checkpoints.clear()?;
-        }
-        if let Some((check, limit)) = check {
-            let mut hooks = RunHooks::default();
-            hooks.stop = control.stop.cloned();
-            let found = check.run(step, hooks)?;
-            locked(control.watch).self_check(case, found.largest());
-            found.require(limit)?;
-        }
+        let begin = || {
+            folder.remove_unfinished()?;
+            folder.prove(&simulation, size.bytes(step))?;
+            store::unmark(&path, &[OUTCOME])?;
+            checkpoints.report(report);
+            if !checkpoints.is_resumed() {
+                folder.clear()?;
+                checkpoints.clear()?;
+            }
+            if let Some((check, limit)) = check {
+                let mut hooks = RunHooks::default();
+                hooks.stop = control.stop.cloned();
+                let found = check.run(step, hooks)?;
+                locked(control.watch).self_check(case, found.largest());
+                found.require(limit)?;
+            }
+            Ok(())
+        };
+        self.ranks.agree(begin())?;
 
         let mesh = simulation.mesh().clone();
         warnings.extend(coverage.as_ref().and_then(Coverage::warning));
@@ -140,7 +161,7 @@ impl Sweep {
             .with_checkpoints(checkpoints.writer().clone());
         let staged = (&folder, &mut checkpoints);
         hooks.equilibrated_body =
-            equilibrated(&simulation, (case, &body), staged, (control, bodies))?;
+            self.equilibrated(&simulation, (case, &body), staged, (control, bodies))?;
         hooks.resume = checkpoints.take_run();
         hooks.progress = locked(control.watch).progress(case);
         hooks.stop = control.stop.cloned();
@@ -183,8 +204,35 @@ impl Sweep {
         CaseOutcome::read(&file)
     }
 
+    /// What a case needs before its model is built, from which the files of the last run are not touched yet.
+    fn plan(&self, case: &str) -> Result<PlannedCase, StudyError> {
+        let scene = self.scene_of(case)?;
+        let input = CaseInput::of(scene.input());
+        let path = self.folder.join(case);
+        let relative = scene.output().relative.iter();
+        let checkpoints = RunCheckpoints::open(&path, &scene, self.checkpoint_interval, true);
+        // A run that is resumed has passed the check.
+        let check = scene.self_check().filter(|_| !checkpoints.is_resumed());
+        let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
+        let warnings = crate::warnings(&scene)?;
+        Ok(PlannedCase {
+            text: scene.source().map(|source| source.text.clone()),
+            relative: relative.map(|request| request.name.clone()).collect(),
+            body: at_rest::key(&scene),
+            title: format!("{}: {case}", scene.title()),
+            ground: ground::relative_peaks(&scene)?,
+            coverage: Coverage::of(&scene, &input),
+            check: check.transpose()?,
+            size: OutputSize::of(&scene)?,
+            warnings: warnings.iter().map(Warning::message).collect(),
+            input,
+            checkpoints,
+            scene: self.ranks.take(scene)?,
+        })
+    }
+
     /// The scene of a case with the settings of this sweep.
-    fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
+    pub(super) fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
         let file = self.file.path();
         let variant = self.variant(case).ok_or_else(|| Error::NoSuchCase {
             name: case.into(),
@@ -204,56 +252,67 @@ impl Sweep {
     }
 }
 
-/// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible, or after the last
-/// stage of its checkpoint; `None` without stages.
-fn equilibrated(
-    simulation: &Simulation,
-    (case, key): (&str, &str),
-    (folder, checkpoints): (&ResultFolder, &mut RunCheckpoints),
-    (control, bodies): (&CaseControl, &BodyStore),
-) -> Result<Option<EquilibratedBody>, StudyError> {
-    let slot = bodies.slot(key);
-    // Other cases that need the same body wait here.
-    let mut body = locked(&slot);
-    if body.is_none() {
-        *body = bodies.read(key);
-    }
-    let mut lock = None;
-    if body.is_none() {
-        let mut has_waited = false;
-        lock = Some(bodies.lock(key, || {
-            if !std::mem::replace(&mut has_waited, true) {
-                locked(control.watch).waits_for_stages(case);
-            }
-            pause(LOOK, control.stop)
-        })?);
-        // Another process may have computed it before the lock was taken.
-        *body = bodies.read(key);
-    }
-    if body.is_none() {
-        let started = Instant::now();
-        let files = folder.stages(simulation)?;
-        let writer = checkpoints.writer().clone();
-        let mut hooks = RunHooks::default().with_stage_hook(move |body| writer.keep_stage(body));
-        hooks.stop = control.stop.cloned();
-        hooks.stages = Some(locked(control.watch).stages(case, files));
-        hooks.completed_stages = checkpoints.take_body();
-        hooks.stage_solution = checkpoints.take_solution();
-        hooks.stage_checkpoints = Some(checkpoints.writer().clone());
-        let before = hooks.completed_stages.as_ref();
-        let before = before.map_or(0, |body| body.stages().len());
-        let found = simulation.equilibrate_with(hooks);
-        *body = found.map_err(|error| match error {
-            Error::Interrupted { .. } => StudyError::Interrupted,
-            error => error.into(),
-        })?;
-        if let Some(found) = &*body {
-            if found.stages().len() > before {
-                locked(control.watch).equilibrated(case, started.elapsed());
-            }
-            bodies.write(key, found)?;
+impl Sweep {
+    /// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible, or after the last
+    /// stage of its checkpoint; `None` without stages.
+    fn equilibrated(
+        &self,
+        simulation: &Simulation,
+        (case, key): (&str, &str),
+        (folder, checkpoints): (&ResultFolder, &mut RunCheckpoints),
+        (control, bodies): (&CaseControl, &BodyStore),
+    ) -> Result<Option<EquilibratedBody>, StudyError> {
+        let slot = bodies.slot(key);
+        // Other cases that need the same body wait here.
+        let mut body = locked(&slot);
+        if body.is_none() {
+            *body = bodies.read(key);
         }
+        let mut lock = None;
+        if body.is_none() {
+            let mut has_waited = false;
+            let waits = || {
+                if !std::mem::replace(&mut has_waited, true) {
+                    locked(control.watch).waits_for_stages(case);
+                }
+                pause(LOOK, control.stop)
+            };
+            lock = Some(self.ranks.agree(bodies.lock(key, waits))?);
+            // Another process may have computed it before the lock was taken.
+            *body = bodies.read(key);
+        } else {
+            self.ranks.agree(Ok(()))?;
+        }
+        if self.ranks.is_known(body.is_some())? {
+            self.ranks.agree(Ok(()))?;
+        } else {
+            let started = Instant::now();
+            let files = folder.stages(simulation)?;
+            let writer = checkpoints.writer().clone();
+            let mut hooks =
+                RunHooks::default().with_stage_hook(move |body| writer.keep_stage(body));
+            hooks.stop = control.stop.cloned();
+            hooks.stages = Some(locked(control.watch).stages(case, files));
+            hooks.completed_stages = checkpoints.take_body();
+            if !self.ranks.are_several() {
+                hooks.stage_solution = checkpoints.take_solution();
+                hooks.stage_checkpoints = Some(checkpoints.writer().clone());
+            }
+            let before = hooks.completed_stages.as_ref();
+            let before = before.map_or(0, |body| body.stages().len());
+            let found = simulation.equilibrate_with(hooks);
+            *body = found.map_err(|error| match error {
+                Error::Interrupted { .. } => StudyError::Interrupted,
+                error => error.into(),
+            })?;
+            if let Some(found) = &*body {
+                if found.stages().len() > before {
+                    locked(control.watch).equilibrated(case, started.elapsed());
+                }
+                bodies.write(key, found)?;
+            }
+        }
+        drop(lock);
+        Ok(body.clone())
     }
-    drop(lock);
-    Ok(body.clone())
 }

@@ -30,6 +30,7 @@ mod input;
 mod outcome;
 mod pictures;
 mod processes;
+mod ranks;
 mod sections;
 mod table;
 mod workers;
@@ -41,6 +42,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
@@ -62,6 +64,7 @@ pub(crate) use entry::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 use processes::SharedFolder;
+use ranks::CaseRanks;
 pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.
@@ -142,6 +145,7 @@ pub struct Sweep {
     at_once: NonZeroUsize,
     /// Wall time between two checkpoints, in place of the scene's.
     checkpoint_interval: Option<CheckpointInterval>,
+    ranks: CaseRanks,
     /// Records as used by the waves.
     records: Vec<(String, TimeHistory)>,
 }
@@ -213,6 +217,7 @@ impl Sweep {
             registry,
             at_once: NonZeroUsize::MIN,
             checkpoint_interval: None,
+            ranks: CaseRanks::default(),
         })
     }
 
@@ -272,6 +277,14 @@ impl Sweep {
         self
     }
 
+    /// Computes each case on several ranks together, of which this process is one; every rank makes the same sweep and runs
+    /// it. Rank 0 returns the outcomes and writes the files, the others return none. Cases run one after the other.
+    #[must_use]
+    pub fn on_ranks(mut self, engine: Arc<ExplicitOnRanks>) -> Self {
+        self.ranks = CaseRanks(Some(engine));
+        self
+    }
+
     /// Names of the cases that the sweep runs: all but those on request, or those chosen by [`only`](Self::only).
     pub fn cases(&self) -> &[String] {
         &self.cases
@@ -299,26 +312,48 @@ impl Sweep {
         watch: &mut dyn SweepWatch,
     ) -> Result<Vec<CaseOutcome>, StudyError> {
         let shared = SharedFolder::enter(&self.folder, || self.write_inputs())?;
-        if !shared.is_alone() {
-            let _lock = shared.files()?;
-            self.join_cases()?;
-        }
         let bodies = BodyStore::in_folder(&self.folder, &shared);
         let watch = Mutex::new(watch);
         let control = CaseControl {
             stop,
             watch: &watch,
         };
+        if !self.ranks.leads() {
+            self.follow(&control, &bodies)?;
+            shared.leave()?;
+            return Ok(Vec::new());
+        }
+        let found = self.lead(&shared, &control, &bodies);
+        // The other ranks of the cases end, too; what is wrong with them concerns no result.
+        let ended = self.ranks.begin(None);
+        let found = found?;
+        ended?;
+        shared.leave()?;
+        Ok(found)
+    }
+
+    /// Runs the cases, together with the other ranks if there are any.
+    fn lead(
+        &self,
+        shared: &SharedFolder,
+        control: &CaseControl,
+        bodies: &BodyStore,
+    ) -> Result<Vec<CaseOutcome>, StudyError> {
+        let (stop, watch) = (control.stop, control.watch);
+        if !shared.is_alone() {
+            let _lock = shared.files()?;
+            self.join_cases()?;
+        }
         let job = |index: usize| {
             let case = &self.cases[index];
             let claim = self.claim(case);
             if matches!(claim, Ok(Claim::Elsewhere)) {
                 return Ok(None);
             }
-            locked(&watch).begins(case, index + 1, self.cases.len());
+            locked(watch).begins(case, index + 1, self.cases.len());
             let folder = self.folder.join(case);
             let found = claim.and_then(|claim| match claim {
-                Claim::Own(lock) => Ok((self.case((case, &lock), &control, &bodies)?, false)),
+                Claim::Own(lock) => Ok((self.case((case, &lock), control, bodies)?, false)),
                 Claim::Finished | Claim::Elsewhere => {
                     // A sweep that was killed right after the end of the case has left its checkpoints.
                     let _ = CheckpointFiles::of(&folder).remove();
@@ -328,15 +363,15 @@ impl Sweep {
             let (outcome, reused) = found.map_err(|error| {
                 // A case that is invalid leaves no folder.
                 let _ = std::fs::remove_dir(&folder);
-                locked(&watch).fails(case, &error);
+                locked(watch).fails(case, &error);
                 error.in_case(case)
             })?;
-            let mut watch = locked(&watch);
+            let mut watch = locked(watch);
             match reused {
                 true => watch.reused(case),
                 false => watch.ends(&outcome),
             }
-            self.write_table(&shared)?;
+            self.write_table(shared)?;
             Ok(Some(outcome))
         };
         let named: Mutex<BTreeSet<usize>> = Mutex::default();
@@ -344,7 +379,7 @@ impl Sweep {
             let mut named = locked(&named);
             if !left.iter().all(|index| named.contains(index)) {
                 let cases: Vec<&str> = left.iter().map(|&index| &*self.cases[index]).collect();
-                locked(&watch).waits(&cases);
+                locked(watch).waits(&cases);
                 named.extend(left);
             }
             drop(named);
@@ -352,8 +387,7 @@ impl Sweep {
         };
         let found = workers::side_by_side(self.cases.len(), self.at_once, job, waits)?;
         // Another process may have written it before the last case was finished.
-        self.write_table(&shared)?;
-        shared.leave()?;
+        self.write_table(shared)?;
         Ok(found)
     }
 

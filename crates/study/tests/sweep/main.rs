@@ -4,6 +4,7 @@ mod bodies;
 mod checkpoints;
 mod finished;
 mod processes;
+mod ranks;
 mod report;
 mod running;
 mod sections;

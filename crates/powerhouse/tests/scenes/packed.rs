@@ -1,0 +1,92 @@
+//! Packed meshes in scenes.
+
+use std::path::{Path, PathBuf};
+
+use powerhouse::io::{MeshOptions, write_packed_mesh};
+use powerhouse::{Registry, Scene, read_mesh};
+use powerhouse_test_support::TestFolder;
+
+fn data() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data")
+}
+
+/// A scene of `data/` whose mesh file is another one.
+fn with_mesh(
+    name: &str,
+    (from, to): (&str, &Path),
+    keys: &str,
+) -> Result<Scene, powerhouse::Error> {
+    let path = data().join("scenes").join(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let own = format!("file = \"../meshes/{from}\"");
+    assert!(text.contains(&own), "{name}");
+    let text = text.replacen(&own, &format!("file = '{}'\n{keys}", to.display()), 1);
+    Scene::from_toml(&text, path, &Registry::default())
+}
+
+/// A scene has the same mesh from a packed mesh as from the file of which it was made: with a joint, along which nodes are
+/// doubled, scaled and refined.
+#[test]
+fn a_packed_mesh_is_the_mesh_of_its_file() {
+    let folder = TestFolder::new("packed");
+    for (name, from) in [
+        ("cavern_small.toml", "cavern_small.msh"),
+        ("cavern_joint.toml", "cavern_small.msh"),
+    ] {
+        let text = data().join("meshes").join(from);
+        let (mesh, _) = read_mesh(&text, MeshOptions::default()).unwrap();
+        let packed = folder.join("mesh.phm");
+        write_packed_mesh(&packed, &mesh).unwrap();
+        for keys in ["", "scale = 1.25", "within = { y = [-20, 40] }"] {
+            let scene = |file: &Path| with_mesh(name, (from, file), keys);
+            let (of_text, of_packed) = (scene(&text), scene(&packed));
+            match (of_text, of_packed) {
+                (Ok(of_text), Ok(of_packed)) => {
+                    assert_eq!(of_text.mesh(), of_packed.mesh(), "{name} {keys}");
+                }
+                (Err(of_text), Err(of_packed)) => {
+                    let found = of_packed.to_string().replace("mesh.phm", from);
+                    let head = |text: &str| text.lines().next().map(String::from);
+                    assert_eq!(head(&of_text.to_string()), head(&found), "{name} {keys}");
+                }
+                (of_text, of_packed) => {
+                    let [one, other] = [of_text.err(), of_packed.err()];
+                    panic!("{name} {keys}: {one:?}, {other:?}");
+                }
+            }
+        }
+        assert!(with_mesh(name, (from, &packed), "").is_ok());
+    }
+}
+
+/// A packed mesh that cannot be used is refused at its line, with its name.
+#[test]
+fn faults_of_a_packed_mesh_name_it() {
+    let folder = TestFolder::new("packed-refused");
+    let packed = folder.join("mesh.phm");
+    let (name, from) = ("cavern_small.toml", "cavern_small.msh");
+    let text = data().join("meshes").join(from);
+    let (mesh, _) = read_mesh(&text, MeshOptions::default()).unwrap();
+    write_packed_mesh(&packed, &mesh).unwrap();
+    let refused = |keys: &str, passages: &[&str]| {
+        let error = with_mesh(name, (from, &packed), keys).err().unwrap();
+        for passage in passages {
+            assert!(error.to_string().contains(passage), "{passage}: {error}");
+        }
+    };
+    refused(
+        "order = 1",
+        &["order = 1", "a packed mesh", "cavern_small.toml"],
+    );
+    let mut bytes = std::fs::read(&packed).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&packed, &bytes).unwrap();
+    refused("", &["mesh.phm", "damaged", "cavern_small.toml"]);
+    std::fs::write(&packed, &bytes[..middle]).unwrap();
+    refused("", &["mesh.phm", "written or copied in part"]);
+    std::fs::write(&packed, std::fs::read(&text).unwrap()).unwrap();
+    refused("", &["mesh.phm", "no packed mesh"]);
+    std::fs::remove_file(&packed).unwrap();
+    refused("", &["mesh.phm"]);
+}

@@ -1,0 +1,132 @@
+//! Cases that several ranks compute together.
+
+use std::collections::BTreeMap;
+
+use powerhouse::engine::ExplicitOnRanks;
+use powerhouse::model::ThreadRanks;
+
+use super::*;
+
+/// What rank 0 has of a sweep: its outcomes or its error, and the counts of its callbacks.
+struct Led {
+    outcomes: Result<Vec<CaseOutcome>, String>,
+    count: Count,
+}
+
+/// Runs the sweep of a folder on a number of ranks; the others than rank 0 return no outcomes.
+fn on_ranks(folder: &Folder, ranks: usize, stop: &Arc<AtomicBool>) -> Led {
+    let found = ThreadRanks::run(ranks, |ranks| {
+        let engine = Arc::new(ExplicitOnRanks::new(Box::new(ranks)));
+        let leads = engine.rank() == 0;
+        let mut count = Count::default();
+        let sweep = folder.sweep().on_ranks(engine);
+        let found = sweep.run(Some(stop), &mut count);
+        match leads {
+            true => {
+                let outcomes = found.map_err(|error| error.to_string());
+                Ok(Some(Led { outcomes, count }))
+            }
+            false => {
+                assert_eq!(found.unwrap(), []);
+                assert!(count.ended.is_empty() && count.failed.is_empty());
+                Ok(None)
+            }
+        }
+    });
+    let found = found.into_iter().map(Result::unwrap);
+    found.flatten().next().unwrap()
+}
+
+/// The files of a folder by their names; those of its folders are left out.
+fn files_in(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let files = entries.filter(|entry| entry.path().is_file());
+    let named = files.map(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        (name, std::fs::read(entry.path()).unwrap())
+    });
+    named.collect()
+}
+
+fn timeless(outcomes: &[CaseOutcome]) -> Vec<CaseOutcome> {
+    let with_time = |case: &CaseOutcome| CaseOutcome {
+        wall_time: 0.0,
+        ..case.clone()
+    };
+    outcomes.iter().map(with_time).collect()
+}
+
+/// Cases have the outcomes and tables of one process, bodies after the stages are shared as there, and finished cases are not
+/// run again.
+#[test]
+fn ranks_compute_a_case_together() {
+    let never = Arc::new(AtomicBool::new(false));
+    let alone = Folder::new("ranks-alone");
+    let expected = alone.sweep().run(None, &mut NoProgress).unwrap();
+    // The excavated body has two blocks.
+    let folder = Folder::new("ranks-two");
+    let led = on_ranks(&folder, 2, &never);
+    assert_eq!(timeless(&led.outcomes.unwrap()), timeless(&expected));
+    assert_eq!(led.count.ended, ["steep", "slanted", "continuous"]);
+    assert_eq!(led.count.at_rest, ["steep", "continuous"]);
+    for case in ["steep", "slanted", "continuous"] {
+        let files = |folder: &Folder| files_in(&folder.0.join("out").join(case));
+        let (found, expected) = (files(&folder), files(&alone));
+        assert!(expected.len() > 5 && found.keys().eq(expected.keys()));
+        for (name, content) in &expected {
+            // Wall times.
+            let timed = ["summary.json", "outcome.json", "finished.json"];
+            assert!(
+                timed.contains(&&**name) || found[name] == *content,
+                "{case}/{name}"
+            );
+        }
+    }
+    // A lost case alone is run again, from the body in its file.
+    std::fs::remove_file(folder.0.join("out/slanted/finished.json")).unwrap();
+    let led = on_ranks(&folder, 2, &never);
+    assert_eq!(led.count.ended, ["slanted"]);
+    assert!(led.count.at_rest.is_empty());
+    assert_eq!(timeless(&led.outcomes.unwrap()), timeless(&expected));
+}
+
+/// A case that cannot be run is the failure of the sweep, with the message of one process, and no rank is left waiting; nor
+/// is one after an interruption, from which another number of ranks goes on.
+#[test]
+fn failures_and_interruptions_end_all_ranks() {
+    let never = Arc::new(AtomicBool::new(false));
+    for (from, to) in [
+        // When the step is chosen, in the free-field check, which rank 0 makes alone, and in the stage.
+        ("duration = 0.05", "duration = 0.05\nstep = 0.5"),
+        ("title = \"bay\"", "title = \"bay\"\nself_check = 1e-9"),
+        ("tolerance = 1e-3", "tolerance = 1e-17"),
+    ] {
+        let folder = Folder::new("ranks-failure");
+        assert!(SCENE.contains(from), "{from}");
+        std::fs::write(folder.scene(), SCENE.replacen(from, to, 1)).unwrap();
+        let expected = folder
+            .sweep()
+            .run(None, &mut NoProgress)
+            .unwrap_err()
+            .to_string();
+        let led = on_ranks(&folder, 2, &never);
+        assert_eq!(led.outcomes.unwrap_err(), expected);
+        assert_eq!(led.count.failed, ["steep"]);
+    }
+    let folder = Folder::new("ranks-interrupted");
+    let stop = Arc::new(AtomicBool::new(true));
+    let led = on_ranks(&folder, 2, &stop);
+    assert!(led.outcomes.unwrap_err().contains("interrupted"));
+    let alone = Folder::new("ranks-uninterrupted");
+    let expected = alone.sweep().run(None, &mut NoProgress).unwrap();
+    let found = folder.sweep().run(None, &mut NoProgress).unwrap();
+    assert_eq!(timeless(&found), timeless(&expected));
+    // More ranks than blocks.
+    let folder = Folder::new("ranks-too-many");
+    let led = on_ranks(&folder, 3, &never);
+    let refused = led.outcomes.unwrap_err();
+    assert!(
+        refused.contains("case 'steep': model: 3 ranks need as many blocks"),
+        "{refused}"
+    );
+}
