@@ -19,8 +19,12 @@ pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsi
     let found = powerhouse_study::check(read(path, of_file)?)?;
     report::lines(&found.to_string());
     if let Some(ranks) = ranks {
-        let simulation = read(path, of_file)?.prepare()?;
-        forecast::print(&simulation.model().rank_forecast(ranks.get())?, &found);
+        let scene = read(path, of_file)?;
+        let mesh = scene.spec().map(|spec| Path::new(&*spec.mesh.file));
+        let is_packed = mesh.is_some_and(|file| file.extension() == Some("phm".as_ref()));
+        let simulation = scene.prepare()?;
+        let forecast = simulation.model().rank_forecast(ranks.get())?;
+        forecast::print(&forecast, &found, is_packed);
     }
     Ok(if found.warnings.is_empty() {
         ExitCode::SUCCESS

@@ -12,13 +12,17 @@ use crate::terminal::say;
 const LATENCY: f64 = 2e-6;
 const NETWORK: f64 = 10e9;
 const PACKING: f64 = 4e9;
-/// Memory (bytes) of the mesh in one process: position and number of a node; nodes, number and place in the blocks of an
-/// element.
+/// Memory (bytes) of the mesh in one process with its place in the blocks: position and number of a node; nodes, number and
+/// place in the blocks of an element.
 const OF_MESH: Whole = Whole([64, 80, 0]);
-/// What every rank has of the whole body during a run, the mesh included, and while it reads a mesh file as text: fitted to
-/// the resident memory of ranks with 729,000 bricks and 750,000 tetrahedra.
-const HELD: Whole = Whole([125, 200, 0]);
-const READING: Whole = Whole([185, 185, 30]);
+/// Memory of a mesh of its own, which a packed mesh is not.
+const OWN_MESH: Whole = Whole([32, 17, 4]);
+/// What every rank but the first has of the whole body during a run beside the mesh, and while it reads a mesh file as text:
+/// fitted to the memory of 16 ranks with 729,000 bricks and 750,000 tetrahedra.
+const HELD: Whole = Whole([25, 62, 0]);
+const READING: Whole = Whole([125, 130, 25]);
+/// Memory (bytes) of the MPI library and the program in every rank.
+const LIBRARY: u64 = 12 << 20;
 
 /// Memory (bytes) for a node, an element and a node of an element.
 struct Whole([u64; 3]);
@@ -31,8 +35,9 @@ impl Whole {
     }
 }
 
-/// Prints elements, shared nodes and messages of the ranks, and what a step costs by the timed steps of a check.
-pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport) {
+/// Prints elements, shared nodes and messages of the ranks, and what a step costs by the timed steps of a check; of a scene
+/// whose mesh is packed or not.
+pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport, is_packed: bool) {
     let count = ranks.len();
     say!("\non {count} ranks");
     let range = |of: fn(&RankForecast) -> usize| {
@@ -88,13 +93,24 @@ pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport) {
     let all: usize = ranks.iter().map(|rank| rank.elements).sum();
     let most = elements.1 as f64 / all.max(1) as f64;
     let own = check.cost.memory.saturating_sub(OF_MESH.of(check)) as f64 * most;
-    let (reading, held) = (READING.of(check), HELD.of(check));
+    let (held, mesh) = (HELD.of(check) + LIBRARY, OWN_MESH.of(check));
     let running = held + own as u64;
+    if is_packed {
+        say!(
+            "  about {} memory a rank, {} of them for the whole body, beside {} of the packed mesh for all ranks of a machine; the first rank has more while it divides the mesh",
+            bytes(running),
+            bytes(held),
+            bytes(mesh)
+        );
+        return;
+    }
+    let reading = READING.of(check) + LIBRARY;
     say!(
-        "  about {} memory a rank: {} while it reads the mesh file, which every rank reads as a whole, and {} during the run, {} of them for the whole body",
-        bytes(running.max(reading)),
+        "  about {} memory a rank: {} while it reads the mesh file, which every rank reads as a whole, and {} during the run, {} of them for the whole body; with a packed mesh about {}",
+        bytes((running + mesh).max(reading)),
         bytes(reading),
-        bytes(running),
-        bytes(held)
+        bytes(running + mesh),
+        bytes(held + mesh),
+        bytes(running)
     );
 }

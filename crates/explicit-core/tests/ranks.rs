@@ -192,7 +192,7 @@ fn models_that_ranks_cannot_share_are_refused_on_all() {
             .collect::<Vec<_>>()
     };
     let found = refusals(5, &|_| spec(mesh).block_size(60));
-    let remedy = "5 ranks need as many blocks of elements, and there are 2: a block size of 29 elements or less gives enough";
+    let remedy = "5 ranks need as many blocks of elements, and there are 2: take 2 ranks at most (in Rust, a block size of 29 elements or less gives enough blocks)";
     for error in found {
         assert!(error.contains(remedy), "{error}");
     }

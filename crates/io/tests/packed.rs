@@ -75,7 +75,7 @@ fn a_changed_mesh_leaves_the_file_as_it_is() {
     let mesh = mixed();
     write_packed_mesh(folder.file(), &mesh).unwrap();
     let mapped = read_packed_mesh(folder.file()).unwrap();
-    let twice = mapped.map_positions(|x| x * 2.0).unwrap();
+    let twice = mapped.clone().map_positions(|x| x * 2.0).unwrap();
     assert_eq!(twice.positions()[1], mesh.positions()[1] * 2.0);
     assert_eq!(mapped, mesh);
     // A new file takes the place of the one that is in use.

@@ -271,7 +271,7 @@ pub enum EngineError {
     OtherElements,
     /// More ranks than blocks of elements, each of which is computed by one rank.
     #[error(
-        "{ranks} ranks need as many blocks of elements, and there are {blocks}: a block size of {block_size} elements or less gives enough"
+        "{ranks} ranks need as many blocks of elements, and there are {blocks}: take {blocks} ranks at most (in Rust, a block size of {block_size} elements or less gives enough blocks)"
     )]
     TooManyRanks {
         /// Number of ranks.

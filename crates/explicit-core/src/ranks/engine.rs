@@ -14,8 +14,9 @@ use super::whole::{JointValues, vector};
 /// The explicit engine on several ranks: each of them builds and computes a part of every model.
 ///
 /// Every rank runs the same program: it builds models from equal specifications and calls the same methods of them in the
-/// same order. A model answers on every rank for the whole body; observers are called on rank 0 alone, with the state
-/// of the whole body.
+/// same order. A model has the mass and motion of the whole body on rank 0, and those of its own nodes on the others, where the
+/// rest is NaN; states, stresses and joints are those of the whole body on every rank. Observers are called on rank 0 alone, with the
+/// state of the whole body.
 ///
 /// ```
 /// use powerhouse_explicit_core::{Explicit, ExplicitOnRanks};

@@ -11,7 +11,7 @@ pub type SharedArray<T> = Arc<dyn AsRef<[T]> + Send + Sync>;
 #[derive(Clone)]
 pub(crate) struct CopyOnWrite<T> {
     list: Arc<Vec<T>>,
-    /// What stands in place of the list until the first change.
+    /// The array that is used in place of the list until the first change.
     shared: Option<SharedArray<T>>,
 }
 

@@ -154,9 +154,12 @@ impl Sweep {
         warnings.extend(coverage.as_ref().and_then(Coverage::warning));
         let notes = RunNotes::new(simulation.remarks().to_vec()).with_warnings(warnings);
         locked(control.watch).warns(case, &notes, lock.remark());
-        folder.begin(&title)?;
+        let open = || -> Result<_, StudyError> {
+            folder.begin(&title)?;
+            Ok(folder.snapshots(&simulation)?)
+        };
         let mut hooks = RunHooks::default()
-            .with_snapshots(folder.snapshots(&simulation)?)
+            .with_snapshots(self.ranks.agree(open())?)
             .with_tables(folder.tables())
             .with_checkpoints(checkpoints.writer().clone());
         let staged = (&folder, &mut checkpoints);
@@ -287,7 +290,9 @@ impl Sweep {
             self.ranks.agree(Ok(()))?;
         } else {
             let started = Instant::now();
-            let files = folder.stages(simulation)?;
+            let files = self
+                .ranks
+                .agree(folder.stages(simulation).map_err(StudyError::from))?;
             let writer = checkpoints.writer().clone();
             let mut hooks =
                 RunHooks::default().with_stage_hook(move |body| writer.keep_stage(body));
@@ -309,7 +314,7 @@ impl Sweep {
                 if found.stages().len() > before {
                     locked(control.watch).equilibrated(case, started.elapsed());
                 }
-                bodies.write(key, found)?;
+                self.ranks.agree(bodies.write(key, found))?;
             }
         }
         drop(lock);

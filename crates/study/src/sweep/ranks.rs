@@ -5,7 +5,6 @@
 //! all agree on whether it has.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::engine::observe::{Snapshot, SnapshotSink};
@@ -92,7 +91,7 @@ impl CaseRanks {
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Tells the other ranks the case that is computed next; none ends their work.
+    /// Gives the other ranks the name of the case that is computed next; none ends their work.
     pub(super) fn begin(&self, case: Option<&str>) -> Result<(), StudyError> {
         self.of_first(case.unwrap_or_default()).map(|_| ())
     }
@@ -126,7 +125,7 @@ impl Sweep {
             if case.is_empty() {
                 return Ok(());
             }
-            match self.follow_case(&case, control.stop, bodies) {
+            match self.follow_case(&case, control, bodies) {
                 // Rank 0 reports the failure of a case, and decides what comes next.
                 Ok(()) | Err(StudyError::Scene(_) | StudyError::Interrupted) => {}
                 Err(error) => {
@@ -139,7 +138,7 @@ impl Sweep {
     fn follow_case(
         &self,
         case: &str,
-        stop: Option<&Arc<AtomicBool>>,
+        control: &CaseControl,
         bodies: &BodyStore,
     ) -> Result<(), StudyError> {
         let opened = self.scene_of(case).and_then(|scene| {
@@ -158,12 +157,14 @@ impl Sweep {
                 simulation.step()?;
             }
         }
+        // Rank 0 makes the free-field check, and opens its files.
+        self.ranks.agree(Ok(()))?;
         self.ranks.agree(Ok(()))?;
         let mut hooks = RunHooks::default().with_snapshots(Box::new(NoSnapshots));
         hooks.equilibrated_body =
-            self.follow_stages(&simulation, &body, (&mut checkpoints, stop, bodies))?;
+            self.follow_stages(&simulation, &body, &mut checkpoints, (control, bodies))?;
         hooks.resume = checkpoints.take_run();
-        hooks.stop = stop.cloned();
+        hooks.stop = control.stop.cloned();
         match simulation.run(hooks) {
             Ok(_) | Err(Error::Failed { .. }) => Ok(()),
             Err(error) => Err(error.into()),
@@ -175,7 +176,8 @@ impl Sweep {
         &self,
         simulation: &Simulation,
         key: &str,
-        (checkpoints, stop, bodies): (&mut RunCheckpoints, Option<&Arc<AtomicBool>>, &BodyStore),
+        checkpoints: &mut RunCheckpoints,
+        (control, bodies): (&CaseControl, &BodyStore),
     ) -> Result<Option<powerhouse::EquilibratedBody>, StudyError> {
         self.ranks.agree(Ok(()))?;
         if self.ranks.is_known(false)? {
@@ -184,14 +186,18 @@ impl Sweep {
             });
             return self.ranks.agree(read).map(Some);
         }
+        self.ranks.agree(Ok(()))?;
         let mut hooks = RunHooks::default();
-        hooks.stop = stop.cloned();
+        hooks.stop = control.stop.cloned();
         hooks.completed_stages = checkpoints.take_body();
-        simulation
-            .equilibrate_with(hooks)
-            .map_err(|error| match error {
-                Error::Interrupted { .. } => StudyError::Interrupted,
-                error => error.into(),
-            })
+        let found = simulation.equilibrate_with(hooks);
+        let body = found.map_err(|error| match error {
+            Error::Interrupted { .. } => StudyError::Interrupted,
+            error => error.into(),
+        })?;
+        if body.is_some() {
+            self.ranks.agree(Ok(()))?;
+        }
+        Ok(body)
     }
 }

@@ -99,7 +99,7 @@ fn failures_and_interruptions_end_all_ranks() {
         // When the step is chosen, in the free-field check, which rank 0 makes alone, and in the stage.
         ("duration = 0.05", "duration = 0.05\nstep = 0.5"),
         ("title = \"bay\"", "title = \"bay\"\nself_check = 1e-9"),
-        ("tolerance = 1e-3", "tolerance = 1e-17"),
+        ("    { kind = \"roller\", set = \"bottom\" },\n", ""),
     ] {
         let folder = Folder::new("ranks-failure");
         assert!(SCENE.contains(from), "{from}");
