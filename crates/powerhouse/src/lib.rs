@@ -25,14 +25,14 @@
 //! # Features
 //! `scene-files` and `pictures` are on by default. Without them (`default-features = false`) a program composes scenes
 //! in Rust, runs them, and writes tables, VTU files and summaries. The last column counts the crates that are then
-//! compiled on Linux, those of the workspace included; both defaults together are 98.
+//! compiled on Linux, those of the workspace included; both defaults together are 99.
 //!
 //! | feature | what it adds | crates |
 //! |---|---|---|
 //! | none | | 63 |
 //! | `gmsh` | Gmsh meshes, [`io::read_gmsh`] | 80 |
 //! | `inp` | meshes of Abaqus input files, [`io::read_inp`] | 63 |
-//! | `packed` | packed meshes, [`io::read_packed_mesh`] | 66 |
+//! | `packed` | packed meshes, [`io::read_packed_mesh`] | 64 |
 //! | `records` | accelerograms, [`io::read_record`] | 63 |
 //! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] | 66 |
 //! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp`, `packed` and `records` | 96 |
