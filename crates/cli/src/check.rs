@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use powerhouse::io::is_packed_mesh;
 use powerhouse::{KeyChange, RunHooks, Scene, SceneChoice};
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
@@ -20,8 +21,9 @@ pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsi
     report::lines(&found.to_string());
     if let Some(ranks) = ranks {
         let scene = read(path, of_file)?;
-        let mesh = scene.spec().map(|spec| Path::new(&*spec.mesh.file));
-        let is_packed = mesh.is_some_and(|file| file.extension() == Some("phm".as_ref()));
+        let is_packed = scene
+            .spec()
+            .is_some_and(|spec| is_packed_mesh(Path::new(&*spec.mesh.file)));
         let simulation = scene.prepare()?;
         let forecast = simulation.model().rank_forecast(ranks.get())?;
         forecast::print(&forecast, &found, is_packed);

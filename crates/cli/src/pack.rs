@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use powerhouse::io::{MeshOptions, write_packed_mesh};
+use powerhouse::io::{MeshOptions, is_packed_mesh, write_packed_mesh};
 
 use crate::Outcome;
 use crate::terminal::{say, warn_aside};
@@ -16,10 +16,7 @@ pub(crate) fn pack(file: &Path, out: Option<PathBuf>) -> Outcome {
         warn_aside!("{remark}");
     }
     let out = out.unwrap_or_else(|| file.with_extension("phm"));
-    if !out
-        .extension()
-        .is_some_and(|own| own.eq_ignore_ascii_case("phm"))
-    {
+    if !is_packed_mesh(&out) {
         let out = out.display();
         return Err(
             format!("{out}: a packed mesh has the extension .phm, by which it is known").into(),

@@ -8,7 +8,6 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use powerhouse::engine::ExplicitOnRanks;
-use powerhouse::engine::observe::{Snapshot, SnapshotSink};
 use powerhouse::io::file_checksum;
 use powerhouse::{RunInputs, Scene};
 
@@ -105,18 +104,6 @@ impl fmt::Display for Explained {
 }
 
 impl std::error::Error for Explained {}
-
-/// Receiver of the snapshots of a rank that writes none, and sees none.
-pub(crate) struct NoSnapshots;
-
-impl SnapshotSink for NoSnapshots {
-    fn take(
-        &mut self,
-        _snapshot: &Snapshot,
-    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        Ok(())
-    }
-}
 
 /// Refuses to run a command other than `run` and `sweep` on several processes, of which each would do the same.
 pub(crate) fn refuse_processes() -> Result<(), Box<dyn std::error::Error>> {

@@ -12,11 +12,12 @@ use powerhouse::{
     SceneChoice, Simulation, StageSink,
 };
 use powerhouse_study::saving::FormatError;
+use powerhouse_study::sweep::NoSnapshots;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::checkpoint::{self, KeptAt};
 use crate::progress::{Display, StaticDisplay};
-use crate::ranks::{NoSnapshots, Place};
+use crate::ranks::Place;
 use crate::terminal::{say, say_warning, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
 

@@ -104,7 +104,9 @@ pub use gmsh::{
 pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_with};
 pub use memory::available_memory;
 #[cfg(feature = "packed")]
-pub use packed::{PackedMeshError, PackedMeshFault, read_packed_mesh, write_packed_mesh};
+pub use packed::{
+    PackedMeshError, PackedMeshFault, is_packed_mesh, read_packed_mesh, write_packed_mesh,
+};
 #[cfg(feature = "pictures")]
 pub use picture::{
     AnimationFile, ColourMap, Deformation, FacetField, Picture, PictureField, PictureView,

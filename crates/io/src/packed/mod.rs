@@ -150,6 +150,12 @@ impl Counts {
     }
 }
 
+/// Whether a file is a packed mesh by its extension, `.phm`.
+pub fn is_packed_mesh(file: &Path) -> bool {
+    file.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("phm"))
+}
+
 /// Writes a mesh as packed mesh file.
 ///
 /// # Errors

@@ -1,5 +1,6 @@
 //! Meshes whose numbers lie in the memory of another owner.
 
+use super::build::check_position;
 use super::copy_on_write::SharedArray;
 use super::{ElementKind, Mesh, MeshError};
 use crate::Vec3;
@@ -83,12 +84,7 @@ impl Mesh {
             }
         }
         for (&tag, position) in self.node_tags.iter().zip(self.positions.iter()) {
-            for (axis, &value) in ['x', 'y', 'z'].into_iter().zip(position) {
-                if !value.is_finite() {
-                    let node = tag;
-                    return Err(MeshError::CoordinateNotFinite { node, axis, value });
-                }
-            }
+            check_position(tag, position)?;
         }
         let ends = self.offsets.windows(2);
         let each = ends.zip(self.kinds.iter()).zip(self.element_tags.iter());

@@ -98,15 +98,7 @@ fn resolve(builder: MeshBuilder) -> Result<Mesh, MeshError> {
         if index_of.insert(tag, index).is_some() {
             return Err(MeshError::DuplicateNode { node: tag });
         }
-        for (axis, value) in ['x', 'y', 'z'].into_iter().zip(position.iter()) {
-            if !value.is_finite() {
-                return Err(MeshError::CoordinateNotFinite {
-                    node: tag,
-                    axis,
-                    value: *value,
-                });
-            }
-        }
+        check_position(tag, &position)?;
         node_tags.push(tag);
         positions.push(position);
     }
@@ -132,6 +124,16 @@ fn resolve(builder: MeshBuilder) -> Result<Mesh, MeshError> {
     }
     facets(&facet_sets, &index_of, &mut mesh)?;
     Ok(mesh)
+}
+
+/// Refuses a position of a node that is not finite.
+pub(super) fn check_position(node: u64, position: &Vec3) -> Result<(), MeshError> {
+    for (axis, &value) in ['x', 'y', 'z'].into_iter().zip(position) {
+        if !value.is_finite() {
+            return Err(MeshError::CoordinateNotFinite { node, axis, value });
+        }
+    }
+    Ok(())
 }
 
 /// Puts elements, with the numbers of the nodes of all of them, into a mesh.

@@ -87,11 +87,8 @@ pub(super) fn mesh(
 /// Those of [`read_gmsh`](powerhouse_io::read_gmsh), [`read_inp`](powerhouse_io::read_inp) and
 /// [`read_packed_mesh`](powerhouse_io::read_packed_mesh); `first_order` for a packed mesh.
 pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
-    let is = |extension: &str| {
-        path.extension()
-            .is_some_and(|own| own.eq_ignore_ascii_case(extension))
-    };
-    if is("phm") {
+    let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
+    if powerhouse_io::is_packed_mesh(path) {
         if options.first_order {
             return Err(PACKED.into());
         }
@@ -101,7 +98,7 @@ pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRe
             false => mesh,
         };
         Ok((mesh, Vec::new()))
-    } else if is("inp") {
+    } else if is_inp {
         let inp = powerhouse_io::read_inp_with(path, options)?;
         Ok((inp.mesh, of_inp(inp.report)))
     } else {

@@ -39,6 +39,14 @@ pub(super) enum Claim {
     Elsewhere,
 }
 
+/// The error of a case from that of its stages.
+pub(super) fn of_stages(error: Error) -> StudyError {
+    match error {
+        Error::Interrupted { .. } => StudyError::Interrupted,
+        error => error.into(),
+    }
+}
+
 /// A case before its model is built.
 struct PlannedCase {
     scene: Scene,
@@ -306,10 +314,7 @@ impl Sweep {
             let before = hooks.completed_stages.as_ref();
             let before = before.map_or(0, |body| body.stages().len());
             let found = simulation.equilibrate_with(hooks);
-            *body = found.map_err(|error| match error {
-                Error::Interrupted { .. } => StudyError::Interrupted,
-                error => error.into(),
-            })?;
+            *body = found.map_err(of_stages)?;
             if let Some(found) = &*body {
                 if found.stages().len() > before {
                     locked(control.watch).equilibrated(case, started.elapsed());

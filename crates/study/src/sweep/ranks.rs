@@ -12,6 +12,7 @@ use powerhouse::model::{Checksum, ModelError, RankError};
 use powerhouse::{Error, RunHooks, Scene, Simulation};
 
 use super::at_rest::{self, BodyStore};
+use super::case::of_stages;
 use super::{CaseControl, Sweep, locked};
 use crate::StudyError;
 use crate::checkpoints::RunCheckpoints;
@@ -20,8 +21,8 @@ use crate::checkpoints::RunCheckpoints;
 #[derive(Clone, Default)]
 pub(super) struct CaseRanks(pub(super) Option<Arc<ExplicitOnRanks>>);
 
-/// Receiver of the snapshots of a rank that writes none.
-struct NoSnapshots;
+/// Receiver of the snapshots of a rank other than 0, which writes none.
+pub struct NoSnapshots;
 
 impl SnapshotSink for NoSnapshots {
     fn take(
@@ -191,10 +192,7 @@ impl Sweep {
         hooks.stop = control.stop.cloned();
         hooks.completed_stages = checkpoints.take_body();
         let found = simulation.equilibrate_with(hooks);
-        let body = found.map_err(|error| match error {
-            Error::Interrupted { .. } => StudyError::Interrupted,
-            error => error.into(),
-        })?;
+        let body = found.map_err(of_stages)?;
         if body.is_some() {
             self.ranks.agree(Ok(()))?;
         }
