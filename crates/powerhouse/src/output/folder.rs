@@ -16,7 +16,7 @@ use super::capacity;
 #[cfg(feature = "pictures")]
 use super::drawing;
 use super::joints::JointFacets;
-use super::lock::{FolderError, FolderLock};
+use super::lock::{FolderError, FolderLock, TRIES, unique};
 use super::running::RunningTables;
 use super::stages::StageFiles;
 use super::summary::{Begun, Summary};
@@ -110,10 +110,18 @@ impl ResultFolder {
     /// # Errors
     /// [`FolderError::Unwritable`].
     pub fn check_writable(&self) -> Result<(), Error> {
-        let mut existing = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
-        while !existing.exists() && existing.pop() {}
-        let file = existing.join(format!("{PROBE}-{}", std::process::id()));
-        let probed = fs::write(&file, b"").and_then(|()| fs::remove_file(&file));
+        // A folder that another run removes between two operations is sought again.
+        let mut tries = 0..TRIES;
+        let probed = loop {
+            let mut existing =
+                std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
+            while !existing.exists() && existing.pop() {}
+            let file = existing.join(format!("{PROBE}-{}", unique()));
+            match fs::write(&file, b"").and_then(|()| fs::remove_file(&file)) {
+                Err(source) if source.kind() == ErrorKind::NotFound && tries.next().is_some() => {}
+                probed => break probed,
+            }
+        };
         probed.map_err(|source| {
             let folder = self.path.clone();
             FolderError::Unwritable { folder, source }.into()

@@ -13,8 +13,8 @@ use crate::Error;
 
 /// Name of the lock file in the results folder.
 pub(super) const LOCK: &str = ".powerhouse-lock";
-/// Number of attempts to take a lock that another run removes between two operations.
-const TRIES: usize = 8;
+/// Number of attempts at a file or folder that another run removes between two operations.
+pub(super) const TRIES: usize = 8;
 
 /// Error of a results folder that cannot hold the files of a run, or lost them.
 #[derive(Debug, Error)]
@@ -209,16 +209,23 @@ impl Drop for FolderLock {
 
 /// Signature of a run: process, start time and a unique number.
 fn signature() -> String {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let seconds = now.unwrap_or_default().as_secs();
+    format!(
+        "process {}, since {} UTC\n{}\n",
+        std::process::id(),
+        utc_date(seconds),
+        unique()
+    )
+}
+
+/// Text that no other call returns, in this process or another: process, time (ns) and number of calls.
+pub(super) fn unique() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
-    let now = now.unwrap_or_default();
-    format!(
-        "process {}, since {} UTC\n{}.{}\n",
-        std::process::id(),
-        utc_date(now.as_secs()),
-        now.as_nanos(),
-        COUNT.fetch_add(1, Ordering::Relaxed)
-    )
+    let nanoseconds = now.unwrap_or_default().as_nanos();
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    format!("{}.{nanoseconds}.{count}", std::process::id())
 }
 
 /// Line of a signature that identifies the run.

@@ -323,3 +323,19 @@ fn an_unwritable_folder_is_named() {
         assert!(!text.contains("lock"), "{text}");
     }
 }
+
+/// Checks of one folder by several threads at a time do not disturb each other.
+#[test]
+fn checks_of_a_folder_run_side_by_side() {
+    let folder = Folder::new("side-by-side");
+    let checks: Vec<_> = (0..8)
+        .map(|_| {
+            let shared = ResultFolder::new(folder.join("new"));
+            std::thread::spawn(move || (0..100).try_for_each(|_| shared.check_writable()))
+        })
+        .collect();
+    for check in checks {
+        check.join().unwrap().unwrap();
+    }
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+}
