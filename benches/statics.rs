@@ -14,6 +14,7 @@ use powerhouse::engine::{
     BlockOptions, BuildModel, FacePressure, Hex8OnePoint, Model, Profile, SolidKernel, Stage,
     StageEvent, StageModel, StaticMethod, StaticOptions, Support, run_stages, solid,
 };
+use powerhouse::io::peak_memory;
 use powerhouse::material::{ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters};
 use powerhouse::model::{ElasticMedium, Mesh, State, Vec3};
 
@@ -28,17 +29,9 @@ fn rock() -> ElasticMedium {
     ElasticMedium::new(9.0e9, 0.27, 2750.0).expect("valid rock")
 }
 
-/// Peak memory of this process (GiB), where the system reports it.
-fn greatest_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kilobytes / 1024.0 / 1024.0)
-}
-
 fn print_memory() {
-    match greatest_memory() {
-        Some(gibibytes) => println!("  peak memory {gibibytes:.2} GiB"),
+    match peak_memory() {
+        Some(bytes) => println!("  peak memory {:.2} GB", bytes as f64 / 1e9),
         None => println!("  peak memory unknown on this system"),
     }
 }

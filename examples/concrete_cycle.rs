@@ -18,7 +18,7 @@
 //! refinement; laws regularised by the crack band width dissipate the fracture energy in any mesh.
 //!
 //! Run: `cargo run --release --example concrete_cycle`; it draws `concrete_cycle_tension.svg`,
-//! `concrete_cycle_compression.svg` and `concrete_cycle_cycle.svg`.
+//! `concrete_cycle_compression.svg` and `concrete_cycle_cycle.svg` into `results`.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -305,7 +305,7 @@ fn figures() -> Outcome<Figures> {
 }
 
 fn main() -> Outcome<ExitCode> {
-    draw(Path::new(""))?;
+    draw(Path::new("results"))?;
     Ok(figures()?.verdict())
 }
 

@@ -3,8 +3,9 @@
 //! Builds on `cavern`. Three scenes of the lined cavern to which the cost model was not fitted, an elastic one on the fine
 //! mesh, one with yielding and cracking, and one with a joint, are checked and then run for some tenths of a second, each in
 //! a process of its own so that its memory can be measured. The stages of three scenes are computed in the same way: of the
-//! lined cavern on the coarse and on the fine mesh, and of a machine bay with two caverns. Memory is measured on Linux
-//! only.
+//! lined cavern on the coarse and on the fine mesh, and of a machine bay with two caverns. Of boxes of bricks, wedges and
+//! tetrahedra, regular and distorted, in every number format, the memory of a run is measured. Memory is measured on
+//! Linux only.
 //!
 //! ```text
 //!        scene ---- check: steps, wall time, memory
@@ -18,13 +19,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use powerhouse::{RunHooks, Scene};
-use powerhouse_examples::process::{apart_from_this, most_memory};
+use powerhouse::boundary::ViscousSpring;
+use powerhouse::engine::Precision;
+use powerhouse::io::peak_memory;
+use powerhouse::material::LinearElastic;
+use powerhouse::model::{ElasticMedium, Mesh, MeshError, Vec3};
+use powerhouse::{Boundary, Material, Part, RunHooks, Scene};
+use powerhouse_examples::process::apart_from_this;
 use powerhouse_examples::{Figures, Outcome};
 
 /// Greatest permitted ratio of prediction and measurement, either way.
 const LIMIT: f64 = 1.25;
-/// Greatest permitted ratio for the memory of stages.
+/// Greatest permitted ratio for the memory of stages, and of boxes.
 const MEMORY_LIMIT: f64 = 1.33;
 /// Scenes, durations of their runs (s), and names of their figures.
 const SCENES: [(&str, f64, &str); 3] = [
@@ -58,6 +64,76 @@ fn scene(file: &str, duration: f64) -> Outcome<Scene> {
         .with_threads(1))
 }
 
+/// Boxes of one kind of element, regular or with inner nodes out of place, and number formats; names of their figures.
+const BOXES: [(BoxOf, bool, Precision, &str); 7] = [
+    (Mesh::box_of_hexes, false, Precision::F64, "bricks"),
+    (Mesh::box_of_hexes, true, Precision::F64, "distorted"),
+    (
+        Mesh::box_of_hexes,
+        true,
+        Precision::Mixed,
+        "distorted_mixed",
+    ),
+    (Mesh::box_of_hexes, true, Precision::F32, "distorted_single"),
+    (Mesh::box_of_tets, true, Precision::F64, "tetrahedra"),
+    (Mesh::box_of_tets, true, Precision::F32, "tetrahedra_single"),
+    (Mesh::box_of_wedges, true, Precision::F64, "wedges"),
+];
+/// Numbers of cells of a box, and their edge (m); of tetrahedra and wedges there are fewer cells.
+const CELLS: [[usize; 3]; 2] = [[70, 50, 40], [40, 30, 25]];
+const EDGE: f64 = 10.0;
+
+/// Function that generates a box.
+type BoxOf = fn(Vec3, Vec3, [usize; 3], &str) -> Result<Mesh, MeshError>;
+
+/// A box of elastic rock on springs and dashpots, with a name.
+fn block(name: &str) -> Outcome<Scene> {
+    let found = BOXES.iter().find(|(.., other)| *other == name);
+    let (generate, distorted, precision, _) = found.ok_or("no such box")?;
+    let low = Vec3::zeros();
+    let probe = generate(low, Vec3::repeat(EDGE), [1; 3], "rock")?;
+    let [bricks, others] = CELLS;
+    let cells = if probe.element_count() == 1 {
+        bricks
+    } else {
+        others
+    };
+    let high = Vec3::from(cells.map(|count| EDGE * count as f64));
+    let mesh = generate(low, high, cells, "rock")?;
+    let mesh = match distorted {
+        false => mesh,
+        // Nodes of the faces stay in them.
+        true => mesh.map_positions(|x| {
+            let wave = |along: usize, phase: f64| {
+                let inner = (core::f64::consts::PI * x[along] / high[along]).sin();
+                1.5 * inner * (1.7 * x.sum() + phase).sin()
+            };
+            x + Vec3::new(wave(0, 0.0), wave(1, 1.0), wave(2, 2.0))
+        })?,
+    };
+    let rock = LinearElastic::new(ElasticMedium::new(9.0e9, 0.25, 2700.0)?);
+    let faces = ["left", "right", "front", "back", "bottom"];
+    Ok(Scene::new(name, mesh)
+        .part(Part::new("rock", Material::from(rock)))
+        .with_boundary(Boundary::new(ViscousSpring::default(), faces).with_scatterer(high * 0.5))
+        .with_precision(*precision)
+        .with_duration(0.05))
+}
+
+/// Runs a box; returns wall time and memory.
+fn run_block(name: &str) -> Outcome<Cost> {
+    let results = block(name)?.prepare()?.run(RunHooks::default())?;
+    Ok(Cost {
+        time: results.wall_time.as_secs_f64(),
+        memory: memory_so_far(),
+    })
+}
+
+/// Peak memory of this process (bytes), where the system reports it.
+fn memory_so_far() -> f64 {
+    peak_memory().map_or(f64::NAN, |bytes| bytes as f64)
+}
+
 /// The scene of the stages with a name.
 fn staged(name: &str) -> Outcome<Scene> {
     let of_name = STAGED.iter().find(|(.., other)| *other == name);
@@ -67,7 +143,7 @@ fn staged(name: &str) -> Outcome<Scene> {
     if let Some(mesh) = mesh {
         text = text.replace("cavern_small.msh", mesh);
     }
-    let scene = Scene::from_toml(text, path, &powerhouse::Registry::default())?;
+    let scene = Scene::from_toml(text, path, &powerhouse_wang_2019::registry())?;
     Ok(scene.with_threads(1))
 }
 
@@ -87,7 +163,7 @@ fn rest(name: &str) -> Outcome<Cost> {
     }
     Ok(Cost {
         time,
-        memory: most_memory().unwrap_or(f64::NAN),
+        memory: memory_so_far(),
     })
 }
 
@@ -113,7 +189,7 @@ fn run(file: &str, duration: f64, folder: PathBuf) -> Outcome<Cost> {
     folder.write((&title, &mesh), &results, &notes, None)?;
     Ok(Cost {
         time: results.wall_time.as_secs_f64(),
-        memory: most_memory().unwrap_or(f64::NAN),
+        memory: memory_so_far(),
     })
 }
 
@@ -165,6 +241,7 @@ fn main() -> Outcome<ExitCode> {
     let alone = match words[..] {
         ["run", file, duration, folder] => Some(run(file, duration.parse()?, folder.into())?),
         ["rest", name] => Some(rest(name)?),
+        ["block", name] => Some(run_block(name)?),
         _ => None,
     };
     if let Some(cost) = alone {
@@ -175,6 +252,17 @@ fn main() -> Outcome<ExitCode> {
     for (file, duration, name) in SCENES {
         let (expected, found) = (predicted(file, duration)?, measured(file, duration)?);
         compare(&mut figures, name, (expected, found), [LIMIT; 2]);
+    }
+    for (.., name) in BOXES {
+        let cost = powerhouse_study::check(block(name)?)?.cost;
+        let found = cost_apart(&["block", name])?.memory;
+        let expected = cost.memory as f64;
+        figures.report(&format!("cost_model.{name}.predicted_memory"), expected, "");
+        figures.report(&format!("cost_model.{name}.measured_memory"), found, "");
+        if !found.is_nan() {
+            let name = format!("cost_model.{name}.memory_apart");
+            figures.at_most(&name, apart(expected, found), MEMORY_LIMIT);
+        }
     }
     for (.., name) in STAGED {
         let cost = powerhouse_study::check(staged(name)?)?.cost;
@@ -207,6 +295,18 @@ mod tests {
         assert!(expected.time > 0.0 && expected.memory > 1e7);
         assert_eq!(scene(file, duration).unwrap().duration(), duration);
         assert_eq!((apart(2.0, 1.0), apart(1.0, 2.0)), (2.0, 2.0));
+    }
+
+    /// Distorted boxes have the elements of regular ones, none of them inverted.
+    #[test]
+    fn boxes_are_sound() {
+        let count = |name: &str| block(name).unwrap().mesh().element_count();
+        assert_eq!(count("bricks"), count("distorted"));
+        for (.., name) in BOXES {
+            let quality = block(name).unwrap().mesh().check().unwrap();
+            assert!(quality.least_scaled_jacobian > 0.0, "{name}");
+        }
+        assert!(block("none").is_err());
     }
 
     /// The stages with a name are those of its scene, on the replacing mesh.

@@ -1,19 +1,8 @@
-//! Memory of a process, and execution of the program in a process of its own.
+//! Execution of a program in a process of its own, so that its memory can be measured.
 
 use std::process::Command;
 
 use crate::Outcome;
-
-/// Peak memory of this process (bytes), where the system reports it.
-#[must_use]
-pub fn most_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024.0 * kilobytes)
-}
 
 /// The two numbers that this program prints with other arguments, in a process of its own.
 ///

@@ -22,6 +22,7 @@ use powerhouse::boundary::ViscousSpring;
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::engine::observe::Motion;
 use powerhouse::engine::{NodalForce, Precision, Rayleigh};
+use powerhouse::io::peak_memory;
 use powerhouse::material::{
     DampingBand, ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters,
     ReferenceFrequency, RelaxationSpectrum, media,
@@ -34,7 +35,7 @@ use powerhouse::{
     Boundary, Damping, EnvelopeRequest, InitialMotion, Material, OutputPlan, Part, ResidualLimit,
     RunHooks, Scene, SceneJoint, TimeStep,
 };
-use powerhouse_examples::process::{apart_from_this, most_memory};
+use powerhouse_examples::process::apart_from_this;
 use powerhouse_examples::{Figures, Outcome};
 
 /// Element edge (m).
@@ -207,7 +208,7 @@ impl Class {
         let rows = times.windows(ROW + 1);
         let least = rows.map(|row| row[ROW].duration_since(row[0])).min();
         let time = least.ok_or("too few steps to time")?.as_secs_f64() / ROW as f64;
-        Ok([time, most_memory().unwrap_or(f64::NAN)])
+        Ok([time, peak_memory().map_or(f64::NAN, |bytes| bytes as f64)])
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::error::Error as StdError;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::engine::{
@@ -142,10 +143,15 @@ impl Case {
 
     /// Calls a function with the engine of every rank, and whether it is rank 0.
     fn on_ranks(&self, ranks: usize, work: impl Fn(Arc<dyn Engine>, bool) + Sync) {
+        self.on_each_rank(ranks, |engine, rank| work(engine, rank == 0));
+    }
+
+    /// Calls a function with the engine and the number of every rank.
+    fn on_each_rank(&self, ranks: usize, work: impl Fn(Arc<dyn Engine>, usize) + Sync) {
         let found = ThreadRanks::run(ranks, |ranks| {
             let engine = ExplicitOnRanks::new(Box::new(ranks));
-            let leads = engine.rank() == 0;
-            work(Arc::new(Divided(engine, self.block_size)), leads);
+            let rank = engine.rank();
+            work(Arc::new(Divided(engine, self.block_size)), rank);
             Ok(())
         });
         for (rank, found) in found.into_iter().enumerate() {
@@ -234,6 +240,37 @@ fn a_run_goes_on_with_another_number_of_ranks() {
             &files(&folder),
             &expected,
         );
+    }
+}
+
+/// A cancellation flag that is set on one rank, before the stages or between two of them, ends the run of all ranks in
+/// the same stage.
+#[test]
+fn a_stop_of_one_rank_between_stages_is_one_of_all() {
+    let case = everything();
+    for (of_rank, ends, expected) in [(1, 0, "opening"), (0, 1, "lining"), (2, 1, "lining")] {
+        let folder = TestFolder::new("ranks-stopped");
+        let found = Mutex::new(Vec::new());
+        case.on_each_rank(3, |engine, rank| {
+            let stop = Arc::new(AtomicBool::new(rank == of_rank && ends == 0));
+            let raised = stop.clone();
+            let hooks = |hooks: RunHooks<'static>| {
+                hooks.with_stop(stop).with_stage_hook(move |body| {
+                    if rank == of_rank && body.stages().len() == ends {
+                        raised.store(true, Ordering::Relaxed);
+                    }
+                })
+            };
+            let outcome = write(case.scene(), engine, rank == 0, &folder, hooks);
+            found.lock().unwrap().push(outcome);
+        });
+        let found = found.into_inner().unwrap();
+        assert_eq!(found.len(), 3);
+        for outcome in found {
+            let is_expected =
+                matches!(&outcome, Err(Error::Interrupted { stage }) if stage == expected);
+            assert!(is_expected, "{of_rank}, {ends}: {outcome:?}");
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use powerhouse::engine::ExplicitOnRanks;
-use powerhouse::io::file_checksum;
+use powerhouse::io::{file_checksum, peak_memory};
 use powerhouse::{RunInputs, Scene};
 
 use crate::Outcome;
@@ -71,6 +71,16 @@ impl Place {
             None => Ok(own),
             Some(engine) => Ok(engine.all(own)?),
         }
+    }
+
+    /// Peak memory (bytes) of each process so far, in the order of ranks; none where the system does not report it.
+    pub(crate) fn peak_memory(&self) -> Option<Vec<u64>> {
+        let own = peak_memory();
+        let Some(engine) = &self.engine else {
+            return own.map(|bytes| vec![bytes]);
+        };
+        let all = engine.of_all(own.unwrap_or_default()).ok()?;
+        all.iter().all(|bytes| *bytes > 0).then_some(all)
     }
 
     /// The scene on the engine of this rank, after a check that all have the same one.

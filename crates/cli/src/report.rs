@@ -126,6 +126,20 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
     }
 }
 
+/// Prints the peak memory (bytes) of each process of a run, of which there are none where it is not known.
+pub(crate) fn peak_memory(processes: &[u64]) {
+    match processes {
+        [] => {}
+        [one] => say!("peak memory: {}", text::bytes(*one)),
+        [first, others @ ..] => say!(
+            "peak memory of a rank: {}, at most {} of those after the first, {} together, with what each has in memory of a packed mesh that they share",
+            text::bytes(*first),
+            text::bytes(others.iter().copied().max().unwrap_or_default()),
+            text::bytes(processes.iter().sum())
+        ),
+    }
+}
+
 /// Prints the wall time of the parts of time steps.
 pub(crate) fn profile(profile: &StepProfile) {
     say!(

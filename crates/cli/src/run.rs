@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use indicatif::MultiProgress;
+use powerhouse::engine::observe::Snapshot;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, FolderLock,
@@ -12,7 +13,6 @@ use powerhouse::{
     SceneChoice, Simulation, StageSink,
 };
 use powerhouse_study::saving::FormatError;
-use powerhouse_study::sweep::NoSnapshots;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::checkpoint::{self, KeptAt};
@@ -20,6 +20,9 @@ use crate::progress::{Display, StaticDisplay};
 use crate::ranks::Place;
 use crate::terminal::{say, say_warning, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
+
+/// Why ranks do not measure the error of a number format: each would need the memory of the whole body.
+const ON_RANKS: &str = "ranks do not measure it, `powerhouse check` does, which needs the memory of one process with the whole body";
 
 /// Scene that is run, and where its results are.
 pub(crate) enum Choice {
@@ -264,7 +267,11 @@ pub(crate) fn run(
         None => None,
     };
     let mut warnings = powerhouse_study::warnings(&scene)?;
-    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::needs_warning) {
+    let format = match place.count() {
+        1 => FormatError::of(&scene)?,
+        _ => FormatError::not_measured(&scene, ON_RANKS),
+    };
+    if let Some(format) = format.filter(FormatError::needs_warning) {
         warnings.push(Warning::Format(format));
     }
     let size = OutputSize::of(&scene)?;
@@ -333,7 +340,7 @@ pub(crate) fn run(
         .with_stop(stop)
         .with_profile(profile);
     let mut hooks = match leads {
-        false => hooks.with_snapshots(Box::new(NoSnapshots)),
+        false => hooks.with_snapshots(Box::new(|_: &Snapshot| Ok(()))),
         true => {
             let keep = checkpoints.clone();
             let sink = folder.stages(&simulation)?;
@@ -360,6 +367,8 @@ pub(crate) fn run(
     };
     let outcome = simulation.run(hooks);
     display.clear();
+    // Only of a run whose end the ranks agree on.
+    let memory = outcome.is_ok().then(|| place.peak_memory()).flatten();
     if let Some(lost) = checkpoints.finish() {
         say_warning!("a checkpoint could not be written: {lost}");
     }
@@ -383,6 +392,7 @@ pub(crate) fn run(
         Err(error) => return Err(error.into()),
     };
     report::end_of_run(&mesh, &results);
+    report::peak_memory(memory.as_deref().unwrap_or_default());
     if let Some(profile) = &results.run.profile {
         report::profile(profile);
     }

@@ -102,7 +102,7 @@ pub use gmsh::{
 };
 #[cfg(feature = "inp")]
 pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_with};
-pub use memory::available_memory;
+pub use memory::{available_memory, peak_memory};
 #[cfg(feature = "packed")]
 pub use packed::{
     PackedMeshError, PackedMeshFault, is_packed_mesh, read_packed_mesh, write_packed_mesh,

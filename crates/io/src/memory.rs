@@ -1,4 +1,4 @@
-//! Memory that the system can give to a program.
+//! Memory that the system can give to a program, and that a program has taken.
 
 use std::fs;
 use std::path::Path;
@@ -13,10 +13,21 @@ pub fn available_memory() -> Option<u64> {
     Some(limits.fold(available, u64::min))
 }
 
+/// Peak memory of this program since its start (bytes), mapped files included as far as they were in memory. None where the
+/// system does not report it; so far only Linux does.
+pub fn peak_memory() -> Option<u64> {
+    of_line(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
 /// The available memory (bytes) in the text of `/proc/meminfo`.
 fn of_meminfo(text: &str) -> Option<u64> {
+    of_line(text, "MemAvailable:")
+}
+
+/// The memory (bytes) of the line of a text that begins with a name.
+fn of_line(text: &str, name: &str) -> Option<u64> {
     let mut lines = text.lines();
-    let value = lines.find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let value = lines.find_map(|line| line.strip_prefix(name))?;
     let kilobytes: u64 = value.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kilobytes)
 }
@@ -55,6 +66,19 @@ mod tests {
         assert_eq!(of_meminfo(text), Some(22_297_704 * 1024));
         assert_eq!(of_meminfo("MemTotal: 3 kB\n"), None);
         assert_eq!(available_memory().is_some(), cfg!(target_os = "linux"));
+    }
+
+    /// The peak is at least what a program holds.
+    #[test]
+    fn the_peak_covers_what_is_held() {
+        assert_eq!(
+            of_line("Name:\tx\nVmHWM:\t  12 kB\n", "VmHWM:"),
+            Some(12 * 1024)
+        );
+        let held = vec![1u8; 64 << 20];
+        let peak = peak_memory();
+        assert_eq!(peak.is_some(), cfg!(target_os = "linux"));
+        assert!(peak.is_none_or(|peak| peak >= held.len() as u64));
     }
 
     /// The limit of a program is that of its control group or of any group around it.

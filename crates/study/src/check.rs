@@ -14,7 +14,7 @@ use crate::extent::{SetExtent, separate_parts};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
 use crate::resolution::{self, Resolution};
-use crate::saving::{FormatError, RefusedChange, RunTiming, Saving, Savings, Survey};
+use crate::saving::{FormatError, RefusedChange, RunTiming, Saving, Savings, SecondModel, Survey};
 use crate::static_cost::{self, StagePlans};
 
 /// Aspect ratio above which the wave speeds along and across an element differ noticeably.
@@ -285,6 +285,14 @@ pub struct CheckReport {
 /// Any error that would prevent the run; a stage that does not reach static equilibrium within the timed
 /// corrections.
 pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
+    check_within(scene, available_memory)
+}
+
+/// The check with a source of the memory that the system can give (bytes).
+fn check_within(
+    scene: Scene,
+    available: impl Fn() -> Option<u64>,
+) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
     let quality = mesh.check().map_err(Error::from)?;
     let resolution = resolution::resolution(&scene)?;
@@ -301,6 +309,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         let reason = error.to_string();
         warnings.push(Warning::Folder { reason });
     }
+    let measures_format = FormatError::is_measured(&scene);
     let has_stress = scene.in_situ_stress().is_some();
     let mut simulation = scene.prepare()?;
     // Some remarks are made only when the step is known.
@@ -337,11 +346,16 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         stages: of_stages,
         self_check,
         memory: model.memory(steps),
+        memory_of_format: measures_format.then(|| model.memory_beside_mesh()),
         output: model.output(steps),
     };
     let of_stages = cost.stages.as_ref().map_or(0, |stages| stages.memory);
     let needed = cost.memory.max(of_stages);
-    warnings.extend(Warning::of_memory(needed, available_memory()));
+    warnings.extend(Warning::of_memory(needed, available()));
+    let room = SecondModel {
+        needed: model.memory_in_double(),
+        available: available(),
+    };
     let timing = RunTiming {
         step,
         steps,
@@ -351,7 +365,7 @@ pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
         best: savings,
         refused,
         format,
-    } = survey.best(&stable, &resolution, &mut clock, &timing);
+    } = survey.best((&stable, &resolution), (&mut clock, &timing), room);
     let severe = format.iter().filter(|format| format.needs_warning());
     warnings.extend(severe.cloned().map(Warning::Format));
     Ok(CheckReport {
@@ -449,7 +463,33 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use powerhouse::Registry;
+
     use super::*;
+
+    /// Without memory for a second model a check compares with none: changes are refused, and the error of the number
+    /// format is not measured.
+    #[test]
+    fn a_check_takes_the_memory_that_there_is() {
+        let text = include_str!("../../../data/scenes/cavern_small.toml");
+        let file =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/cavern_small.toml");
+        let text = format!("precision = \"mixed\"\n{text}");
+        let scene = || Scene::from_toml(&text, &file, &Registry::default()).unwrap();
+        let poor = check_within(scene(), || Some(1000)).unwrap();
+        assert!(!poor.refused.is_empty());
+        for change in &poor.refused {
+            assert!(change.reason.contains("does not fit into"), "{change}");
+        }
+        let format = poor.format.unwrap();
+        assert!(format.error.share.is_none() && format.needs_warning());
+        assert!(poor.cost.memory_of_format.is_some());
+        let rich = check_within(scene(), || None).unwrap();
+        assert!(rich.refused.is_empty(), "{:?}", rich.refused);
+        assert!(rich.format.unwrap().error.share.is_some());
+    }
 
     /// A run that needs more memory than there is has a warning with both figures and what may help; one that needs less,
     /// or of a system that does not report it, has none.

@@ -142,6 +142,13 @@ fn whole(out: &mut String, report: &CheckReport) {
         bytes(cost.memory),
         bytes(cost.output)
     );
+    if let Some(second) = cost.memory_of_format {
+        line!(
+            out,
+            "about {} memory before the run, while the error of the number format is measured against double precision; without so much the run goes on, and a warning says that it is not measured",
+            bytes(second)
+        );
+    }
     if let Some(format) = &report.format {
         line!(out, "{format}");
     }

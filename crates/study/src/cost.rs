@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
-use powerhouse::model::{DeviceError, HistoryKind, Mesh, RunError, StepProfile};
+use powerhouse::model::{DeviceError, ElementKind, HistoryKind, Mesh, RunError, StepProfile};
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
@@ -28,6 +28,9 @@ pub struct Cost {
     pub self_check: Option<Duration>,
     /// Predicted peak memory of the dynamic run (bytes), within a third; tables of waves past the critical angle excluded.
     pub memory: u64,
+    /// Predicted memory before the run (bytes), while a second model in double precision measures the error of the number
+    /// format; `None` where it is not measured. Without so much memory it is not measured, and the run goes on.
+    pub memory_of_format: Option<u64>,
     /// Upper bound of the size of the result files (bytes).
     pub output: u64,
 }
@@ -160,11 +163,14 @@ impl<'a> StepTimer<'a> {
 
 /// Bytes per node: position, displacement, velocity and forces (32 each), mass, numbers.
 const NODE_BYTES: f64 = 260.0;
-/// Bytes per node of an element: geometry, connectivity, masses, tags and sets of bricks, and in proportion of others.
-const ELEMENT_NODE_BYTES: [(Precision, f64); 3] = [
-    (Precision::F64, 88.0),
-    (Precision::Mixed, 56.0),
-    (Precision::F32, 44.0),
+/// Bytes of a mesh per node, element, and node of an element.
+const MESH_BYTES: [f64; 3] = [32.0, 17.0, 4.0];
+/// Bytes per node of a brick, and of another element: geometry, connectivity, masses, tags and sets. Bricks that are
+/// parallelepipeds take two thirds, others a sixth more; fitted to the example `cost_model`.
+const ELEMENT_NODE_BYTES: [(Precision, [f64; 2]); 3] = [
+    (Precision::F64, [60.0, 85.0]),
+    (Precision::Mixed, [52.0, 78.0]),
+    (Precision::F32, [43.0, 78.0]),
 ];
 /// Bytes per history variable of a law and integration point: committed and trial value.
 const HISTORY_BYTES: [(Precision, f64); 3] = [
@@ -198,7 +204,7 @@ const RECORDED_BYTES: f64 = 32.0;
 /// Bytes of the canvas on which a picture is drawn.
 const CANVAS_BYTES: f64 = 32e6;
 /// Bytes of the program without a model.
-const BASE_BYTES: f64 = 12e6;
+const BASE_BYTES: f64 = 22e6;
 
 /// Model of the memory and output size of a scene's run, taken from the scene before it is consumed.
 pub(crate) struct CostModel {
@@ -306,13 +312,14 @@ impl CostModel {
         }
     }
 
-    /// Memory of program, mesh and dynamic model (bytes).
-    fn bytes_of_model(&self) -> f64 {
+    /// Memory of program, mesh and dynamic model in a number format (bytes).
+    fn bytes_of_model(&self, precision: Precision) -> f64 {
         let (nodes, _) = self.counts();
-        let of_precision = |table: [(Precision, f64); 3]| {
-            let known = table.iter().find(|(p, _)| *p == self.precision);
-            known.map_or(table[0].1, |(_, bytes)| *bytes)
-        };
+        let [of_brick, of_other] = of_precision(ELEMENT_NODE_BYTES, precision);
+        let all = element_nodes(&self.mesh);
+        let elements = 0..self.mesh.element_count() as u32;
+        let is_brick = |&element: &u32| self.mesh.kind(element) == ElementKind::Hex8;
+        let of_bricks = 8 * elements.filter(is_brick).count();
         let LawSizes {
             numbers,
             elements: with_history,
@@ -322,17 +329,33 @@ impl CostModel {
         } = self.laws;
         BASE_BYTES
             + NODE_BYTES * nodes
-            + of_precision(ELEMENT_NODE_BYTES) * element_nodes(&self.mesh) as f64
-            + of_precision(HISTORY_BYTES) * numbers
+            + of_brick * of_bricks as f64
+            + of_other * (all - of_bricks) as f64
+            + of_precision(HISTORY_BYTES, precision) * numbers
             + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * with_history
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
             + PAIR_BYTES * self.joints.pairs
     }
 
+    /// Memory of a second model in double precision, with a mesh of its own (bytes).
+    pub(crate) fn memory_in_double(&self) -> u64 {
+        self.bytes_of_model(Precision::F64) as u64
+    }
+
+    /// Memory of a second model in double precision beside the mesh of the first (bytes).
+    pub(crate) fn memory_beside_mesh(&self) -> u64 {
+        let (nodes, elements) = self.counts();
+        let counts = [nodes, elements, element_nodes(&self.mesh) as f64];
+        let of_mesh: f64 = (MESH_BYTES.iter().zip(counts))
+            .map(|(bytes, count)| bytes * count)
+            .sum();
+        self.memory_in_double() + of_mesh as u64
+    }
+
     /// Memory of a run with a number of steps (bytes).
     pub(crate) fn memory(&self, steps: u64) -> u64 {
         let (nodes, elements) = self.counts();
-        let mut bytes = self.bytes_of_model() + RECORDED_BYTES * self.numbers(steps);
+        let mut bytes = self.bytes_of_model(self.precision) + RECORDED_BYTES * self.numbers(steps);
         if let Some(envelope) = &self.plan.envelope {
             // A peak and its time, for each quantity; two quantities of stress.
             let stress = if envelope.stress { 32.0 } else { 0.0 };
@@ -348,7 +371,7 @@ impl CostModel {
             + STATIC_ELEMENT_BYTES * elements
             + STATIC_HISTORY_BYTES * self.laws.numbers
             + PAIR_BYTES * self.joints.pairs;
-        (self.bytes_of_model() + of_statics) as u64
+        (self.bytes_of_model(self.precision) + of_statics) as u64
     }
 
     /// Size of the files of a run with a number of steps (bytes).
@@ -405,6 +428,12 @@ impl CostModel {
         let mesh = &self.mesh;
         (mesh.node_count() as f64, mesh.element_count() as f64)
     }
+}
+
+/// Entry of a table for a number format.
+fn of_precision<T: Copy>(table: [(Precision, T); 3], precision: Precision) -> T {
+    let known = table.iter().find(|(other, _)| *other == precision);
+    known.map_or(table[0].1, |(_, entry)| *entry)
 }
 
 /// Length of the list of nodes of all elements.

@@ -75,6 +75,13 @@ impl ExplicitOnRanks {
         let bytes = self.team.of_rank(0, bytes);
         self.team.check().map(|()| bytes)
     }
+    /// A number of each rank, in their order, on all ranks.
+    ///
+    /// # Errors
+    /// A failure of the communication.
+    pub fn of_all(&self, own: u64) -> Result<Vec<u64>, ModelError> {
+        self.team.all(&own)
+    }
     /// Whether something is true on all ranks.
     ///
     /// # Errors

@@ -9,12 +9,21 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use super::{Fault, Problem};
 
 /// Text of a scene and its path.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct SceneText {
     /// Path of the file; of a scene that was given as text, the path that it was given under.
     pub path: PathBuf,
     /// Text of the scene.
     pub text: String,
+}
+
+impl core::fmt::Debug for SceneText {
+    /// The path alone: the text is that of a whole file.
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("SceneText")
+            .field("path", &self.path)
+            .finish_non_exhaustive()
+    }
 }
 
 impl SceneText {
@@ -34,10 +43,16 @@ impl SceneText {
 }
 
 /// Fault of a scene file with path, line and column.
-#[derive(Debug)]
 pub struct SceneFault {
     text: Arc<SceneText>,
     fault: Fault,
+}
+
+impl core::fmt::Debug for SceneFault {
+    /// The message, as a program prints it that returns the error from `main`.
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        core::fmt::Display::fmt(self, f)
+    }
 }
 
 impl SceneFault {

@@ -9,7 +9,7 @@ use powerhouse_io::{
     IoError, TableColumn, free_space, write_noted_table, write_summary, write_table, write_whole,
 };
 use powerhouse_model::Mesh;
-use powerhouse_observe::{HistoryTable, SectionCapacity, SnapshotSink};
+use powerhouse_observe::{HistoryTable, SectionCapacity, Snapshot, SnapshotSink};
 
 #[cfg(feature = "pictures")]
 use super::capacity;
@@ -18,7 +18,7 @@ use super::drawing;
 use super::joints::JointFacets;
 use super::lock::{FolderError, FolderLock, TRIES, unique};
 use super::running::RunningTables;
-use super::stages::StageFiles;
+use super::stages::{NoStages, StageFiles};
 use super::summary::{Begun, Summary};
 use super::{Results, file_name, rings, vtu};
 use crate::message::{RunNotes, Topic};
@@ -285,22 +285,30 @@ impl ResultFolder {
         RunningTables::new(&self.path)
     }
 
-    /// Snapshot writer for the body and the sides of its joints: VTU files and a PVD collection.
+    /// Snapshot writer for the body and the sides of its joints: VTU files and a PVD collection. That of a simulation
+    /// without requests of snapshots writes nothing.
     ///
     /// # Errors
     /// Mesh that VTU files cannot represent.
     pub fn snapshots(&self, simulation: &Simulation) -> Result<Box<dyn SnapshotSink>, Error> {
+        if simulation.plan.snapshots.is_none() {
+            return Ok(Box::new(|_: &Snapshot| Ok(())));
+        }
         let body = (&**simulation.mesh(), simulation.present());
         let file = self.path.join(SNAPSHOTS);
         Ok(vtu::snapshots(file, body, simulation.joint_surfaces())?)
     }
 
-    /// Stage writer: state of the body, joints and bolts at the end of every construction stage.
+    /// Stage writer: state of the body, joints and bolts at the end of every construction stage. That of a simulation
+    /// without stages writes nothing.
     ///
     /// # Errors
     /// Mesh that VTU files cannot represent.
     pub fn stages(&self, simulation: &Simulation) -> Result<Box<dyn StageSink>, Error> {
         let (mesh, joints) = (simulation.mesh(), simulation.joint_surfaces());
+        if simulation.staging.is_none() {
+            return Ok(Box::new(NoStages));
+        }
         let files = StageFiles::new(self.path.join(STAGES), mesh, joints)?;
         Ok(Box::new(files))
     }

@@ -117,6 +117,15 @@ fn element_values(state: &State, variable: &HistoryVariable, count: usize) -> Ve
     all
 }
 
+/// Receiver of the stages of a run that has none.
+pub(super) struct NoStages;
+
+impl StageSink for NoStages {
+    fn completed(&mut self, _stage: &CompletedStage) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
 impl StageSink for StageFiles {
     fn completed(&mut self, stage: &CompletedStage) -> Result<(), Error> {
         Ok(self.write(stage)?)

@@ -1,7 +1,7 @@
 //! Static analysis of the stages, and transfer of the body to the dynamic run.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use powerhouse_elements::BoltSet;
 use powerhouse_model::{
@@ -184,11 +184,8 @@ impl Staging {
             });
         }
         let first = body.stages.len();
-        for (index, stage) in self.scene.stages.iter().enumerate().skip(first) {
-            if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-                let stage = stage.name.clone();
-                return Err(Error::Interrupted { stage });
-            }
+        for index in first..self.scene.stages.len() {
+            // The solution of a stage begins with a look at the flag, on which several ranks agree.
             let state = core::mem::take(&mut body.state);
             let (state, stress, report) =
                 self.equilibrate((index, &solutions), state, stop, &mut sink)?;

@@ -23,11 +23,12 @@ use std::time::Duration;
 
 use powerhouse::Scene;
 use powerhouse::engine::{Precision, StableStep};
+use powerhouse::io::available_memory;
 use powerhouse::model::{Axis, LimitingTerm};
 
 use crate::StudyError;
 use crate::advice::Band;
-use crate::cost::StepTimer;
+use crate::cost::{CostModel, StepTimer};
 use crate::resolution::Resolution;
 use variant::Variants;
 pub use window::MeasuredError;
@@ -49,6 +50,7 @@ const BY_COUNT: &str = "not timed, from the numbers of steps and elements";
 /// Documented largest relative L2 errors of a history for the number formats `mixed` and `f32`.
 const MIXED_ERROR: f64 = 0.01;
 const SINGLE_ERROR: f64 = 0.03;
+const NO_ROOM: &str = "a second model in double precision does not fit into the available memory";
 const NO_FILE: &str = "the scene is a case, or has no file that can be read again";
 
 /// Change of a scene that may reduce its cost.
@@ -208,8 +210,27 @@ impl FormatError {
         }
     }
 
+    /// The documented error of a scene's number format, with the reason why its error in this scene is not measured;
+    /// `None` for double precision.
+    pub fn not_measured(scene: &Scene, reason: &str) -> Option<Self> {
+        let (format, documented) = Self::documented(scene)?;
+        let error = PredictedError::unknown(reason);
+        Some(Self {
+            format,
+            documented,
+            error,
+        })
+    }
+
+    /// Whether [`of`](Self::of) computes a part of the run of a scene in double precision, if there is the memory for it.
+    pub(crate) fn is_measured(scene: &Scene) -> bool {
+        let has_file = scene.spec().is_some() && scene.case().is_none();
+        scene.precision() != Precision::F64 && has_file && window::obstacle(scene).is_none()
+    }
+
     /// Measures the error of a scene's number format over the first part of its run in both formats, in a few per cent
-    /// of the time of the run; `None` for double precision.
+    /// of the time of the run; `None` for double precision. It is not measured if a second model, in double precision,
+    /// does not fit into the available memory.
     ///
     /// # Errors
     /// Any error that would prevent the run.
@@ -218,31 +239,53 @@ impl FormatError {
             return Ok(None);
         };
         let facts = SceneFacts::of(scene);
-        let files = Variants::of(scene);
-        let error = match (facts.obstacle, &files) {
-            (Some(obstacle), _) => PredictedError::unknown(obstacle),
-            (None, None) => PredictedError::unknown(NO_FILE),
-            (None, Some(files)) => match files.own.prepare(files.own.duration) {
-                Err(_) => PredictedError::unknown("the scene cannot be run"),
-                Ok(mut simulation) => {
-                    let step = simulation.step()?;
-                    let of_step = StepTimer::of(&mut simulation)?.time_of_step()?;
-                    drop(simulation);
-                    let timing = RunTiming {
-                        step,
-                        steps: (files.own.duration / step).ceil() as u64 + 1,
-                        of_step,
-                    };
-                    let window = Window::of(files.own.clone(), &facts, &timing, 1);
-                    against_double(files, &window)
-                }
-            },
+        if let Some(obstacle) = facts.obstacle {
+            return Ok(Self::not_measured(scene, obstacle));
+        }
+        let Some(files) = Variants::of(scene) else {
+            return Ok(Self::not_measured(scene, NO_FILE));
         };
+        let room = SecondModel {
+            needed: CostModel::of(scene)?.memory_in_double(),
+            available: available_memory(),
+        };
+        if !room.fits() {
+            return Ok(Self::not_measured(scene, NO_ROOM));
+        }
+        let Ok(mut simulation) = files.own.prepare(files.own.duration) else {
+            return Ok(Self::not_measured(scene, "the scene cannot be run"));
+        };
+        let step = simulation.step()?;
+        let of_step = StepTimer::of(&mut simulation)?.time_of_step()?;
+        drop(simulation);
+        let timing = RunTiming {
+            step,
+            steps: (files.own.duration / step).ceil() as u64 + 1,
+            of_step,
+        };
+        let window = Window::of(files.own.clone(), &facts, &timing, 1);
+        let error = against_double(&files, &window);
         Ok(Some(Self {
             format,
             documented,
             error,
         }))
+    }
+}
+
+/// Memory of a second model of a scene, with a mesh of its own, beside one that there is already.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SecondModel {
+    /// Memory (bytes) in double precision.
+    pub(crate) needed: u64,
+    /// Memory that the system can give (bytes), if that is known.
+    pub(crate) available: Option<u64>,
+}
+
+impl SecondModel {
+    fn fits(self) -> bool {
+        self.available
+            .is_none_or(|available| self.needed <= available)
     }
 }
 
@@ -375,13 +418,13 @@ impl Survey {
         })
     }
 
-    /// The changes that save most, those that are refused, and the error of the scene's number format.
+    /// The changes that save most, those that are refused, and the error of the scene's number format. Changes that are
+    /// computed beside the scene itself are refused, and the error is not measured, if that does not fit into the memory.
     pub(crate) fn best(
         self,
-        stable: &StableStep,
-        resolution: &[Resolution],
-        clock: &mut StepTimer,
-        timing: &RunTiming,
+        (stable, resolution): (&StableStep, &[Resolution]),
+        (clock, timing): (&mut StepTimer, &RunTiming),
+        room: SecondModel,
     ) -> Savings {
         let elements = self.elements;
         let (mut savings, mut refused) = (self.of_shape, Vec::new());
@@ -395,19 +438,26 @@ impl Survey {
             savings.extend(larger);
         }
         let mut error = PredictedError::unknown(NO_FILE);
-        if let Some(mut files) = self.files {
-            let variants = core::mem::take(&mut files.changed);
-            let windows = variants.len() + usize::from(self.format.is_some());
-            let window = Window::of(files.own.clone(), &self.facts, timing, windows);
-            if self.format.is_some() {
-                error = against_double(&files, &window);
-            }
-            for variant in variants {
-                match variant.saving(clock, timing, &window) {
-                    Ok(saving) => savings.extend(saving),
-                    Err(change) => refused.push(change),
+        match self.files {
+            Some(mut files) if room.fits() => {
+                let variants = core::mem::take(&mut files.changed);
+                let windows = variants.len() + usize::from(self.format.is_some());
+                let window = Window::of(files.own.clone(), &self.facts, timing, windows);
+                if self.format.is_some() {
+                    error = against_double(&files, &window);
+                }
+                for variant in variants {
+                    match variant.saving(clock, timing, &window) {
+                        Ok(saving) => savings.extend(saving),
+                        Err(change) => refused.push(change),
+                    }
                 }
             }
+            Some(files) => {
+                error = PredictedError::unknown(NO_ROOM);
+                refused.extend(files.changed.iter().map(|variant| variant.refused(NO_ROOM)));
+            }
+            None => {}
         }
         let format = self.format.map(|(format, documented)| FormatError {
             format,

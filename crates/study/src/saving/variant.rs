@@ -91,6 +91,14 @@ impl ChangedScene {
         found.map_err(|error| RefusedChange::new(change, &error))
     }
 
+    /// The change, refused for a reason.
+    pub(super) fn refused(&self, reason: &str) -> RefusedChange {
+        RefusedChange {
+            change: self.change.clone(),
+            reason: reason.into(),
+        }
+    }
+
     fn timed(
         self,
         own: &mut StepTimer,
@@ -104,8 +112,10 @@ impl ChangedScene {
         let mut simulation = scene.prepare()?;
         let step = simulation.step()?;
         let steps = ((duration / step).ceil() + 1.0) / timing.steps as f64;
-        let mut clock = StepTimer::of(&mut simulation)?;
-        let Some(ratio) = clock.ratio_to(own, timing.of_step)? else {
+        let ratio = StepTimer::of(&mut simulation)?.ratio_to(own, timing.of_step)?;
+        // No third model is held beside the next one.
+        drop(simulation);
+        let Some(ratio) = ratio else {
             return Ok(None);
         };
         let error = match self.change {

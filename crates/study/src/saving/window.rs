@@ -286,23 +286,28 @@ pub(crate) struct SceneFacts {
     pub(super) obstacle: Option<&'static str>,
 }
 
+/// Reason why no window of a scene can be run.
+pub(super) fn obstacle(scene: &Scene) -> Option<&'static str> {
+    let plan = scene.output();
+    let records = !plan.histories.is_empty()
+        || !plan.relative.is_empty()
+        || !plan.sampled.is_empty()
+        || !plan.stresses.is_empty()
+        || !plan.cuts.is_empty();
+    if !records {
+        Some("the scene records no histories")
+    } else if !scene.stages().is_empty() {
+        Some(
+            "its construction stages would have to be computed first, and yielding, cracking or slip may amplify rounding to the size of the accelerations",
+        )
+    } else {
+        None
+    }
+}
+
 impl SceneFacts {
     pub(crate) fn of(scene: &Scene) -> Self {
-        let plan = scene.output();
-        let records = !plan.histories.is_empty()
-            || !plan.relative.is_empty()
-            || !plan.sampled.is_empty()
-            || !plan.stresses.is_empty()
-            || !plan.cuts.is_empty();
-        let obstacle = if !records {
-            Some("the scene records no histories")
-        } else if !scene.stages().is_empty() {
-            Some(
-                "its construction stages would have to be computed first, and yielding, cracking or slip may amplify rounding to the size of the accelerations",
-            )
-        } else {
-            None
-        };
+        let obstacle = obstacle(scene);
         Self {
             field: match obstacle {
                 None => Intensities::of(scene),

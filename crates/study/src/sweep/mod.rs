@@ -65,7 +65,6 @@ pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 use processes::SharedFolder;
 use ranks::CaseRanks;
-pub use ranks::NoSnapshots;
 pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use powerhouse::engine::ExplicitOnRanks;
-use powerhouse::engine::observe::{Snapshot, SnapshotSink};
+use powerhouse::engine::observe::Snapshot;
 use powerhouse::model::{Checksum, ModelError, RankError};
 use powerhouse::{Error, RunHooks, Scene, Simulation};
 
@@ -20,18 +20,6 @@ use crate::checkpoints::RunCheckpoints;
 /// The ranks that compute each case of a sweep together; none for one process.
 #[derive(Clone, Default)]
 pub(super) struct CaseRanks(pub(super) Option<Arc<ExplicitOnRanks>>);
-
-/// Receiver of the snapshots of a rank other than 0, which writes none.
-pub struct NoSnapshots;
-
-impl SnapshotSink for NoSnapshots {
-    fn take(
-        &mut self,
-        _snapshot: &Snapshot,
-    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        Ok(())
-    }
-}
 
 fn failed(failure: RankError) -> StudyError {
     Error::from(ModelError::refused("ranks", failure)).into()
@@ -161,7 +149,8 @@ impl Sweep {
         // Rank 0 makes the free-field check, and opens its files.
         self.ranks.agree(Ok(()))?;
         self.ranks.agree(Ok(()))?;
-        let mut hooks = RunHooks::default().with_snapshots(Box::new(NoSnapshots));
+        // Rank 0 alone is shown and writes snapshots.
+        let mut hooks = RunHooks::default().with_snapshots(Box::new(|_: &Snapshot| Ok(())));
         hooks.equilibrated_body =
             self.follow_stages(&simulation, &body, &mut checkpoints, (control, bodies))?;
         hooks.resume = checkpoints.take_run();
