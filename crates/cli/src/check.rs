@@ -17,15 +17,21 @@ use crate::{INTERRUPTED, Outcome, WARNED, forecast, read, report, stop};
 /// Checks a scene and prints the report, also of a run on some ranks if a number is given; the exit status is 1 if there
 /// are warnings.
 pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsize>) -> Outcome {
+    // Ranks that cannot share the body are refused before the check.
+    let ranks = match ranks {
+        None => None,
+        Some(ranks) => {
+            let scene = read(path, of_file)?;
+            let is_packed = scene
+                .spec()
+                .is_some_and(|spec| is_packed_mesh(Path::new(&*spec.mesh.file)));
+            let simulation = scene.prepare()?;
+            Some((simulation.model().rank_forecast(ranks.get())?, is_packed))
+        }
+    };
     let found = powerhouse_study::check(read(path, of_file)?)?;
     report::lines(&found.to_string());
-    if let Some(ranks) = ranks {
-        let scene = read(path, of_file)?;
-        let is_packed = scene
-            .spec()
-            .is_some_and(|spec| is_packed_mesh(Path::new(&*spec.mesh.file)));
-        let simulation = scene.prepare()?;
-        let forecast = simulation.model().rank_forecast(ranks.get())?;
+    if let Some((forecast, is_packed)) = ranks {
         forecast::print(&forecast, &found, is_packed);
     }
     Ok(if found.warnings.is_empty() {

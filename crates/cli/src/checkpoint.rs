@@ -3,10 +3,31 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use powerhouse::{CheckpointError, CheckpointFiles, KeptState, ResultFolder, ResumedRun, RunHooks};
+use powerhouse::{
+    CheckpointError, CheckpointFiles, KeptState, ResultFolder, ResumedRun, RunHooks, RunInputs,
+};
 use powerhouse_study::CheckpointEvent;
 
 use crate::terminal::{say, warn_aside};
+
+/// Refuses a new run in a folder with a checkpoint from which a run of the same inputs can go on; a checkpoint of other inputs,
+/// which will be removed, is named.
+pub(crate) fn refuse_resumable(folder: &ResultFolder, inputs: &RunInputs) -> Result<(), String> {
+    let files = CheckpointFiles::of(folder.path());
+    let Ok(found) = files.read() else {
+        return Ok(());
+    };
+    let (path, start) = (folder.path().display(), from_where(&found));
+    if files.check(&found.inputs, inputs).is_ok() {
+        return Err(format!(
+            "a run of this scene ended before its time in {path}: `powerhouse run --resume {path}` goes on {start}; `--restart` begins anew"
+        ));
+    }
+    say!(
+        "the checkpoint of another run in {path}, which would go on {start}, is removed: its scene or files differ"
+    );
+    Ok(())
+}
 
 /// Prints from where a run is resumed, and which checkpoints are not used.
 pub(crate) fn say_resumed(resumed: &ResumedRun) {

@@ -39,7 +39,7 @@ impl Whole {
 /// whose mesh is packed or not.
 pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport, is_packed: bool) {
     let count = ranks.len();
-    say!("\non {count} ranks");
+    say!("\non {count} rank{}", if count == 1 { "" } else { "s" });
     let range = |of: fn(&RankForecast) -> usize| {
         let (least, most) = ranks
             .iter()

@@ -79,6 +79,9 @@ enum Command {
         /// Resume the run with these results from its last checkpoint, to the same results as without an interruption.
         #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "case", "set", "duration"])]
         resume: Option<PathBuf>,
+        /// Begin anew in a folder where a run of the same scene was interrupted, whose checkpoint is removed.
+        #[arg(long, conflicts_with_all = ["resume", "from"])]
+        restart: bool,
         /// Start from a state that an earlier run has kept (`keep` of `[checkpoint]`), such as results/bay@5.2s: output,
         /// duration and waves after that time may differ from those of the earlier run.
         #[arg(long, value_name = "DIR@TIME", conflicts_with = "resume", value_parser = checkpoint::kept_at)]
@@ -323,6 +326,7 @@ fn main() -> ExitCode {
             case,
             changes,
             resume,
+            restart,
             from,
             checkpoint_every,
             profile,
@@ -349,6 +353,7 @@ fn main() -> ExitCode {
                     scene: scene.unwrap_or_default(),
                     of_file: changes.of(case),
                     out,
+                    restart,
                 },
             };
             ranks::on_all(|place| {
@@ -474,9 +479,6 @@ fn read_case(path: &Path, case: Option<String>) -> Result<Scene, Error> {
 
 /// The text of an error: for a fault of a scene file with the lines concerned, otherwise in one line.
 fn explain(error: &(dyn std::error::Error + 'static)) -> String {
-    if let Some(explained) = error.downcast_ref::<ranks::Explained>() {
-        return explained.to_string();
-    }
     let own = match error.downcast_ref::<StudyError>() {
         Some(StudyError::Scene(error)) => Some(error),
         _ => error.downcast_ref::<Error>(),

@@ -22,7 +22,7 @@ pub(crate) fn pack(file: &Path, out: Option<PathBuf>) -> Outcome {
             format!("{out}: a packed mesh has the extension .phm, by which it is known").into(),
         );
     }
-    write_packed_mesh(&out, &mesh)?;
+    write_packed_mesh(&out, &mesh, Some(file))?;
     let (nodes, elements) = (mesh.node_count(), mesh.element_count());
     say!("{}: {nodes} nodes, {elements} elements", out.display());
     Ok(ExitCode::SUCCESS)

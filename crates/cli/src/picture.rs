@@ -52,7 +52,7 @@ pub(crate) struct PictureArguments {
     #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
     view: Option<Vec3>,
     /// Plane that cuts the body open, such as y=6.85 (m): elements with their centroid on the viewer's side are not drawn. By
-    /// default it is in the middle.
+    /// default it is in the middle of the elements, where most of them are.
     #[arg(long, value_name = "AXIS=VALUE", value_parser = cut)]
     cut: Option<SectionPlane>,
     /// Draw the whole body, without a cut.

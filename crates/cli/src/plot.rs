@@ -95,10 +95,14 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         let longest = columns().map(|column| column.name.chars().count()).max();
         let width = longest.unwrap_or(0).max(24);
         for column in columns() {
-            let peak = column
-                .values
-                .iter()
-                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            let farther = |most: f64, &value: &f64| {
+                if value.abs() > most.abs() {
+                    value
+                } else {
+                    most
+                }
+            };
+            let peak = column.values.iter().fold(0.0_f64, farther);
             say!("{:<width$} {peak:>12.4e} {}", column.name, column.unit);
         }
         return Ok(ExitCode::SUCCESS);

@@ -3,7 +3,6 @@
 //! Every process reads the scene and takes the same steps. Rank 0 writes the results and what is to be read; the others
 //! follow in silence.
 
-use std::fmt;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
@@ -103,18 +102,6 @@ impl Place {
     }
 }
 
-/// Text of an error that is printed as it is.
-#[derive(Debug)]
-pub(crate) struct Explained(String);
-
-impl fmt::Display for Explained {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Explained {}
-
 /// Refuses to run a command other than `run` and `sweep` on several processes, of which each would do the same.
 pub(crate) fn refuse_processes() -> Result<(), Box<dyn std::error::Error>> {
     match powerhouse::mpi::processes() {
@@ -188,15 +175,21 @@ fn on_processes(
             engine: Some(engine),
         };
         let outcome = work(&place);
-        outcome.map_err(|error| (rank, crate::explain(error.as_ref())))
+        outcome.map_err(|error| {
+            let text = crate::explain(error.as_ref());
+            // Printed before any process ends: `mpirun` kills the others when one ends with a failure.
+            if rank == 0 {
+                terminal::aside(format_args!("{text}"));
+            }
+            (rank, text)
+        })
     };
+    // A failure of one process alone, which ends the others.
     let report = |(rank, text): &(usize, String)| {
-        terminal::aside(format_args!("rank {rank}: {text}"));
+        if *rank > 0 {
+            terminal::aside(format_args!("rank {rank}: {text}"));
+        }
     };
-    match with_groups(group, on_rank, report)? {
-        Ok(status) => Ok(status),
-        // Printed by rank 0.
-        Err((rank, _)) if rank > 0 => Ok(ExitCode::from(FAILED)),
-        Err((_, text)) => Err(Box::new(Explained(text))),
-    }
+    let ended = with_groups(group, on_rank, report)?;
+    Ok(ended.unwrap_or_else(|_| ExitCode::from(FAILED)))
 }

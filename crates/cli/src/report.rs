@@ -215,6 +215,10 @@ fn bolts(results: &Results) {
 /// Prints final contact state and peak values of the joints.
 fn joints(mesh: &Mesh, results: &Results) {
     let outcomes = &results.joint_outcomes;
+    let firsts = outcomes
+        .iter()
+        .flat_map(|of| [of.first_slip, of.first_crack]);
+    let after = text::after_first_slip(firsts.flatten().map(|(time, _)| time));
     if !outcomes.is_empty() {
         say!("\njoints");
     }
@@ -274,6 +278,9 @@ fn joints(mesh: &Mesh, results: &Results) {
             joint.most_sweeps,
             joint.worst_residual
         );
+    }
+    if let Some(after) = after {
+        say!("  {after}");
     }
 }
 

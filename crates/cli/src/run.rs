@@ -13,6 +13,7 @@ use powerhouse::{
     SceneChoice, Simulation, StageSink,
 };
 use powerhouse_study::saving::FormatError;
+use powerhouse_study::sweep::is_sweep;
 use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
 
 use crate::checkpoint::{self, KeptAt};
@@ -31,6 +32,8 @@ pub(crate) enum Choice {
         scene: PathBuf,
         of_file: SceneChoice,
         out: Option<PathBuf>,
+        /// Whether it begins anew although a run of the same inputs was interrupted in its folder.
+        restart: bool,
     },
     /// The run with results in a folder, which is resumed; its scene may have moved.
     Resume {
@@ -58,8 +61,8 @@ pub(crate) struct Options {
 
 /// State from which a run begins.
 enum Beginning {
-    /// That of the scene.
-    Scene,
+    /// That of the scene, also, if it is a restart, in a folder where a run of the same inputs was interrupted.
+    Scene { restart: bool },
     /// The last checkpoint of the same run.
     Checkpoint(ResumedRun),
     /// A state that another run has kept.
@@ -81,15 +84,17 @@ impl Choice {
                 scene,
                 of_file,
                 out,
+                restart,
             } => {
                 let path = scene;
                 let scene = read(&path, &of_file)?;
                 let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
                 folder.keep_scene(&path)?;
+                warn_of_sweep(&folder);
                 Ok(Planned {
                     folder,
                     inputs: RunInputs::of(&scene),
-                    beginning: Beginning::Scene,
+                    beginning: Beginning::Scene { restart },
                     scene,
                 })
             }
@@ -124,6 +129,7 @@ impl Choice {
                 let scene = read_as(scene, &kept.inputs, of_file.changes)?;
                 let inputs = kept.variant(&scene).map_err(Error::from)?;
                 let results = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                warn_of_sweep(&results);
                 if is_same(results.path(), &folder) {
                     return Err(format!(
                         "the results would take the place of those of the run in {}: choose another folder with --out",
@@ -139,6 +145,16 @@ impl Choice {
                 })
             }
         }
+    }
+}
+
+/// Warns of the folder of a sweep, among whose cases the files of a run will lie.
+fn warn_of_sweep(folder: &ResultFolder) {
+    if is_sweep(folder.path()) {
+        say_warning!(
+            "{} has the results of a sweep, of which `report` and `plot` speak there: the files of this run are written among them; --out gives another folder",
+            folder.path().display()
+        );
     }
 }
 
@@ -166,14 +182,19 @@ fn is_same(first: &Path, second: &Path) -> bool {
 }
 
 /// Locks the folder of the results, removes what an earlier run left unfinished, and proves that the files of a simulation,
-/// with a size (bytes), can be written.
+/// with a size (bytes), can be written. A run of the same inputs that was interrupted there is refused, unless it is
+/// resumed or begun anew on purpose.
 fn prepare(
     folder: &ResultFolder,
     (simulation, size): (&Simulation, u64),
+    (beginning, inputs): (&Beginning, &RunInputs),
 ) -> Result<FolderLock, Box<dyn std::error::Error>> {
     let lock = folder.lock()?;
     if let Some(remark) = lock.remark() {
         say!("{remark}");
+    }
+    if let Beginning::Scene { restart: false } = beginning {
+        checkpoint::refuse_resumable(folder, inputs)?;
     }
     folder.remove_unfinished()?;
     folder.prove(simulation, size)?;
@@ -278,7 +299,7 @@ pub(crate) fn run(
     let scene = place.take(scene, &inputs)?;
     let origin = inputs.origin.clone();
     let saved = match &beginning {
-        Beginning::Scene => None,
+        Beginning::Scene { .. } => None,
         Beginning::Checkpoint(resumed) => resumed.run.as_ref(),
         Beginning::Kept(kept) => Some(&kept.run),
     };
@@ -286,7 +307,8 @@ pub(crate) fn run(
     let files = CheckpointFiles::of(folder.path());
     let every = every.or(scene.checkpoints().every);
     let every = every.unwrap_or(CheckpointInterval::DEFAULT).duration();
-    let checkpoints = CheckpointWriter::new(&scene, (files.clone(), inputs), every, saved_time);
+    let own = (files.clone(), inputs.clone());
+    let checkpoints = CheckpointWriter::new(&scene, own, every, saved_time);
     let stages = scene.stages().len();
     let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
@@ -309,7 +331,12 @@ pub(crate) fn run(
     };
     // Everything that the end of the run needs is tested before its first step.
     let prepared = match leads {
-        true => prepare(&folder, (&simulation, size.bytes(step))).map(Some),
+        true => prepare(
+            &folder,
+            (&simulation, size.bytes(step)),
+            (&beginning, &inputs),
+        )
+        .map(Some),
         false => Ok(None),
     };
     let lock = place.agree(prepared)?;
@@ -356,7 +383,7 @@ pub(crate) fn run(
         hooks = hooks.with_stage_checkpoints(checkpoints.clone());
     }
     let hooks = match beginning {
-        Beginning::Scene => hooks,
+        Beginning::Scene { .. } => hooks,
         Beginning::Checkpoint(resumed) => checkpoint::resuming(hooks, resumed, stages),
         Beginning::Kept(kept) => {
             if let Some(body) = &kept.body {
@@ -386,6 +413,7 @@ pub(crate) fn run(
         Err(Error::Failed { error, results }) => (*results, Some(error)),
         Err(Error::Interrupted { stage }) => {
             say!("interrupted in the stage '{stage}': the dynamic run has not begun");
+            folder.interrupt(&title, &stage)?;
             checkpoint::say_resumable(&folder);
             return Ok(ExitCode::from(INTERRUPTED));
         }

@@ -24,7 +24,7 @@ pub(crate) struct SweepOutput {
     bars: MultiProgress,
     /// Progress displays by case.
     displays: BTreeMap<String, Display>,
-    /// Whether several cases run in parallel.
+    /// Whether several cases run in parallel, also in other processes on the same terminal.
     several: bool,
     /// Warnings that were printed before.
     warned: BTreeSet<String>,
@@ -69,6 +69,11 @@ impl SweepWatch for SweepOutput {
     }
     fn reused(&mut self, case: &str) {
         self.say(&format!("  {case}: finished before"));
+    }
+    fn replaces(&mut self, case: &str) {
+        self.say(&format!(
+            "  {case}: its finished results are those of another form of the scene, its files or its duration, and are replaced"
+        ));
     }
     fn warns(&mut self, case: &str, notes: &RunNotes, lock: Option<&str>) {
         if let Some(remark) = lock {
@@ -232,7 +237,8 @@ pub(crate) fn sweep(
     }
     let started = Instant::now();
     let mut output = SweepOutput {
-        several: schedule.jobs > NonZeroUsize::MIN,
+        several: schedule.jobs > NonZeroUsize::MIN
+            || powerhouse::mpi::processes().is_some_and(|count| count > 1),
         ..SweepOutput::default()
     };
     let done = sweep.run(Some(&stop::flag()?), &mut output);

@@ -424,9 +424,12 @@ fn a_diverging_run_names_its_last_good_state() {
     });
     let arguments = run_arguments(&block);
     for (every, has_checkpoint) in [("0.000001s", true), ("never", false)] {
-        let ended = powerhouse(&with(&arguments, &["--checkpoint-every", every]))
-            .output()
-            .unwrap();
+        let ended = powerhouse(&with(
+            &arguments,
+            &["--checkpoint-every", every, "--restart"],
+        ))
+        .output()
+        .unwrap();
         let errors = text(&ended.stderr);
         assert_eq!(ended.status.code(), Some(2), "{errors}");
         assert!(errors.contains("the motion diverged at step "), "{errors}");

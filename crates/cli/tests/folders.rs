@@ -243,3 +243,86 @@ fn invalid_durations_are_errors() {
         }
     }
 }
+
+/// A run of the same scene in the folder of an interrupted one is refused, unless it begins anew on purpose; one of another
+/// scene says which checkpoint it removes.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_is_not_discarded_silently() {
+    let block = long("discarded");
+    let first = start(&block);
+    block::signal(&first, "-INT");
+    let ended = first.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130), "{}", text(&ended.stderr));
+    let (scene, out) = (block.scene(), block.out_text());
+    let refused = block.powerhouse(&["run", &scene, "--out", &out]);
+    let errors = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    for passage in [
+        "ended before its time in",
+        "--resume",
+        "from t = ",
+        "`--restart`",
+    ] {
+        assert!(errors.contains(passage), "{passage}: {errors}");
+    }
+    assert!(block.out().join("checkpoint").is_dir());
+    let set = ["--set", "time.duration=0.02"];
+    let other = block.powerhouse(&["run", &scene, "--out", &out, set[0], set[1]]);
+    let printed = text(&other.stdout);
+    assert_eq!(other.status.code(), Some(0), "{}", text(&other.stderr));
+    assert!(
+        printed.contains("the checkpoint of another run in"),
+        "{printed}"
+    );
+    assert!(!block.out().join("checkpoint").exists());
+    let again = start(&block);
+    block::signal(&again, "-INT");
+    again.wait_with_output().unwrap();
+    let mut run = Command::new(env!("CARGO_BIN_EXE_powerhouse"));
+    run.args(["run", &scene, "--out", &out, "--restart"]);
+    let run = run
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let snapshot = block.out().join("snapshots/snapshots_00002.vtu");
+    let begun = Instant::now();
+    // Those of the interrupted run are removed first.
+    while snapshot.exists() || !block.out().join("summary.json").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    block::signal(&run, "-INT");
+    let run = run.wait_with_output().unwrap();
+    assert_eq!(run.status.code(), Some(130), "{}", text(&run.stderr));
+}
+
+/// A run in the folder of a sweep warns of it.
+#[test]
+fn a_run_among_the_cases_of_a_sweep_is_warned_of() {
+    let cases = "\n[[case]]\nname = \"straight\"\nwave = [{ kind = \"sv\", incidence = 0, pulse = { kind = \"smooth\", displacement = 0.02, duration = 0.25 } }]\n";
+    let block = Block::new("among-cases", |scene| scene + cases);
+    let (scene, out) = (block.scene(), block.out_text());
+    let duration = ["--duration", "0.02"];
+    let none = block.powerhouse(&["run", &scene, "--out", &out, duration[0], duration[1]]);
+    assert!(!text(&none.stdout).contains("has the results of a sweep"));
+    let swept = block.powerhouse(&["sweep", &scene, "--out", &out, duration[0], duration[1]]);
+    assert_eq!(swept.status.code(), Some(0), "{}", text(&swept.stderr));
+    let among = block.powerhouse(&["run", &scene, "--out", &out, duration[0], duration[1]]);
+    let printed = text(&among.stdout);
+    assert!(printed.contains("has the results of a sweep"), "{printed}");
+    // Results of another duration are replaced with a word, those of the same one are taken.
+    let longer = block.powerhouse(&["sweep", &scene, "--out", &out, "--duration", "0.03"]);
+    let printed = text(&longer.stdout);
+    assert!(
+        printed.contains("straight: its finished results are those of another form"),
+        "{printed}"
+    );
+    let same = block.powerhouse(&["sweep", &scene, "--out", &out, "--duration", "0.03"]);
+    let printed = text(&same.stdout);
+    assert!(
+        !printed.contains("another form") && printed.contains("finished before"),
+        "{printed}"
+    );
+}

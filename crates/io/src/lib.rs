@@ -105,7 +105,8 @@ pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_w
 pub use memory::{available_memory, peak_memory};
 #[cfg(feature = "packed")]
 pub use packed::{
-    PackedMeshError, PackedMeshFault, is_packed_mesh, read_packed_mesh, write_packed_mesh,
+    PackedMesh, PackedMeshError, PackedMeshFault, PackedSource, is_packed_mesh, read_packed_mesh,
+    write_packed_mesh,
 };
 #[cfg(feature = "pictures")]
 pub use picture::{

@@ -62,8 +62,8 @@ fn a_mapped_mesh_is_the_mesh_that_was_written() {
     let folder = Folder::new("equal");
     let boxes = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(3.0, 2.0, 1.0), [3, 2, 1], "rock");
     for mesh in [mixed(), boxes.unwrap(), mixed().with_straight_edges()] {
-        write_packed_mesh(folder.file(), &mesh).unwrap();
-        let mapped = read_packed_mesh(folder.file()).unwrap();
+        write_packed_mesh(folder.file(), &mesh, None).unwrap();
+        let (mapped, _) = read_packed_mesh(folder.file()).unwrap();
         assert_eq!(mapped, mesh);
         assert_eq!(mapped.boundary_facets(), mesh.boundary_facets());
     }
@@ -73,22 +73,22 @@ fn a_mapped_mesh_is_the_mesh_that_was_written() {
 fn a_changed_mesh_leaves_the_file_as_it_is() {
     let folder = Folder::new("changed");
     let mesh = mixed();
-    write_packed_mesh(folder.file(), &mesh).unwrap();
-    let mapped = read_packed_mesh(folder.file()).unwrap();
+    write_packed_mesh(folder.file(), &mesh, None).unwrap();
+    let (mapped, _) = read_packed_mesh(folder.file()).unwrap();
     let twice = mapped.clone().map_positions(|x| x * 2.0).unwrap();
     assert_eq!(twice.positions()[1], mesh.positions()[1] * 2.0);
     assert_eq!(mapped, mesh);
     // A new file takes the place of the one that is in use.
-    write_packed_mesh(folder.file(), &twice).unwrap();
+    write_packed_mesh(folder.file(), &twice, None).unwrap();
     assert_eq!(mapped, mesh);
-    assert_eq!(read_packed_mesh(folder.file()).unwrap(), twice);
+    assert_eq!(read_packed_mesh(folder.file()).unwrap().0, twice);
 }
 
 #[test]
 fn every_changed_byte_and_every_shortened_file_is_refused() {
     let folder = Folder::new("damaged");
     let (file, mesh) = (folder.file(), mixed());
-    write_packed_mesh(&file, &mesh).unwrap();
+    write_packed_mesh(&file, &mesh, None).unwrap();
     let sound = fs::read(&file).unwrap();
     for place in 0..sound.len() {
         let mut damaged = sound.clone();
@@ -125,8 +125,65 @@ fn what_is_no_packed_mesh_is_refused_with_its_name() {
     let missing = read_packed_mesh(folder.file()).unwrap_err();
     assert!(missing.to_string().contains("mesh.phm: "), "{missing}");
     fs::write(folder.file(), "$MeshFormat\n2.2 0 8\n".repeat(20)).unwrap();
-    for file in [folder.file(), folder.0.clone()] {
-        let error = read_packed_mesh(&file).unwrap_err();
-        assert!(matches!(error.fault, PackedMeshFault::NotPacked), "{error}");
+    let error = read_packed_mesh(folder.file()).unwrap_err();
+    assert!(matches!(error.fault, PackedMeshFault::NotPacked), "{error}");
+    let error = read_packed_mesh(&folder.0).unwrap_err();
+    assert!(matches!(error.fault, PackedMeshFault::NoFile), "{error}");
+}
+
+/// A file that is overwritten in place is found by its user, one that another file replaces is not.
+#[test]
+fn a_file_overwritten_in_place_is_found() {
+    let folder = Folder::new("in-place");
+    let file = folder.file();
+    write_packed_mesh(&file, &mixed(), None).unwrap();
+    let (_, packed) = read_packed_mesh(&file).unwrap();
+    packed.check().unwrap();
+    write_packed_mesh(&file, &mixed().with_straight_edges(), None).unwrap();
+    packed.check().unwrap();
+    let (_, packed) = read_packed_mesh(&file).unwrap();
+    let bytes = fs::read(&file).unwrap();
+    // Times of files may have the resolution of a clock tick.
+    std::thread::sleep(std::time::Duration::from_millis(20));
+    fs::write(&file, &bytes[..bytes.len() - 8]).unwrap();
+    let error = packed.check().unwrap_err();
+    assert!(matches!(error.fault, PackedMeshFault::Changed), "{error}");
+    assert!(error.to_string().contains("mesh.phm: "), "{error}");
+}
+
+/// A mesh file that was changed after it was packed is found, wherever it is; one that was only copied anew is not.
+#[test]
+fn a_changed_source_is_found() {
+    let folder = Folder::new("source");
+    let [below, beside] = ["below", "beside"].map(|name| folder.0.join(name));
+    for parent in [&below, &beside] {
+        fs::create_dir_all(parent).unwrap();
+    }
+    let source = beside.join("mesh.msh");
+    for packed in [
+        folder.file(),
+        below.join("mesh.phm"),
+        beside.join("mesh.phm"),
+    ] {
+        fs::write(&source, "first").unwrap();
+        write_packed_mesh(&packed, &mixed(), Some(&source)).unwrap();
+        let changed = || read_packed_mesh(&packed).unwrap().1.changed_source();
+        let found = read_packed_mesh(&packed).unwrap().1;
+        assert_eq!(found.source().unwrap().length, 5);
+        assert_eq!(changed(), None);
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        fs::write(&source, "first").unwrap();
+        assert_eq!(changed(), None);
+        fs::write(&source, "other").unwrap();
+        let found = changed().unwrap();
+        assert!(
+            found.ends_with("mesh.msh") && found.exists(),
+            "{}",
+            found.display()
+        );
+        fs::write(&source, "longer").unwrap();
+        assert!(changed().is_some());
+        fs::remove_file(&source).unwrap();
+        assert_eq!(changed(), None);
     }
 }

@@ -41,6 +41,9 @@ pub enum Error {
         /// Cause.
         source: std::io::Error,
     },
+    /// Mesh file that was changed while a run shared its numbers.
+    #[error(transparent)]
+    MeshInUse(Box<dyn std::error::Error + Send + Sync>),
     /// Result file or equilibrated body that cannot be written.
     #[error(transparent)]
     Write(#[from] powerhouse_io::IoError),

@@ -1,6 +1,7 @@
 //! Remarks about implausible values and combinations in a scene.
 
 use core::fmt;
+use std::path::PathBuf;
 
 use crate::magnitude::Magnitude;
 
@@ -123,6 +124,13 @@ pub enum SceneRemark {
     ChangedKeys {
         /// The changes, each as `KEY=VALUE`.
         changes: Vec<String>,
+    },
+    /// Warning: the mesh file of which a packed mesh was made was changed since.
+    OldPackedMesh {
+        /// Path of the packed mesh.
+        packed: PathBuf,
+        /// Path of the mesh file.
+        source: PathBuf,
     },
     /// Fact: the mesh file has nodes and elements that were left out of the mesh, or that belong to no physical group.
     MeshFile {
@@ -274,6 +282,12 @@ impl fmt::Display for SceneRemark {
                 f,
                 "keys of the scene file that are changed here: {}",
                 changes.join(", ")
+            ),
+            Self::OldPackedMesh { packed, source } => write!(
+                f,
+                "{} was changed since {} was made of it: pack it again, or name the packed mesh that is meant",
+                source.display(),
+                packed.display()
             ),
             Self::MeshFile {
                 nodes,

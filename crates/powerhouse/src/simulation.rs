@@ -169,6 +169,9 @@ impl<'a> RunHooks<'a> {
     }
 }
 
+/// Check of a file in whose memory a mesh is.
+pub(crate) type InUse = Arc<dyn Fn() -> Result<(), Error> + Send + Sync>;
+
 /// A scene whose model is built and checked, ready to run.
 pub struct Simulation {
     pub(crate) title: String,
@@ -190,6 +193,7 @@ pub struct Simulation {
     /// The history variables of the laws.
     pub(crate) variables: Vec<HistoryVariable>,
     pub(crate) remarks: Vec<Remark>,
+    pub(crate) in_use: Option<InUse>,
     /// The construction stages before the motion.
     pub(crate) staging: Option<Staging>,
 }
@@ -461,6 +465,8 @@ impl Simulation {
             &mut progress,
         );
         let (wall_time, taken_by_steps) = (started.elapsed(), first_step.elapsed());
+        // What follows reads the mesh again.
+        self.in_use.as_ref().map_or(Ok(()), |check| check())?;
         let staging = self.staging.as_ref();
         let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(self.model.as_mut()));
         let finish = |report: RunReport| {

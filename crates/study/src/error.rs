@@ -42,7 +42,10 @@ pub enum StudyError {
         file: PathBuf,
     },
     /// A folder without results of a sweep or a run.
-    #[error("{} contains the results of neither a sweep nor a run", folder.display())]
+    #[error(
+        "{} contains the results of neither a sweep nor a run; of a sweep, at least one case must be finished",
+        folder.display()
+    )]
     NoResults {
         /// Path of the folder.
         folder: PathBuf,
@@ -94,6 +97,14 @@ pub enum StudyError {
         name: String,
         /// Names of the quantities that the file has.
         available: Vec<String>,
+    },
+    /// A plane that does not cut the body of a picture.
+    #[error("the cut at {at} m is outside of the body, which is from {:.6} to {:.6} m along its normal", extent[0], extent[1])]
+    CutOutside {
+        /// Place of the plane along its normal (m).
+        at: f64,
+        /// Lower and upper end of the body along the normal (m).
+        extent: [f64; 2],
     },
     /// A picture that would show no element.
     #[error("{}: {}", file.display(), nothing(extents))]

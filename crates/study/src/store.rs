@@ -56,6 +56,11 @@ pub(crate) fn is_finished(folder: &Path, fingerprint: &Fingerprint) -> bool {
     })
 }
 
+/// Whether a folder has the mark of finished results, whatever their fingerprint.
+pub(crate) fn was_finished(folder: &Path) -> bool {
+    read(folder).is_some()
+}
+
 /// Result files of a folder that was finished that are missing or have another size; none if it was not finished.
 pub(crate) fn missing(folder: &Path) -> Vec<String> {
     read(folder).map_or_else(Vec::new, |found| found.missing(folder))

@@ -82,6 +82,14 @@ pub fn duration(time: Duration) -> String {
     }
 }
 
+/// What results of joints depend on after the first of some times (s) at which a pair slid or opened; `None` without one.
+pub fn after_first_slip(times: impl IntoIterator<Item = f64>) -> Option<String> {
+    let first = times.into_iter().reduce(f64::min)?;
+    Some(format!(
+        "joints slid or opened from {first:.3} s on: after that small differences of mesh, step and rounding may grow, most of all in slips, openings, accelerations, and moments beside the joint; `powerhouse converge` measures how far"
+    ))
+}
+
 /// A number of bytes as text.
 pub fn bytes(count: u64) -> String {
     match count as f64 {

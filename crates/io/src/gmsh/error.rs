@@ -89,7 +89,10 @@ pub enum GmshFault {
     #[error("the file is empty")]
     Empty,
     /// The first section is not `$MeshFormat`.
-    #[error("a Gmsh file starts with $MeshFormat, but this file starts with '{found}'")]
+    #[error(
+        "a Gmsh file starts with $MeshFormat, but this file starts with '{found}'{}",
+        if found.starts_with("powerhouse mesh") { ", as a packed mesh does, whose name ends with .phm" } else { "" }
+    )]
     NotGmsh {
         /// Start of the file.
         found: String,

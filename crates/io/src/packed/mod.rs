@@ -12,7 +12,7 @@
 //! | 4 an element, and 4 | place of its first corner among all corners |
 //! | 4 a corner | index of its node |
 //! | 1 an element | kind |
-//! | | sets: what they have, name, and indices |
+//! | | sets: what they have, name, and indices; the mesh file that was packed, with its length and checksum |
 //!
 //! Each array begins at a multiple of 8 bytes. Numbers are little-endian.
 //!
@@ -22,11 +22,13 @@
 //! and what it has read is no memory of its own.
 
 mod map;
+mod source;
 
 use core::ops::Range;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use powerhouse_model::{Checksum, ElementKind, Facet, Mesh, MeshArrays, MeshError};
 use thiserror::Error;
@@ -34,19 +36,23 @@ use thiserror::Error;
 use crate::IoError;
 use crate::atomic::write_whole_by;
 use map::{MappedFile, Slice};
+pub use source::PackedSource;
 
 /// Name of the format.
 const MAGIC: &[u8; 16] = b"powerhouse mesh\n";
 /// Version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Length of the head (bytes).
 const HEAD: usize = 128;
 /// Place of the checksum in the head; it is that of all bytes, with zeros here.
 const CHECKSUM: Range<usize> = 56..64;
 /// Unit of lengths (bytes): each array begins at a multiple of it.
 const UNIT: usize = 8;
-/// Kinds of sets.
-const SETS: [&str; 3] = ["node", "element", "facet"];
+/// Kinds of sets, and the entry of the mesh file that was packed.
+const SETS: [&str; 4] = ["node", "element", "facet", "source"];
+
+/// Number of the entry of the mesh file that was packed.
+const SOURCE: u32 = 3;
 
 /// Why a packed mesh file cannot be read.
 #[derive(Debug, Error)]
@@ -58,6 +64,14 @@ pub enum PackedMeshFault {
     /// A file of another kind.
     #[error("this is no packed mesh, which begins with 'powerhouse mesh'")]
     NotPacked,
+    /// A folder, pipe or device.
+    #[error("this is no file")]
+    NoFile,
+    /// A file whose content was changed in place while it was in use.
+    #[error(
+        "the packed mesh was changed while it was in use: what is computed and written with it since then is wrong; another file may take its place under the same name, as by `powerhouse pack` or `mv`, but not by `cp`"
+    )]
+    Changed,
     /// A file of another version of the format.
     #[error(
         "a packed mesh of version {found}; this program reads version {VERSION}: convert the mesh again"
@@ -156,14 +170,23 @@ pub fn is_packed_mesh(file: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("phm"))
 }
 
-/// Writes a mesh as packed mesh file.
+/// Writes a mesh as packed mesh file; with the mesh file that it was read from, if there is one, so that a reader sees
+/// whether that was changed since.
 ///
 /// # Errors
 /// Those of the operating system.
-pub fn write_packed_mesh(file: impl AsRef<Path>, mesh: &Mesh) -> Result<(), IoError> {
+pub fn write_packed_mesh(
+    file: impl AsRef<Path>,
+    mesh: &Mesh,
+    source: Option<&Path>,
+) -> Result<(), IoError> {
     let elements = 0..mesh.element_count() as u32;
     let corners: usize = elements.clone().map(|e| mesh.nodes_of(e).len()).sum();
-    let sets = bytes_of_sets(mesh);
+    let mut sets = bytes_of_sets(mesh);
+    if let Some(source) = source {
+        let source = PackedSource::of(source, file.as_ref())?;
+        put_set(&mut sets, SOURCE, &source.name, &source.numbers());
+    }
     let counts = [
         mesh.node_count() as u64,
         mesh.element_count() as u64,
@@ -217,12 +240,12 @@ pub fn write_packed_mesh(file: impl AsRef<Path>, mesh: &Mesh) -> Result<(), IoEr
 
 /// Maps a packed mesh file.
 ///
-/// The file must not be changed while the mesh is in use; a new one may take its place under the same name, as
-/// [`write_packed_mesh`] does.
+/// The file must not be changed while the mesh is in use, as [`PackedMesh::check`] finds; a new one may take its place under
+/// the same name, as [`write_packed_mesh`] does.
 ///
 /// # Errors
 /// [`PackedMeshError`] for a file that is no packed mesh, of another version, shortened or damaged.
-pub fn read_packed_mesh(file: impl AsRef<Path>) -> Result<Mesh, PackedMeshError> {
+pub fn read_packed_mesh(file: impl AsRef<Path>) -> Result<(Mesh, PackedMesh), PackedMeshError> {
     let file = file.as_ref();
     read(file).map_err(|fault| PackedMeshError {
         file: file.into(),
@@ -230,7 +253,53 @@ pub fn read_packed_mesh(file: impl AsRef<Path>) -> Result<Mesh, PackedMeshError>
     })
 }
 
-fn read(file: &Path) -> Result<Mesh, PackedMeshFault> {
+/// A packed mesh file in use.
+#[derive(Debug)]
+pub struct PackedMesh {
+    path: PathBuf,
+    opened: File,
+    /// Length (bytes) and date of the last change when the file was mapped.
+    state: (u64, Option<Duration>),
+    source: Option<PackedSource>,
+}
+
+impl PackedMesh {
+    fn state(opened: &File) -> std::io::Result<(u64, Option<Duration>)> {
+        let found = opened.metadata()?;
+        Ok((found.len(), source::date(&found)))
+    }
+
+    /// Path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The mesh file that was packed, if the writer named one.
+    pub fn source(&self) -> Option<&PackedSource> {
+        self.source.as_ref()
+    }
+
+    /// Checks that the content of the file was not changed in place since it was mapped.
+    ///
+    /// # Errors
+    /// [`PackedMeshFault::Changed`].
+    pub fn check(&self) -> Result<(), PackedMeshError> {
+        let fault = match Self::state(&self.opened) {
+            Ok(state) if state == self.state => return Ok(()),
+            Ok(_) => PackedMeshFault::Changed,
+            Err(error) => PackedMeshFault::File(error),
+        };
+        let file = self.path.clone();
+        Err(PackedMeshError { file, fault })
+    }
+
+    /// The path of the mesh file that was packed, if that was changed since.
+    pub fn changed_source(&self) -> Option<PathBuf> {
+        self.source.as_ref()?.changed(&self.path, self.state.1)
+    }
+}
+
+fn read(file: &Path) -> Result<(Mesh, PackedMesh), PackedMeshFault> {
     if cfg!(target_endian = "big") {
         return Err(PackedMeshFault::ByteOrder);
     }
@@ -239,10 +308,11 @@ fn read(file: &Path) -> Result<Mesh, PackedMeshFault> {
         .map_err(PackedMeshFault::File)?
         .is_file()
     {
-        return Err(PackedMeshFault::NotPacked);
+        return Err(PackedMeshFault::NoFile);
     }
     let opened = File::open(file).map_err(PackedMeshFault::File)?;
-    let length = opened.metadata().map_err(PackedMeshFault::File)?.len();
+    let state = PackedMesh::state(&opened).map_err(PackedMeshFault::File)?;
+    let length = state.0;
     if length < HEAD as u64 {
         return Err(PackedMeshFault::NotPacked);
     }
@@ -302,8 +372,15 @@ fn read(file: &Path) -> Result<Mesh, PackedMeshFault> {
         connectivity: map.array(places.connectivity),
     };
     let mut mesh = Mesh::from_arrays(arrays)?;
-    put_sets(&mut mesh, map.slice(places.sets))?;
-    Ok(mesh)
+    let source = put_sets(&mut mesh, map.slice(places.sets))?;
+    let packed = PackedMesh {
+        path: file.into(),
+        opened,
+        state,
+        source,
+    };
+    packed.check().map_err(|error| error.fault)?;
+    Ok((mesh, packed))
 }
 
 /// Number of a kind of elements in a file.
@@ -321,18 +398,9 @@ fn kind_of(number: u8) -> Option<ElementKind> {
 /// indices; those of a facet are an element and a side.
 fn bytes_of_sets(mesh: &Mesh) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut put = |what: u32, name: &str, indices: &mut dyn ExactSizeIterator<Item = u32>| {
-        for number in [what, name.len() as u32, indices.len() as u32] {
-            bytes.extend_from_slice(&number.to_le_bytes());
-        }
-        bytes.extend_from_slice(name.as_bytes());
-        for index in indices {
-            bytes.extend_from_slice(&index.to_le_bytes());
-        }
-    };
     for (what, sets) in [(0, mesh.node_sets()), (1, mesh.element_sets())] {
         for (name, indices) in sets {
-            put(what, name, &mut indices.iter().copied());
+            put_set(&mut bytes, what, name, indices);
         }
     }
     for (name, facets) in mesh.facet_sets() {
@@ -340,13 +408,25 @@ fn bytes_of_sets(mesh: &Mesh) -> Vec<u8> {
         let numbers: Vec<u32> = numbers
             .flat_map(|facet| [facet.element, facet.side.into()])
             .collect();
-        put(2, name, &mut numbers.into_iter());
+        put_set(&mut bytes, 2, name, &numbers);
     }
     bytes
 }
 
-/// Adds the sets that [`bytes_of_sets`] wrote to a mesh.
-fn put_sets(mesh: &mut Mesh, mut bytes: &[u8]) -> Result<(), PackedMeshFault> {
+/// Appends a set to some bytes: the kind of its members, its name and its indices.
+fn put_set(bytes: &mut Vec<u8>, what: u32, name: &str, indices: &[u32]) {
+    for number in [what, name.len() as u32, indices.len() as u32] {
+        bytes.extend_from_slice(&number.to_le_bytes());
+    }
+    bytes.extend_from_slice(name.as_bytes());
+    for index in indices {
+        bytes.extend_from_slice(&index.to_le_bytes());
+    }
+}
+
+/// Adds the sets that [`bytes_of_sets`] wrote to a mesh; returns the mesh file that was packed.
+fn put_sets(mesh: &mut Mesh, mut bytes: &[u8]) -> Result<Option<PackedSource>, PackedMeshFault> {
+    let mut source = None;
     while !bytes.is_empty() {
         let unreadable = PackedMeshFault::Unreadable { what: "sets" };
         let Some((what, name, indices)) = next_set(&mut bytes) else {
@@ -355,6 +435,9 @@ fn put_sets(mesh: &mut Mesh, mut bytes: &[u8]) -> Result<(), PackedMeshFault> {
         match SETS.get(what as usize).copied() {
             Some("node") => mesh.set_node_set(name, indices)?,
             Some("element") => mesh.set_element_set(name, indices)?,
+            Some("source") => {
+                source = Some(PackedSource::read(name, &indices).ok_or(unreadable)?);
+            }
             Some(_) => {
                 let (pairs, _) = indices.as_chunks::<2>();
                 let facets = pairs.iter().map(|&[element, side]| Facet {
@@ -366,7 +449,7 @@ fn put_sets(mesh: &mut Mesh, mut bytes: &[u8]) -> Result<(), PackedMeshFault> {
             None => return Err(unreadable),
         }
     }
-    Ok(())
+    Ok(source)
 }
 
 /// Takes a set from the beginning of some bytes: the kind of its members, its name and its indices.

@@ -34,13 +34,13 @@ impl PictureView {
     }
 
     /// View of a body of a box (lower and upper corner, m): of a slice straight on, of any other body aslant, with the plane
-    /// that cuts it across y in its middle.
-    pub fn into_body([low, high]: [Vec3; 2]) -> (Self, Option<SectionPlane>) {
+    /// that cuts it across y, through the middle of its elements by their centroids, or of the box if none are given.
+    pub fn into_body([low, high]: [Vec3; 2], centroids: &[Vec3]) -> (Self, Option<SectionPlane>) {
         match slice(&(high - low)) {
             Some(direction) => (Self::along(direction), None),
             None => {
                 let plane = SectionPlane {
-                    point: (low + high) / 2.0,
+                    point: middle(centroids).unwrap_or((low + high) / 2.0),
                     normal: -Vec3::y(),
                 };
                 (Self::aslant(), Some(plane))
@@ -62,6 +62,25 @@ impl PictureView {
     }
 }
 
+/// Where most of some points are: along each axis the middle between a quarter and three quarters of them. It is the middle of a
+/// symmetric body, and in small elements where those of a structure are smaller.
+fn middle(points: &[Vec3]) -> Option<Vec3> {
+    let last = points.len().checked_sub(1)?;
+    let along = |axis: usize| {
+        let mut all: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+        let quarter = last / 4;
+        let (_, &mut low, rest) = all.select_nth_unstable_by(quarter, f64::total_cmp);
+        // The place from the other end, so that both quarters have the same number of points.
+        let from_low = (last - quarter).checked_sub(quarter + 1);
+        let high = match from_low {
+            Some(place) => *rest.select_nth_unstable_by(place, f64::total_cmp).1,
+            None => low,
+        };
+        (low + high) / 2.0
+    };
+    Some(Vec3::new(along(0), along(1), along(2)))
+}
+
 /// Direction across a body of given extents that is a slice.
 fn slice(extents: &Vec3) -> Option<Vec3> {
     let thin = extents.imin();
@@ -71,4 +90,26 @@ fn slice(extents: &Vec3) -> Option<Vec3> {
         .fold(f64::INFINITY, f64::min);
     let directions = [-Vec3::x(), Vec3::y(), -Vec3::z()];
     (extents[thin] < SLICE * next).then_some(directions[thin])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The middle of a symmetric body is that of its box; small elements on one side draw it there.
+    #[test]
+    fn a_body_is_cut_where_most_elements_are() {
+        let cut = |heights: &[f64]| {
+            let centroids: Vec<Vec3> = heights.iter().map(|&y| Vec3::new(5.0, y, 5.0)).collect();
+            let (_, plane) =
+                PictureView::into_body([Vec3::zeros(), Vec3::repeat(10.0)], &centroids);
+            plane.unwrap().point.y
+        };
+        assert_eq!(cut(&[]), 5.0);
+        assert_eq!(cut(&[1.0, 3.0, 7.0, 9.0]), 5.0);
+        assert_eq!(cut(&[9.0, 1.0, 5.0]), 5.0);
+        assert_eq!(cut(&[2.0]), 2.0);
+        let near = cut(&[1.0, 1.5, 1.75, 2.0, 2.25, 2.5, 4.0, 7.0, 9.0]);
+        assert!((1.75..=4.0).contains(&near), "{near}");
+    }
 }

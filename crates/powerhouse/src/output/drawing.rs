@@ -175,7 +175,14 @@ impl Shown<'_> {
         let mut picture = Picture::new(self.mesh, field, unit);
         picture.present = self.present;
         picture.close_up = close_up;
-        (picture.view, picture.section) = PictureView::into_body([low, high]);
+        let elements = 0..self.mesh.element_count() as u32;
+        let centroids: Vec<Vec3> = match close_up {
+            None => elements
+                .map(|element| self.mesh.centroid(element))
+                .collect(),
+            Some(_) => Vec::new(),
+        };
+        (picture.view, picture.section) = PictureView::into_body([low, high], &centroids);
         let seen = self.seen(&values, is_nodal, close_up);
         let [least, most] = ends(&seen).map(shown_number);
         let mut title = format!(

@@ -280,6 +280,16 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Marks the folder as that of a run that was interrupted in a construction stage, before the motion: a summary of the
+    /// state `stopped`, without results.
+    ///
+    /// # Errors
+    /// File that could not be written.
+    pub fn interrupt(&self, title: &str, stage: &str) -> Result<(), Error> {
+        write_summary(&self.path.join(SUMMARY), &Begun::stopped(title, stage))?;
+        Ok(())
+    }
+
     /// Tables of histories, which grow in the folder while the run goes on.
     pub fn tables(&self) -> RunningTables {
         RunningTables::new(&self.path)

@@ -60,19 +60,21 @@ pub(super) struct Summary {
 
 /// State of a run whose files are not all written.
 const INCOMPLETE: &str = "incomplete";
+/// State of a run that was interrupted.
+const STOPPED: &str = "stopped";
 
 /// Name and version of this software.
 fn software() -> String {
     format!("powerhouse {}", env!("CARGO_PKG_VERSION"))
 }
 
-/// Content of `summary.json` while the run goes on.
+/// Content of `summary.json` while the run goes on, and of one that was interrupted before the motion.
 #[derive(Debug, Serialize)]
 pub(super) struct Begun {
     title: String,
     software: String,
     ended: &'static str,
-    failure: &'static str,
+    failure: String,
 }
 
 impl Begun {
@@ -82,7 +84,16 @@ impl Begun {
             title: title.into(),
             software: software(),
             ended: INCOMPLETE,
-            failure: "the run goes on, or was ended from outside; the tables hold what it computed until then",
+            failure: "the run goes on, or was ended from outside; the tables hold what it computed until then".into(),
+        }
+    }
+
+    /// Summary of a run of a title that was interrupted in a stage.
+    pub(super) fn stopped(title: &str, stage: &str) -> Self {
+        Self {
+            ended: STOPPED,
+            failure: format!("interrupted in the stage '{stage}', before the motion"),
+            ..Self::new(title)
         }
     }
 }
@@ -284,7 +295,7 @@ impl Summary {
             elements: mesh.element_count(),
             ended: match &run.ended {
                 Ended::Completed => "completed".into(),
-                Ended::Stopped => "stopped".into(),
+                Ended::Stopped => STOPPED.into(),
                 Ended::Observer(name) => format!("by observer {name}"),
                 Ended::Failed(_) => "failed".into(),
             },

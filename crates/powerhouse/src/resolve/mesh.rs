@@ -1,16 +1,18 @@
 //! Mesh of a scene file: read or generated, then scaled, cut and refined.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use powerhouse_io::MeshOptions;
 use powerhouse_io::gmsh::{GmshGroup, GmshReport};
 use powerhouse_io::inp::InpReport;
+use powerhouse_io::{MeshOptions, PackedMesh};
 use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use super::ordered;
 use crate::fault::{Fault, SceneText};
+use crate::simulation::InUse;
 use crate::spec::{self, At, Finite};
-use crate::{Registry, Remark, SceneRemark};
+use crate::{Error, Registry, Remark, SceneRemark};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
@@ -21,21 +23,29 @@ const PACKED: &str = "a packed mesh has elements of its own order: `order = 1` i
 /// Highest order of elements.
 const HIGHEST_ORDER: u32 = 2;
 
+/// Mesh of a scene file, remarks about it, and the check of the file that it shares its numbers with, if there is one.
 pub(super) fn mesh(
     text: &SceneText,
     table: &spec::MeshFile,
     registry: &Registry,
-) -> Result<(Mesh, Vec<Remark>), Fault> {
-    let mut remarks = Vec::new();
+) -> Result<(Mesh, Vec<Remark>, Option<InUse>), Fault> {
+    let (mut remarks, mut in_use) = (Vec::new(), None);
     let options = order_options(table)?;
     let refused = |error: AnyError| Fault::refused(table.file.span(), error);
     let path = text.folder().join(&*table.file);
     let mesh = match &table.generator {
         Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
         None => {
-            let (mesh, found) = read_mesh(&path, options).map_err(refused)?;
-            remarks.extend(found.into_iter().map(Remark::Scene));
-            mesh
+            let found = read(&path, options).map_err(refused)?;
+            remarks.extend(found.remarks.into_iter().map(Remark::Scene));
+            in_use = found.packed.map(|packed| -> InUse {
+                Arc::new(move || {
+                    packed
+                        .check()
+                        .map_err(|error| Error::MeshInUse(error.into()))
+                })
+            });
+            found.mesh
         }
     };
     let mesh = match table.scale.get() {
@@ -77,7 +87,15 @@ pub(super) fn mesh(
         }
         _ => mesh,
     };
-    Ok((mesh, remarks))
+    Ok((mesh, remarks, in_use))
+}
+
+/// A mesh file as it is read.
+struct FoundMesh {
+    mesh: Mesh,
+    remarks: Vec<SceneRemark>,
+    /// The file that the mesh shares its numbers with.
+    packed: Option<PackedMesh>,
 }
 
 /// Mesh of a Gmsh file, or by its extension of an Abaqus input file (`.inp`) or a packed mesh (`.phm`), with remarks about
@@ -87,24 +105,45 @@ pub(super) fn mesh(
 /// Those of [`read_gmsh`](powerhouse_io::read_gmsh), [`read_inp`](powerhouse_io::read_inp) and
 /// [`read_packed_mesh`](powerhouse_io::read_packed_mesh); `first_order` for a packed mesh.
 pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
+    let found = read(path, options)?;
+    Ok((found.mesh, found.remarks))
+}
+
+fn read(path: &Path, options: MeshOptions) -> Result<FoundMesh, AnyError> {
     let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
     if powerhouse_io::is_packed_mesh(path) {
         if options.first_order {
             return Err(PACKED.into());
         }
-        let mesh = powerhouse_io::read_packed_mesh(path)?;
-        let mesh = match options.straighten {
-            true => mesh.with_straight_edges(),
-            false => mesh,
-        };
-        Ok((mesh, Vec::new()))
+        let (mesh, packed) = powerhouse_io::read_packed_mesh(path)?;
+        let changed = packed
+            .changed_source()
+            .map(|source| SceneRemark::OldPackedMesh {
+                packed: path.into(),
+                source,
+            });
+        Ok(FoundMesh {
+            mesh: match options.straighten {
+                true => mesh.with_straight_edges(),
+                false => mesh,
+            },
+            remarks: changed.into_iter().collect(),
+            packed: Some(packed),
+        })
     } else if is_inp {
         let inp = powerhouse_io::read_inp_with(path, options)?;
-        Ok((inp.mesh, of_inp(inp.report)))
+        Ok(FoundMesh {
+            mesh: inp.mesh,
+            remarks: of_inp(inp.report),
+            packed: None,
+        })
     } else {
         let gmsh = powerhouse_io::read_gmsh_with(path, options)?;
-        let remarks = of_gmsh(&gmsh.report).collect();
-        Ok((gmsh.mesh, remarks))
+        Ok(FoundMesh {
+            remarks: of_gmsh(&gmsh.report).collect(),
+            mesh: gmsh.mesh,
+            packed: None,
+        })
     }
 }
 

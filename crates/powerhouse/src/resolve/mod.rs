@@ -45,7 +45,7 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file, registry)?;
-    let (mesh, of_mesh) = mesh::mesh(text, &file.mesh, registry)?;
+    let (mesh, of_mesh, in_use) = mesh::mesh(text, &file.mesh, registry)?;
     check_rims(&mesh, file)?;
     let (mesh, joints) = joints::joints(mesh, &file.joints, registry)?;
     let names = Names { mesh: &mesh };
@@ -57,6 +57,7 @@ pub(crate) fn compose(
     scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
     scene.places.mesh = file.mesh.file.span();
     scene.remarks.extend(of_mesh);
+    scene.in_use = in_use;
     // Checked before points are located in a mesh of a wrong size.
     let of_mesh = |(_, of): &(Magnitude, MagnitudeOf)| *of == MagnitudeOf::Mesh;
     let unusual = scene.unusual_magnitudes().into_iter().find(of_mesh);

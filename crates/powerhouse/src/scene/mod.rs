@@ -54,6 +54,7 @@ use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::output::{OutputPlan, ResultFolder};
+use crate::simulation::InUse;
 #[cfg(feature = "scene-files")]
 use crate::spec::SceneSpec;
 use crate::{
@@ -174,6 +175,7 @@ pub struct Scene {
     pub(crate) residual: ResidualLimit,
     pub(crate) threads: Option<usize>,
     pub(crate) magnitudes_allowed: bool,
+    pub(crate) in_use: Option<InUse>,
     pub(crate) output: OutputPlan,
     pub(crate) checkpoints: CheckpointPlan,
     pub(crate) self_check: Option<f64>,
@@ -230,6 +232,7 @@ impl Scene {
             residual: ResidualLimit::OfPrecision,
             threads: None,
             magnitudes_allowed: false,
+            in_use: None,
             output: OutputPlan::default(),
             checkpoints: CheckpointPlan::default(),
             self_check: None,

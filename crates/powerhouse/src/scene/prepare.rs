@@ -134,6 +134,7 @@ impl Scene {
             observers,
             variables: state_variables.variables.clone(),
             remarks: core::mem::take(&mut self.remarks),
+            in_use: self.in_use.clone(),
             staging: timeline.map(|timeline| Staging {
                 scene: self,
                 pieces,

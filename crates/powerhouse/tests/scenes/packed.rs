@@ -1,9 +1,10 @@
 //! Packed meshes in scenes.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{MeshOptions, write_packed_mesh};
-use powerhouse::{Registry, Scene, read_mesh};
+use powerhouse::{Error, Registry, Remark, RunHooks, Scene, SceneRemark, read_mesh};
 use powerhouse_test_support::TestFolder;
 
 fn data() -> PathBuf {
@@ -11,11 +12,7 @@ fn data() -> PathBuf {
 }
 
 /// A scene of `data/` whose mesh file is another one.
-fn with_mesh(
-    name: &str,
-    (from, to): (&str, &Path),
-    keys: &str,
-) -> Result<Scene, powerhouse::Error> {
+fn with_mesh(name: &str, (from, to): (&str, &Path), keys: &str) -> Result<Scene, Error> {
     let path = data().join("scenes").join(name);
     let text = std::fs::read_to_string(&path).unwrap();
     let own = format!("file = \"../meshes/{from}\"");
@@ -36,7 +33,7 @@ fn a_packed_mesh_is_the_mesh_of_its_file() {
         let text = data().join("meshes").join(from);
         let (mesh, _) = read_mesh(&text, MeshOptions::default()).unwrap();
         let packed = folder.join("mesh.phm");
-        write_packed_mesh(&packed, &mesh).unwrap();
+        write_packed_mesh(&packed, &mesh, None).unwrap();
         for keys in ["", "scale = 1.25", "within = { y = [-20, 40] }"] {
             let scene = |file: &Path| with_mesh(name, (from, file), keys);
             let (of_text, of_packed) = (scene(&text), scene(&packed));
@@ -67,7 +64,7 @@ fn faults_of_a_packed_mesh_name_it() {
     let (name, from) = ("cavern_small.toml", "cavern_small.msh");
     let text = data().join("meshes").join(from);
     let (mesh, _) = read_mesh(&text, MeshOptions::default()).unwrap();
-    write_packed_mesh(&packed, &mesh).unwrap();
+    write_packed_mesh(&packed, &mesh, None).unwrap();
     let refused = |keys: &str, passages: &[&str]| {
         let error = with_mesh(name, (from, &packed), keys).err().unwrap();
         for passage in passages {
@@ -89,4 +86,52 @@ fn faults_of_a_packed_mesh_name_it() {
     refused("", &["mesh.phm", "no packed mesh"]);
     std::fs::remove_file(&packed).unwrap();
     refused("", &["mesh.phm"]);
+}
+
+/// A packed mesh whose bytes are changed in place while a run uses it ends the run with its name; one of which the mesh file
+/// was changed since is warned of.
+#[test]
+fn a_packed_mesh_that_changes_is_reported() {
+    let folder = TestFolder::new("packed-in-use");
+    let (name, from) = ("cavern_small.toml", "cavern_small.msh");
+    let (text, packed) = (folder.join(from), folder.join("mesh.phm"));
+    std::fs::copy(data().join("meshes").join(from), &text).unwrap();
+    let (mesh, _) = read_mesh(&text, MeshOptions::default()).unwrap();
+    write_packed_mesh(&packed, &mesh, Some(&text)).unwrap();
+    let scene = || {
+        with_mesh(name, (from, &packed), "")
+            .unwrap()
+            .with_duration(0.01)
+    };
+    let warned = |scene: Scene| {
+        let simulation = scene.prepare().unwrap();
+        let remarks = simulation.remarks().iter();
+        let old = |remark: &&Remark| matches!(remark, Remark::Scene(SceneRemark::OldPackedMesh { source, .. }) if source.ends_with(from));
+        let found = remarks.filter(old).filter(|remark| remark.is_warning());
+        (found.count(), simulation)
+    };
+    let (warnings, simulation) = warned(scene());
+    assert_eq!(warnings, 0);
+    let bytes = std::fs::read(&packed).unwrap();
+    let path = packed.clone();
+    let mut written = false;
+    let hooks = RunHooks::default().with_progress(move |_| {
+        if !std::mem::replace(&mut written, true) {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            let mut file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+            file.write_all(&bytes).unwrap();
+        }
+    });
+    let error = simulation.run(hooks).unwrap_err();
+    assert!(matches!(error, Error::MeshInUse(_)), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("mesh.phm: the packed mesh was changed"),
+        "{error}"
+    );
+    let mut longer = std::fs::read(&text).unwrap();
+    longer.extend(b"\n");
+    std::fs::write(&text, longer).unwrap();
+    assert_eq!(warned(scene()).0, 1);
 }

@@ -171,7 +171,22 @@ impl FieldPicture {
         }
         let (elements, nodes) = nodes_of(&grid, &drawn);
         let body = corners(&grid, &nodes);
-        let (view, cut) = self.view_into(body);
+        let centroids: Vec<Vec3> = (elements.iter())
+            .map(|&element| grid.mesh.centroid(element))
+            .collect();
+        let (view, cut) = self.view_into(body, &centroids);
+        if let Some(SectionPlane { point, normal }) = &self.cut {
+            let ends = body.map(|corner| corner.dot(normal));
+            let (at, low, high) = (
+                point.dot(normal),
+                ends[0].min(ends[1]),
+                ends[0].max(ends[1]),
+            );
+            if !elements.is_empty() && !(low..=high).contains(&at) {
+                let extent = [low, high];
+                return Err(StudyError::CutOutside { at, extent });
+            }
+        }
         let is_empty = elements.is_empty();
         if let Some(plane) = &cut {
             let slack = ROUNDING * (body[1] - body[0]).norm();
@@ -211,9 +226,14 @@ impl FieldPicture {
         })
     }
 
-    /// View of a body of a box (m), and the plane that cuts it, with its normal towards the viewer.
-    fn view_into(&self, body: [Vec3; 2]) -> (PictureView, Option<SectionPlane>) {
-        let (mut view, mut cut) = PictureView::into_body(body);
+    /// View of a body of a box (m) with the centroids of its elements, and the plane that cuts it, with its normal towards
+    /// the viewer.
+    fn view_into(
+        &self,
+        body: [Vec3; 2],
+        centroids: &[Vec3],
+    ) -> (PictureView, Option<SectionPlane>) {
+        let (mut view, mut cut) = PictureView::into_body(body, centroids);
         if let Some(direction) = self.view {
             view = PictureView::along(direction);
             cut = cut.map(|plane| SectionPlane {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use powerhouse::ResultFolder;
+use serde_json::Value;
 
 use super::ReportTable;
 use super::page::Page;
@@ -10,6 +11,7 @@ use super::run_warnings::RunWarnings;
 use super::{forces, motions, read_json, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
+use crate::text::after_first_slip;
 
 /// Greatest size of a picture on the page (bytes).
 const LARGEST: u64 = 4 << 20;
@@ -51,6 +53,12 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         });
     }
     page.section("Peaks");
+    page.warnings(&warnings.about(&["histories", "sections", "joints"]));
+    let joints = summary["joints"].as_array().into_iter().flatten();
+    let firsts = joints.flat_map(|joint| [&joint["first_slip"], &joint["first_crack"]]);
+    if let Some(after) = after_first_slip(firsts.filter_map(Value::as_f64)) {
+        page.paragraph(&format!("The {after}."));
+    }
     let peaks = summary["peaks"].as_array();
     let rows = peaks.into_iter().flatten().map(|peak| {
         let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();

@@ -36,6 +36,10 @@ const INSTANTS: usize = 4000;
 const SHORTER: f64 = 0.998;
 /// Least share of the run's error variance and motion within a window from which the run can be predicted.
 const LEAST_SHARE: f64 = 1e-9;
+/// Least velocity of the incident field in a window over that in the run, below which the histories of a window are those
+/// of a body that does not move yet.
+const LEAST_MOTION: f64 = 1e-4;
+const QUIET: &str = "the waves hardly reach the structure in the computed part of the run";
 
 /// Scene with settings that replace those of its file.
 #[derive(Clone)]
@@ -215,6 +219,11 @@ impl Window {
         let (length, duration) = (self.length, self.file.duration);
         let whole = length >= duration;
         let predicted = !whole && growth != ErrorGrowth::Unknown;
+        if let (false, Some(field)) = (whole, &self.field)
+            && !field.has_arrived(length / duration)
+        {
+            return Err(QUIET);
+        }
         let halves = match self.damped {
             true => misfits(&first_half(reference), found),
             false => Vec::new(),
@@ -230,9 +239,7 @@ impl Window {
                         length / duration,
                         self.decay(&misfit, &halves),
                     )
-                    .ok_or(
-                        "the waves hardly reach the structure in the computed part of the run",
-                    )?,
+                    .ok_or(QUIET)?,
             };
             let share = factor * misfit.error;
             if worst.as_ref().is_none_or(|(most, _)| share > *most) && !misfit.error.is_nan() {
@@ -348,6 +355,14 @@ impl Intensities {
             ]
         });
         Some(Self(squares.collect()))
+    }
+
+    /// Whether the field moves the structure in a first share of the run.
+    fn has_arrived(&self, share: f64) -> bool {
+        let end = ((share * INSTANTS as f64) as usize).clamp(1, INSTANTS);
+        let most =
+            |instants: &[[f64; 3]]| instants.iter().fold(0.0_f64, |most, of| most.max(of[1]));
+        most(&self.0[..=end]) >= LEAST_MOTION * LEAST_MOTION * most(&self.0)
     }
 
     /// Sum over a first part of the run of the variance of an error that grows at each instant in proportion to the

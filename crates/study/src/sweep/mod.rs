@@ -91,6 +91,9 @@ pub trait SweepWatch: Send {
     fn begins(&mut self, _case: &str, _number: usize, _of: usize) {}
     /// Called when the results of an earlier run of a case, or of another process, are reused, so that it is not run.
     fn reused(&mut self, _case: &str) {}
+    /// Called before the finished results of a case, which are those of another form of the scene, of its files or of the
+    /// duration, are replaced.
+    fn replaces(&mut self, _case: &str) {}
     /// Called before a case runs, with its remarks and warnings, and a remark on the lock of its folder if there is one.
     fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
     /// Called before a case [ends](Self::ends) or fails in its run, with the warnings about its results, of which there may be none.
@@ -122,6 +125,13 @@ pub trait SweepWatch: Send {
     fn waits(&mut self, _cases: &[&str]) {}
     /// Called before a case waits for the stages that another process computes.
     fn waits_for_stages(&mut self, _case: &str) {}
+}
+
+/// Whether a folder is that of a sweep, of which a case has begun: it has the table or the list of cases.
+pub fn is_sweep(folder: impl AsRef<Path>) -> bool {
+    [TABLE, CASES]
+        .iter()
+        .any(|name| folder.as_ref().join(name).is_file())
 }
 
 /// Progress callbacks that do nothing.
@@ -352,6 +362,9 @@ impl Sweep {
             }
             locked(watch).begins(case, index + 1, self.cases.len());
             let folder = self.folder.join(case);
+            if matches!(claim, Ok(Claim::Own(_))) && store::was_finished(&folder) {
+                locked(watch).replaces(case);
+            }
             let found = claim.and_then(|claim| match claim {
                 Claim::Own(lock) => Ok((self.case((case, &lock), control, bodies)?, false)),
                 Claim::Finished | Claim::Elsewhere => {
