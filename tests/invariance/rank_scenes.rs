@@ -26,6 +26,9 @@ impl<E: Engine> Engine for Divided<E> {
     fn build(&self, spec: ModelSpec) -> Result<Box<dyn EngineModel>, ModelError> {
         self.0.build(spec.block_size(self.1))
     }
+    fn is_on_all(&self, own: bool) -> Result<bool, ModelError> {
+        self.0.is_on_all(own)
+    }
 }
 
 /// Receiver of the snapshots of a rank that sees none.

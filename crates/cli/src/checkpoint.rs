@@ -8,22 +8,30 @@ use powerhouse::{
 };
 use powerhouse_study::CheckpointEvent;
 
-use crate::terminal::{say, warn_aside};
+use crate::terminal::{say, say_warning, warn_aside};
 
-/// Refuses a new run in a folder with a checkpoint from which a run of the same inputs can go on; a checkpoint of other inputs,
-/// which will be removed, is named.
+/// Refuses a new run in a folder with a checkpoint that cannot be read, or from which a run of the same inputs can go on; warns of
+/// a checkpoint of other inputs, which will be removed.
 pub(crate) fn refuse_resumable(folder: &ResultFolder, inputs: &RunInputs) -> Result<(), String> {
     let files = CheckpointFiles::of(folder.path());
-    let Ok(found) = files.read() else {
-        return Ok(());
+    let path = folder.path().display();
+    let found = match files.read() {
+        Ok(found) => found,
+        Err(CheckpointError::None { .. }) => return Ok(()),
+        Err(error) => {
+            return Err(format!(
+                "{path} has a checkpoint, but {error}; `--restart` removes it, --out gives another folder"
+            ));
+        }
     };
-    let (path, start) = (folder.path().display(), from_where(&found));
-    if files.check(&found.inputs, inputs).is_ok() {
+    let start = from_where(&found);
+    let is_same = found.inputs.origin == inputs.origin;
+    if is_same && files.check(&found.inputs, inputs).is_ok() {
         return Err(format!(
             "a run of this scene ended before its time in {path}: `powerhouse run --resume {path}` goes on {start}; `--restart` begins anew"
         ));
     }
-    say!(
+    say_warning!(
         "the checkpoint of another run in {path}, which would go on {start}, is removed: its scene or files differ"
     );
     Ok(())

@@ -63,7 +63,11 @@ pub(crate) fn look(file: &Path, picture: Option<PathBuf>) -> Outcome {
             .map(|facet| mesh.facet_geometry(*facet).area())
             .sum();
         let plane = plane(&mesh, facets, (high - low).norm());
-        say!("  {name:<16} {} facets, {area:.6} m2{plane}", facets.len());
+        let sides = both_sides(&mesh, facets);
+        say!(
+            "  {name:<16} {} facets, {area:.6} m2{plane}{sides}",
+            facets.len()
+        );
     }
     if !mesh.node_sets().is_empty() {
         say!("\nnode sets");
@@ -88,6 +92,23 @@ fn kinds(mesh: &Mesh, elements: &[u32]) -> String {
         .map(|(kind, count)| format!("{count} {kind}"))
         .collect();
     counts.join(", ")
+}
+
+/// How many facets of a set are the two sides of one face between elements, which count twice.
+fn both_sides(mesh: &Mesh, facets: &[Facet]) -> String {
+    let mut faces: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    for &facet in facets {
+        let mut nodes = mesh.facet_nodes(facet);
+        nodes.sort_unstable();
+        *faces.entry(nodes).or_default() += 1;
+    }
+    match faces.values().filter(|count| **count > 1).count() {
+        0 => String::new(),
+        inner => format!(
+            ", of them {} as both sides of {inner} faces within the body",
+            2 * inner
+        ),
+    }
 }
 
 /// The plane of a facet set, if it is in one that is normal to an axis.
@@ -127,4 +148,24 @@ fn draw(mesh: &Mesh, file: &Path) -> Outcome {
     picture.names = &names;
     write_picture(file, &picture)?;
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use powerhouse::model::Vec3;
+
+    use super::*;
+
+    /// A face between two elements that is in a set from both of them is counted as such, faces of the outside are not.
+    #[test]
+    fn inner_faces_are_counted() {
+        let size = Vec3::new(2.0, 1.0, 1.0);
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [2, 1, 1], "rock").unwrap();
+        let all: Vec<Facet> = (0..2)
+            .flat_map(|element| (0..6).map(move |side| Facet { element, side }))
+            .collect();
+        let text = both_sides(&mesh, &all);
+        assert_eq!(text, ", of them 2 as both sides of 1 faces within the body");
+        assert_eq!(both_sides(&mesh, &all[..6]), "");
+    }
 }

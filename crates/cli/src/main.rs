@@ -80,7 +80,7 @@ enum Command {
         #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "case", "set", "duration"])]
         resume: Option<PathBuf>,
         /// Begin anew in a folder where a run of the same scene was interrupted, whose checkpoint is removed.
-        #[arg(long, conflicts_with_all = ["resume", "from"])]
+        #[arg(long, conflicts_with = "resume")]
         restart: bool,
         /// Start from a state that an earlier run has kept (`keep` of `[checkpoint]`), such as results/bay@5.2s: output,
         /// duration and waves after that time may differ from those of the earlier run.
@@ -348,6 +348,7 @@ fn main() -> ExitCode {
                     scene,
                     of_file: changes.of(case),
                     out,
+                    restart,
                 },
                 (None, None) => run::Choice::Start {
                     scene: scene.unwrap_or_default(),

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use indicatif::MultiProgress;
 use powerhouse::engine::observe::Snapshot;
 use powerhouse::engine::{Ended, StaticProgress};
+use powerhouse::io::peak_memory;
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, FolderLock,
     KeptState, KeyChange, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene,
@@ -46,6 +47,7 @@ pub(crate) enum Choice {
         scene: Option<PathBuf>,
         of_file: SceneChoice,
         out: Option<PathBuf>,
+        restart: bool,
     },
 }
 
@@ -61,8 +63,8 @@ pub(crate) struct Options {
 
 /// State from which a run begins.
 enum Beginning {
-    /// That of the scene, also, if it is a restart, in a folder where a run of the same inputs was interrupted.
-    Scene { restart: bool },
+    /// That of the scene.
+    Scene,
     /// The last checkpoint of the same run.
     Checkpoint(ResumedRun),
     /// A state that another run has kept.
@@ -75,6 +77,8 @@ struct Planned {
     folder: ResultFolder,
     inputs: RunInputs,
     beginning: Beginning,
+    /// Whether the checkpoint of an interrupted run in the folder is removed.
+    restart: bool,
 }
 
 impl Choice {
@@ -94,7 +98,8 @@ impl Choice {
                 Ok(Planned {
                     folder,
                     inputs: RunInputs::of(&scene),
-                    beginning: Beginning::Scene { restart },
+                    beginning: Beginning::Scene,
+                    restart,
                     scene,
                 })
             }
@@ -111,6 +116,7 @@ impl Choice {
                     folder: ResultFolder::new(folder),
                     inputs,
                     beginning: Beginning::Checkpoint(resumed),
+                    restart: true,
                 })
             }
             Self::From {
@@ -118,6 +124,7 @@ impl Choice {
                 scene,
                 of_file,
                 out,
+                restart,
             } => {
                 let kept = CheckpointFiles::of(&folder).read_kept(time);
                 let kept = kept.map_err(Error::from)?;
@@ -142,6 +149,7 @@ impl Choice {
                     folder: results,
                     inputs,
                     beginning: Beginning::Kept(kept),
+                    restart,
                 })
             }
         }
@@ -187,13 +195,13 @@ fn is_same(first: &Path, second: &Path) -> bool {
 fn prepare(
     folder: &ResultFolder,
     (simulation, size): (&Simulation, u64),
-    (beginning, inputs): (&Beginning, &RunInputs),
+    (restart, inputs): (bool, &RunInputs),
 ) -> Result<FolderLock, Box<dyn std::error::Error>> {
     let lock = folder.lock()?;
     if let Some(remark) = lock.remark() {
         say!("{remark}");
     }
-    if let Beginning::Scene { restart: false } = beginning {
+    if !restart {
         checkpoint::refuse_resumable(folder, inputs)?;
     }
     folder.remove_unfinished()?;
@@ -263,6 +271,7 @@ pub(crate) fn run(
         folder,
         inputs,
         beginning,
+        restart,
     } = place.agree(choice.open())?;
     let scene = match threads {
         Some(count) => scene.with_threads(count.get()),
@@ -299,7 +308,7 @@ pub(crate) fn run(
     let scene = place.take(scene, &inputs)?;
     let origin = inputs.origin.clone();
     let saved = match &beginning {
-        Beginning::Scene { .. } => None,
+        Beginning::Scene => None,
         Beginning::Checkpoint(resumed) => resumed.run.as_ref(),
         Beginning::Kept(kept) => Some(&kept.run),
     };
@@ -331,12 +340,7 @@ pub(crate) fn run(
     };
     // Everything that the end of the run needs is tested before its first step.
     let prepared = match leads {
-        true => prepare(
-            &folder,
-            (&simulation, size.bytes(step)),
-            (&beginning, &inputs),
-        )
-        .map(Some),
+        true => prepare(&folder, (&simulation, size.bytes(step)), (restart, &inputs)).map(Some),
         false => Ok(None),
     };
     let lock = place.agree(prepared)?;
@@ -383,7 +387,7 @@ pub(crate) fn run(
         hooks = hooks.with_stage_checkpoints(checkpoints.clone());
     }
     let hooks = match beginning {
-        Beginning::Scene { .. } => hooks,
+        Beginning::Scene => hooks,
         Beginning::Checkpoint(resumed) => checkpoint::resuming(hooks, resumed, stages),
         Beginning::Kept(kept) => {
             if let Some(body) = &kept.body {
@@ -420,7 +424,6 @@ pub(crate) fn run(
         Err(error) => return Err(error.into()),
     };
     report::end_of_run(&mesh, &results);
-    report::peak_memory(memory.as_deref().unwrap_or_default());
     if let Some(profile) = &results.run.profile {
         report::profile(profile);
     }
@@ -434,6 +437,12 @@ pub(crate) fn run(
         checkpoint::say_after_failure(&folder, !results.advice.is_empty());
     }
     report::results(&mesh, &results, (&notes, &written?));
+    // With that of the files, which the first rank writes.
+    let mut memory = memory.unwrap_or_default();
+    if let (Some(first), Some(peak)) = (memory.first_mut(), peak_memory()) {
+        *first = peak;
+    }
+    report::peak_memory(&memory);
     // Released after all files are written, so that no results are lost.
     if let Some(lock) = lock.filter(|_| !is_held) {
         lock.release()?;

@@ -72,7 +72,7 @@ impl SweepWatch for SweepOutput {
     }
     fn replaces(&mut self, case: &str) {
         self.say(&format!(
-            "  {case}: its finished results are those of another form of the scene, its files or its duration, and are replaced"
+            "  {case}: its finished results are those of other inputs (scene, files, duration or program), and will be replaced"
         ));
     }
     fn warns(&mut self, case: &str, notes: &RunNotes, lock: Option<&str>) {

@@ -316,13 +316,13 @@ fn a_run_among_the_cases_of_a_sweep_is_warned_of() {
     let longer = block.powerhouse(&["sweep", &scene, "--out", &out, "--duration", "0.03"]);
     let printed = text(&longer.stdout);
     assert!(
-        printed.contains("straight: its finished results are those of another form"),
+        printed.contains("straight: its finished results are those of other inputs"),
         "{printed}"
     );
     let same = block.powerhouse(&["sweep", &scene, "--out", &out, "--duration", "0.03"]);
     let printed = text(&same.stdout);
     assert!(
-        !printed.contains("another form") && printed.contains("finished before"),
+        !printed.contains("other inputs") && printed.contains("finished before"),
         "{printed}"
     );
 }

@@ -1,6 +1,7 @@
 //! Packed mesh files: written, mapped, changed, shortened and damaged.
 
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 
 use powerhouse_io::{PackedMeshFault, read_packed_mesh, write_packed_mesh};
@@ -88,7 +89,9 @@ fn a_changed_mesh_leaves_the_file_as_it_is() {
 fn every_changed_byte_and_every_shortened_file_is_refused() {
     let folder = Folder::new("damaged");
     let (file, mesh) = (folder.file(), mixed());
-    write_packed_mesh(&file, &mesh, None).unwrap();
+    let source = folder.0.join("mesh.msh");
+    fs::write(&source, "text").unwrap();
+    write_packed_mesh(&file, &mesh, Some(&source)).unwrap();
     let sound = fs::read(&file).unwrap();
     for place in 0..sound.len() {
         let mut damaged = sound.clone();
@@ -145,6 +148,20 @@ fn a_file_overwritten_in_place_is_found() {
     let bytes = fs::read(&file).unwrap();
     // Times of files may have the resolution of a clock tick.
     std::thread::sleep(std::time::Duration::from_millis(20));
+    let write = |bytes: &[u8]| {
+        let mut opened = fs::OpenOptions::new().write(true).open(&file).unwrap();
+        opened.write_all(bytes).unwrap();
+    };
+    // The same bytes, with another date.
+    write(&bytes);
+    packed.check().unwrap();
+    let mut other = bytes.clone();
+    other[140] ^= 1;
+    write(&other);
+    let error = packed.check().unwrap_err();
+    assert!(matches!(error.fault, PackedMeshFault::Changed), "{error}");
+    write(&bytes);
+    packed.check().unwrap();
     fs::write(&file, &bytes[..bytes.len() - 8]).unwrap();
     let error = packed.check().unwrap_err();
     assert!(matches!(error.fault, PackedMeshFault::Changed), "{error}");

@@ -23,6 +23,14 @@ pub trait Engine: Send + Sync {
     fn balances_energy(&self) -> bool {
         true
     }
+    /// Whether something is true in all processes that compute with this engine, each of which calls this method; by default
+    /// there is this process alone.
+    ///
+    /// # Errors
+    /// A failure of the communication.
+    fn is_on_all(&self, own: bool) -> Result<bool, ModelError> {
+        Ok(own)
+    }
     /// Solves a sequence of construction stages from an initial state, such as [`State::at_rest`] with an initial
     /// stress; returns the final state, from which a dynamic model [starts](ModelSpec::start) with
     /// [`EngineModel::hand_over`], and a report of each stage.

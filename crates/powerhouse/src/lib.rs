@@ -94,6 +94,7 @@ mod drive;
 pub mod engine;
 mod error;
 mod fault;
+mod in_use;
 mod joint;
 #[cfg(feature = "scene-files")]
 mod key_change;

@@ -6,12 +6,13 @@ use std::time::{Duration, Instant};
 
 use powerhouse_contact::JointSurface;
 use powerhouse_model::{
-    Cadence, CheckpointSink, EnergyCheck, EngineModel, HistoryVariable, IncidentField, Mesh,
-    ModelError, Observer, Progress, RunFailure, RunOptions, RunReport, SavedRun, StableStep,
+    Cadence, CheckpointSink, EnergyCheck, Engine, EngineModel, HistoryVariable, IncidentField,
+    Mesh, ModelError, Observer, Progress, RunFailure, RunOptions, RunReport, SavedRun, StableStep,
     StateError, StepChoice, StepProfile, TimeIntegrator, decode, encode,
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
+use crate::in_use::{InUse, check_in_use};
 use crate::output::{self, FinishedRun, Named, OutputPlan, Recordings, Results, RunningTables};
 use crate::scene::{ResidualLimit, SceneSpans, TimeStep, field_motion};
 use crate::stage::{
@@ -169,9 +170,6 @@ impl<'a> RunHooks<'a> {
     }
 }
 
-/// Check of a file in whose memory a mesh is.
-pub(crate) type InUse = Arc<dyn Fn() -> Result<(), Error> + Send + Sync>;
-
 /// A scene whose model is built and checked, ready to run.
 pub struct Simulation {
     pub(crate) title: String,
@@ -194,6 +192,7 @@ pub struct Simulation {
     pub(crate) variables: Vec<HistoryVariable>,
     pub(crate) remarks: Vec<Remark>,
     pub(crate) in_use: Option<InUse>,
+    pub(crate) engine: Arc<dyn Engine>,
     /// The construction stages before the motion.
     pub(crate) staging: Option<Staging>,
 }
@@ -465,8 +464,10 @@ impl Simulation {
             &mut progress,
         );
         let (wall_time, taken_by_steps) = (started.elapsed(), first_step.elapsed());
-        // What follows reads the mesh again.
-        self.in_use.as_ref().map_or(Ok(()), |check| check())?;
+        // What follows reads the mesh again. All processes agree on whether a run has failed.
+        if outcome.is_ok() {
+            check_in_use(self.in_use.as_ref(), self.engine.as_ref())?;
+        }
         let staging = self.staging.as_ref();
         let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(self.model.as_mut()));
         let finish = |report: RunReport| {

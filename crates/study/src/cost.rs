@@ -204,7 +204,7 @@ const RECORDED_BYTES: f64 = 32.0;
 /// Bytes of the canvas on which a picture is drawn.
 const CANVAS_BYTES: f64 = 32e6;
 /// Bytes of the program without a model.
-const BASE_BYTES: f64 = 22e6;
+const BASE_BYTES: f64 = 16e6;
 
 /// Model of the memory and output size of a scene's run, taken from the scene before it is consumed.
 pub(crate) struct CostModel {

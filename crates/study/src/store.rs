@@ -56,9 +56,9 @@ pub(crate) fn is_finished(folder: &Path, fingerprint: &Fingerprint) -> bool {
     })
 }
 
-/// Whether a folder has the mark of finished results, whatever their fingerprint.
-pub(crate) fn was_finished(folder: &Path) -> bool {
-    read(folder).is_some()
+/// Whether a folder has the mark of finished results with another fingerprint.
+pub(crate) fn has_other(folder: &Path, fingerprint: &Fingerprint) -> bool {
+    read(folder).is_some_and(|found| found.fingerprint != *fingerprint)
 }
 
 /// Result files of a folder that was finished that are missing or have another size; none if it was not finished.

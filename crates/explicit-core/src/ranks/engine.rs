@@ -7,7 +7,7 @@ use powerhouse_model::{
     StaticReport, Stress, TimeIntegrator, Vec3,
 };
 
-use super::communicator::Communicator;
+use super::communicator::{Communicator, rank_failure};
 use super::model::RankModel;
 use super::whole::{JointValues, vector};
 
@@ -95,6 +95,10 @@ impl ExplicitOnRanks {
 impl Engine for ExplicitOnRanks {
     fn name(&self) -> &str {
         crate::NAME
+    }
+    fn is_on_all(&self, own: bool) -> Result<bool, ModelError> {
+        let found = self.all(own);
+        found.map_err(|failure| rank_failure(&failure))
     }
     fn build(&self, spec: ModelSpec) -> Result<Box<dyn EngineModel>, ModelError> {
         let part = RankModel::build_on(spec, self.team.clone())?;

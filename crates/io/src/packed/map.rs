@@ -19,7 +19,7 @@ pub(super) struct Slice {
 }
 
 /// A file in memory, for reading.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(super) struct MappedFile(Arc<Mmap>);
 
 impl MappedFile {

@@ -184,6 +184,9 @@ pub fn write_packed_mesh(
     let corners: usize = elements.clone().map(|e| mesh.nodes_of(e).len()).sum();
     let mut sets = bytes_of_sets(mesh);
     if let Some(source) = source {
+        if let Some(folder) = file.as_ref().parent() {
+            std::fs::create_dir_all(folder).map_err(IoError::file(folder))?;
+        }
         let source = PackedSource::of(source, file.as_ref())?;
         put_set(&mut sets, SOURCE, &source.name, &source.numbers());
     }
@@ -261,6 +264,9 @@ pub struct PackedMesh {
     /// Length (bytes) and date of the last change when the file was mapped.
     state: (u64, Option<Duration>),
     source: Option<PackedSource>,
+    map: MappedFile,
+    /// Checksum of the content when the file was mapped.
+    sum: u64,
 }
 
 impl PackedMesh {
@@ -279,13 +285,19 @@ impl PackedMesh {
         self.source.as_ref()
     }
 
-    /// Checks that the content of the file was not changed in place since it was mapped.
+    /// Checks that the content of the file was not changed in place since it was mapped. The content is read if the date of
+    /// the file has changed.
     ///
     /// # Errors
     /// [`PackedMeshFault::Changed`].
     pub fn check(&self) -> Result<(), PackedMeshError> {
         let fault = match Self::state(&self.opened) {
             Ok(state) if state == self.state => return Ok(()),
+            Ok((length, _))
+                if length == self.state.0 && sum_of(self.map.bytes()).value() == self.sum =>
+            {
+                return Ok(());
+            }
             Ok(_) => PackedMeshFault::Changed,
             Err(error) => PackedMeshFault::File(error),
         };
@@ -346,10 +358,7 @@ fn read(file: &Path) -> Result<(Mesh, PackedMesh), PackedMeshFault> {
             expected,
         });
     };
-    let mut head = head.to_vec();
-    head[CHECKSUM].fill(0);
-    let mut sum = Checksum::of(&head);
-    sum.add_bytes(&bytes[HEAD..]);
+    let sum = sum_of(bytes);
     if sum.value() != number(4) {
         return Err(PackedMeshFault::Checksum {
             found: sum,
@@ -378,9 +387,21 @@ fn read(file: &Path) -> Result<(Mesh, PackedMesh), PackedMeshFault> {
         opened,
         state,
         source,
+        map,
+        sum: sum.value(),
     };
     packed.check().map_err(|error| error.fault)?;
     Ok((mesh, packed))
+}
+
+/// Checksum of the content of a file of at least a head, with zeros in its place.
+fn sum_of(bytes: &[u8]) -> Checksum {
+    let (head, rest) = bytes.split_at(HEAD.min(bytes.len()));
+    let mut head = head.to_vec();
+    head[CHECKSUM].fill(0);
+    let mut sum = Checksum::of(&head);
+    sum.add_bytes(rest);
+    sum
 }
 
 /// Number of a kind of elements in a file.

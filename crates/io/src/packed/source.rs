@@ -78,7 +78,6 @@ fn relative(file: &Path, other: &Path) -> std::io::Result<String> {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
     };
-    fs::create_dir_all(folder)?;
     let folder = folder.canonicalize()?;
     let (file, folder): (Vec<Component>, Vec<Component>) =
         (file.components().collect(), folder.components().collect());

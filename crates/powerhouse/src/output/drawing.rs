@@ -178,6 +178,7 @@ impl Shown<'_> {
         let elements = 0..self.mesh.element_count() as u32;
         let centroids: Vec<Vec3> = match close_up {
             None => elements
+                .filter(|&element| self.present.is_none_or(|present| present[element as usize]))
                 .map(|element| self.mesh.centroid(element))
                 .collect(),
             Some(_) => Vec::new(),

@@ -10,7 +10,7 @@ use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
 
 use super::ordered;
 use crate::fault::{Fault, SceneText};
-use crate::simulation::InUse;
+use crate::in_use::InUse;
 use crate::spec::{self, At, Finite};
 use crate::{Error, Registry, Remark, SceneRemark};
 

@@ -53,8 +53,8 @@ use powerhouse_wavefield::{LayeredWave, PlaneWave, TimeHistory};
 use crate::Registry;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
+use crate::in_use::InUse;
 use crate::output::{OutputPlan, ResultFolder};
-use crate::simulation::InUse;
 #[cfg(feature = "scene-files")]
 use crate::spec::SceneSpec;
 use crate::{

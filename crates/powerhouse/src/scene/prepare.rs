@@ -135,6 +135,7 @@ impl Scene {
             variables: state_variables.variables.clone(),
             remarks: core::mem::take(&mut self.remarks),
             in_use: self.in_use.clone(),
+            engine: self.engine.clone(),
             staging: timeline.map(|timeline| Staging {
                 scene: self,
                 pieces,

@@ -1,7 +1,7 @@
 //! Static analysis of the stages, and transfer of the body to the dynamic run.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_elements::BoltSet;
 use powerhouse_model::{
@@ -11,6 +11,7 @@ use powerhouse_model::{
 
 use super::list::renewal;
 use super::{SolutionStates, Timeline};
+use crate::in_use::check_in_use;
 use crate::scene::Piece;
 use crate::{BoltForces, Error, RunHooks, Scene};
 
@@ -185,11 +186,17 @@ impl Staging {
         }
         let first = body.stages.len();
         for index in first..self.scene.stages.len() {
-            // The solution of a stage begins with a look at the flag, on which several ranks agree.
+            let goes_on = stop.is_none_or(|stop| !stop.load(Ordering::Relaxed));
+            if !self.scene.engine.is_on_all(goes_on)? {
+                let stage = self.scene.stages[index].name.clone();
+                return Err(Error::Interrupted { stage });
+            }
             let state = core::mem::take(&mut body.state);
             let (state, stress, report) =
                 self.equilibrate((index, &solutions), state, stop, &mut sink)?;
             body.state = state;
+            // Neither files nor a kept body of a mesh that has changed.
+            check_in_use(self.scene.in_use.as_ref(), self.scene.engine.as_ref())?;
             if let Some(sink) = &mut sink {
                 sink.completed(&CompletedStage {
                     index,

@@ -112,7 +112,9 @@ fn a_packed_mesh_that_changes_is_reported() {
     };
     let (warnings, simulation) = warned(scene());
     assert_eq!(warnings, 0);
-    let bytes = std::fs::read(&packed).unwrap();
+    let mut bytes = std::fs::read(&packed).unwrap();
+    // A coordinate of a node.
+    bytes[140] ^= 1;
     let path = packed.clone();
     let mut written = false;
     let hooks = RunHooks::default().with_progress(move |_| {
@@ -130,6 +132,7 @@ fn a_packed_mesh_that_changes_is_reported() {
             .contains("mesh.phm: the packed mesh was changed"),
         "{error}"
     );
+    write_packed_mesh(&packed, &mesh, Some(&text)).unwrap();
     let mut longer = std::fs::read(&text).unwrap();
     longer.extend(b"\n");
     std::fs::write(&text, longer).unwrap();

@@ -176,12 +176,10 @@ impl FieldPicture {
             .collect();
         let (view, cut) = self.view_into(body, &centroids);
         if let Some(SectionPlane { point, normal }) = &self.cut {
-            let ends = body.map(|corner| corner.dot(normal));
-            let (at, low, high) = (
-                point.dot(normal),
-                ends[0].min(ends[1]),
-                ends[0].max(ends[1]),
-            );
+            let (centre, half) = ((body[0] + body[1]) / 2.0, (body[1] - body[0]) / 2.0);
+            let (at, middle) = (point.dot(normal), centre.dot(normal));
+            let reach = half.dot(&normal.abs());
+            let (low, high) = (middle - reach, middle + reach);
             if !elements.is_empty() && !(low..=high).contains(&at) {
                 let extent = [low, high];
                 return Err(StudyError::CutOutside { at, extent });

@@ -310,9 +310,9 @@ impl fmt::Display for FormatError {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RefusedChange {
-    /// Change of the scene that is refused.
+    /// Change of the scene that is refused, or not compared with it.
     pub change: Change,
-    /// Message of the error with which the changed scene is refused.
+    /// Message of the error with which the changed scene is refused, or why it is not compared.
     pub reason: String,
 }
 
@@ -329,7 +329,12 @@ impl RefusedChange {
 
 impl fmt::Display for RefusedChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: refused, {}", self.change, self.reason)
+        let what = if self.reason == NO_ROOM {
+            "not compared"
+        } else {
+            "refused"
+        };
+        write!(f, "{}: {what}, {}", self.change, self.reason)
     }
 }
 
@@ -454,7 +459,7 @@ impl Survey {
                 }
             }
             Some(files) => {
-                error = PredictedError::unknown(NO_ROOM);
+                error = PredictedError::unknown(self.facts.obstacle.unwrap_or(NO_ROOM));
                 refused.extend(files.changed.iter().map(|variant| variant.refused(NO_ROOM)));
             }
             None => {}

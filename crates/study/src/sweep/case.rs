@@ -65,6 +65,11 @@ struct PlannedCase {
     warnings: Vec<Message>,
 }
 
+/// Title of the results of a case of a scene.
+fn titled(scene: &str, case: &str) -> String {
+    format!("{scene}: {case}")
+}
+
 impl Sweep {
     /// Claims a case for this process, unless it is finished or another one computes it.
     ///
@@ -230,7 +235,7 @@ impl Sweep {
             text: scene.source().map(|source| source.text.clone()),
             relative: relative.map(|request| request.name.clone()).collect(),
             body: at_rest::key(&scene),
-            title: format!("{}: {case}", scene.title()),
+            title: titled(scene.title(), case),
             ground: ground::relative_peaks(&scene)?,
             coverage: Coverage::of(&scene, &input),
             check: check.transpose()?,
@@ -314,6 +319,9 @@ impl Sweep {
             let before = hooks.completed_stages.as_ref();
             let before = before.map_or(0, |body| body.stages().len());
             let found = simulation.equilibrate_with(hooks);
+            if let Err(Error::Interrupted { stage }) = &found {
+                folder.interrupt(&titled(simulation.title(), case), stage)?;
+            }
             *body = found.map_err(of_stages)?;
             if let Some(found) = &*body {
                 if found.stages().len() > before {

@@ -91,8 +91,8 @@ pub trait SweepWatch: Send {
     fn begins(&mut self, _case: &str, _number: usize, _of: usize) {}
     /// Called when the results of an earlier run of a case, or of another process, are reused, so that it is not run.
     fn reused(&mut self, _case: &str) {}
-    /// Called before the finished results of a case, which are those of another form of the scene, of its files or of the
-    /// duration, are replaced.
+    /// Called before the finished results of a case are replaced that are those of other inputs: another form of the scene or
+    /// its files, another duration, or another version of the program.
     fn replaces(&mut self, _case: &str) {}
     /// Called before a case runs, with its remarks and warnings, and a remark on the lock of its folder if there is one.
     fn warns(&mut self, _case: &str, _notes: &RunNotes, _lock: Option<&str>) {}
@@ -362,7 +362,8 @@ impl Sweep {
             }
             locked(watch).begins(case, index + 1, self.cases.len());
             let folder = self.folder.join(case);
-            if matches!(claim, Ok(Claim::Own(_))) && store::was_finished(&folder) {
+            let has_other = |own: &Variant| store::has_other(&folder, own.fingerprint());
+            if matches!(claim, Ok(Claim::Own(_))) && self.variant(case).is_some_and(has_other) {
                 locked(watch).replaces(case);
             }
             let found = claim.and_then(|claim| match claim {
