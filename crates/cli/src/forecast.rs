@@ -15,8 +15,6 @@ const PACKING: f64 = 4e9;
 /// Memory (bytes) of the mesh in one process with its place in the blocks: position and number of a node; nodes, number and
 /// place in the blocks of an element.
 const OF_MESH: Whole = Whole([64, 80, 0]);
-/// Memory of a mesh of its own, which a packed mesh is not.
-const OWN_MESH: Whole = Whole([32, 17, 4]);
 /// What every rank but the first has of the whole body during a run beside the mesh, and while it reads a mesh file as text:
 /// fitted to the memory of 16 ranks with 729,000 bricks and 750,000 tetrahedra.
 const HELD: Whole = Whole([25, 62, 0]);
@@ -93,7 +91,7 @@ pub(crate) fn print(ranks: &[RankForecast], check: &CheckReport, is_packed: bool
     let all: usize = ranks.iter().map(|rank| rank.elements).sum();
     let most = elements.1 as f64 / all.max(1) as f64;
     let own = check.cost.memory.saturating_sub(OF_MESH.of(check)) as f64 * most;
-    let (held, mesh) = (HELD.of(check) + LIBRARY, OWN_MESH.of(check));
+    let (held, mesh) = (HELD.of(check) + LIBRARY, check.cost.memory_of_mesh);
     let running = held + own as u64;
     if is_packed {
         say!(

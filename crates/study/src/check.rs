@@ -346,6 +346,7 @@ fn check_within(
         stages: of_stages,
         self_check,
         memory: model.memory(steps),
+        memory_of_mesh: model.memory_of_mesh(),
         memory_of_format: measures_format.then(|| model.memory_beside_mesh()),
         output: model.output(steps),
     };

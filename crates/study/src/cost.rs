@@ -28,6 +28,8 @@ pub struct Cost {
     pub self_check: Option<Duration>,
     /// Predicted peak memory of the dynamic run (bytes), within a third; tables of waves past the critical angle excluded.
     pub memory: u64,
+    /// Memory of the mesh alone (bytes), part of it.
+    pub memory_of_mesh: u64,
     /// Predicted memory before the run (bytes), while a second model in double precision measures the error of the number
     /// format; `None` where it is not measured. Without so much memory it is not measured, and the run goes on.
     pub memory_of_format: Option<u64>,
@@ -344,12 +346,17 @@ impl CostModel {
 
     /// Memory of a second model in double precision beside the mesh of the first (bytes).
     pub(crate) fn memory_beside_mesh(&self) -> u64 {
+        self.memory_in_double() + self.memory_of_mesh()
+    }
+
+    /// Memory of a mesh (bytes).
+    pub(crate) fn memory_of_mesh(&self) -> u64 {
         let (nodes, elements) = self.counts();
         let counts = [nodes, elements, element_nodes(&self.mesh) as f64];
         let of_mesh: f64 = (MESH_BYTES.iter().zip(counts))
             .map(|(bytes, count)| bytes * count)
             .sum();
-        self.memory_in_double() + of_mesh as u64
+        of_mesh as u64
     }
 
     /// Memory of a run with a number of steps (bytes).

@@ -155,6 +155,8 @@ impl Window {
         let reference = match facts.obstacle {
             Some(obstacle) => Err(obstacle),
             None if others == 0 => Err("there is no run to compare with"),
+            // Before any window is run.
+            None if length < duration && facts.is_quiet(length / duration) => Err(QUIET),
             None => histories(&file, length, Some(SHORTER * step)).ok_or("the scene cannot be run"),
         };
         Self {
@@ -219,11 +221,6 @@ impl Window {
         let (length, duration) = (self.length, self.file.duration);
         let whole = length >= duration;
         let predicted = !whole && growth != ErrorGrowth::Unknown;
-        if let (false, Some(field)) = (whole, &self.field)
-            && !field.has_arrived(length / duration)
-        {
-            return Err(QUIET);
-        }
         let halves = match self.damped {
             true => misfits(&first_half(reference), found),
             false => Vec::new(),
@@ -313,6 +310,11 @@ pub(super) fn obstacle(scene: &Scene) -> Option<&'static str> {
 }
 
 impl SceneFacts {
+    /// Whether waves have not reached the structure in a first share of the run.
+    fn is_quiet(&self, share: f64) -> bool {
+        (self.field.as_ref()).is_some_and(|field| !field.has_arrived(share))
+    }
+
     pub(crate) fn of(scene: &Scene) -> Self {
         let obstacle = obstacle(scene);
         Self {
