@@ -1,0 +1,7 @@
+//! Absorbing boundaries and the input of the free field.
+
+mod coefficients;
+mod column;
+mod domain_reduction;
+mod input;
+mod reflection;
