@@ -5,7 +5,7 @@ use powerhouse_model::{
     Bond, Constraint, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, Vec3,
 };
 
-use crate::{Bodies, Noise, oblique};
+use super::{Bodies, Noise, oblique};
 
 /// Three bodies around a line, at 30, 150 and 270 degrees, their interfaces half-way between them.
 fn triple(law: impl ContactLaw + Clone) -> Joint<impl ContactLaw> {

@@ -6,7 +6,7 @@ use powerhouse_model::{
     PredictedMotion, StepTime, Vec3,
 };
 
-use crate::{Bodies, Noise};
+use super::{Bodies, Noise};
 
 const FRICTION: f64 = 0.8;
 

@@ -3,7 +3,7 @@
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
 use powerhouse_model::{JointPair, Vec3};
 
-use crate::{Bodies, Noise, oblique};
+use super::{Bodies, Noise, oblique};
 
 /// For mass ratios from 1e-6 to 1e6, friction 0 and 10, strength 0 and infinite, with a free or a
 /// fixed partner and with dashpots at an angle on both, a pair under noise stays finite, its

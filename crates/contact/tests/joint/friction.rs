@@ -7,7 +7,7 @@ use powerhouse_model::{
     Bond, Constraint, ContactState, JointPair, Mat3, PredictedMotion, StepTime, Vec3,
 };
 
-use crate::{Bodies, Noise, oblique};
+use super::{Bodies, Noise, oblique};
 
 const GRAVITY: f64 = 9.81;
 

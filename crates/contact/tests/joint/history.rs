@@ -6,7 +6,7 @@ use powerhouse_model::{
     JointResponse, JointState, Renewal, Vec3,
 };
 
-use crate::{Bodies, Noise, oblique};
+use super::{Bodies, Noise, oblique};
 
 /// Coulomb friction that sums up the slip that its tractions leave, and counts steps from `first` on.
 #[derive(Clone)]

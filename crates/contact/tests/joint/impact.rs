@@ -3,7 +3,7 @@
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Frictionless, Joint};
 use powerhouse_model::{Bond, JointPair, Vec3};
 
-use crate::{Bodies, Noise};
+use super::{Bodies, Noise};
 
 /// Two masses that meet stay together until they are pulled apart, and lose
 /// `m1 m2 / (m1 + m2) (v1 - v2)^2 / 2`, which is reported.

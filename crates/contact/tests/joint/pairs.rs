@@ -5,7 +5,7 @@ use powerhouse_contact::{
 };
 use powerhouse_model::{Bond, ContactLaw, ContactState, JointPair, Mat3, Vec3};
 
-use crate::{Bodies, Noise, oblique};
+use super::{Bodies, Noise, oblique};
 
 fn inclined() -> JointPair {
     JointPair::new([0, 1], Vec3::new(0.2, -0.7, 0.4), 0.3)

@@ -5,8 +5,8 @@ use powerhouse_model::{
     Constraint, ConstraintParts, ContactLaw, ContactState, JointPair, JointRecord, Vec3,
 };
 
-use crate::history::counting;
-use crate::{Bodies, Noise};
+use super::history::counting;
+use super::{Bodies, Noise};
 
 /// Number of pairs, enough for several threads.
 const PAIRS: usize = 2500;

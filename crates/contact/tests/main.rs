@@ -1,0 +1,6 @@
+//! Joints of node pairs and their laws.
+
+mod cohesive;
+mod joint;
+mod laws;
+mod surface;
