@@ -1,6 +1,6 @@
 use powerhouse_model::{Axis, ElementKind, Facet, Mat3, Mesh, Vec3};
 
-use crate::{GENERATORS, noise3, rough_block, volume};
+use super::{GENERATORS, noise3, rough_block, volume};
 
 /// Vector areas of a closed surface add up to nothing, and so do their moments, on distorted
 /// meshes of every kind and around a void; the moments with x give the volume.

@@ -1,6 +1,6 @@
 use powerhouse_model::{ElementKind, Mesh, MeshError, Vec3};
 
-use crate::{GENERATORS, volume};
+use super::{GENERATORS, volume};
 
 /// A generated box is sound, whole, of the stated volume, and its faces are where they are said to
 /// be, with outward normals.

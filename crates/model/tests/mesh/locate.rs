@@ -1,6 +1,6 @@
 use powerhouse_model::{ElementKind, Mat3, Mesh, MeshError, Vec3};
 
-use crate::{GENERATORS, jacobian, noise, noise3, rough_block};
+use super::{GENERATORS, jacobian, noise, noise3, rough_block};
 
 /// Random natural coordinates inside an element of a kind.
 fn natural_inside(kind: ElementKind, seed: u64) -> Vec3 {

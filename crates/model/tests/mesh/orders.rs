@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use powerhouse_model::{ElementKind, Extents, Facet, Mat3, Mesh, MeshError, Vec3};
 
-use crate::{noise3, rough_block};
+use super::{noise3, rough_block};
 
 const KINDS: [ElementKind; 2] = [ElementKind::Pyramid5, ElementKind::Tet10];
 

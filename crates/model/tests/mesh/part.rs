@@ -2,7 +2,7 @@
 
 use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 
-use crate::{GENERATORS, volume};
+use super::{GENERATORS, volume};
 
 fn area(mesh: &Mesh, set: &str) -> f64 {
     let facets = mesh.facet_set(set).unwrap().iter();
@@ -10,7 +10,7 @@ fn area(mesh: &Mesh, set: &str) -> f64 {
 }
 
 /// A block of 5 x 4 x 3 m with half of its left side in a set of its own.
-fn block(generator: crate::Generator) -> Mesh {
+fn block(generator: super::Generator) -> Mesh {
     let mut mesh = generator(Vec3::zeros(), Vec3::new(5.0, 4.0, 3.0), [5, 4, 3], "rock").unwrap();
     let left = mesh.facet_set("left").unwrap().to_vec();
     let is_low = |facet: &&Facet| mesh.facet_geometry(**facet).centroid.z < 1.5;

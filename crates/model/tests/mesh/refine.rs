@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use powerhouse_model::{ElementKind, Facet, Mesh, MeshError, Vec3};
 
-use crate::{GENERATORS, rough_block, volume};
+use super::{GENERATORS, rough_block, volume};
 
 fn vector_area(mesh: &Mesh, facets: &[Facet]) -> Vec3 {
     let areas = facets

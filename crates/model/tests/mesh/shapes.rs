@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use powerhouse_model::{ElementKind, Mat3, Mesh, MeshError, Vec3};
 
-use crate::{GENERATORS, noise3, rough_block, volume};
+use super::{GENERATORS, noise3, rough_block, volume};
 
 const SOLIDS: [ElementKind; 3] = [ElementKind::Hex8, ElementKind::Tet4, ElementKind::Wedge6];
 

@@ -2,11 +2,11 @@
 
 use powerhouse_model::{Axis, Facet, Mesh, MeshError, Vec3};
 
-use crate::GENERATORS;
+use super::GENERATORS;
 
 /// A block of 5 x 4 x 3 m whose nodes are moved across y only, the same in every slice, with its
 /// front divided into two sets.
-fn bent(generator: crate::Generator) -> Mesh {
+fn bent(generator: super::Generator) -> Mesh {
     let block = generator(Vec3::zeros(), Vec3::new(5.0, 4.0, 3.0), [5, 4, 3], "rock").unwrap();
     let mut mesh = block
         .map_positions(|p| Vec3::new(p.x + 0.1 * (p.x * p.z).sin(), p.y, p.z + 0.05 * p.x.cos()))

@@ -1,0 +1,3 @@
+//! What all crates share.
+
+mod mesh;
