@@ -8,8 +8,8 @@ use powerhouse_model::{
 };
 use powerhouse_observe::{CrossSection, SectionForces};
 
-use crate::Fields;
-use crate::plain::Plain;
+use super::Fields;
+use super::plain::Plain;
 
 /// Hooke's law.
 #[derive(Clone)]

@@ -1,7 +1,7 @@
 use powerhouse_model::{Cadence, Mesh, Observer, Stress, Vec3};
 use powerhouse_observe::{Envelope, Motion, ObserveError, PeakPlace, PeakTable};
 
-use crate::Fields;
+use super::Fields;
 
 /// Each node's and element's extremes are those of its own oscillation, at its own time, among the
 /// chosen ones alone.

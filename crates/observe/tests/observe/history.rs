@@ -3,7 +3,7 @@ use powerhouse_observe::{
     EnergyHistory, History, Motion, ObservationPoint, ObserveError, PeakTable, Place, StressPlace,
 };
 
-use crate::{Fields, noise};
+use super::{Fields, noise};
 
 fn rough_block() -> Mesh {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(10.0), [5, 5, 5], "rock").unwrap();

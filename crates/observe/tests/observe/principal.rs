@@ -1,7 +1,7 @@
 use powerhouse_model::{Mat3, Stress, Vec3};
 use powerhouse_observe::principal_stresses;
 
-use crate::noise;
+use super::noise;
 
 /// `Q diag(values) Q^T` for a random rotation.
 fn rotated(values: [f64; 3], seed: u64) -> Stress {

@@ -5,8 +5,8 @@ use powerhouse_observe::{
     CrossSection, ObserveError, SectionForces, SectionGeometry, SectionPiece,
 };
 
-use crate::beam::{Body, KERNELS, Kernel, cut_at, one_point};
-use crate::{Fields, noise};
+use super::beam::{Body, KERNELS, Kernel, cut_at, one_point};
+use super::{Fields, noise};
 
 fn concrete(poisson: f64) -> ElasticMedium {
     ElasticMedium::new(25.0e9, poisson, 2500.0).unwrap()

@@ -3,7 +3,7 @@ use std::sync::{Arc, Mutex};
 use powerhouse_model::{Cadence, Mesh, Observer, Stress, Vec3};
 use powerhouse_observe::{Motion, Snapshot, SnapshotFields, SnapshotSink, Snapshots};
 
-use crate::Fields;
+use super::Fields;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 

@@ -1,0 +1,3 @@
+//! Observers.
+
+mod observe;
