@@ -1,14 +1,12 @@
 //! Input conventions: each reproduces the motion that the record represents.
 
-mod support;
-
+use crate::support::{SURFACE, motion, parameters};
 use powerhouse_model::{IncidentField, Vec3};
 use powerhouse_wavefield::{
     InputConvention, PlaneWave, Ricker, RickerQuantity, Signal, Site, SurfaceComponent, WaveError,
     WaveKind,
 };
 use std::sync::Arc;
-use support::{SURFACE, motion, parameters};
 
 fn ricker() -> Arc<dyn Signal> {
     Arc::new(Ricker::new(RickerQuantity::Displacement, 1e-3, 3.0, 0.8).unwrap())

@@ -1,14 +1,12 @@
 //! Plane waves under a free surface and in a full space.
 
-mod support;
-
+use crate::support::{SURFACE, motion, parameters, residuals, rock, size, wave};
 use powerhouse_model::{ElasticMedium, IncidentField, Vec3};
 use powerhouse_wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, Signal, Site, SmoothPulse,
     Superposition, WaveError, WaveKind, critical_angle,
 };
 use std::sync::Arc;
-use support::{SURFACE, motion, parameters, residuals, rock, size, wave};
 
 fn ricker() -> Arc<dyn Signal> {
     Arc::new(Ricker::new(RickerQuantity::Displacement, 1e-3, 3.0, 0.6).unwrap())

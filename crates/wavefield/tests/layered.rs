@@ -1,7 +1,6 @@
 //! Plane waves in layered ground: closed forms, limits, continuity, errors.
 
-mod support;
-
+use crate::support::{rock, size};
 use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Vec3};
 use powerhouse_wavefield::{
     Angle, Complex, Ground, GroundLayer, HarmonicBurst, InputConvention, LayerDamping, LayerDefect,
@@ -12,7 +11,6 @@ use powerhouse_wavefield::{
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use support::{rock, size};
 
 const KINDS: [WaveKind; 3] = [WaveKind::P, WaveKind::SV, WaveKind::SH];
 

@@ -1,7 +1,6 @@
 //! SV waves past the critical angle: complex coefficients, decay with depth, forerunners.
 
-mod support;
-
+use crate::support::{self, SURFACE, motion, parameters, residuals, rock, wave};
 use powerhouse_model::{FieldMotion, IncidentField, Vec3};
 use powerhouse_wavefield::{
     BaselineCorrection, Complex, EndDisplacement, PlaneWave, QuietStartLimits, Ricker,
@@ -10,7 +9,6 @@ use powerhouse_wavefield::{
 };
 use std::f64::consts::PI;
 use std::sync::Arc;
-use support::{SURFACE, motion, parameters, residuals, rock, wave};
 
 const POISSON: f64 = 0.27;
 

@@ -1,9 +1,9 @@
 //! Reflection coefficients against an independent table, energy and special cases.
 
-mod support;
-
 use powerhouse_model::ElasticMedium;
 use powerhouse_wavefield::{Angle, SurfaceReflection, WaveError, WaveKind, critical_angle};
+
+use crate::support;
 
 const TABLE: &str = include_str!("../../../data/reference/free_surface_coefficients.csv");
 

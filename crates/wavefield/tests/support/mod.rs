@@ -1,5 +1,4 @@
 //! Common functions of the tests of fields.
-#![allow(dead_code)]
 
 use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Mat3, Vec3};
 use powerhouse_wavefield::{Angle, PlaneWave, PlaneWaveParameters, Signal, WaveKind};

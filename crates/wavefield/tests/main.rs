@@ -1,0 +1,14 @@
+//! Time histories and the free field.
+
+mod convention;
+mod half_space;
+mod history;
+mod layered;
+mod layered_tables;
+mod many_heights;
+mod past_critical;
+mod pulses;
+mod reflection;
+mod spectra;
+mod split;
+mod support;
