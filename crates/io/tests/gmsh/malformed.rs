@@ -3,7 +3,7 @@
 use powerhouse_io::gmsh::{GmshFault, GmshPlace};
 use powerhouse_model::MeshError;
 
-use crate::sample::{FORMATS, Format, Sample, edit, fault};
+use super::sample::{FORMATS, Format, Sample, edit, fault};
 
 /// The fault of the tower after a change, in every format.
 fn changed(change: impl Fn(&mut Sample)) -> Vec<(Format, Vec<u8>, GmshPlace, GmshFault)> {

@@ -3,7 +3,7 @@
 use powerhouse_io::{GmshMesh, parse_gmsh};
 use powerhouse_model::Vec3;
 
-use crate::sample::{FORMATS, Format, Random, Sample};
+use super::sample::{FORMATS, Format, Random, Sample};
 
 fn read(bytes: &[u8]) -> GmshMesh {
     parse_gmsh(bytes).unwrap_or_else(|error| panic!("{error}"))

@@ -2,7 +2,7 @@
 
 use powerhouse_io::parse_gmsh;
 
-use crate::sample::{FORMATS, Random, Sample};
+use super::sample::{FORMATS, Random, Sample};
 
 /// A file truncated at any byte is refused, or gives the same mesh as the complete one.
 #[test]

@@ -3,7 +3,7 @@
 use powerhouse_io::{GmshError, parse_gmsh, read_gmsh, write_gmsh};
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
-use crate::sample::{FORMATS, Random, Sample};
+use super::sample::{FORMATS, Random, Sample};
 
 fn path(name: &str) -> std::path::PathBuf {
     std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)

@@ -3,7 +3,7 @@
 use powerhouse_io::gmsh::GmshFault;
 use powerhouse_io::{GmshError, read_gmsh};
 
-use crate::sample::{FORMATS, Format, Sample, edit, fault};
+use super::sample::{FORMATS, Format, Sample, edit, fault};
 
 /// Faults of the header, which determines the format.
 #[test]

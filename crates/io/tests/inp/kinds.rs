@@ -4,7 +4,7 @@ use powerhouse_io::inp::InpFault;
 use powerhouse_io::{MeshOptions, parse_inp, parse_inp_with, read_gmsh, read_inp, write_gmsh};
 use powerhouse_model::{ElementKind, Mesh, MeshError, Vec3};
 
-use crate::sample::{fault, read, text_of, type_of};
+use super::sample::{fault, read, text_of, type_of};
 
 const EXTENT: Vec3 = Vec3::new(2.0, 1.0, 3.0);
 

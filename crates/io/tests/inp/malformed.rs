@@ -3,7 +3,7 @@
 use powerhouse_io::inp::InpFault;
 use powerhouse_io::parse_inp;
 
-use crate::sample::{HOUSE, edit, fault};
+use super::sample::{HOUSE, edit, fault};
 
 /// Passage of the house, what is there instead, start of the line of the fault, and passages of its message.
 type Case<'a> = (&'a str, &'a str, &'a str, &'a [&'a str]);

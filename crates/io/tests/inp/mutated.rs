@@ -2,7 +2,7 @@
 
 use powerhouse_io::parse_inp;
 
-use crate::sample::{HOUSE, house_of_parts, read};
+use super::sample::{HOUSE, house_of_parts, read};
 
 /// Pseudo-random numbers, the same in every run (Steele, Lea, Flood 2014, SplitMix64).
 struct Random(u64);

@@ -2,7 +2,7 @@
 
 use powerhouse_io::inp::InpFault;
 
-use crate::sample::{HOUSE, edit, fault, house_of_parts, read};
+use super::sample::{HOUSE, edit, fault, house_of_parts, read};
 
 /// A part with an instance is the mesh of the flat input; sets of the assembly name the instance.
 #[test]

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{ElementKind, Vec3};
 
-use crate::sample::{HOUSE, edit, read};
+use super::sample::{HOUSE, edit, read};
 
 /// The house has its sets, surfaces, and a report of what was left out.
 #[test]
