@@ -10,7 +10,7 @@ use powerhouse_explicit_core::ExplicitOnDevice;
 use powerhouse_material_damage::{LinearElastic, media, presets};
 use powerhouse_model::{DeviceError, RunOptions, StepDevice, StepDevices};
 
-use crate::{ALL, Case, go, mesh, soft_rock};
+use super::{ALL, Case, go, mesh, soft_rock};
 
 /// Compiles for cards and launches nothing.
 struct Compiler;

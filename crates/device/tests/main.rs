@@ -1,0 +1,3 @@
+//! Steps on a device against those of the host.
+
+mod steps;
