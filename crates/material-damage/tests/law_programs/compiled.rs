@@ -9,7 +9,7 @@ use powerhouse_material_damage::{ElastoPlastic, LeeFenves, LinearElastic, Mazars
 use powerhouse_model::{ConstitutiveLaw, NumberFormat, Program};
 use powerhouse_program::{cuda, law_program, wgsl};
 
-use crate::laws::{Number, damped, hoek_brown, mohr_coulomb, points, same, softening};
+use super::laws::{Number, damped, hoek_brown, mohr_coulomb, points, same, softening};
 
 /// Definitions with which a C++ compiler takes CUDA C: one thread after the other.
 const EMULATION: &str = r"

@@ -7,7 +7,7 @@ use powerhouse_model::{
 };
 use powerhouse_program::law_program;
 
-use crate::laws::check;
+use super::laws::check;
 
 /// Soil whose stiffness falls with the largest strain `g` so far by the root `x` of `x^3 + x g / 1e-3 = 1`.
 #[derive(Clone)]

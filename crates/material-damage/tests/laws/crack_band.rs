@@ -7,7 +7,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, Extents, Mat3, Vec3};
 
-use crate::random::Random;
+use super::random::Random;
 
 /// Residual stiffness: the work of its stress in a wide open crack is not part of the fracture
 /// energy.

@@ -6,7 +6,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::random::Random;
+use super::random::Random;
 
 // Indices of `d_t` and `D` in the history.
 const TORN: usize = 8;

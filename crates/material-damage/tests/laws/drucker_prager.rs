@@ -7,7 +7,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain};
 
-use crate::random::Random;
+use super::random::Random;
 
 fn rock(dilation: f64, fit: ConeFit) -> DruckerPrager {
     DruckerPrager::new(DruckerPragerParameters {

@@ -7,9 +7,9 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
-use crate::hoek_brown::tunnel;
-use crate::random::Random;
-use crate::softening_plasticity::softening;
+use super::hoek_brown::tunnel;
+use super::random::Random;
+use super::softening_plasticity::softening;
 
 /// A point without history.
 struct Fresh<'a, S, M> {

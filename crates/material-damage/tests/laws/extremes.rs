@@ -6,9 +6,9 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::hoek_brown::tunnel;
-use crate::random::Random;
-use crate::softening_plasticity::softening;
+use super::hoek_brown::tunnel;
+use super::random::Random;
+use super::softening_plasticity::softening;
 
 fn respond(law: &impl ConstitutiveLaw, strain: [f64; 6]) -> (Stress, Vec<f64>) {
     let old = vec![0.0; law.history().len()];

@@ -9,7 +9,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, HistoryKind, LawInput, Strain, Stress};
 
-use crate::random::Random;
+use super::random::Random;
 
 fn band(ratio: f64, lowest: f64, highest: f64, mechanisms: usize) -> DampingBand {
     DampingBand {

@@ -8,9 +8,9 @@ use powerhouse_material_damage::{
 use powerhouse_model::{ConstitutiveLaw, LawInput, Mat3, Strain, Stress};
 use proptest::prelude::*;
 
-use crate::hoek_brown::tunnel;
-use crate::random::Random;
-use crate::softening_plasticity::softening;
+use super::hoek_brown::tunnel;
+use super::random::Random;
+use super::softening_plasticity::softening;
 
 fn mohr_coulomb(dilation: f64) -> MohrCoulomb {
     MohrCoulomb::new(MohrCoulombParameters {

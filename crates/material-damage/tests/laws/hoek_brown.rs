@@ -7,7 +7,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::Stress;
 
-use crate::random::Random;
+use super::random::Random;
 
 /// The rock mass of the authors' tunnel: GSI 45, m_i 10, intact strength 50 MPa.
 pub(crate) fn tunnel(dilation_share: f64) -> HoekBrownParameters {

@@ -7,10 +7,10 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Scalar, Strain, Stress};
 
-use crate::hoek_brown::tunnel;
-use crate::packs::Pack;
-use crate::random::Random;
-use crate::softening_plasticity::softening;
+use super::hoek_brown::tunnel;
+use super::packs::Pack;
+use super::random::Random;
+use super::softening_plasticity::softening;
 
 /// Follows random cyclic strains of four points, in packs and one at a time, under an initial stress; the
 /// initial content of the new history is a number in the one and NaN in the other.

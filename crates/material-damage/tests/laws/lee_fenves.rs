@@ -7,7 +7,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::random::Random;
+use super::random::Random;
 
 /// Cracks stay open: uniaxial tension has closed forms without recovery.
 const GOOD: LeeFenvesParameters = LeeFenvesParameters {

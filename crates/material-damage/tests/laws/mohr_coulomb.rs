@@ -6,8 +6,8 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::exhaustive::{Face, cut_off_faces, passive_ratio, search, shear_faces};
-use crate::random::Random;
+use super::exhaustive::{Face, cut_off_faces, passive_ratio, search, shear_faces};
+use super::random::Random;
 
 /// The rock of the reference table: E 9 GPa, nu 0.27, phi 42 degrees, c 1.05 MPa.
 fn rock(dilation: f64, tension_strength: Option<f64>) -> MohrCoulomb {

@@ -7,7 +7,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::random::Random;
+use super::random::Random;
 
 const ENERGY: f64 = 133.0;
 

@@ -6,7 +6,7 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, Lane, LawInput, Strain, Stress};
 
-use crate::hoek_brown::tunnel;
+use super::hoek_brown::tunnel;
 
 /// Follows a shear vibration that makes changes of 1e-6 of an initial stress of 10 MPa in a step.
 fn vibrate<L: Lane<Token = ()>>(

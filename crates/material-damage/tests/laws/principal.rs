@@ -3,8 +3,8 @@
 use powerhouse_material_damage::PrincipalAxes;
 use powerhouse_model::{Lane, Scalar, Stress};
 
-use crate::packs::Pack;
-use crate::random::Random;
+use super::packs::Pack;
+use super::random::Random;
 
 /// Largest error of orthonormality, of order, and of the rebuilt tensor over its largest entry.
 fn faults<L: Lane>(stress: &Stress<L>) -> [f64; 2] {

@@ -7,8 +7,8 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::exhaustive::{cut_off_faces, passive_ratio, search, shear_faces};
-use crate::random::Random;
+use super::exhaustive::{cut_off_faces, passive_ratio, search, shear_faces};
+use super::random::Random;
 
 const ENERGY: f64 = 2.0e3;
 const RESIDUAL: f64 = 0.2;

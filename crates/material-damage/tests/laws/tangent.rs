@@ -8,9 +8,9 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
-use crate::hoek_brown::tunnel;
-use crate::random::Random;
-use crate::softening_plasticity::softening;
+use super::hoek_brown::tunnel;
+use super::random::Random;
+use super::softening_plasticity::softening;
 
 /// Compares the tangent of a law in an element of 0.2 m with difference quotients at random strains.
 fn check(law: &impl ConstitutiveLaw, amplitude: f64) {

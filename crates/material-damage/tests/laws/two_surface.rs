@@ -7,8 +7,8 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::Stress;
 
-use crate::exhaustive::{Face, cut_off_faces, passive_ratio, search, shear_faces};
-use crate::random::Random;
+use super::exhaustive::{Face, cut_off_faces, passive_ratio, search, shear_faces};
+use super::random::Random;
 
 /// The listed strengths of the paper's concrete (Pa).
 const TENSION: f64 = 1.27e6;
