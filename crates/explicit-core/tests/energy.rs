@@ -1,10 +1,9 @@
 //! The energy ledger: it closes, and it finds what does not.
 
-mod support;
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::support::{Links, hex_box, random_vectors};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
@@ -14,7 +13,6 @@ use powerhouse_model::{
     NodalView, NodalViewMut, Operator, Precision, PredictedMotion, Prescribed, RunError,
     RunOptions, RunReport, StepChoice, Stress, Support, TimeFunction, TimeIntegrator, Vec3,
 };
-use support::{Links, hex_box, random_vectors};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)

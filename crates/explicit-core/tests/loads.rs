@@ -1,7 +1,6 @@
 //! Loads, springs and additional blocks.
 
-mod support;
-
+use crate::support::{Links, chain};
 use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
@@ -9,7 +8,6 @@ use powerhouse_model::{
     FrequencyBound, HistoryField, Mat3, Mesh, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
     Operator, Quad, Rayleigh, RunOptions, StepChoice, Stress, Vec3,
 };
-use support::{Links, chain};
 
 /// Resultant (N) and moment about the origin (N m) of a load at a time.
 fn resultant(mesh: &Mesh, load: &mut dyn NodalLoad, time: f64) -> (Vec3, Vec3) {

@@ -1,14 +1,12 @@
 //! The motion of models: closed forms, symmetry, and bits.
 
-mod support;
-
+use crate::support::{Links, chain, hex_box, random_vectors};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     Cadence, ElementKind, Fields, Flow, Mat3, Mesh, ModelError, NodalImpedance, Observer,
     PeriodicPairs, Precision, Prescribed, RunOptions, State, StepChoice, StepView, Support, Vec3,
 };
-use support::{Links, chain, hex_box, random_vectors};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)

@@ -1,11 +1,10 @@
 //! Models on several ranks: how runs end, what is refused, and what is sent.
 
-mod support;
-
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::support::hex_box;
 use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, RankModel, Traffic, run};
 use powerhouse_model::{
@@ -15,7 +14,6 @@ use powerhouse_model::{
     RunError, RunOptions, SingleRank, StaticError, StaticMethod, StaticOptions, StepView, Stress,
     Support, ThreadRanks, Vec3,
 };
-use support::hex_box;
 
 /// Time within which a failure must be known to all ranks.
 const SOON: Duration = Duration::from_secs(30);

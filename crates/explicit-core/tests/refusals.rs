@@ -1,7 +1,6 @@
 //! What cannot be computed is refused before the run, with a typed error that names it.
 
-mod support;
-
+use crate::support::{Links, chain, hex_box};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Model};
 use powerhouse_model::{
@@ -9,7 +8,6 @@ use powerhouse_model::{
     Mesh, MeshError, ModelError, ModelSpec, NodalImpedance, PeriodicPairs, Precision,
     PredictedMotion, Prescribed, RunError, Support, Vec3,
 };
-use support::{Links, chain, hex_box};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)

@@ -1,16 +1,14 @@
 //! Parts of a program's own in a resumed run, with and without a memory, and states that are refused.
 
-mod support;
-
 use std::sync::{Arc, Mutex};
 
+use crate::support::{Links, chain};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     Cadence, CheckpointSink, Constraint, ConstraintWork, ElementKind, EnergyCheck, Fields, Flow,
     ModelError, NodalLoad, Observer, PredictedMotion, Progress, RunError, RunOptions, SavedRun,
     StateError, StepChoice, StepView, Support, Vec3,
 };
-use support::{Links, chain};
 
 /// A pull that grows whenever it is evaluated.
 struct Growing {

@@ -1,17 +1,15 @@
 //! What observers are shown, and how runs end.
 
-mod support;
-
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
+use crate::support::{Links, chain};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
     Cadence, ElementKind, Ended, Fields, Flow, ModelError, Observer, ParameterError, RunError,
     RunOptions, StepChoice, StepView, Support, Vec3,
 };
-use support::{Links, chain};
 
 const YOUNG: f64 = 9.0e9;
 const DENSITY: f64 = 2750.0;

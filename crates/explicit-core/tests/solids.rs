@@ -1,7 +1,6 @@
 //! The engine with its own kernels: stable step, bits, energy, waves.
 
-mod support;
-
+use crate::support::{dense_limit, noise, random_vectors};
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
@@ -9,7 +8,6 @@ use powerhouse_model::{
     HistoryVariable, Lane, LaneWidth, LawInput, Mat3, Mesh, NodalImpedance, Precision, Rayleigh,
     RunError, RunOptions, State, StepChoice, Stress, Support, Vec3,
 };
-use support::{dense_limit, noise, random_vectors};
 
 #[derive(Clone)]
 struct Linear(ElasticMedium);

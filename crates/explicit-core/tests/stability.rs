@@ -1,13 +1,11 @@
 //! The stable step: against the dense eigenvalue, at the limit and past it.
 
-mod support;
-
+use crate::support::{Links, chain, dense_limit, hex_box, random_vectors};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
     ElementKind, LimitingTerm, PeriodicPairs, RunError, RunOptions, StepChoice, Support,
     TimeIntegrator, Vec3,
 };
-use support::{Links, chain, dense_limit, hex_box, random_vectors};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)

@@ -1,6 +1,5 @@
 //! Meshes, and elements made of axial links between all their nodes: simple enough to be trusted,
 //! rich enough to exercise the engine without any of its own kernels.
-#![allow(dead_code)] // Every test binary uses its own part of this module.
 
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::{

@@ -1,0 +1,14 @@
+//! The engine: integrators, the stable step, equilibrium, stages, ranks.
+
+mod energy;
+mod exact;
+mod loads;
+mod motion;
+mod ranks;
+mod refusals;
+mod resume;
+mod runs;
+mod solids;
+mod stability;
+mod stages;
+mod support;
