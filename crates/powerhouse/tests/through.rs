@@ -179,7 +179,7 @@ fn a_lining_through_two_faces_is_that_of_a_long_tunnel() {
     check_ends(WaveKind::SV);
 }
 
-/// The same for SH: `cargo test --release --workspace --test through -- --ignored sh`.
+/// The same for SH: `cargo test --release --test powerhouse in_sh -- --ignored`.
 #[test]
 #[ignore = "takes a minute"]
 fn a_lining_through_two_faces_is_that_of_a_long_tunnel_in_sh() {

@@ -2,7 +2,7 @@
 
 use powerhouse::Error;
 
-use crate::{SOUND, fault_of, read};
+use super::{SOUND, fault_of, read};
 
 /// A sound scene with an in-situ stress, bolts and stages.
 fn staged() -> String {

@@ -7,7 +7,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{Error, Registry, Remark, Results, RunHooks, Scene};
 
-use crate::support::{Folder, Variants, WAVE};
+use super::support::{Folder, Variants, WAVE};
 
 const STEP: f64 = 0.02;
 

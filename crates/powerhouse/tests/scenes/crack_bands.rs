@@ -4,7 +4,7 @@ use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{Error, Registry, Remark, Results, Scene};
 
-use crate::support::{Folder, run};
+use super::support::{Folder, run};
 
 /// One brick of the paper's concrete on a support of a kind, stretched along z by 2 mm in a time (s).
 fn pulled(height: f64, (base, duration): (&str, f64), keys: &str) -> Result<Scene, Error> {

@@ -9,7 +9,7 @@ use powerhouse::material::{
 use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress};
 use powerhouse::{Damping, Error, Material, Part, Registry, Remark, Scene};
 
-use crate::support::*;
+use super::support::*;
 
 const KERNEL: &str = "kernel = \"hex8-full\"\n";
 /// Band that contains the cube's wave of 0.4 s.

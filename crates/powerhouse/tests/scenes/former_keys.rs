@@ -6,8 +6,8 @@ use powerhouse::boundary::Viscous;
 use powerhouse::model::AbsorbingBoundary;
 use powerhouse::{Problem, Registry, Remark, Scene, SceneRemark};
 
-use crate::nonsense::fault;
-use crate::support::*;
+use super::nonsense::fault;
+use super::support::*;
 
 /// The keys of the scene's remarks about former names.
 fn remarks(scene: &Scene) -> Vec<(&'static str, [&'static str; 2])> {

@@ -9,7 +9,7 @@ use powerhouse::{
     SceneJoint, SceneStage,
 };
 
-use crate::support::Folder;
+use super::support::Folder;
 
 const YOUNG: f64 = 2.0e9;
 /// Of the bond, both in tension and in shear (Pa).

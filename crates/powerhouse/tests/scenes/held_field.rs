@@ -11,7 +11,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{Boundary, Material, Part, Remark, Scene, SceneRemark};
 
-use crate::support::*;
+use super::support::*;
 
 /// Ends of a body along a tunnel.
 #[derive(Clone, Copy, Debug, PartialEq)]

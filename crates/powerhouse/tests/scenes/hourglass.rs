@@ -5,7 +5,7 @@ use powerhouse::io::write_gmsh;
 use powerhouse::model::{FieldMotion, Mesh, Vec3};
 use powerhouse::{Registry, Remark, Results, Scene, Topic};
 
-use crate::support::{Folder, run};
+use super::support::{Folder, run};
 
 fn scene(mesh: &Mesh, text: String) -> Scene {
     let folder = Folder::new("hourglass");
@@ -209,7 +209,7 @@ at = [450, 0, 0]
 /// quarter of a ring of 60 x 24 one-point bricks to 20 radii by dynamic relaxation, closes as Salencon's closed
 /// form says to 6 %, or the share of hourglass work is reported: it keeps the wall back.
 #[test]
-#[ignore = "a minute: cargo test --workspace --test scenes -- --ignored a_hole_in_associated_rock"]
+#[ignore = "a minute: cargo test --test powerhouse a_hole_in_associated_rock -- --ignored"]
 fn a_hole_in_associated_rock_is_warned_of() {
     let (error, is_warned) = hole("hex8-one-point", 15);
     assert!(error.abs() <= 0.06 || is_warned, "{error}");

@@ -4,7 +4,7 @@ use std::fs;
 
 use powerhouse::{Error, FolderError, Registry, Remark, ResultFolder, Scene, SceneRemark};
 
-use crate::support::*;
+use super::support::*;
 
 /// A record of two columns that ends at rest, with a peak of 0.3 in the file's unit.
 fn record_file(variants: &Variants, name: &str, scale: f64) {

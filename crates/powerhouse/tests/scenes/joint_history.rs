@@ -9,8 +9,8 @@ use powerhouse::model::{
 };
 use powerhouse::{JointZone, ResultFolder, RunHooks, RunNotes, SnapshotRequest};
 
-use crate::joints::{halves, twin};
-use crate::support::*;
+use super::joints::{halves, twin};
+use super::support::*;
 
 /// Coulomb friction that sums up its slip and flags that it has slid.
 struct Wearing(BondedCoulomb);

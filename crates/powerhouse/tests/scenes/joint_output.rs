@@ -7,8 +7,8 @@ use powerhouse::{
     Error, JointRequest, JointZone, OutputPlan, ResultFolder, RunHooks, RunNotes, SnapshotRequest,
 };
 
-use crate::joints::{JOINT, folder, halves, read, twin};
-use crate::support::*;
+use super::joints::{JOINT, folder, halves, read, twin};
+use super::support::*;
 
 /// The halves of the joint, x < 150 m and the rest.
 fn half(low: f64, high: f64) -> JointZone {

@@ -4,8 +4,8 @@ use powerhouse::contact::ContactError;
 use powerhouse::model::{Bond, ContactState, Mesh, Stress, Vec3};
 use powerhouse::{Error, GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 
-use crate::joints::{JOINT, folder, halves, read, twin};
-use crate::support::*;
+use super::joints::{JOINT, folder, halves, read, twin};
+use super::support::*;
 
 /// The halves with sets of nodes, facets and elements about the corner x = y = 0.
 fn marked() -> Mesh {

@@ -5,7 +5,7 @@ use powerhouse::io::write_gmsh;
 use powerhouse::model::{JointRecord, Mesh};
 use powerhouse::{Error, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint};
 
-use crate::support::*;
+use super::support::*;
 
 /// The cube in two parts, one on the other.
 pub(crate) fn halves() -> Mesh {

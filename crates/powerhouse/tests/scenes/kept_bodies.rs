@@ -10,7 +10,7 @@ use powerhouse::model::{
     Vec3,
 };
 
-use crate::support::Folder;
+use super::support::Folder;
 
 /// Fields of a structure by name, as they are printed.
 fn fields(value: &impl Debug) -> BTreeMap<String, String> {

@@ -2,7 +2,7 @@
 
 use powerhouse::{Error, KeyChange, KeyChangeError, Registry, Scene, SceneChoice};
 
-use crate::support::*;
+use super::support::*;
 
 const SCENE: &str = "\
 title = \"two\" # kept

@@ -12,7 +12,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{Error, Registry, Remark, Scene, keys};
 
-use crate::support::*;
+use super::support::*;
 
 fn parameters(kind: WaveKind, incidence: f64, azimuth: f64) -> PlaneWaveParameters {
     let mut parameters = PlaneWaveParameters::vertical(kind, ROCK, 0.0);

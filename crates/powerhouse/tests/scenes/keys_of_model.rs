@@ -11,7 +11,7 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{Facet, TimeFunction, Vec3};
 use powerhouse::{Boundary, InitialMotion, Material, Part, Scene, TimeStep};
 
-use crate::support::*;
+use super::support::*;
 
 fn facets(set: &str) -> Vec<Facet> {
     cube().facet_set(set).unwrap().to_vec()

@@ -7,7 +7,7 @@ use powerhouse::engine::observe::{
 use powerhouse::model::Vec3;
 use powerhouse::{EnvelopeRequest, OutputPlan, SectionRequest, SnapshotRequest};
 
-use crate::support::*;
+use super::support::*;
 
 const HISTORY: &str = "[[output.history]]\nname = \"surface\"\nat = [150, 150, 0]\n";
 

@@ -2,7 +2,7 @@
 
 use powerhouse::{Material, Registry};
 
-use crate::support::*;
+use super::support::*;
 
 const ELASTIC: &str = "law = \"elastic\"\nyoung = 9.0e9\npoisson = 0.27\ndensity = 2750\n";
 

@@ -6,7 +6,7 @@ use powerhouse::material::{
 };
 use powerhouse::{Error, Material, Remark, RunNotes};
 
-use crate::support::*;
+use super::support::*;
 
 /// The paper's rock, weak enough to yield under the cube's wave.
 fn weak() -> MohrCoulombParameters {

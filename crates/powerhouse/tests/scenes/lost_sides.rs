@@ -9,7 +9,7 @@ use powerhouse::{
     EquilibratedBody, Material, OutputPlan, Part, RunHooks, Scene, SceneJoint, SceneStage, TimeStep,
 };
 
-use crate::support::*;
+use super::support::*;
 
 /// Height of the joint, and of the body (m).
 const SEAM: f64 = 6.0;

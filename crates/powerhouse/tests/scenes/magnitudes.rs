@@ -4,8 +4,8 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{Error, Material, Part, Problem, Registry, Scene, SceneRemark};
 
-use crate::nonsense::{fault, warnings_of};
-use crate::support::*;
+use super::nonsense::{fault, warnings_of};
+use super::support::*;
 
 /// A quantity outside its usual range is an error with key, value, range and the probable unit; where the scene allows
 /// it, it is a warning, and nothing else changes.

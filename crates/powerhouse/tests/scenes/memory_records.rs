@@ -3,7 +3,7 @@
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{Error, Registry, Scene};
 
-use crate::support::*;
+use super::support::*;
 
 /// A wave by a record that a table names by the file `motion`.
 const RECORD: &str = r#"

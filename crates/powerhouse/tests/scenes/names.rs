@@ -9,8 +9,8 @@ use powerhouse::{
     SceneJoint, SceneStage,
 };
 
-use crate::nonsense::fault;
-use crate::support::*;
+use super::nonsense::fault;
+use super::support::*;
 
 /// Two results never have the same file: the second name is an error with its position before the run; a comma and
 /// quotes in a name are permitted.

@@ -12,7 +12,7 @@ use powerhouse::{
     SceneStage,
 };
 
-use crate::support::*;
+use super::support::*;
 
 /// Fault of the cube's scene with a passage replaced.
 pub(crate) fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault> {

@@ -8,7 +8,7 @@ use powerhouse::schemars::JsonSchema;
 use powerhouse::{Error, Problem, Registry, RunHooks, Scene};
 use serde::Deserialize;
 
-use crate::support::*;
+use super::support::*;
 
 /// Keys of the output.
 #[derive(Deserialize, JsonSchema)]

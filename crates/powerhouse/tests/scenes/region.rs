@@ -5,7 +5,7 @@ use powerhouse::engine::observe::Motion;
 use powerhouse::model::Vec3;
 use powerhouse::{Boundary, Error, OutputPlan, Remark, Scene};
 
-use crate::support::*;
+use super::support::*;
 
 const LOW: Vec3 = Vec3::new(60.0, 60.0, -160.0);
 const HIGH: Vec3 = Vec3::new(240.0, 240.0, 0.0);

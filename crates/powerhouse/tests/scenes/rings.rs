@@ -4,7 +4,7 @@ use powerhouse::io::{TableColumn, read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, Scene};
 
-use crate::support::*;
+use super::support::*;
 
 /// Inner and outer radius (m).
 const RADII: [f64; 2] = [4.0, 5.0];

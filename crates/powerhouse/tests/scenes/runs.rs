@@ -16,7 +16,7 @@ use powerhouse::{
     RunHooks, Scene, SnapshotRequest, TimeStep,
 };
 
-use crate::support::*;
+use super::support::*;
 
 /// A physical curve of a mesh file names an edge: it is not part of the body, changes nothing, and its nodes can be
 /// supported.

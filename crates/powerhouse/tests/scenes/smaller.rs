@@ -14,7 +14,7 @@ use powerhouse::{
     Results, Scene, TimeStep,
 };
 
-use crate::support::*;
+use super::support::*;
 
 const PLACES: [(&str, [f64; 3]); 3] = [
     ("middle", [150.0, 150.0, 0.0]),

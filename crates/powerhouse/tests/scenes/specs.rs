@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use powerhouse::spec::{At, Finite, InitialMotion, Positive, Precision};
 use powerhouse::{RunInputs, Scene, SceneFile};
 
-use crate::support::*;
+use super::support::*;
 
 /// The scenes that come with the software; other files beside them are of mesh generators.
 fn stored() -> Vec<PathBuf> {

@@ -6,8 +6,8 @@ use powerhouse::engine::{NodalForce, StaticOptions};
 use powerhouse::model::Vec3;
 use powerhouse::{CompletedStage, Error, Scene, SceneStage, StageSink};
 
-use crate::stages::{MATERIALS, ROLLERS, folder, mesh, read};
-use crate::support::run;
+use super::stages::{MATERIALS, ROLLERS, folder, mesh, read};
+use super::support::run;
 
 /// A pressure and a jack that act in one stage.
 const PRESSED: &str = r#"

@@ -2,8 +2,8 @@
 
 use powerhouse::{Error, Remark, Results, Scene};
 
-use crate::stages::{MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
-use crate::support::{Folder, run};
+use super::stages::{MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
+use super::support::{Folder, run};
 
 /// The trench without bolts.
 fn trench() -> String {

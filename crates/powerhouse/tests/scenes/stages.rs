@@ -18,7 +18,7 @@ use powerhouse::{
     StageSink, StagingError,
 };
 
-use crate::support::{Folder, SIDES, run};
+use super::support::{Folder, SIDES, run};
 
 const ROCK: ElasticMedium = ElasticMedium {
     young: 2.0e9,

@@ -10,8 +10,8 @@ use powerhouse::{
     CompletedStage, Error, InSituStress, Remark, Results, RunHooks, Scene, StageSink,
 };
 
-use crate::stages::{BOLTS, MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
-use crate::support::{Folder, run};
+use super::stages::{BOLTS, MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
+use super::support::{Folder, run};
 
 /// Parts with flat damping have their static stiffness in the stages, and the stress of the stages does not relax: without
 /// input the body does not move, with cracked rock either, and its mechanisms dissipate nothing.

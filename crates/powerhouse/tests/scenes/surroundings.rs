@@ -14,7 +14,7 @@ use powerhouse::{
     Boundary, Error, InitialMotion, Material, Part, Registry, Remark, Scene, Simulation,
 };
 
-use crate::support::*;
+use super::support::*;
 
 /// A scene from the text of the cube with some passages replaced.
 fn read(name: &str, changes: &[(&str, &str)]) -> Result<Scene, Error> {

@@ -1,7 +1,7 @@
 //! H5DRM files of a layered site, whose motions were computed by another program.
 
-use crate::differences;
-use crate::support::*;
+use super::differences;
+use super::support::*;
 
 fn path(name: &str) -> String {
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/motions");

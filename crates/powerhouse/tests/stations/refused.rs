@@ -4,7 +4,7 @@ use powerhouse::Error;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::{Boundary, Scene};
 
-use crate::support::*;
+use super::support::*;
 
 /// Text of the error of reading or preparing a scene, at a key of its file.
 fn fault(scene: Result<Scene, Error>, wanted: &str) -> String {
