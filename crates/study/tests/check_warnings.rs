@@ -1,8 +1,6 @@
 //! Warnings that a check of a scene finds before its run.
 
-mod block;
-
-use block::Folder;
+use crate::block::Folder;
 use powerhouse::boundary::Viscous;
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{Mesh, Vec3};

@@ -310,7 +310,7 @@ fn ratios(case: &Case) -> Vec<(&'static str, f64, f64)> {
 /// The predicted error of a number format is between half and five times that of the whole run, in ten scenes of
 /// different shapes, sizes, angles, materials and laws, or is declared unknown.
 ///
-/// `cargo test --release --workspace --test promises -- --ignored --nocapture errors`
+/// `cargo test --release --test study promises::errors -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
 fn errors_of_formats_are_as_promised_in_ten_scenes() {
@@ -382,7 +382,7 @@ fn formats_keep_the_accelerations_of_a_lining() {
 /// The predicted saving of mixed precision is within a quarter of the measured one; both are printed. The times need an
 /// otherwise idle machine.
 ///
-/// `cargo test --release --workspace --test promises -- --ignored --nocapture savings`
+/// `cargo test --release --test study promises::savings -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes, and a quiet machine"]
 fn savings_are_as_promised_in_ten_scenes() {

@@ -1,7 +1,5 @@
 //! What a program registers, laws, boundaries and kernels, is known to every study of a scene.
 
-mod block;
-
 use std::sync::Arc;
 
 use powerhouse::boundary::Viscous;
@@ -16,7 +14,7 @@ use powerhouse_study::sweep::Sweep;
 use powerhouse_study::trade::{Goal, NoProgress, Trade};
 use powerhouse_study::{advise_boundary, check, sweep};
 
-use block::Folder;
+use crate::block::Folder;
 
 /// Soil whose shear modulus falls with the shear strain (Hardin & Drnevich 1972).
 #[derive(Clone)]

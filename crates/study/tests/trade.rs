@@ -1,7 +1,5 @@
 //! Trade studies: factors, runs, files, reuse of earlier runs.
 
-mod block;
-
 use std::path::Path;
 use std::time::Duration;
 
@@ -13,7 +11,7 @@ use powerhouse_study::trade::{
     Factor, Goal, NoProgress, Quantity, Reference, Trade, TradeCase, TradeWatch,
 };
 
-use block::Folder;
+use crate::block::Folder;
 
 /// A block of ground under a wave.
 const SCENE: &str = r#"
