@@ -1,8 +1,4 @@
 //! Faults of the system around a run: what is said, what is left on the disk, and how the run goes on.
-#![cfg(unix)]
-
-mod block;
-mod killed;
 
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::CommandExt;
@@ -10,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use block::{Block, text};
-use killed::{assert_same_files, files};
+use crate::block::{self, Block, text};
+use crate::killed::{assert_same_files, files};
 use powerhouse::CheckpointFiles;
 use powerhouse_test_support::TestFolder;
 

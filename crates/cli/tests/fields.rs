@@ -1,10 +1,8 @@
 //! Pictures and lines from the snapshots of a finished run.
 
-mod block;
-
 use std::path::Path;
 
-use block::{Block, text};
+use crate::block::{Block, text};
 use powerhouse::io::read_table;
 
 /// What the command prints; it must succeed.

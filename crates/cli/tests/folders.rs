@@ -1,11 +1,9 @@
 //! Result folders: one run at a time, tested before the first step, losses reported.
 
-mod block;
-
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use block::{Block, text};
+use crate::block::{self, Block, text};
 
 /// A block that runs until it is interrupted, with snapshots.
 fn long(name: &str) -> Block {

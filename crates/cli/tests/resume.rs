@@ -1,11 +1,9 @@
 //! A run that is killed at any moment is resumed to the same files.
 
-mod killed;
-
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use killed::{Noise, assert_same_files, files, scene, start};
+use crate::killed::{Noise, assert_same_files, files, scene, start};
 use powerhouse_test_support::TestFolder;
 
 /// Kills the run of a scene at so many random moments, stages included, resumes it each time with another number of
@@ -62,7 +60,7 @@ fn a_killed_run_is_resumed_to_the_same_files() {
     kill_and_resume("cli-resume", 6);
 }
 
-/// Two hundred kills: `cargo test -p powerhouse-cli --test resume -- --ignored`.
+/// Two hundred kills: `cargo test --test cli two_hundred -- --ignored`.
 #[test]
 #[ignore = "takes a quarter of an hour"]
 fn a_run_killed_two_hundred_times_is_resumed_to_the_same_files() {

@@ -1,12 +1,9 @@
 //! Closed standard streams and full disks.
-#![cfg(unix)]
-
-mod block;
 
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-use block::Block;
+use crate::block::Block;
 
 fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_powerhouse"));

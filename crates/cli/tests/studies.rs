@@ -1,11 +1,9 @@
 //! Sweeps and trade studies that are killed at any moment go on inside their cases to the same files.
 
-mod killed;
-
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use killed::{Noise, assert_same_files, files, scene, start};
+use crate::killed::{Noise, assert_same_files, files, scene, start};
 use powerhouse_test_support::TestFolder;
 
 /// Two cases, which share their stages.

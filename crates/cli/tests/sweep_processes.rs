@@ -1,15 +1,12 @@
 //! Sweeps that several processes share: each case is computed once, and processes that end early hinder no other.
 
-mod block;
-mod killed;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use block::Block;
-use killed::{assert_same_files, files};
+use crate::block::{self, Block};
+use crate::killed::{assert_same_files, files};
 
 /// Five cases, of which four share their stage.
 const CASES: &str = r#"

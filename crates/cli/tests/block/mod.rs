@@ -1,6 +1,4 @@
 //! A block of ground under a pulse, in a folder of its own.
-// Each test file uses what it needs of it.
-#![allow(dead_code)]
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Output};

@@ -277,7 +277,7 @@ const TOOL: &str = "it needs a tool that is not part of a toolchain";
 const OTHERS: &[Left] = &[
     left("cargo test", TESTS),
     left(
-        "cargo test --release -p powerhouse-cli --test book -- --ignored --nocapture",
+        "cargo test --release --test cli book -- --ignored --nocapture",
         TESTS,
     ),
     left(

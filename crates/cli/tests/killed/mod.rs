@@ -1,6 +1,4 @@
 //! Commands that are killed, and the comparison of the files that they leave.
-// Each test file uses what it needs of it.
-#![allow(dead_code)]
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

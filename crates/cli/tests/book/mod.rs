@@ -232,7 +232,7 @@ fn the_tutorial_leads_to_a_report() {
 }
 
 /// The commands of the pages run on their own scenes, and the tutorial as it is printed:
-/// `cargo test --release -p powerhouse-cli --test book -- --ignored --nocapture`.
+/// `cargo test --release --test cli book -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes a quarter of an hour"]
 fn the_commands_of_the_pages_run_on_their_own_scenes() {
