@@ -364,8 +364,8 @@ fn random_bays_are_sound() {
     assert!(worst >= 0.2, "{worst}");
 }
 
-/// The same for 1,000 of them, and 100 of the medium size: `cargo test --release -p powerhouse-study
-/// --test bay -- --ignored --nocapture`.
+/// The same for 1,000 of them, and 100 of the medium size: `cargo test --release --test wang-2019
+/// bay -- --ignored --nocapture`.
 #[test]
 #[ignore = "a minute"]
 fn a_thousand_random_bays_are_sound() {

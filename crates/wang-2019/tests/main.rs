@@ -1,0 +1,4 @@
+//! The powerhouse of the paper.
+
+mod bay;
+mod conclusions;
