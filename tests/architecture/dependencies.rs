@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::manifests::workspace;
+use super::manifests::workspace;
 
 /// Output of cargo in the workspace.
 fn cargo(arguments: &[&str]) -> String {

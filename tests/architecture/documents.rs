@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use powerhouse::Scene;
 
-use crate::manifests::workspace;
-use crate::sources::files_below;
+use super::manifests::workspace;
+use super::sources::files_below;
 
 /// The longest README: what a reader takes in at once.
 const MOST_LINES: usize = 250;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::manifests::workspace;
-use crate::sources::rust_files;
+use super::manifests::workspace;
+use super::sources::rust_files;
 
 /// Public structures and enumerations that are to get further fields and variants without breaking users: the
 /// files that declare them, and their names.

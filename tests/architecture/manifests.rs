@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-use crate::sources::rust_files;
+use super::sources::rust_files;
 
 /// The workspace's own directory.
 pub(crate) fn workspace() -> PathBuf {
@@ -242,6 +242,23 @@ fn packages_are_set_up_alike() {
             assert_eq!(bench, Some(false), "{package}");
         }
     }
+}
+
+/// A package with tests has them in one program: each program is linked with all that it tests.
+#[test]
+fn packages_have_one_program_of_tests() {
+    let mut count = 0;
+    for (package, manifest) in packages() {
+        let programs = manifest.get("test").and_then(Value::as_array);
+        let programs = programs.map_or(0, Vec::len);
+        let found = manifest["package"]
+            .get("autotests")
+            .and_then(Value::as_bool);
+        assert!(programs < 2, "{package}");
+        assert_eq!(found == Some(false), programs == 1, "{package}");
+        count += programs;
+    }
+    assert!(count > 12, "{count}");
 }
 
 /// One file chooses the engine, the facade's: no other one outside the engine's crate names it, but tests and examples of devices.

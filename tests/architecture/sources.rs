@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::manifests::workspace;
+use super::manifests::workspace;
 
 /// The longest source file; one concern seldom needs more.
 const MOST_LINES: usize = 600;
@@ -74,6 +74,60 @@ fn files_are_short() {
         .map(|(path, lines)| format!("{}: {lines}", path.display()))
         .collect();
     assert!(long.is_empty(), "{long:#?}");
+}
+
+/// Where the module of a file of tests is to be declared, and its name; none for other files and for the programs
+/// themselves.
+fn declaration(path: &Path) -> Option<(Vec<PathBuf>, String)> {
+    let parts: Vec<&str> = path.iter().filter_map(|part| part.to_str()).collect();
+    let top = match parts[..] {
+        ["examples", "figures.rs" | "tests.rs"] => return None,
+        ["examples", _] => {
+            let programs = ["tests.rs", "figures.rs"].map(|name| path.with_file_name(name));
+            let name = path.file_stem()?.to_str()?;
+            return Some((programs.to_vec(), name.to_owned()));
+        }
+        ["crates", _, "tests", ..] => 3,
+        ["tests", "src", ..] => return None,
+        ["tests", ..] => 1,
+        _ => return None,
+    };
+    let module = match path.ends_with("mod.rs") {
+        true => path.parent()?,
+        false => path,
+    };
+    let folder = module.parent()?;
+    let is_top = folder.iter().count() == top;
+    if is_top && path.ends_with("main.rs") {
+        return None;
+    }
+    let parent = folder.join(if is_top { "main.rs" } else { "mod.rs" });
+    Some((vec![parent], module.file_stem()?.to_str()?.to_owned()))
+}
+
+/// No test is left out: each file of the tests of a package is a module of its one program of tests, and each example is one
+/// of the program of their tests.
+#[test]
+fn every_file_of_tests_is_a_module() {
+    let (mut count, mut left_out) = (0, Vec::new());
+    for (path, _) in rust_files() {
+        let relative = path.strip_prefix(workspace()).unwrap();
+        let Some((parents, name)) = declaration(relative) else {
+            continue;
+        };
+        let line = format!("mod {name};");
+        let declares = |parent: PathBuf| {
+            let text = fs::read_to_string(workspace().join(parent)).unwrap_or_default();
+            text.lines()
+                .any(|found| found.trim_start_matches("pub ") == line)
+        };
+        count += 1;
+        if !parents.into_iter().any(declares) {
+            left_out.push(relative.display().to_string());
+        }
+    }
+    assert!(left_out.is_empty(), "{left_out:#?}");
+    assert!(count > 200, "{count}");
 }
 
 /// Nothing built or downloaded is in the repository: none of its files has more than 2 MiB.

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::manifests::workspace;
-use crate::sources::{files_below, rust_files};
+use super::manifests::workspace;
+use super::sources::{files_below, rust_files};
 
 /// How an expression is compared with a text.
 #[derive(Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 //! panic, and no mistake of a kind that can only be a mistake is accepted.
 //!
 //! The normal run makes a few hundred of them; 1,000 are made by
-//! `cargo test --release --workspace --test extremes mutations -- --ignored`.
+//! `cargo test --release --test shelves mutations -- --ignored`.
 
 use core::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};

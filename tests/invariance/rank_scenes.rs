@@ -279,7 +279,7 @@ fn a_stop_of_one_rank_between_stages_is_one_of_all() {
 
 /// The same for scenes of the data, in every precision and for all numbers of ranks and threads; some minutes.
 #[test]
-#[ignore = "takes long: cargo test --release --workspace --test invariance -- --ignored ranks"]
+#[ignore = "takes long: cargo test --release --test shelves ranks -- --ignored"]
 fn ranks_write_the_same_files_of_all_scenes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes");
     for (name, duration) in [

@@ -231,7 +231,7 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// The same after each step: `cargo test --release --workspace --test invariance resume -- --ignored`.
+/// The same after each step: `cargo test --release --test shelves resume -- --ignored`.
 #[test]
 #[ignore = "takes minutes"]
 fn a_run_resumed_after_each_step_has_the_same_bits() {

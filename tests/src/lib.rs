@@ -1,6 +1,6 @@
 //! Common code of the test groups: bodies of elastic ground, incident waves, and errors against exact fields.
 //!
-//! The test groups:
+//! The test groups, modules of one program (`cargo test --test shelves oracle`):
 //! * `analytic`: closed forms; the tolerance follows from the mesh.
 //! * `convergence`: the slope of the error against the element size.
 //! * `invariance`: independence of the results from threads, lanes and the direction of the axes.

@@ -10,7 +10,7 @@ use powerhouse_model::{
 
 use super::cell::{Cell, Found, Refusal};
 use super::column::Column;
-use crate::stable_step::scatter;
+use crate::extremes::stable_step::scatter;
 
 /// Greatest permitted growth of the elastic energy. A mode of a frequency w has at most `1 / (1 - (w dt /
 /// 2)^2)` times its energy, 25.3 times at 0.98 of its limit.
