@@ -166,6 +166,10 @@ pub trait Constraint: Send {
     fn divided_work(&self) -> Option<DividedWork<'_>> {
         None
     }
+    /// Adds the forces (N, in the order of [`nodes`](Self::nodes)) of its joints on their nodes in the present state, which are
+    /// equal and opposite on both sides: area times what their tractions exceed those that act without them. Adds none by
+    /// default.
+    fn add_joint_forces(&self, _out: &mut [Vec3]) {}
     /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
     /// joints that stick; static solutions take the nodes of such a pair for one. None by default.
     fn ties(&self) -> Vec<[u32; 2]> {

@@ -4,6 +4,9 @@ use powerhouse_model::{
     Bond, BondEnergies, ConstraintWork, ContactLaw, ContactState, JointRecord, JointState, Vec3,
 };
 
+/// Share of its opening below which the slip of an open pair is rounding.
+const ROUNDED_SLIP: f64 = 1e-9;
+
 /// Step of a pair that was solved with others; vectors along its normal and tangents.
 pub(super) struct PairStep {
     /// Time at the start of the step and length of the step (s).
@@ -147,6 +150,13 @@ pub(super) fn update<const HISTORY: bool>(
         }
         ContactState::Open => {
             record.first_crack.get_or_insert(step.time);
+            // The sides of a bond that softens slip past each other whether they touch or not.
+            if softens {
+                slip += step.path;
+                if slip > ROUNDED_SLIP * step.offset.x.abs() {
+                    record.first_slip.get_or_insert(step.time);
+                }
+            }
         }
         ContactState::Stick => {
             if old.contact != ContactState::Stick || record.anchor.is_none() {

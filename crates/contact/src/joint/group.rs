@@ -118,6 +118,7 @@ impl Group {
         let count = self.pairs.len();
         let (rate, step) = (1.0 / motion.step, motion.step);
         let (mut excess, mut impulses) = (DVector::zeros(3 * count), DVector::zeros(3 * count));
+        let mut reference = DVector::zeros(3 * count);
         let mut offsets = Vec::with_capacity(count);
         let mut before = Vec::with_capacity(count);
         let mut contacts = Vec::with_capacity(count);
@@ -139,6 +140,8 @@ impl Group {
             let per_traction = pair.projected_area * step;
             let start = (record.traction - side.preload) * per_traction;
             impulses.fixed_rows_mut::<3>(3 * a).copy_from(&start);
+            let nearest = (side.undetermined(record) - side.preload) * per_traction;
+            reference.fixed_rows_mut::<3>(3 * a).copy_from(&nearest);
             let old = pair.to_local(&relative(motion.previous, nodes));
             let mobility = 0.5
                 * [1, 2]
@@ -159,10 +162,9 @@ impl Group {
         }
         let matrices = &mut self.matrices;
         let effort = solve(
-            &self.coupling,
-            matrices,
+            (&self.coupling, matrices),
             &mut contacts,
-            &excess,
+            (&excess, &reference),
             &mut impulses,
         )?;
 
@@ -186,7 +188,7 @@ impl Group {
                 offset: offsets[a].0,
                 before: before[a],
                 after,
-                state: contact.outcome(&traction),
+                state: contact.outcome(),
                 traction,
                 dilation: 0.0,
                 bond: None,

@@ -24,10 +24,11 @@ const ROUNDING: f64 = 1e-14;
 
 /// Inverse effective masses (1/kg) of a pair whose nodes have the same in all directions, or in all
 /// but a tangent along which supports hold both of them, as at the ends of a slice: neither a motion
-/// nor a force ever has a part along that one. None of other pairs.
+/// nor a force ever has a part along that one. None of other pairs. `undetermined` is the traction (Pa, local) along
+/// directions in which motion does not determine it.
 pub(super) fn isotropic_masses(
     pair: &JointPair,
-    side: &Side,
+    undetermined: &Vec3,
     inverse_mass: [&Mat3; 2],
 ) -> Option<[f64; 2]> {
     let [first, second] = inverse_mass;
@@ -40,13 +41,13 @@ pub(super) fn isotropic_masses(
         };
         Some([multiple(first)?, multiple(second)?])
     };
-    let held_along = |(axis, preload): (Vec3, f64)| {
+    let held_along = |(axis, traction): (Vec3, f64)| {
         let across = Mat3::identity() - axis * axis.transpose();
-        (preload == 0.0).then(|| of_shape(across, |matrix| 0.5 * matrix.trace()))?
+        (traction == 0.0).then(|| of_shape(across, |matrix| 0.5 * matrix.trace()))?
     };
     let tangents = [
-        (pair.tangent, side.preload.y),
-        (pair.normal.cross(&pair.tangent), side.preload.z),
+        (pair.tangent, undetermined.y),
+        (pair.normal.cross(&pair.tangent), undetermined.z),
     ];
     of_shape(Mat3::identity(), |matrix| matrix[(0, 0)])
         .or_else(|| tangents.into_iter().find_map(held_along))

@@ -10,7 +10,8 @@ const ROUNDING: f64 = 1e-12;
 /// In components along the normals and tangents of the pairs, the relative velocities are
 /// `r - G p` for impulses `p` (N s). Held pairs have none, which gives their impulses
 /// `p_h = H r_h - C^T p_f` with `H` the inverse of `G_hh` and `C = G_fh H`, and the relative velocities
-/// of the others: `q - S p_f` with `q = r_f - C r_h` and `S = G_ff - C G_hf`.
+/// of the others: `q - S p_f` with `q = r_f - C r_h` and `S = G_ff - C G_hf`. Where `G_hh` is singular, some impulses `N p`
+/// move nothing; of them the held pairs have those of a reference.
 #[derive(Clone, Debug)]
 pub(super) struct Matrices {
     /// Whether each pair is held.
@@ -20,6 +21,8 @@ pub(super) struct Matrices {
     free_rows: Vec<usize>,
     /// `H`.
     inverse: DMatrix<f64>,
+    /// `N`, the part of impulses on held pairs that moves nothing; none where there is no such part.
+    still: Option<DMatrix<f64>>,
     /// `C`.
     carry: DMatrix<f64>,
     /// `S`.
@@ -43,7 +46,7 @@ impl Matrices {
                 coupling[(rows[i], columns[j])]
             })
         };
-        let inverse = pseudo_inverse(&part(&held_rows, &held_rows));
+        let (inverse, still) = pseudo_inverse(&part(&held_rows, &held_rows));
         let carry = part(&free_rows, &held_rows) * &inverse;
         let mut schur = part(&free_rows, &free_rows) - &carry * part(&held_rows, &free_rows);
         for (i, &row) in free_rows.iter().enumerate() {
@@ -63,6 +66,7 @@ impl Matrices {
             held_rows,
             free_rows,
             inverse,
+            still,
             carry,
             schur,
             tangential,
@@ -79,14 +83,18 @@ impl Matrices {
         free - &self.carry * excess.select_rows(&self.held_rows)
     }
 
-    /// Writes all impulses: those of the free pairs, and those of the held ones that result.
+    /// Writes all impulses: those of the free pairs, and those of the held ones that result, nearest to a reference.
     pub(super) fn complete(
         &self,
-        excess: &DVector<f64>,
+        (excess, reference): (&DVector<f64>, &DVector<f64>),
         free: &DVector<f64>,
         impulses: &mut DVector<f64>,
     ) {
-        let held = &self.inverse * excess.select_rows(&self.held_rows) - self.carry.tr_mul(free);
+        let mut held =
+            &self.inverse * excess.select_rows(&self.held_rows) - self.carry.tr_mul(free);
+        if let Some(still) = &self.still {
+            held += still * reference.select_rows(&self.held_rows);
+        }
         for (&row, &impulse) in self.held_rows.iter().zip(held.iter()) {
             impulses[row] = impulse;
         }
@@ -108,14 +116,14 @@ fn greatest_tangential(schur: &DMatrix<f64>, first: usize) -> f64 {
     0.5 * (a + b) + (0.25 * (a - b) * (a - b) + c * c).sqrt()
 }
 
-/// Pseudo-inverse of a symmetric positive semi-definite matrix.
+/// Pseudo-inverse of a symmetric positive semi-definite matrix, and the projection on its null space; none where that is
+/// empty.
 ///
 /// Pairs are scaled to a unit greatest diagonal first, so that masses of very different size are not
 /// mistaken for a lost rank; the three rows of a pair by the same factor, so that directions do not
-/// change. Of impulses that are not unique this takes those with the least sum of `G_max p^2` over the pairs:
-/// around a closed ring no more than needed, and nothing along directions in which supports hold both
-/// nodes of a pair, whose reactions need not pass through the joint.
-fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+/// change. Of impulses that are not unique the pseudo-inverse takes those with the least sum of `G_max p^2` over the pairs;
+/// with the projection of a reference added, those whose difference from it has the least sum.
+fn pseudo_inverse(matrix: &DMatrix<f64>) -> (DMatrix<f64>, Option<DMatrix<f64>>) {
     let count = matrix.nrows();
     let scale = DVector::from_fn(count, |i, _| {
         let pair = i - i % 3;
@@ -123,21 +131,25 @@ fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
         if greatest > 0.0 {
             1.0 / greatest.sqrt()
         } else {
-            0.0
+            1.0
         }
     });
     let scaled = |from: &DMatrix<f64>| {
         DMatrix::from_fn(count, count, |i, j| from[(i, j)] * scale[i] * scale[j])
     };
     if count == 0 {
-        return matrix.clone();
+        return (matrix.clone(), None);
     }
     let eigen = scaled(matrix).symmetric_eigen();
-    let mut inverse = DMatrix::zeros(count, count);
+    let (mut inverse, mut still) = (DMatrix::zeros(count, count), None);
     for (value, vector) in (eigen.eigenvalues.iter()).zip(eigen.eigenvectors.column_iter()) {
         if *value > ROUNDING {
             inverse.ger(1.0 / value, &vector, &vector, 1.0);
+        } else {
+            let still = still.get_or_insert_with(|| DMatrix::zeros(count, count));
+            let (right, left) = (vector.component_div(&scale), vector.component_mul(&scale));
+            still.ger(1.0, &left, &right, 1.0);
         }
     }
-    scaled(&inverse)
+    (scaled(&inverse), still)
 }

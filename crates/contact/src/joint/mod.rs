@@ -39,6 +39,13 @@ struct Side {
     preload: Vec3,
 }
 
+impl Side {
+    /// Traction (Pa, local) along directions in which no motion determines it.
+    fn undetermined(&self, record: &JointRecord) -> Vec3 {
+        record.reference.map_or(self.preload, Vec3::from)
+    }
+}
+
 /// State of a pair with an initial gap.
 const APART: JointState = JointState::new(ContactState::Open, Bond::Never);
 
@@ -369,8 +376,11 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             if let ([index], [nodes]) = (&connected[..], &pair_nodes[..]) {
                 let masses = nodes.map(|node| &inverse_mass[node as usize]);
                 let (pair, side) = (self.pairs[*index as usize], self.sides[*index as usize]);
-                if let Some(inverse_mass) = isotropic_masses(&pair, &side, masses) {
-                    if inverse_mass[0] + inverse_mass[1] > 0.0 {
+                let record = &self.records[*index as usize];
+                let undetermined = side.undetermined(record);
+                if let Some(inverse_mass) = isotropic_masses(&pair, &undetermined, masses) {
+                    let moves = inverse_mass[0] + inverse_mass[1] > 0.0;
+                    if moves {
                         isolated.push(IsolatedPair {
                             index: *index,
                             nodes: *nodes,
@@ -379,7 +389,10 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                             inverse_mass,
                         });
                     }
-                    continue;
+                    // Supports hold both nodes of a pair that does not move; it has the traction of the stress beside it.
+                    if moves || record.reference.is_none() {
+                        continue;
+                    }
                 }
             }
             let mut group = Group::new(connected.clone(), pair_nodes);
@@ -453,6 +466,15 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         })
     }
 
+    fn add_joint_forces(&self, out: &mut [Vec3]) {
+        let pairs = self.pairs.iter().zip(&self.records).zip(&self.sides);
+        for (((pair, record), side), nodes) in pairs.zip(&self.pair_nodes) {
+            let force = pair.to_global(&(record.traction - side.preload)) * pair.projected_area;
+            out[nodes[0] as usize] += force;
+            out[nodes[1] as usize] -= force;
+        }
+    }
+
     fn joints(&self) -> Vec<JointView<'_>> {
         let Effort { sweeps, residual } = self.effort;
         let views = self.members.iter().map(|member| {
@@ -477,8 +499,8 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         for (index, &earlier) in member.pairs().zip(&found) {
             let record = history.records[earlier];
             let (side, origin) = (&mut self.sides[index], member.origin(&record));
-            // What is prepared holds the origins of pairs.
-            if side.origin != origin {
+            // What is prepared holds the origins of pairs, and how their references let them be solved.
+            if side.origin != origin || self.records[index].reference != record.reference {
                 side.origin = origin;
                 self.prepared = None;
             }

@@ -57,6 +57,8 @@ pub(super) struct Contact<'a, L> {
     let_go: bool,
     /// Whether its shear is reduced to the sliding strength.
     slides: bool,
+    /// Whether its normal impulse is at its bound, where the sides part.
+    parts: bool,
     /// State that the law returned in the last sweep, of a pair whose tractions follow its displacement.
     followed: Option<JointState>,
 }
@@ -73,6 +75,7 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
             held: state.contact == ContactState::Stick || state.bond == Bond::Intact,
             let_go: false,
             slides: false,
+            parts: false,
             followed: None,
         }
     }
@@ -91,13 +94,13 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
     }
 
     /// State of the pair after the step, under its final traction.
-    pub(super) fn outcome(&self, traction: &Vec3) -> JointState {
+    pub(super) fn outcome(&self) -> JointState {
         if let (false, Some(state)) = (self.held, self.followed) {
             return state;
         }
         let contact = if self.held {
             ContactState::Stick
-        } else if traction.x >= 0.0 && !self.bears_tension() {
+        } else if self.parts {
             ContactState::Open
         } else if self.slides {
             ContactState::Slide
@@ -109,7 +112,8 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
 
     /// Admissible normal impulse nearest to a trial; that of a pair that bears tension is the trial, until
     /// the pair is let go.
-    fn normal(&self, trial: f64) -> f64 {
+    fn normal(&mut self, trial: f64) -> f64 {
+        self.parts = false;
         if self.bears_tension() {
             return trial;
         }
@@ -118,7 +122,10 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
         if cohesive > 0.0 {
             return trial.min((cohesive - self.preload.x) * self.per_traction);
         }
-        trial.min(-self.preload.x * self.per_traction)
+        // Decided here: the traction of the bounded impulse is zero but for rounding.
+        let bound = -self.preload.x * self.per_traction;
+        self.parts = trial >= bound;
+        trial.min(bound)
     }
 
     /// Impulse of a pair whose tractions follow its displacement, from the last one and the relative velocity that it leaves,
@@ -165,7 +172,8 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
 
 /// Solves for the impulses of a group, starting from `impulses`.
 ///
-/// Pairs that are held have no relative velocity; they are eliminated. The others are solved by
+/// Pairs that are held have no relative velocity; they are eliminated. Where that does not determine their impulses, those
+/// nearest to `reference` are taken. The others are solved by
 /// projected Gauss-Seidel sweeps: the normal impulse from no normal motion, then the tangential one
 /// changed by the slip over the greatest tangential eigenvalue and reduced to the sliding strength. Where
 /// shear moves the normal, too, the normal step is shortened by friction times that, without which the
@@ -180,10 +188,9 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
 /// # Errors
 /// Sweeps and residual if it has not converged after [`MOST_SWEEPS`].
 pub(super) fn solve<L: ContactLaw>(
-    coupling: &DMatrix<f64>,
-    matrices: &mut Matrices,
+    (coupling, matrices): (&DMatrix<f64>, &mut Matrices),
     contacts: &mut [Contact<L>],
-    excess: &DVector<f64>,
+    (excess, reference): (&DVector<f64>, &DVector<f64>),
     impulses: &mut DVector<f64>,
 ) -> Result<Effort, Effort> {
     let mut effort = Effort::default();
@@ -198,7 +205,7 @@ pub(super) fn solve<L: ContactLaw>(
             let rest = matrices.free_excess(excess);
             effort.residual = sweep(matrices, contacts, &rest, &mut free, &mut effort.sweeps);
         }
-        matrices.complete(excess, &free, impulses);
+        matrices.complete((excess, reference), &free, impulses);
         if effort.residual > tolerance(effort.sweeps) {
             let sticks = |(a, contact): (usize, &mut Contact<L>)| {
                 let traction = contact.traction(&impulse_of(impulses, a));

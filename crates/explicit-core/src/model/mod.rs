@@ -81,7 +81,7 @@ pub struct Model {
     pub(crate) constraints: Vec<BoundConstraint>,
     pub(crate) initial_stress: Vec<powerhouse_model::Stress>,
     /// Mesh indices of inactive elements (excavated, or yet to be cast).
-    absent: Vec<u32>,
+    pub(crate) absent: Vec<u32>,
     /// Elements cast in the course of the stages, with their reference configurations.
     pub(crate) casts: Vec<powerhouse_model::Cast>,
     /// Displacement (m) at the start of the stage, one per mesh node and additional node; empty

@@ -77,7 +77,8 @@ impl Model {
     /// Forces (N, engine numbering) that balance the body in addition to the loads at the present time,
     /// and the norm of the internal forces.
     ///
-    /// Nodes connected by ties or joints share their common force equally; the joint transmits the difference.
+    /// Each node of a joint has its own, less the force of the joint, which keeps its tractions. Nodes connected by ties share
+    /// their common force equally; the tie transmits the difference.
     fn balancing_forces(&mut self, which: Loads) -> Result<(Vec<Vec3>, f64), StaticError> {
         self.compute_static_forces(0.0)?;
         let count = self.mass.len();
@@ -95,8 +96,15 @@ impl Model {
         for (force, load) in forces.iter_mut().zip(&loads) {
             *force -= load;
         }
+        for bound in &self.constraints {
+            let mut of_joints = vec![Vec3::zeros(); bound.nodes().len()];
+            bound.constraint.add_joint_forces(&mut of_joints);
+            for (&node, of_joints) in bound.nodes().iter().zip(&of_joints) {
+                forces[node as usize] -= of_joints;
+            }
+        }
         let initial = self.forces_of_initial_stress();
-        for together in self.connected_nodes() {
+        for together in self.tied_nodes() {
             let of_group = |values: &[Vec3], node: u32| -> Vec3 {
                 let members = self.members(&node).iter();
                 members.map(|&member| values[member as usize]).sum()
@@ -209,14 +217,11 @@ impl Model {
         group.map_or(std::slice::from_ref(node), |group| &group.members)
     }
 
-    /// Sets of engine nodes connected by joints and ties, each in rising order.
-    fn connected_nodes(&self) -> Vec<Vec<u32>> {
+    /// Sets of engine nodes connected by ties, each in rising order.
+    fn tied_nodes(&self) -> Vec<Vec<u32>> {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for bound in &self.constraints {
             pairs.extend(bound.constraint.ties());
-            let joints = bound.constraint.joints();
-            let of_joints = joints.iter().flat_map(|joint| joint.pairs);
-            pairs.extend(of_joints.map(|pair| pair.nodes));
         }
         let pairs = pairs.into_iter();
         let pairs: Vec<[u32; 2]> = pairs

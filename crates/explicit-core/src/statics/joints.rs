@@ -217,6 +217,7 @@ impl Model {
             return Ok(());
         }
         self.compute_static_forces(0.0)?;
+        self.set_reference_tractions()?;
         let mut forces = self.forces_of_initial_stress();
         forces.iter_mut().for_each(|force| *force = -*force);
         self.loads.add_all(self.time, &mut forces);

@@ -11,6 +11,7 @@ mod freedoms;
 mod gradients;
 mod joints;
 mod mixing;
+mod recovery;
 mod relaxation;
 mod saved;
 mod support_check;

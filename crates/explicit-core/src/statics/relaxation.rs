@@ -18,6 +18,11 @@ const MASS_FACTOR: f64 = 1.0 / (1.0 - 0.5 * MOST_DAMPING);
 /// Number of steps between two calls of the progress callback.
 const PROGRESS_INTERVAL: u32 = 100;
 
+/// Relative change of the tractions by the stress beside a joint at which they count as those of the equilibrium, and number of
+/// equilibria found with other ones after which they do, too.
+const SETTLED: f64 = 1.0e-4;
+const MOST_SETTLED: u32 = 8;
+
 /// Start of an increment: an unbalanced displacement (m), or the state of a relaxation that was interrupted.
 pub(super) enum Start {
     Displacement(Vec<Vec3>),
@@ -103,6 +108,7 @@ impl Relaxation {
         out: &[Vec3],
         u: &[Vec3],
     ) -> Result<Vec<Vec3>, StaticError> {
+        system.model().set_reference_tractions()?;
         let before = system.model().joint_histories();
         let still = vec![Vec3::zeros(); u.len()];
         let predicted = self.inverse.par_iter().zip(out);
@@ -189,7 +195,10 @@ impl Relaxation {
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
+        system.forces(&motion.u)?;
+        system.model().set_reference_tractions()?;
         system.model().prepare_joints(STEP, &self.inverse);
+        let mut settled = 0;
         loop {
             checkpoints.take(system.model(), report, || Some(motion.clone()))?;
             let SavedRelaxation {
@@ -229,8 +238,14 @@ impl Relaxation {
                 });
             }
             if balances && *is_still {
-                report.residual = relative;
-                return Ok(motion.u);
+                settled += 1;
+                // The stress beside the joint has changed since its tractions were taken from it.
+                let change = system.model().set_reference_tractions()?;
+                if change <= SETTLED || settled > MOST_SETTLED {
+                    report.residual = relative;
+                    return Ok(motion.u);
+                }
+                system.model().prepare_joints(STEP, &self.inverse);
             }
             if !relative.is_finite() || *step == self.most_steps {
                 return Err(system.not_converged(&net, relative, increment));
