@@ -5,3 +5,4 @@ mod damping;
 mod equilibrium;
 mod joints;
 mod sphere;
+mod tractions;

@@ -180,7 +180,8 @@ pub trait Constraint: Send {
         Vec::new()
     }
     /// Sets the pairs of a joint to the state of an earlier run, whatever the order of its pairs
-    /// then; returns whether it has a joint of that name with these pairs. Has none by default.
+    /// then; closed pairs without a reference traction take their own for it. Returns whether it has a joint of that name
+    /// with these pairs. Has none by default.
     fn restore(&mut self, _history: &JointHistory) -> bool {
         false
     }

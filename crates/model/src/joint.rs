@@ -202,7 +202,7 @@ pub struct JointRecord {
     /// [`JointResponse::dilation`](crate::JointResponse::dilation); zero for laws that do not dilate.
     pub dilation: f64,
     /// Traction (Pa, along normal and tangents) by the stress of the elements beside the pair in the last static
-    /// equilibrium. Where equilibrium alone does not determine the tractions, as of the pairs of two facets at one edge or
+    /// equilibrium, in addition to one that the joint has from the start. Where equilibrium alone does not determine the tractions, as of the pairs of two facets at one edge or
     /// along a direction in which supports hold both nodes, those nearest to it are taken. None if unknown.
     pub reference: Option<[f64; 3]>,
 }

@@ -40,9 +40,10 @@ struct Side {
 }
 
 impl Side {
-    /// Traction (Pa, local) along directions in which no motion determines it.
+    /// Traction (Pa, local) along directions in which no motion determines it: that which acts without the joint, and that
+    /// of the stress beside it.
     fn undetermined(&self, record: &JointRecord) -> Vec3 {
-        record.reference.map_or(self.preload, Vec3::from)
+        self.preload + record.reference.map_or_else(Vec3::zeros, Vec3::from)
     }
 }
 
@@ -497,8 +498,11 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             return false;
         };
         for (index, &earlier) in member.pairs().zip(&found) {
-            let record = history.records[earlier];
+            let mut record = history.records[earlier];
             let (side, origin) = (&mut self.sides[index], member.origin(&record));
+            if record.reference.is_none() && record.state.contact != ContactState::Open {
+                record.reference = Some((record.traction - side.preload).into());
+            }
             // What is prepared holds the origins of pairs, and how their references let them be solved.
             if side.origin != origin || self.records[index].reference != record.reference {
                 side.origin = origin;

@@ -190,6 +190,15 @@ impl Model {
         }
     }
 
+    /// Lets joints take their present tractions for references, to which those that later equilibrium leaves open are nearest.
+    pub(super) fn keep_tractions(&mut self) {
+        let mut histories = self.joint_histories();
+        for record in histories.iter_mut().flat_map(|joint| &mut joint.records) {
+            record.reference = None;
+        }
+        self.restore_joints(&histories);
+    }
+
     /// Makes sliding pairs stick in static equilibrium at a displacement (m, engine numbering), and discards the impact
     /// losses of the relaxation, whose masses are fictitious.
     pub(super) fn stick_joints(&mut self, before: &[JointHistory], u: &[Vec3]) {

@@ -214,6 +214,7 @@ impl Model {
         if !relaxes {
             self.load_joints()?;
         }
+        self.keep_tractions();
         self.store_carried_forces()?;
         Ok(report)
     }
