@@ -91,7 +91,8 @@ fn middles(body: &Body) -> Vec<Vec3> {
 
 /// In ground with a lateral pressure of 0.3 to 2 times the vertical one, which grows with depth, every pair of a joint that
 /// dips into faces on rollers, or goes around a block or an octagon, has the mean traction of that stress over its facets, to
-/// 1 % of the greatest one on a coarse mesh and to 0.5 % on one of half the size.
+/// 1e-9 of the greatest one. Where bricks are sheared by 60 degrees and more or have other angles, the stress of their middles is
+/// in equilibrium only as far as the mesh is fine: to 2 % on a coarse mesh, to 0.6 of that on one of half the size.
 #[test]
 fn tractions_of_geostatic_stress() {
     let (level, weight) = (16.0, media::ROCK.density * 9.81);
@@ -126,10 +127,19 @@ fn tractions_of_geostatic_stress() {
             };
             let errors = [error(1.0), error(0.5)];
             println!("{cut:?} {lateral} {method:?}: {errors:?}");
-            assert!(
-                errors[0] < 0.01 && errors[1] < 0.005,
-                "{cut:?} {lateral}: {errors:?}"
-            );
+            let is_distorted = match cut {
+                Cut::Plane { dip } => dip > 45.0,
+                other => other == Cut::Octagon,
+            };
+            let limits = match is_distorted {
+                true => [0.02, 0.6 * errors[0]],
+                false => [1.0e-9; 2],
+            };
+            let holds = errors
+                .iter()
+                .zip(limits)
+                .all(|(error, limit)| *error < limit);
+            assert!(holds, "{cut:?} {lateral}: {errors:?}");
         }
     }
 }
