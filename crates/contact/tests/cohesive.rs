@@ -496,3 +496,38 @@ fn no_direction_in_the_plane_is_preferred() {
     assert!((a - b).norm() < 1e-9 * a.norm(), "{a} {b}");
     assert!((one / other - 1.0).abs() < 1e-9);
 }
+
+/// While a bond softens its slip is the tangential part of the separation, at every angle between opening and shear, and begins
+/// when the bond does; drawn straight off it has none.
+#[test]
+fn slip_of_a_softening_bond_is_the_tangential_separation() {
+    for degrees in [0.0_f64, 20.0, 45.0, 70.0, 90.0] {
+        let pair = JointPair::new([0, 1], Vec3::new(0.4, -0.3, 1.0), 2.0);
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let direction = pair.to_global(&Vec3::new(cosine, sine * 0.8, sine * 0.6));
+        // Heavy sides: the bond does not slow them.
+        let heavy = Mat3::identity() / 1e13;
+        let mut nodes = Nodes::new(joint(CONCRETE, pair), [heavy; 2], 1e-6);
+        nodes.velocity[1] = direction;
+        let (mut least, mut seen) = (f64::INFINITY, 0);
+        for _ in 0..900 {
+            nodes.advance([Vec3::zeros(); 2]);
+            let record = nodes.record();
+            let separation = pair.to_local(&(nodes.displacement[1] - nodes.displacement[0]));
+            let tangential = separation.y.hypot(separation.z);
+            if record.state.bond == Bond::Softening {
+                seen += 1;
+                let error = (record.state.slip - tangential).abs();
+                // The first step, in which the bond still held, is the difference.
+                assert!(
+                    error < 2.1e-6 * sine + 1e-15,
+                    "{degrees}: {record:?} {tangential}"
+                );
+                least = least.min(record.first_slip.unwrap_or(f64::INFINITY));
+            }
+        }
+        assert!(seen > 100, "{degrees}: {seen}");
+        assert_eq!(least.is_finite(), degrees > 0.0, "{degrees}: {least}");
+        assert!(degrees == 0.0 || least < 5e-6, "{degrees}: {least}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Sides that meet and part.
 
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Frictionless, Joint};
-use powerhouse_model::{Bond, JointPair, Vec3};
+use powerhouse_model::{Bond, ContactState, JointPair, Vec3};
 
 use super::{Bodies, Noise};
 
@@ -101,5 +101,42 @@ fn a_block_leaves_its_base_and_comes_back() {
         );
         assert_eq!(joint.records()[0].peak_opening, largest);
         assert!(joint.records()[0].impact > 0.0);
+    }
+}
+
+/// Sides that are pulled apart count as open in every step from then on, and as cracked, whatever the preload: with supports
+/// along their tangents, whose pairs are solved in groups, and without.
+#[test]
+fn sides_that_have_parted_are_open() {
+    let mut noise = Noise(5);
+    for round in 0..60 {
+        let normal = noise.vector().normalize();
+        let pair = JointPair::new([0, 1], normal, 0.25);
+        let pressure = 1e6 * (2.5 + noise.vector().x);
+        let law = BondedCoulomb::unbonded(0.6, 0.6).unwrap();
+        let joint = Joint::new("joint", vec![pair], law).unwrap();
+        let mut joint = joint.with_preload(|pair| -pair.normal * pressure).unwrap();
+        let mut bodies = Bodies::at_rest(&[300.0, 700.0], 1e-4);
+        if round % 2 == 0 {
+            bodies.free = normal * normal.transpose();
+        }
+        let pull = normal * (1.6 * pressure * pair.area);
+        let mut parted = 0;
+        for _ in 0..40 {
+            let gap = (bodies.displacement[1] - bodies.displacement[0]).dot(&normal);
+            let sign = |body: usize| 2.0 * body as f64 - 1.0;
+            bodies.step(&mut joint, |body| pull * sign(body)).unwrap();
+            let record = &joint.records()[0];
+            if gap > 1e-9 {
+                parted += 1;
+                assert_eq!(
+                    record.state.contact,
+                    ContactState::Open,
+                    "{round}: {record:?}"
+                );
+                assert!(record.first_crack.is_some());
+            }
+        }
+        assert!(parted > 30, "{parted}");
     }
 }
