@@ -18,10 +18,8 @@ const MASS_FACTOR: f64 = 1.0 / (1.0 - 0.5 * MOST_DAMPING);
 /// Number of steps between two calls of the progress callback.
 const PROGRESS_INTERVAL: u32 = 100;
 
-/// Relative change of the tractions by the stress beside a joint at which they count as those of the equilibrium, and number of
-/// equilibria found with other ones after which they do, too.
+/// Relative change of the tractions by the stress beside a joint at which they count as those of the equilibrium.
 const SETTLED: f64 = 1.0e-4;
-const MOST_SETTLED: u32 = 8;
 
 /// Start of an increment: an unbalanced displacement (m), or the state of a relaxation that was interrupted.
 pub(super) enum Start {
@@ -137,6 +135,8 @@ impl Relaxation {
             Start::Displacement(mut u) => {
                 let before = system.model().joint_histories();
                 self.predict_sticking(system, increment, &mut u, report)?;
+                system.forces(&u)?;
+                system.model().set_reference_tractions()?;
                 SavedRelaxation {
                     before,
                     velocity: vec![Vec3::zeros(); u.len()],
@@ -195,10 +195,7 @@ impl Relaxation {
         report: &mut StaticReport,
         progress: &mut (dyn FnMut(StaticProgress) + Send),
     ) -> Result<Vec<Vec3>, StaticError> {
-        system.forces(&motion.u)?;
-        system.model().set_reference_tractions()?;
         system.model().prepare_joints(STEP, &self.inverse);
-        let mut settled = 0;
         loop {
             checkpoints.take(system.model(), report, || Some(motion.clone()))?;
             let SavedRelaxation {
@@ -238,10 +235,9 @@ impl Relaxation {
                 });
             }
             if balances && *is_still {
-                settled += 1;
                 // The stress beside the joint has changed since its tractions were taken from it.
                 let change = system.model().set_reference_tractions()?;
-                if change <= SETTLED || settled > MOST_SETTLED {
+                if change <= SETTLED {
                     report.residual = relative;
                     return Ok(motion.u);
                 }
