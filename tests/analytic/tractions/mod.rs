@@ -4,6 +4,7 @@
 mod body;
 mod given;
 mod loaded;
+mod newmark;
 
 use powerhouse::engine::{BuildModel, Leapfrog, Model, run};
 use powerhouse_contact::{
@@ -150,12 +151,25 @@ pub(crate) fn spec<'a>(
     media: [ElasticMedium; 2],
     law: Law,
 ) -> ModelSpec<'a> {
+    spec_with(body, kernel, media, law.joint(body))
+}
+
+/// The same with a joint of its own.
+pub(crate) fn spec_with<'a>(
+    body: &'a Body,
+    kernel: SolidKernel,
+    media: [ElasticMedium; 2],
+    joint: Box<dyn Constraint>,
+) -> ModelSpec<'a> {
     let sides = ["first", "second"].into_iter().zip(media);
     let spec = sides.fold(
         Model::builder(&body.mesh).threads(1),
-        |spec, (set, medium)| spec.elements(set, elastic(set, kernel, medium, Default::default())),
+        |spec, (set, medium)| {
+            let factory = elastic(set, kernel, medium, Default::default());
+            spec.elements(set, factory)
+        },
     );
-    spec.constraint(law.joint(body))
+    spec.constraint(joint)
 }
 
 /// Static equilibrium by a method to a tolerance; the state from which the next stage begins.

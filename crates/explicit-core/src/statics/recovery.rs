@@ -4,7 +4,7 @@
 //! facets that meet at an edge, divide it; nor which part of the force on two nodes that one support holds goes through the
 //! joint and which into the support. The stress on both sides of the joint does, `t = sigma n`. It is fitted to the mean
 //! stresses of the elements around the node as a linear function of position, as in superconvergent patch recovery
-//! (Zienkiewicz & Zhu 1992), which is exact for a stress that is linear over the patch.
+//! (Zienkiewicz & Zhu 1992), which is exact for a stress that is linear over the patch. At rollers it has no shear along them.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -23,6 +23,8 @@ use crate::Model;
 const NEGLIGIBLE: f64 = 1.0e-5;
 /// Square of the extent of a patch in a direction, over that of its widest one, below which it has no extent.
 const FLAT: f64 = 1.0e-8;
+/// Sine of the angle below which two directions count as parallel.
+const PARALLEL: f64 = 1.0e-8;
 /// Cosine of the angle between the normal of a pair and that of a facet along it.
 const ALONG: f64 = 0.7;
 
@@ -47,6 +49,8 @@ struct Undetermined {
     pair: usize,
     geometry: JointPair,
     sides: [PairSide; 2],
+    /// Orthonormal directions in which supports hold both nodes.
+    held: Vec<Vec3>,
 }
 
 impl Model {
@@ -71,8 +75,10 @@ impl Model {
             }
         }
         for pair in &pairs {
-            let tractions = (pair.sides.iter())
-                .filter_map(|side| Some(patches.stress_at(side)?.traction(&pair.geometry.normal)));
+            let tractions = (pair.sides.iter()).filter_map(|side| {
+                let stress = beside_supports(&patches.stress_at(side)?, &pair.held);
+                Some(stress.traction(&pair.geometry.normal))
+            });
             let tractions: Vec<Vec3> = tractions.collect();
             if !tractions.is_empty() {
                 let mean = tractions.iter().sum::<Vec3>() / tractions.len() as f64;
@@ -142,13 +148,14 @@ impl Model {
                 for (index, (pair, record)) in view.pairs.iter().zip(view.records).enumerate() {
                     let leads = pair.nodes.map(lead);
                     let shared = leads.iter().any(|lead| count[lead] > 1);
-                    let held = leads.iter().all(|&lead| self.is_held(lead));
-                    if (shared || held) && record.state.contact != ContactState::Open {
+                    let held = self.held_together(leads);
+                    if (shared || !held.is_empty()) && record.state.contact != ContactState::Open {
                         pairs.push(Undetermined {
                             joint,
                             pair: index,
                             geometry: *pair,
                             sides: [0, 1].map(|side| self.side_of(pair, side)),
+                            held,
                         });
                     }
                 }
@@ -158,10 +165,22 @@ impl Model {
         pairs
     }
 
-    /// Whether a support holds an engine node in some direction, or prescribes its motion.
-    fn is_held(&self, node: u32) -> bool {
-        let group = self.group_of[node as usize].map(|group| &self.groups.groups[group as usize]);
-        group.is_some_and(|group| !group.condition.directions().is_empty())
+    /// Orthonormal directions in which supports hold, or move, two engine nodes.
+    fn held_together(&self, nodes: [u32; 2]) -> Vec<Vec3> {
+        let conditions = nodes.map(|node| {
+            let group = self.group_of[node as usize];
+            group.map(|group| &self.groups.groups[group as usize].condition)
+        });
+        let [Some(one), Some(other)] = conditions else {
+            return Vec::new();
+        };
+        let (few, many) = match one.directions().len() <= other.directions().len() {
+            true => (one, other),
+            false => (other, one),
+        };
+        let held = few.directions().iter().copied();
+        held.filter(|&along| many.free(along).norm() < PARALLEL)
+            .collect()
     }
 
     fn side_of(&self, pair: &JointPair, side: usize) -> PairSide {
@@ -231,6 +250,21 @@ impl Model {
             message: error.to_string(),
         })
     }
+}
+
+/// Stress at a place where supports hold one or two directions, whose faces bear no shear.
+fn beside_supports(stress: &Stress, held: &[Vec3]) -> Stress {
+    if held.is_empty() || held.len() > 2 {
+        return *stress;
+    }
+    let matrix = stress.matrix();
+    let along =
+        |part: Mat3, axis: &Vec3| part + axis * axis.transpose() * axis.dot(&(matrix * axis));
+    let supported = held.iter().fold(Mat3::zeros(), along);
+    let across = held.iter().fold(Mat3::identity(), |rest, axis| {
+        rest - axis * axis.transpose()
+    });
+    Stress::from_matrix(&(supported + across * matrix * across))
 }
 
 /// Elements near the joints, by their nodes.
