@@ -6,6 +6,7 @@ mod bolts;
 mod direct;
 mod excavation;
 mod hand_over;
+mod incompressible;
 mod initial_stress;
 mod kirsch;
 mod refused;
