@@ -27,7 +27,7 @@ use joints::ConnectedPairs;
 use mixing::Mixing;
 use relaxation::{Relaxation, Start};
 use saved::{Checkpoints, Position, SavedStatics};
-use system::System;
+use system::{External, System};
 
 /// Number of earlier corrections in the Anderson acceleration.
 const KEPT_CORRECTIONS: usize = 8;
@@ -35,6 +35,8 @@ const KEPT_CORRECTIONS: usize = 8;
 const FORCING: f64 = 1.0e-2;
 /// Residual of the linear solver over the tolerance of the static solution.
 const MARGIN: f64 = 0.1;
+/// Share of the forces that supports and neighbours bear below which a load is their rounding.
+const ROUNDED: f64 = 256.0 * f64::EPSILON;
 
 impl Model {
     /// Brings the model into static equilibrium under its loads at its present time.
@@ -117,8 +119,13 @@ impl Model {
             _ => Solver::Corrector(Corrector::new(options.method, &system, &mut report)?),
         };
         let mut u = system.displacement();
-        let (target, size) = system.external();
+        let External {
+            forces: target,
+            size,
+            borne,
+        } = system.external();
         system.forces(&u)?;
+        let borne = borne.max(system.internal());
         // Balanced forces stay balanced: the unbalanced part is the load to be applied.
         let mut first = system.residual(&target, &u);
         if let Solver::Relaxation(relaxation) = &solver {
@@ -126,6 +133,10 @@ impl Model {
         }
         let prescribed = system.prescribed_change(&u);
         report.load = size.max(system.norm(&first));
+        if report.load <= ROUNDED * borne {
+            // Forces that cancel, as of a uniform stress in a body that is held all around.
+            report.load = 0.0;
+        }
         if report.load > 0.0 {
             report.unbalanced = system.norm(&first) / report.load;
         }

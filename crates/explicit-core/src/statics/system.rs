@@ -122,18 +122,27 @@ impl<'a> System<'a> {
         self.model.displacements()
     }
 
-    /// Applied forces at the present time less the forces of the initial stress (N), and the larger of the norms of the
-    /// two.
-    pub(super) fn external(&mut self) -> (Vec<Vec3>, f64) {
+    /// Applied forces at the present time less the forces of the initial stress, with the norms of both.
+    pub(super) fn external(&mut self) -> External {
         let model = &mut *self.model;
         let mut forces = vec![Vec3::zeros(); model.mass.len()];
         model.loads.add_all(model.time, &mut forces);
         let mut initial = model.forces_of_initial_stress();
+        let borne = self.norm(&forces).max(self.norm(&initial));
         self.reduce(&mut forces);
         self.reduce(&mut initial);
         let size = self.norm(&forces).max(self.norm(&initial));
         (forces.par_iter_mut().zip(&initial)).for_each(|(force, initial)| *force -= initial);
-        (forces, size)
+        External {
+            forces,
+            size,
+            borne,
+        }
+    }
+
+    /// Norm of the last internal forces (N) of all nodes, held ones included.
+    pub(super) fn internal(&self) -> f64 {
+        self.norm(&self.model.internal_forces())
     }
 
     /// The nodes of groups with a prescribed motion, and their remaining prescribed displacement (m).
@@ -388,6 +397,16 @@ impl<'a> System<'a> {
             },
         }
     }
+}
+
+/// Forces on a body from outside, and of its initial stress.
+pub(super) struct External {
+    /// Applied forces less those of the initial stress (N), reduced.
+    pub(super) forces: Vec<Vec3>,
+    /// The larger of the norms of the two (N), each reduced.
+    pub(super) size: f64,
+    /// The same of all nodes before the reduction: those that are held, or move with others, bear their part.
+    pub(super) borne: f64,
 }
 
 /// Element blocks with the local numbers of their nodes; shared among threads.
