@@ -71,10 +71,7 @@ impl StepView for View<'_> {
         let stresses =
             known.get_or_init(|| model.stresses_of(block, self.displacement_of_block(block)));
         let change = stresses[index];
-        match model.initial_stress.get(element as usize) {
-            Some(initial) => Stress(core::array::from_fn(|i| initial.0[i] + change.0[i])),
-            None => change,
-        }
+        model.initial.stress(element) + change
     }
     fn stress_at(&self, element: u32, natural: &Vec3) -> Option<Stress> {
         let mut stress = self.stress(element);
@@ -98,10 +95,11 @@ impl StepView for View<'_> {
             out.fill(Vec3::zeros());
             return true;
         };
-        let initial = model.initial_stress.get(element as usize);
-        let initial = initial.copied().unwrap_or_default();
+        let initial = model.initial.stress(element);
         let displacement = NodalView::F64(self.displacement_of_block(block));
-        model.blocks[block].element_forces(index, displacement, &initial, out)
+        let is_known = model.blocks[block].element_forces(index, displacement, &initial, out);
+        (model.initial).add_forces_of_slope(&model.mesh, element, out);
+        is_known
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies

@@ -46,8 +46,11 @@ pub struct State {
     /// Displacement (m) at the start of the stage, one per mesh node; empty if it is zero. The
     /// springs of boundaries and the displacements that observers receive are relative to it.
     pub stage_start: Vec<Vec3>,
-    /// Mean initial stress (Pa), one per element; empty without initial stress.
+    /// Initial stress (Pa) at the [centroid](crate::Mesh::centroid), one per element; empty without initial stress.
     pub initial_stress: Vec<Stress>,
+    /// Increase of the initial stress per height z (Pa/m), one per element; empty where it is the same all over each
+    /// element. It counts in the nodal forces of the initial stress.
+    pub initial_slope: Vec<Stress>,
     /// Mesh indices of absent (inactive) elements, excavated or yet to be cast, in rising order.
     pub absent: Vec<u32>,
     /// Elements cast in the course of the stages, with their reference configurations.
@@ -141,11 +144,13 @@ impl State {
         });
     }
 
-    /// Clears the initial stress, history variables and reference configurations of elements.
+    /// Clears the initial stress with its slope, history variables and reference configurations of elements.
     fn clear_elements(&mut self, elements: &[u32]) {
         for &element in elements {
-            if let Some(stress) = self.initial_stress.get_mut(element as usize) {
-                *stress = Stress::default();
+            for of_elements in [&mut self.initial_stress, &mut self.initial_slope] {
+                if let Some(stress) = of_elements.get_mut(element as usize) {
+                    *stress = Stress::default();
+                }
             }
         }
         let removed: HashSet<u32> = elements.iter().copied().collect();

@@ -66,6 +66,24 @@ impl StressField {
         }))
     }
 
+    /// Increase of the stress per height z at a point (Pa/m); zero above the surface if the stress [`ends`](Self::ends)
+    /// there.
+    pub fn slope_at(&self, point: &Vec3) -> Stress {
+        if self.ends && point.z > self.surface {
+            return Stress::default();
+        }
+        Stress(self.gradient.0.map(|gradient| -gradient))
+    }
+
+    /// The slopes of the stress (Pa/m) at the centroid of every element of a mesh, for
+    /// [`State::initial_slope`](crate::State::initial_slope).
+    pub fn slopes_of_elements(&self, mesh: &Mesh) -> Vec<Stress> {
+        let elements = 0..mesh.element_count() as u32;
+        elements
+            .map(|element| self.slope_at(&mesh.centroid(element)))
+            .collect()
+    }
+
     /// The initial stress (Pa) at the centroid of every element of a mesh, for
     /// [`State::initial_stress`](crate::State::initial_stress).
     pub fn of_elements(&self, mesh: &Mesh) -> Vec<Stress> {

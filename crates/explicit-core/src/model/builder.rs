@@ -10,7 +10,7 @@ use powerhouse_model::{
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
 use super::solids::{Solids, build_blocks};
-use super::start::InitialState;
+use super::start::{InitialState, InitialStress};
 use super::{BoundConstraint, Model, least_mass};
 use crate::applied::AppliedLoads;
 use crate::groups::Groups;
@@ -197,7 +197,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         loads,
         prescribed: prescribed.map(|p| p.displacement).collect(),
         constraints,
-        initial_stress: Vec::new(),
+        initial: InitialStress::default(),
         absent: Vec::new(),
         casts: Vec::new(),
         stage_start: Vec::new(),

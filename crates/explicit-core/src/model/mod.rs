@@ -32,6 +32,7 @@ pub use builder::BuildModel;
 pub(crate) use builder::{block_nodes, build_on};
 pub(crate) use dynamics::{BlockTerms, block_forces, least_mass};
 pub(crate) use motion::{ElementAt, by_element};
+use start::InitialStress;
 
 /// A constraint with the node groups on which it acts.
 pub(crate) struct BoundConstraint {
@@ -79,7 +80,7 @@ pub struct Model {
     pub(crate) loads: AppliedLoads,
     prescribed: Vec<Box<dyn TimeFunction>>,
     pub(crate) constraints: Vec<BoundConstraint>,
-    pub(crate) initial_stress: Vec<powerhouse_model::Stress>,
+    pub(crate) initial: InitialStress,
     /// Mesh indices of inactive elements (excavated, or yet to be cast).
     pub(crate) absent: Vec<u32>,
     /// Elements cast in the course of the stages, with their reference configurations.

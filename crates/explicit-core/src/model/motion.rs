@@ -286,7 +286,8 @@ impl Model {
         let mut state = State::default();
         (state.time, state.step) = (self.time, self.number);
         self.put_nodes(&mut state);
-        state.initial_stress.clone_from(&self.initial_stress);
+        state.initial_stress.clone_from(&self.initial.at_centroid);
+        state.initial_slope.clone_from(&self.initial.slope);
         state.absent.clone_from(&self.absent);
         state.casts.clone_from(&self.casts);
         state
@@ -341,13 +342,18 @@ impl Model {
     /// As [`set_initial`](Self::set_initial), [`EngineError::OtherElements`] and [`EngineError::UnknownJoint`].
     pub fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
         let elements = self.mesh.element_count();
-        if !(state.initial_stress.is_empty() || state.initial_stress.len() == elements) {
-            return Err(EngineError::State {
-                what: "initial stress",
-                found: state.initial_stress.len(),
-                expected: elements,
+        for (what, of_elements) in [
+            ("initial stress", &state.initial_stress),
+            ("slope of the initial stress", &state.initial_slope),
+        ] {
+            if !(of_elements.is_empty() || of_elements.len() == elements) {
+                return Err(EngineError::State {
+                    what,
+                    found: of_elements.len(),
+                    expected: elements,
+                }
+                .into());
             }
-            .into());
         }
         if (&state.absent, &state.casts) != (&self.absent, &self.casts) {
             return Err(EngineError::OtherElements.into());
@@ -367,7 +373,8 @@ impl Model {
             }
         }
         self.set_carried_forces(carried);
-        self.initial_stress.clone_from(&state.initial_stress);
+        (self.initial.at_centroid).clone_from(&state.initial_stress);
+        self.initial.slope.clone_from(&state.initial_slope);
         for block in &mut self.blocks {
             if !state.initial_stress.is_empty() {
                 let of_block = block.elements().iter();

@@ -1,8 +1,9 @@
 //! Active elements of a model and their reference configurations, from its initial state.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
-use powerhouse_model::{ElementChoice, EngineError, Mesh, MeshError, Quad, State, Vec3};
+use powerhouse_model::{ElementChoice, EngineError, Mesh, MeshError, Quad, State, Stress, Vec3};
 
 use super::Model;
 use super::builder::ElementSet;
@@ -113,19 +114,53 @@ impl Model {
     /// Internal nodal forces (N, by local node) of the initial stress: the integral of
     /// `B^T sigma_0` over the active elements.
     pub(crate) fn forces_of_initial_stress(&mut self) -> Vec<Vec3> {
-        if self.initial_stress.is_empty() {
+        if self.initial.is_empty() {
             return vec![Vec3::zeros(); self.mass.len()];
         }
         self.assembled(|model, index| {
             let block = &model.blocks[index];
-            let of_block = block.elements().iter();
-            let stresses: Vec<_> = of_block
-                .map(|&e| model.initial_stress.get(e as usize).copied())
-                .map(Option::unwrap_or_default)
+            let stresses: Vec<_> = (block.elements().iter())
+                .map(|&element| model.initial.stress(element))
                 .collect();
             let mut own = vec![Vec3::zeros(); model.subdomain.nodes_of(index).len()];
             block.add_forces_of(&stresses, &mut own);
+            let place_of: HashMap<u32, usize> = block.nodes().iter().copied().zip(0..).collect();
+            for &element in block.elements() {
+                let nodes = model.mesh.nodes_of(element);
+                let mut forces = vec![Vec3::zeros(); nodes.len()];
+                (model.initial).add_forces_of_slope(&model.mesh, element, &mut forces);
+                for (node, force) in nodes.iter().zip(forces) {
+                    own[place_of[node]] += force;
+                }
+            }
             own
         })
+    }
+}
+
+/// Initial stress of the elements of the mesh, and its increase with height.
+#[derive(Default)]
+pub(crate) struct InitialStress {
+    /// At the centroids (Pa), one per element; empty without initial stress.
+    pub(crate) at_centroid: Vec<Stress>,
+    /// Per height (Pa/m), one per element; empty where it is the same all over each element.
+    pub(crate) slope: Vec<Stress>,
+}
+
+impl InitialStress {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.at_centroid.is_empty()
+    }
+    /// Stress (Pa) at the centroid of an element.
+    pub(crate) fn stress(&self, element: u32) -> Stress {
+        let stress = self.at_centroid.get(element as usize);
+        stress.copied().unwrap_or_default()
+    }
+    /// Adds the internal forces (N) of the slope to those of the nodes of an element.
+    pub(crate) fn add_forces_of_slope(&self, mesh: &Mesh, element: u32, forces: &mut [Vec3]) {
+        let slope = self.slope.get(element as usize).copied();
+        if let Some(slope) = slope.filter(|slope| *slope != Stress::default()) {
+            mesh.add_forces_of_slope(element, &slope, forces);
+        }
     }
 }

@@ -18,6 +18,7 @@ mod shape;
 mod sides;
 mod slice;
 mod split;
+mod stress_slope;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -13,10 +13,10 @@ const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 /// In-situ stress of the ground before the first construction stage.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InSituStress {
-    /// Stress linear in depth, evaluated at the centroid of each element.
+    /// Stress linear in depth, in each element that at its centroid.
     Field(StressField),
     /// Stress linear in depth from layer to layer, from the top downwards, each from its `surface` to that of the next,
-    /// evaluated at the centroid of each element; see [`layers`](Self::layers).
+    /// in each element that at its centroid; see [`layers`](Self::layers).
     Layers(Vec<StressField>),
     /// Stress of each element of the mesh (Pa), in mesh order.
     Elements(Vec<Stress>),
@@ -127,21 +127,39 @@ impl InSituStress {
             Self::Layers(fields) => {
                 let elements = 0..mesh.element_count() as u32;
                 elements
-                    .map(|element| in_layer(fields, &mesh.centroid(element)))
+                    .map(|element| {
+                        let centre = mesh.centroid(element);
+                        layer(fields, &centre).map_or(Stress::default(), |field| field.at(&centre))
+                    })
                     .collect()
             }
             Self::Elements(stresses) => stresses.clone(),
         }
     }
+
+    /// Increase of the stress per height (Pa/m) of every element; empty if it is given element by element.
+    pub(crate) fn slopes_of_elements(&self, mesh: &Mesh) -> Vec<Stress> {
+        match self {
+            Self::Field(field) => field.slopes_of_elements(mesh),
+            Self::Layers(fields) => {
+                let elements = 0..mesh.element_count() as u32;
+                elements
+                    .map(|element| {
+                        let centre = mesh.centroid(element);
+                        layer(fields, &centre)
+                            .map_or(Stress::default(), |field| field.slope_at(&centre))
+                    })
+                    .collect()
+            }
+            Self::Elements(_) => Vec::new(),
+        }
+    }
 }
 
-/// Stress of the layer that contains a point; zero above the first.
-fn in_layer(fields: &[StressField], point: &Vec3) -> Stress {
-    let below = fields.iter().rev();
-    let mut above = below.filter(|field| point.z <= field.surface);
-    above
-        .next()
-        .map_or(Stress::default(), |field| field.at(point))
+/// The layer that contains a point; none above the first.
+fn layer<'a>(fields: &'a [StressField], point: &Vec3) -> Option<&'a StressField> {
+    let mut below = fields.iter().rev();
+    below.find(|field| point.z <= field.surface)
 }
 
 /// Values of a column in SI units.

@@ -223,6 +223,7 @@ impl Staging {
         let mut state = State::at_rest(mesh.node_count());
         if let Some(stress) = &self.scene.in_situ_stress {
             state.initial_stress = stress.of_elements(mesh);
+            state.initial_slope = stress.slopes_of_elements(mesh);
         }
         if !self.timeline.absent.is_empty() {
             state.remove(&self.timeline.absent);
@@ -369,7 +370,9 @@ impl Staging {
         let changes = model.stress_changes();
         let mut stress = state.initial_stress.clone();
         stress.resize(scene.mesh.element_count(), Stress::default());
+        let slope = state.initial_slope.clone();
         state.cast(&renewed);
+        state.initial_slope = slope;
         state.initial_stress.resize(stress.len(), Stress::default());
         for element in renewed.into_iter().map(|element| element as usize) {
             let (before, change) = (stress[element].0, changes[element].0);
