@@ -221,6 +221,15 @@ pub enum EngineError {
         /// Largest permitted distance (m).
         tolerance: f64,
     },
+    /// Coincident nodes of two periodic faces, as at a joint that crosses them, that cannot be paired by the side on which
+    /// the body lies, in [`PeriodicPairs::by_translation`](crate::PeriodicPairs::by_translation).
+    #[error(
+        "several nodes of one periodic face have node {node} of the other as their partner: nodes coincide there, and the surface of the body does not tell on which side of a joint each lies"
+    )]
+    PeriodicSides {
+        /// Number of the partner of several nodes.
+        node: u64,
+    },
     /// Tied nodes with different initial velocities, where a motion or state is [set](crate::EngineModel::set_initial).
     #[error("node {node} is tied to node {partner} but has another initial velocity")]
     TiedVelocity {

@@ -15,11 +15,12 @@ impl PeriodicPairs {
     /// Pairs of matching nodes of two faces (mesh indices) that differ by a translation, to a `tolerance` (m).
     ///
     /// The translation is that of the lowest corners of the bounding boxes of the two faces. Where a joint crosses
-    /// the faces several nodes coincide: each is paired with the one whose elements lie on the same
-    /// side of it.
+    /// the faces several nodes coincide: each is paired with the one at which the body lies on the same
+    /// side of it, by the surface of the mesh.
     ///
     /// # Errors
-    /// [`EngineError::PeriodicMismatch`] with the node farthest from its partner; [`EngineError::UnknownNode`].
+    /// [`EngineError::PeriodicMismatch`] with the node farthest from its partner; [`EngineError::PeriodicSides`] with a node
+    /// among coincident ones whose sides do not tell them apart; [`EngineError::UnknownNode`].
     pub fn by_translation(
         mesh: &Mesh,
         from: &[u32],
@@ -50,17 +51,21 @@ impl PeriodicPairs {
         } else {
             worst_to
         };
-        if worst.1 <= tolerance && from.len() == to.len() && !is_one_to_one(&partners) {
+        if worst.1 <= tolerance && from.len() == to.len() && taken_twice(&partners).is_some() {
             partners = on_the_same_side(mesh, from, to, (translation, worst.1));
         }
-        if worst.1 > tolerance || from.len() != to.len() || !is_one_to_one(&partners) {
+        let tag = |node: u32| mesh.node_tags().get(node as usize).copied().unwrap_or(0);
+        if worst.1 > tolerance || from.len() != to.len() {
             return Err(EngineError::PeriodicMismatch {
                 from: from.len(),
                 to: to.len(),
-                node: mesh.node_tags().get(worst.0 as usize).copied().unwrap_or(0),
+                node: tag(worst.0),
                 distance: worst.1,
                 tolerance,
             });
+        }
+        if let Some(node) = taken_twice(&partners) {
+            return Err(EngineError::PeriodicSides { node: tag(node) });
         }
         Ok(Self {
             pairs: from.iter().copied().zip(partners).collect(),
@@ -90,11 +95,12 @@ impl PeriodicPairs {
     }
 }
 
-fn is_one_to_one(partners: &[u32]) -> bool {
+/// A node that is the partner of several.
+fn taken_twice(partners: &[u32]) -> Option<u32> {
     let mut sorted = partners.to_vec();
     sorted.sort_unstable();
-    sorted.dedup();
-    sorted.len() == partners.len()
+    let twice = sorted.windows(2).find(|pair| pair[0] == pair[1]);
+    twice.map(|pair| pair[0])
 }
 
 /// The partner of each node, and the node farthest from its partner with that distance (m).
@@ -132,8 +138,30 @@ fn nearest(mesh: &Mesh, from: &[u32], to: &[u32], translation: Vec3) -> (Vec<u32
     (partners, worst)
 }
 
-/// The partner of each node among coincident candidates: the one whose elements lie most
-/// nearly on the same side.
+/// The side of each of some nodes on which the body lies, across the translation: the sum of the angles of the facets of
+/// the surface at the node times their normals. It is known from the surface alone, so that elements may differ.
+fn sides(mesh: &Mesh, translation: Vec3, nodes: impl Iterator<Item = u32>) -> HashMap<u32, Vec3> {
+    let axis = translation.try_normalize(0.0).unwrap_or_default();
+    let mut sides: HashMap<u32, Vec3> = nodes.map(|node| (node, Vec3::zeros())).collect();
+    for facet in mesh.boundary_facets() {
+        let ring = mesh.facet_nodes(facet);
+        if !ring.iter().any(|node| sides.contains_key(node)) {
+            continue;
+        }
+        let normal = mesh.facet_geometry(facet).normal();
+        let normal = normal - axis * axis.dot(&normal);
+        let at = |index: usize| mesh.positions()[ring[index % ring.len()] as usize];
+        for (index, node) in ring.iter().enumerate() {
+            if let Some(side) = sides.get_mut(node) {
+                let [before, after] = [ring.len() - 1, 1].map(|next| at(index + next) - at(index));
+                *side += normal * before.angle(&after);
+            }
+        }
+    }
+    sides
+}
+
+/// The partner of each node among coincident candidates: the one at which the body lies most nearly on the same side.
 fn on_the_same_side(
     mesh: &Mesh,
     from: &[u32],
@@ -141,27 +169,8 @@ fn on_the_same_side(
     (translation, tolerance): (Vec3, f64),
 ) -> Vec<u32> {
     let position = |node: u32| mesh.positions()[node as usize];
-    let axis = translation.try_normalize(0.0).unwrap_or_default();
-    // Mean direction from a node to its elements, across the translation.
-    let mut sides: HashMap<u32, (Vec3, f64)> = HashMap::new();
-    sides.extend(
-        from.iter()
-            .chain(to)
-            .map(|&node| (node, Default::default())),
-    );
-    for element in 0..mesh.element_count() as u32 {
-        for node in mesh.nodes_of(element) {
-            if let Some((sum, count)) = sides.get_mut(node) {
-                let towards = mesh.centroid(element) - position(*node);
-                *sum += towards - axis * axis.dot(&towards);
-                *count += 1.0;
-            }
-        }
-    }
-    let side = |node: u32| {
-        let (sum, count) = sides[&node];
-        sum / f64::max(count, 1.0)
-    };
+    let sides = sides(mesh, translation, from.iter().chain(to).copied());
+    let side = |node: u32| sides[&node];
     let along = translation.iamin();
     let mut sorted: Vec<u32> = to.to_vec();
     sorted.sort_by(|&a, &b| position(a)[along].total_cmp(&position(b)[along]));

@@ -6,6 +6,7 @@ mod generate;
 mod locate;
 mod orders;
 mod part;
+mod periodic;
 mod refine;
 mod shapes;
 mod slice;
