@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{EngineError, Facet, Mesh, NodalLoad, ParameterError, TimeFunction, Vec3};
 
+use super::quadrature::{face_points, points_below};
+
 /// Spatial distribution of a pressure or traction over a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -11,7 +13,7 @@ pub enum Profile {
     /// Uniform over the face.
     Uniform,
     /// Linear in the depth below a horizontal level, `gradient * (level - z)`, and zero above it, as hydrostatic
-    /// pressure with the gradient `rho g`.
+    /// pressure with the gradient `rho g`. A facet that the level cuts is loaded on its part below it.
     Depth {
         /// Increase per depth (1/m, so that profile times reference value is a stress;
         /// Pa/m if the reference value is 1).
@@ -35,6 +37,14 @@ impl Profile {
             Self::Depth { gradient, level } => gradient * (level - position.z).max(0.0),
         }
     }
+    /// Shape functions and outward vector areas of the Gauss points of a facet with some corners; of one that the level cuts
+    /// those of the part below it.
+    fn points(&self, corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
+        match *self {
+            Self::Uniform => face_points(corners),
+            Self::Depth { level, .. } => points_below(corners, level),
+        }
+    }
     fn check(&self) -> Result<(), ParameterError> {
         if let Self::Depth { gradient, level } = *self {
             ParameterError::check("gradient", gradient, f64::MIN, f64::MAX)?;
@@ -52,9 +62,14 @@ struct Shares {
 }
 
 impl Shares {
-    /// Consistent nodal forces `integral of N_a t dA` over facets, by Gauss integration; `traction` is the force of a
-    /// position with its outward vector area.
-    fn integrate(mesh: &Mesh, facets: &[Facet], traction: impl Fn(&Vec3, Vec3) -> Vec3) -> Self {
+    /// Consistent nodal forces `integral of N_a t dA` over facets, by Gauss integration; `traction` is the force on an
+    /// outward vector area where the profile is one.
+    fn integrate(
+        mesh: &Mesh,
+        facets: &[Facet],
+        profile: &Profile,
+        traction: impl Fn(Vec3) -> Vec3,
+    ) -> Self {
         let mut sums: BTreeMap<u32, Vec3> = BTreeMap::new();
         for &facet in facets {
             let of_element = mesh.nodes_of(facet.element);
@@ -64,9 +79,9 @@ impl Shares {
                 .iter()
                 .map(|&n| mesh.positions()[n as usize])
                 .collect();
-            for (shape, area) in gauss_points(&corners) {
+            for (shape, area) in profile.points(&corners) {
                 let position: Vec3 = corners.iter().zip(&shape).map(|(x, n)| x * *n).sum();
-                let force = traction(&position, area);
+                let force = traction(area) * profile.at(&position);
                 for (&node, share) in nodes.iter().zip(&shape) {
                     *sums.entry(node).or_default() += force * *share;
                 }
@@ -98,55 +113,6 @@ fn check_sides(mesh: &Mesh, facets: &[Facet]) -> Result<(), EngineError> {
         }
     }
     Ok(())
-}
-
-/// The triangles of which a triangle with midpoints consists, whose corners and midpoints are in turn.
-const PARTS: [[usize; 3]; 4] = [[0, 1, 5], [1, 2, 3], [5, 3, 4], [1, 3, 5]];
-
-/// Shape functions and outward vector area of the Gauss points of a triangle (three, exact to the
-/// second degree; in each of its four parts if it has midpoints) or a quadrilateral (2 x 2, exact to the third in each direction).
-fn gauss_points(corners: &[Vec3]) -> Vec<(Vec<f64>, Vec3)> {
-    if corners.len() == 3 {
-        let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])) * 0.5;
-        let point = |i: usize| {
-            let mut shape = vec![1.0 / 6.0; 3];
-            shape[i] = 2.0 / 3.0;
-            (shape, area / 3.0)
-        };
-        return (0..3).map(point).collect();
-    }
-    if let [a, _, b, _, c, _] = *corners {
-        // Four triangles on which the shape functions are linear.
-        let area = (b - a).cross(&(c - a)) * 0.125;
-        let points = PARTS.iter().flat_map(|part| {
-            (0..3).map(move |near| {
-                let mut shape = vec![0.0; 6];
-                for (i, &node) in part.iter().enumerate() {
-                    shape[node] = if i == near { 2.0 / 3.0 } else { 1.0 / 6.0 };
-                }
-                (shape, area / 3.0)
-            })
-        });
-        return points.collect();
-    }
-    const SIGNS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let g = 1.0 / 3.0_f64.sqrt();
-    SIGNS
-        .iter()
-        .map(|&(sr, ss)| {
-            let (r, s) = (sr * g, ss * g);
-            let shape: Vec<f64> = SIGNS
-                .iter()
-                .map(|(ra, sa)| 0.25 * (1.0 + ra * r) * (1.0 + sa * s))
-                .collect();
-            let (mut along_r, mut along_s) = (Vec3::zeros(), Vec3::zeros());
-            for (corner, (ra, sa)) in corners.iter().zip(SIGNS) {
-                along_r += corner * (0.25 * ra * (1.0 + sa * s));
-                along_s += corner * (0.25 * sa * (1.0 + ra * r));
-            }
-            (shape, along_r.cross(&along_s))
-        })
-        .collect()
 }
 
 /// A pressure load on facets, positive against the outward normal.
@@ -190,7 +156,7 @@ impl FacePressure {
         profile.check()?;
         check_sides(mesh, facets)?;
         Ok(Self {
-            shares: Shares::integrate(mesh, facets, |x, area| -area * profile.at(x)),
+            shares: Shares::integrate(mesh, facets, &profile, |area| -area),
             history,
         })
     }
@@ -235,9 +201,9 @@ impl FaceTraction {
     ) -> Result<Self, EngineError> {
         profile.check()?;
         check_sides(mesh, facets)?;
-        let of = |x: &Vec3, area: Vec3| traction * (area.norm() * profile.at(x));
+        let of = |area: Vec3| traction * area.norm();
         Ok(Self {
-            shares: Shares::integrate(mesh, facets, of),
+            shares: Shares::integrate(mesh, facets, &profile, of),
             history,
         })
     }

@@ -2,6 +2,7 @@
 
 mod face;
 mod nodal;
+mod quadrature;
 
 pub use face::{FacePressure, FaceTraction, Profile};
 pub use nodal::NodalForce;

@@ -11,6 +11,7 @@ mod remaining;
 mod saved;
 mod state;
 mod tet10;
+mod water;
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
