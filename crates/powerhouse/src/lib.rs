@@ -24,22 +24,21 @@
 //!
 //! # Features
 //! `scene-files` and `pictures` are on by default. Without them (`default-features = false`) a program composes scenes
-//! in Rust, runs them, and writes tables, VTU files and summaries. The last column counts the crates that are then
-//! compiled on Linux, those of the workspace included; both defaults together are 99.
+//! in Rust, runs them, and writes tables, VTU files and summaries.
 //!
-//! | feature | what it adds | crates |
-//! |---|---|---|
-//! | none | | 63 |
-//! | `gmsh` | Gmsh meshes, [`io::read_gmsh`] | 80 |
-//! | `inp` | meshes of Abaqus input files, [`io::read_inp`] | 63 |
-//! | `packed` | packed meshes, [`io::read_packed_mesh`] | 64 |
-//! | `records` | accelerograms, [`io::read_record`] | 63 |
-//! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] | 66 |
-//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp`, `packed` and `records` | 96 |
-//! | `direct` | a direct solver for static equilibrium | 101 |
-//! | `gpu` | steps on a graphics processor of NVIDIA, `engine = "gpu"` | 66 |
-//! | `h5drm` | motions of stations in H5DRM files, [`io::read_station_motions`] | 65 |
-//! | `vtkhdf` | all snapshots of a run in one file, `io::VtkHdf` | 65 |
+//! | feature | what it adds |
+//! |---|---|
+//! | none | |
+//! | `gmsh` | Gmsh meshes, [`io::read_gmsh`] |
+//! | `inp` | meshes of Abaqus input files, [`io::read_inp`] |
+//! | `packed` | packed meshes, [`io::read_packed_mesh`] |
+//! | `records` | accelerograms, [`io::read_record`] |
+//! | `pictures` | plots (SVG) and pictures (PNG) in a [`ResultFolder`] |
+//! | `scene-files` | scenes from files, [`Registry`] with its JSON schema, [`keys`], single-point tests from files; with `gmsh`, `inp`, `packed` and `records` |
+//! | `direct` | a direct solver for static equilibrium |
+//! | `gpu` | steps on a graphics processor of NVIDIA, `engine = "gpu"` |
+//! | `h5drm` | motions of stations in H5DRM files, [`io::read_station_motions`] |
+//! | `vtkhdf` | all snapshots of a run in one file, `io::VtkHdf` |
 //!
 //! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.
 //!

@@ -1,9 +1,9 @@
-//! Unchecked reads, views as lanes and prefetching: what an interpreter that finds undefined behaviour can run
+//! Unchecked reads and views as lanes: what an interpreter that finds undefined behaviour can run
 //! (`cargo +nightly miri test -p powerhouse-elements --lib memory::tests`).
 
 use powerhouse_model::{Lane, Quad, Vec3};
 
-use super::{Cache, Connectivity, as_lanes, as_lanes_mut, prefetch};
+use super::{Connectivity, as_lanes, as_lanes_mut};
 use crate::block::numbers::AlignedNumbers;
 use crate::lanes::BatchScalar;
 
@@ -76,13 +76,4 @@ fn lanes_are_views_of_numbers() {
     }
     check::<f64>();
     check::<f32>();
-}
-
-/// Prefetching reads nothing: also beyond the end, and of nothing.
-#[test]
-fn prefetching_has_no_bounds() {
-    let numbers = [1.0_f64; 4];
-    prefetch(Cache::Nearest, &numbers, 2, 100);
-    prefetch(Cache::Second, &numbers, 1 << 40, 64);
-    prefetch::<f64>(Cache::Nearest, &[], 0, 8);
 }
