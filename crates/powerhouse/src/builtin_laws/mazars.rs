@@ -32,7 +32,8 @@ struct MazarsKeys {
     tension: Option<MazarsTensionKeys>,
     /// Damage evolution in compression.
     compression: Option<MazarsCompressionKeys>,
-    /// Residual stiffness: share that remains at full damage (dimensionless), 0.001 by default.
+    /// Residual stiffness: share that remains at full damage (dimensionless), 0.001 by default, 1e-6 or above. An open crack
+    /// bears this share of E times its opening over the width of the element.
     residual_stiffness: Option<Share>,
 }
 
