@@ -246,9 +246,58 @@ impl Bar {
         scale
     }
 
+    /// Greatest axial force of the elastic bar in ground that is stretched uniformly, over that of a bar tied to the ground:
+    /// that of its segments, and the exact one with the same ends.
+    ///
+    /// With `alpha^2 = k / (E A)` and the length `l` the exact force over the tied one is `1 - cosh(alpha x) / cosh(alpha l / 2)`
+    /// at a distance `x` from the middle between free ends, `1 - cosh(alpha x) / cosh(alpha l)` at a distance `x` from an
+    /// anchored head or toe, and one with both anchored (Cox 1952, British Journal of Applied Physics 3, for fibres).
+    pub(super) fn stretched_force(&self) -> [f64; 2] {
+        let free = self.unlimited();
+        let mut moved = Vec::with_capacity(self.lengths.len());
+        let mut length = 0.0;
+        for segment in &self.lengths {
+            moved.push([length, length + segment]);
+            length += segment;
+        }
+        let (old, mut new) = (free.installed(), free.installed());
+        let mut out = vec![[0.0; 2]; moved.len()];
+        let axial = self.stiffness[0] * self.lengths[0];
+        let found = free.forces(&moved, &old, &mut new, &mut out, &mut Balance::default());
+        let greatest = new
+            .force
+            .iter()
+            .fold(0.0_f64, |most, force| most.max(force.abs()));
+        let share = length * (self.grout.stiffness / axial).sqrt();
+        let exact = |share: f64| 1.0 - 1.0 / share.cosh();
+        let right = match [self.grout.head, self.grout.toe] {
+            [BoltEnd::Free, BoltEnd::Free] => exact(0.5 * share),
+            [BoltEnd::Anchored, BoltEnd::Anchored] => 1.0,
+            _ => exact(share),
+        };
+        [
+            if found.is_some() {
+                greatest / axial
+            } else {
+                right
+            },
+            right,
+        ]
+    }
+
     /// Elastic axial forces (N) at the two ends of each segment.
     pub(super) fn elastic(&self, moved: &[[f64; 2]], out: &mut [[f64; 2]], balance: &mut Balance) {
-        let free = Self {
+        let free = self.unlimited();
+        let (old, mut new) = (free.installed(), free.installed());
+        let found = free.forces(moved, &old, &mut new, out, balance);
+        if found.is_none() {
+            out.fill([0.0; 2]);
+        }
+    }
+
+    /// The same bar without pretension that never yields, in grout that never slips.
+    fn unlimited(&self) -> Self {
+        Self {
             yield_force: f64::INFINITY,
             pretension: 0.0,
             grout: Grout {
@@ -257,11 +306,6 @@ impl Bar {
             },
             stiffness: self.stiffness.clone(),
             lengths: self.lengths.clone(),
-        };
-        let (old, mut new) = (free.installed(), free.installed());
-        let found = free.forces(moved, &old, &mut new, out, balance);
-        if found.is_none() {
-            out.fill([0.0; 2]);
         }
     }
 }

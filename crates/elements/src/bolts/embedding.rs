@@ -32,7 +32,8 @@ const OUTSIDE: f64 = 1.0e-3;
 /// A position along a bolt, as a share of its length, and the element there.
 type Sample = (f64, u32);
 
-/// Segments of each bolt, one per element that it crosses, divided where longer than `longest` (m).
+/// Segments of each bolt, one per element that it crosses, divided where longer than `longest` (m), by the length of the bolt
+/// (m).
 ///
 /// The element is located at 65 samples along the bolt; between two samples in different elements
 /// the border is found by bisection. A segment shorter than a 64th of the bolt between two samples of one
@@ -41,7 +42,7 @@ pub(super) fn embed(
     mesh: &Mesh,
     hosts: &[u32],
     lines: &[BoltLine],
-    longest: f64,
+    longest: impl Fn(f64) -> f64,
 ) -> Result<Vec<Vec<Segment>>, EngineError> {
     for line in lines {
         let along = line.toe - line.head;
@@ -88,7 +89,7 @@ pub(super) fn embed(
                 Ok(locate(&[(bolt, share)])?[0])
             })?;
         }
-        all.push(segments(mesh, &lines[bolt], &borders, longest)?);
+        all.push(segments(mesh, &lines[bolt], &borders, &longest)?);
     }
     Ok(all)
 }
@@ -145,14 +146,15 @@ fn find_borders(
     find_borders(between, to, borders, locate)
 }
 
-/// Segments between borders, no longer than `longest` (m).
+/// Segments between borders, no longer than `longest` (m) of the length of the bolt.
 fn segments(
     mesh: &Mesh,
     line: &BoltLine,
     borders: &[Sample],
-    longest: f64,
+    longest: impl Fn(f64) -> f64,
 ) -> Result<Vec<Segment>, EngineError> {
     let length = (line.toe - line.head).norm();
+    let longest = longest(length);
     let mut segments = Vec::new();
     let mut start = 0.0;
     for (index, &(_, element)) in borders.iter().enumerate() {
@@ -160,7 +162,8 @@ fn segments(
         if end - start < NEGLIGIBLE && index + 1 < borders.len() {
             continue;
         }
-        let count = ((end - start) * length / longest).ceil().max(1.0) as usize;
+        let parts = (end - start) * length / longest;
+        let count = (parts * (1.0 - NEGLIGIBLE)).ceil().max(1.0) as usize;
         let share = |i: usize| start + (end - start) * i as f64 / count as f64;
         for i in 0..count {
             let ends = [share(i), share(i + 1)];

@@ -16,6 +16,7 @@ use powerhouse_model::{
     Vec3,
 };
 
+use bar::Bar;
 use block::BoltBlock;
 use embedding::{Segment, embed};
 
@@ -71,9 +72,13 @@ pub struct BoltParameters {
     /// Grout in which the bar may slip; none for a bar tied to the rock along its length.
     pub grout: Option<Grout>,
     /// Greatest length of a segment (m), to which the part in a larger element is divided; slip is linear within a
-    /// segment.
+    /// segment. Infinite for no other limit than the element, and in grout than a quarter of the bolt and the length
+    /// `sqrt(E A / k)` over which the grout hands over a force.
     pub longest_segment: f64,
 }
+
+/// Least number of segments of a bolt in grout, where none is asked for.
+const LEAST_SEGMENTS: f64 = 4.0;
 
 impl BoltParameters {
     /// An elastic steel bar (200 GPa) of a diameter (m), without pretension, tied to the
@@ -118,6 +123,17 @@ impl BoltParameters {
             }
         }
         ParameterError::check("pretension", self.pretension, 0.0, most)
+    }
+
+    /// Greatest length of a segment (m) of a bolt of a length (m).
+    fn longest_of(&self, length: f64) -> f64 {
+        match &self.grout {
+            Some(grout) if self.longest_segment.is_infinite() => {
+                let transfer = (self.young * self.area / grout.stiffness).sqrt();
+                transfer.min(length / LEAST_SEGMENTS)
+            }
+            _ => self.longest_segment,
+        }
     }
 }
 
@@ -193,7 +209,7 @@ impl BoltSet {
         parameters: BoltParameters,
     ) -> Result<Self, EngineError> {
         parameters.check()?;
-        let segments = embed(mesh, hosts, lines, parameters.longest_segment)?;
+        let segments = embed(mesh, hosts, lines, |length| parameters.longest_of(length))?;
         let mut first_segment = 0;
         let mut directions = BTreeMap::new();
         let bolts = lines.iter().zip(segments).map(|(line, segments)| {
@@ -237,6 +253,21 @@ impl BoltSet {
             start: segment.start,
             length: segment.length,
         })
+    }
+
+    /// Greatest relative error of the greatest force of a bolt in grout (1) that its segments make in ground that is stretched
+    /// uniformly, against the closed form of an elastic bar; 0 for bars without grout.
+    pub fn segment_error(&self) -> f64 {
+        let Some(grout) = self.parameters.grout else {
+            return 0.0;
+        };
+        let error = |bolt: &Embedded| {
+            let lengths = bolt.segments.iter().map(|segment| segment.length);
+            let bar = Bar::new(&self.parameters, grout, lengths.collect());
+            let [found, right] = bar.stretched_force();
+            (found / right - 1.0).abs()
+        };
+        self.bolts.iter().map(error).fold(0.0, f64::max)
     }
 
     /// One element block of all these bolts; an engine [divides](EmbeddedElements) them into several.

@@ -2,6 +2,7 @@
 
 mod boxes;
 mod elastic;
+mod grout;
 mod hinge;
 mod invariance;
 mod location;

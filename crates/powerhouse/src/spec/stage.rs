@@ -92,7 +92,7 @@ pub struct Bolt {
     /// Deformable grout with slip; by default the bar has perfect bond to the rock along its length.
     pub grout: Option<At<Grout>>,
     /// Largest length of a segment (m), above 0, where elements are larger: slip in grout is linear within a
-    /// segment.
+    /// segment. By default, in grout, a quarter of the bolt and the length `sqrt(E A / stiffness)` at most.
     pub longest_segment: Option<At<Positive>>,
 }
 
