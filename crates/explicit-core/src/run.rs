@@ -322,8 +322,9 @@ impl TimeLoop<'_> {
         let most = device.most.min(planned - 1 - self.done);
         let (mut number, mut time) = (self.model.number, self.model.time);
         let is_seen = |number, time| {
-            let mut cadences = self.observers.iter().map(|observer| observer.cadence());
-            cadences.any(|cadence| cadence.is_due(number, time, step))
+            let cadences = self.observers.iter().map(|observer| observer.cadence());
+            let mut asked = cadences.filter(|cadence| *cadence != Cadence::HostSteps);
+            asked.any(|cadence| cadence.is_due(number, time, step))
         };
         let mut count = 0;
         while count < most && !is_seen(number, time) {
@@ -378,10 +379,14 @@ impl TimeLoop<'_> {
         cadences.any(|cadence| self.is_due(cadence, step))
     }
 
-    /// Whether an observer is due in this step.
+    /// Whether an observer is due in this step that reads more than motion.
     fn is_observed(&self, step: f64) -> bool {
-        let mut observers = self.observers.iter();
-        observers.any(|observer| self.is_due(observer.cadence(), step))
+        let mut observers = self.observers.iter().zip(&self.reach);
+        observers.any(|(observer, reach)| {
+            let fields = observer.fields();
+            let reads_more = fields.stress || fields.energy || !reach.is_motion_alone();
+            reads_more && self.is_due(observer.cadence(), step)
+        })
     }
 
     /// Reads and checks the energy ledger if it is due.

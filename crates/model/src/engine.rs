@@ -222,6 +222,25 @@ pub enum Cadence {
     Steps(u64),
     /// Interval in seconds, above zero: the first step at or past every multiple of it.
     Seconds(f64),
+    /// Interval in seconds, above zero: the steps before and at or past every multiple of it, between which values at the
+    /// multiple are interpolated; of a step that falls on the multiple that one alone.
+    Around(f64),
+    /// Every step that the host takes: those that a device takes are not withheld from it.
+    HostSteps,
+}
+
+/// Share of a step by which times count as reached early.
+const EARLY: f64 = 1e-6;
+
+/// Number of whole intervals up to a time.
+fn intervals(time: f64, interval: f64, step: f64) -> f64 {
+    ((time + EARLY * step) / interval).floor()
+}
+
+/// Multiple of an interval, as the number nearest to its fifteen decimal digits: 3 times 0.1 is 0.3.
+fn multiple(count: f64, interval: f64) -> f64 {
+    let exact = count * interval;
+    format!("{exact:.14e}").parse().unwrap_or(exact)
 }
 
 impl Cadence {
@@ -232,22 +251,47 @@ impl Cadence {
     pub fn check(self) -> Result<(), ParameterError> {
         match self {
             Self::Steps(steps) => ParameterError::check("cadence", steps as f64, 1.0, f64::MAX),
-            Self::Seconds(time) => {
+            Self::Seconds(time) | Self::Around(time) => {
                 ParameterError::check("cadence", time, f64::MIN_POSITIVE, f64::MAX)
             }
+            Self::HostSteps => Ok(()),
         }
     }
     /// Whether an observer is called at a step of a number, a time (s) and a length (s). Times count as
     /// reached a millionth of a step early.
     pub fn is_due(self, number: u64, time: f64, step: f64) -> bool {
+        let passes = |interval, time| {
+            intervals(time, interval, step) > intervals(time - step, interval, step)
+        };
         match self {
             Self::Steps(every) => number.is_multiple_of(every.max(1)),
-            Self::Seconds(interval) if interval > step => {
-                let multiple = |t: f64| ((t + 1e-6 * step) / interval).floor();
-                number == 0 || multiple(time) > multiple(time - step)
+            Self::Seconds(interval) if interval > step => number == 0 || passes(interval, time),
+            Self::Around(interval) if interval > step => {
+                let next = time + step;
+                let is_on = next - intervals(next, interval, step) * interval <= EARLY * step;
+                number == 0 || passes(interval, time) || (passes(interval, next) && !is_on)
             }
-            Self::Seconds(_) => true,
+            Self::Seconds(_) | Self::Around(_) | Self::HostSteps => true,
         }
+    }
+    /// The multiple of the interval in seconds (s) that a step reaches as the first one; none if it reaches none, and of
+    /// cadences without an interval above the length of the step.
+    ///
+    /// ```
+    /// use powerhouse_model::Cadence;
+    /// let reached = |number: u64, step: f64| Cadence::Around(0.1).multiple(number, number as f64 * step, step);
+    /// assert_eq!([reached(4, 0.07), reached(5, 0.07)], [None, Some(0.3)]);
+    /// ```
+    pub fn multiple(self, number: u64, time: f64, step: f64) -> Option<f64> {
+        let (Self::Seconds(interval) | Self::Around(interval)) = self else {
+            return None;
+        };
+        let reaches = interval > step && Self::Seconds(interval).is_due(number, time, step);
+        reaches.then(|| multiple(intervals(time, interval, step), interval))
+    }
+    /// Whether times (s) are the same to a millionth of a step (s).
+    pub fn is_same_time(one: f64, other: f64, step: f64) -> bool {
+        (one - other).abs() <= EARLY * step
     }
 }
 

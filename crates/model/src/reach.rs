@@ -60,6 +60,11 @@ impl Reach {
         embedded: false,
         joints: false,
     };
+    /// Whether nothing but the motion of nodes is read, beside energies.
+    pub fn is_motion_alone(&self) -> bool {
+        let others = self.element_forces || self.embedded || self.joints;
+        self.elements == Selection::NONE && self.variables.is_empty() && !others
+    }
     /// The same with the motion of some nodes.
     #[must_use]
     pub fn with_nodes(self, nodes: Selection) -> Self {

@@ -6,7 +6,7 @@ use powerhouse_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{HistoryTable, ObserveError, PeakField, Recording, check_cadence};
+use super::{HistoryTable, ObserveError, PeakField, Recording, check_cadence, table_cadence};
 
 /// Envelope of the axial forces of a set of bolts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,7 +77,7 @@ impl Observer for BoltHistories {
         Reach::NONE.with_embedded()
     }
     fn cadence(&self) -> Cadence {
-        self.cadence
+        table_cadence(self.cadence)
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
         self.recording.save()
@@ -110,7 +110,7 @@ impl Observer for BoltHistories {
             }
             row.push(forces.into_iter().fold(f64::NEG_INFINITY, f64::max));
         }
-        history.push(time, &row);
+        history.see(self.cadence, view, &row);
         Ok(Flow::Continue)
     }
 }

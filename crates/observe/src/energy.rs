@@ -2,9 +2,10 @@
 
 use powerhouse_model::{Cadence, Fields, Flow, ModelError, Observer, Reach, StateError, StepView};
 
-use super::{HistoryTable, ObserveError, Recording, check_cadence};
+use super::{HistoryTable, ObserveError, Recording, check_cadence, table_cadence};
 
-/// Observer of the energy balance: its columns (J) against time, under the engine's names.
+/// Observer of the energy balance: its columns (J) against time, under the engine's names; the last step is
+/// the last row.
 ///
 /// Memory: 8 bytes per column and row.
 pub struct EnergyHistory {
@@ -43,7 +44,7 @@ impl Observer for EnergyHistory {
         Reach::NONE
     }
     fn cadence(&self) -> Cadence {
-        self.cadence
+        table_cadence(self.cadence)
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
         self.recording.save()
@@ -65,7 +66,7 @@ impl Observer for EnergyHistory {
             return Err(ObserveError::NoLedger.into());
         }
         let mut table = self.recording.lock();
-        if table.times.is_empty() {
+        if table.is_new() {
             table.columns.clear();
             for (name, _) in energies {
                 table.add_column((*name).into(), "J")?;
@@ -81,7 +82,11 @@ impl Observer for EnergyHistory {
         }
         self.row.clear();
         self.row.extend(energies.iter().map(|energy| energy.1));
-        table.push(view.time(), &self.row);
+        table.see(self.cadence, view, &self.row);
         Ok(Flow::Continue)
+    }
+    fn finish(&mut self) -> Result<(), ModelError> {
+        self.recording.lock().end();
+        Ok(())
     }
 }

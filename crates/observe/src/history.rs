@@ -10,8 +10,8 @@ use powerhouse_model::{
 use super::place::{ActiveElements, Probe, elements, probes};
 use super::sampler::{Sampled, reach_of_both};
 use super::{
-    HistorySampler, HistoryTable, Motion, ObservationPoint, ObserveError, Place, Recording,
-    StressPlace, check_cadence, principal_stresses,
+    HistorySampler, HistoryTable, Motion, MotionPeaks, ObservationPoint, ObserveError, Place,
+    Recording, StressPlace, check_cadence, principal_stresses, table_cadence,
 };
 
 /// Observer of histories: motion at locations, relative motion of two locations, and stress and history variables of
@@ -49,13 +49,15 @@ pub struct History {
     /// Mesh indices and natural coordinates.
     elements: Vec<(u32, Vec3)>,
     channels: Vec<Channel>,
+    /// Index of the first column of each channel.
+    first_columns: Vec<usize>,
     row: Vec<f64>,
     recording: Recording<HistoryTable>,
 }
 
 /// One output request; numbers are indices in the lists of probes and elements.
 #[derive(Clone, Debug)]
-enum Channel {
+pub(super) enum Channel {
     Motion {
         name: String,
         probe: usize,
@@ -203,6 +205,7 @@ impl HistoryBuilder {
         let probes = probes(mesh, &self.places, active)?;
         let elements = elements(mesh, &self.stress_places, active)?;
         let mut table = HistoryTable::default();
+        let mut first_columns = Vec::with_capacity(self.channels.len());
         for channel in &mut self.channels {
             if let Channel::Relative {
                 from,
@@ -221,8 +224,17 @@ impl HistoryBuilder {
             {
                 *variables = variables_of(elements[*element].0);
             }
+            first_columns.push(table.columns.len());
             for (name, unit) in channel.columns() {
                 table.add_column(name, unit)?;
+            }
+            if let Channel::State {
+                name, variables, ..
+            } = channel
+            {
+                for variable in variables {
+                    table.add_variable(format!("{name}.{}", variable.name), variable)?;
+                }
             }
         }
         Ok(History {
@@ -230,6 +242,7 @@ impl HistoryBuilder {
             probes,
             elements,
             channels: self.channels,
+            first_columns,
             row: Vec::with_capacity(table.columns.len()),
             recording: Recording::new(table),
         })
@@ -237,6 +250,7 @@ impl HistoryBuilder {
 }
 
 impl Channel {
+    /// Names and units of the columns that do not depend on a law.
     fn columns(&self) -> Vec<(String, &'static str)> {
         let vectors = |name: &str, motion: &Motion| {
             let kinds = [
@@ -263,14 +277,37 @@ impl Channel {
             Self::Stress { name, .. } => ["xx", "yy", "zz", "xy", "yz", "zx", "s1", "s2", "s3"]
                 .map(|component| (format!("{name}.{component}"), "Pa"))
                 .into(),
-            Self::State {
-                name, variables, ..
-            } => (variables.iter())
-                .map(|variable| (format!("{name}.{}", variable.name), variable.unit))
-                .collect(),
+            // Those of its variables depend on the law.
+            Self::State { .. } => Vec::new(),
             Self::Sampled { name, sampler } => (sampler.0.columns().into_iter())
                 .map(|(column, unit)| (format!("{name}.{column}"), unit))
                 .collect(),
+        }
+    }
+
+    /// Appends the values of a motion in a step to a row; nothing for other quantities.
+    pub(super) fn push_motion(&self, probes: &[Probe], view: &dyn StepView, row: &mut Vec<f64>) {
+        match self {
+            Self::Motion { probe, motion, .. } => {
+                let probe = &probes[*probe];
+                push_motion(row, view, *motion, |field| probe.value(field));
+            }
+            Self::Relative {
+                from,
+                to,
+                motion,
+                direction,
+                ..
+            } => {
+                let (from, to) = (&probes[*from], &probes[*to]);
+                let relative = |field: &dyn Fn(u32) -> Vec3| to.value(field) - from.value(field);
+                push_motion(row, view, *motion, relative);
+                if motion.displacement {
+                    let displacement = relative(&|node| view.displacement(node));
+                    row.push(displacement.dot(direction));
+                }
+            }
+            Self::Stress { .. } | Self::State { .. } | Self::Sampled { .. } => {}
         }
     }
 
@@ -281,7 +318,7 @@ impl Channel {
         }
     }
 
-    fn motion(&self) -> Motion {
+    pub(super) fn motion(&self) -> Motion {
         match self {
             Self::Motion { motion, .. } | Self::Relative { motion, .. } => *motion,
             Self::Stress { .. } | Self::State { .. } | Self::Sampled { .. } => Motion::default(),
@@ -307,6 +344,17 @@ impl History {
     /// Shared access to the table.
     pub fn recording(&self) -> Recording<HistoryTable> {
         self.recording.clone()
+    }
+    /// An observer that raises the [peaks](super::Column::peak) of the motions of the table in every step, also between
+    /// rows; none without motions.
+    pub fn motion_peaks(&self) -> Option<MotionPeaks> {
+        let channels = self.channels.iter().zip(&self.first_columns);
+        let motions = channels.filter(|(channel, _)| channel.motion() != Motion::default());
+        let motions: Vec<(Channel, usize)> = motions
+            .map(|(channel, &first)| (channel.clone(), first))
+            .collect();
+        let peaks = MotionPeaks::new(motions, self.probes.clone(), self.recording());
+        (!peaks.is_empty()).then_some(peaks)
     }
 }
 
@@ -361,7 +409,7 @@ impl Observer for History {
         samplers.fold(own, |all, sampler| reach_of_both(all, sampler.reach()))
     }
     fn cadence(&self) -> Cadence {
-        self.cadence
+        table_cadence(self.cadence)
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
         self.recording.save()
@@ -375,25 +423,8 @@ impl Observer for History {
         self.row.clear();
         for channel in &self.channels {
             match channel {
-                Channel::Motion { probe, motion, .. } => {
-                    let probe = &self.probes[*probe];
-                    push_motion(&mut self.row, view, *motion, |field| probe.value(field));
-                }
-                Channel::Relative {
-                    from,
-                    to,
-                    motion,
-                    direction,
-                    ..
-                } => {
-                    let (from, to) = (&self.probes[*from], &self.probes[*to]);
-                    let relative =
-                        |field: &dyn Fn(u32) -> Vec3| to.value(field) - from.value(field);
-                    push_motion(&mut self.row, view, *motion, relative);
-                    if motion.displacement {
-                        let displacement = relative(&|node| view.displacement(node));
-                        self.row.push(displacement.dot(direction));
-                    }
+                Channel::Motion { .. } | Channel::Relative { .. } => {
+                    channel.push_motion(&self.probes, view, &mut self.row);
                 }
                 Channel::Stress {
                     name,
@@ -433,7 +464,7 @@ impl Observer for History {
                 }
             }
         }
-        self.recording.lock().push(view.time(), &self.row);
+        (self.recording.lock()).see(self.cadence, view, &self.row);
         Ok(Flow::Continue)
     }
 }

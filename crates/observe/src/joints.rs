@@ -7,7 +7,7 @@ use powerhouse_model::{
 use serde::{Deserialize, Serialize};
 
 use super::envelope::PeakField;
-use super::{HistoryTable, ObserveError, Recording, check_cadence};
+use super::{HistoryTable, ObserveError, Recording, check_cadence, table_cadence};
 
 /// Node pairs of a joint with their state at the last observed time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -251,7 +251,7 @@ impl JointHistories {
             table.columns.extend(others.by_ref().take(own));
             for variable in watch.variables(joints) {
                 let name = format!("{}.{}", watch.name, variable.name);
-                table.add_column(name, variable.unit)?;
+                table.add_variable(name, variable)?;
             }
         }
         Ok(())
@@ -404,7 +404,7 @@ impl Observer for JointHistories {
         Reach::NONE.with_joints()
     }
     fn cadence(&self) -> Cadence {
-        self.cadence
+        table_cadence(self.cadence)
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
         self.recording.save()
@@ -428,7 +428,7 @@ impl Observer for JointHistories {
         }
         let mut guard = self.recording.lock();
         let tables = &mut *guard;
-        if tables.history.times.is_empty() {
+        if tables.history.is_new() {
             // Laws are known from the first view on, and with them the columns of their variables.
             self.add_history_columns(&joints, &mut tables.history)?;
         }
@@ -449,7 +449,7 @@ impl Observer for JointHistories {
                 worst_residual: joint.worst_residual,
             });
         }
-        tables.history.push(time, &row);
+        tables.history.see(self.cadence, view, &row);
         (tables.time, tables.outcomes) = (time, outcomes);
         Ok(Flow::Continue)
     }

@@ -3,6 +3,7 @@
 //! | observer | records | memory |
 //! |---|---|---|
 //! | [`History`] | motion at locations, relative motion, stress and history variables of elements, against time | 8 bytes a column and row |
+//! | [`MotionPeaks`] | the peaks of the motions of a [`History`] in every step | nothing of its own |
 //! | [`EnergyHistory`] | the columns of the energy balance | 8 bytes a column and row |
 //! | [`SectionForces`] | normal force, shear forces and moments of sections through linings and pillars | 8 bytes a column and row, 144 a node of each element at the section |
 //! | [`Envelope`] | envelopes of nodal motion, and of greatest and least principal stress of elements | 16 bytes a node and kind of motion, 32 an element |
@@ -28,6 +29,7 @@ mod envelope;
 mod error;
 mod history;
 mod joints;
+mod motion_peaks;
 mod peaks;
 mod place;
 mod principal;
@@ -48,6 +50,7 @@ pub use joints::{
     JointHistories, JointOutcome, JointQuantities, JointTable, JointTables, JointWatch,
     TractionPeaks,
 };
+pub use motion_peaks::MotionPeaks;
 pub use peaks::{PeakPlace, PeakRow, PeakTable};
 pub use place::{Motion, ObservationPoint, Place, StressPlace};
 pub use principal::principal_stresses;
@@ -61,6 +64,14 @@ pub use state::{StatePeaks, StateTable};
 pub use table::{Column, HistoryTable};
 
 use powerhouse_model::{Cadence, ParameterError};
+
+/// Steps that an observer of a [`HistoryTable`] sees, for rows at a cadence.
+fn table_cadence(rows: Cadence) -> Cadence {
+    match rows {
+        Cadence::Seconds(interval) => Cadence::Around(interval),
+        other => other,
+    }
+}
 
 /// Accepts a cadence of at least one step, or of a positive time.
 fn check_cadence(cadence: Cadence) -> Result<(), ParameterError> {

@@ -43,10 +43,8 @@ pub struct PeakRow {
 ///
 /// ```
 /// use powerhouse_observe::{Column, HistoryTable, PeakTable};
-/// let table = HistoryTable {
-///     times: vec![0.0, 0.1, 0.2],
-///     columns: vec![Column { name: "crown.ux".into(), unit: "m", values: vec![0.0, -0.03, 0.02] }],
-/// };
+/// let column = Column::new("crown.ux", "m", vec![0.0, -0.03, 0.02]);
+/// let table = HistoryTable::new(vec![0.0, 0.1, 0.2], vec![column]);
 /// let mut peaks = PeakTable::default();
 /// peaks.add_history(&table);
 /// assert_eq!((peaks.rows[0].value, peaks.rows[0].time), (-0.03, 0.1));
@@ -70,12 +68,10 @@ impl PeakTable {
         row.value != 0.0 && row.value.abs() < ROUNDING * largest
     }
 
-    /// Adds the value of largest magnitude of every column; the first of equal ones.
+    /// Adds the [peak](super::Column::peak) of every column.
     pub fn add_history(&mut self, table: &HistoryTable) {
         for column in &table.columns {
-            let samples = table.times.iter().zip(&column.values);
-            let peak = samples.reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a });
-            if let Some((&time, &value)) = peak {
+            if let Some((value, time)) = column.peak(&table.times) {
                 self.rows.push(PeakRow {
                     name: column.name.clone(),
                     unit: column.unit,

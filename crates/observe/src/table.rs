@@ -1,6 +1,6 @@
 //! Tables of named time histories.
 
-use powerhouse_model::interned;
+use powerhouse_model::{Cadence, HistoryKind, HistoryVariable, StepView, interned};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::ObserveError;
@@ -14,21 +14,36 @@ pub struct Column {
     pub unit: &'static str,
     /// Values, one per time of the table.
     pub values: Vec<f64>,
+    /// Value of largest magnitude of all observed steps, and its time (s).
+    peak: Option<(f64, f64)>,
+    /// Whether the value holds until the next step, as flags do, and is not interpolated.
+    holds: bool,
 }
 
 impl Serialize for Column {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        (&self.name, self.unit, &self.values).serialize(serializer)
+        let Self {
+            name,
+            unit,
+            values,
+            peak,
+            holds,
+        } = self;
+        (name, unit, values, peak, holds).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Column {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (name, unit, values) = <(String, String, Vec<f64>)>::deserialize(deserializer)?;
+        type Parts = (String, String, Vec<f64>, Option<(f64, f64)>, bool);
+        let (name, unit, values, peak, holds) = Parts::deserialize(deserializer)?;
+        let unit = interned(&unit);
         Ok(Self {
             name,
-            unit: interned(&unit),
+            unit,
             values,
+            peak,
+            holds,
         })
     }
 }
@@ -37,6 +52,29 @@ impl<'de> Deserialize<'de> for Column {
 const AROUND: usize = 8;
 
 impl Column {
+    /// A column of given values.
+    pub fn new(name: impl Into<String>, unit: &'static str, values: Vec<f64>) -> Self {
+        Self {
+            name: name.into(),
+            unit,
+            values,
+            peak: None,
+            holds: false,
+        }
+    }
+    /// Value of largest magnitude and its time (s), the first of equal ones, where `times` are those of the values: that of
+    /// all steps that were observed, of a motion every step of the run, or else of the values. None without values.
+    pub fn peak(&self, times: &[f64]) -> Option<(f64, f64)> {
+        let samples = self.values.iter().copied().zip(times.iter().copied());
+        let greatest = |a: (f64, f64), b: (f64, f64)| if b.0.abs() > a.0.abs() { b } else { a };
+        self.peak.or_else(|| samples.reduce(greatest))
+    }
+    /// Raises the peak to a value at a time (s), if that is larger.
+    pub(super) fn raise(&mut self, value: f64, time: f64) {
+        if self.peak.is_none_or(|(peak, _)| value.abs() > peak.abs()) {
+            self.peak = Some((value, time));
+        }
+    }
     /// Roughness of a motion around its greatest sample, from which it follows how many samples there are per period:
     /// `4 sin^2(pi / n)` for a sinusoid with `n` samples per period (1 at six), whatever its phase and direction; 2 on
     /// average for noise, and for a peak of one sample.
@@ -64,15 +102,29 @@ impl Column {
 }
 
 /// A table of time histories with common times.
+///
+/// Times of an observer with an interval in seconds longer than a step are the multiples of that interval. A row at an
+/// instant between two steps has values on the straight line between those of the two, which for displacements is the path
+/// of central differences, whose velocity is constant between steps; flags are those of the later step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HistoryTable {
     /// Times (s), rising.
     pub times: Vec<f64>,
     /// Columns, each as long as `times`.
     pub columns: Vec<Column>,
+    /// Time (s) and values of the last observed step.
+    before: Option<(f64, Vec<f64>)>,
 }
 
 impl HistoryTable {
+    /// A table of given times (s) and columns.
+    pub fn new(times: Vec<f64>, columns: Vec<Column>) -> Self {
+        Self {
+            times,
+            columns,
+            before: None,
+        }
+    }
     /// The column with a name; none if there is no such column.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
@@ -86,11 +138,19 @@ impl HistoryTable {
         if self.column(&name).is_some() {
             return Err(ObserveError::NameTwice { name });
         }
-        self.columns.push(Column {
-            name,
-            unit,
-            values: Vec::new(),
-        });
+        self.columns.push(Column::new(name, unit, Vec::new()));
+        Ok(())
+    }
+    /// Adds an empty column for a history variable.
+    pub(super) fn add_variable(
+        &mut self,
+        name: String,
+        variable: &HistoryVariable,
+    ) -> Result<(), ObserveError> {
+        self.add_column(name, variable.unit)?;
+        if let Some(column) = self.columns.last_mut() {
+            column.holds = variable.kind == HistoryKind::Flags;
+        }
         Ok(())
     }
     /// Names of the columns.
@@ -100,8 +160,54 @@ impl HistoryTable {
             .map(|column| column.name.clone())
             .collect()
     }
+    /// Takes the values of an observed step, one per column: raises the peaks, and adds the row that the step completes, if
+    /// it completes one.
+    pub(super) fn see(&mut self, cadence: Cadence, view: &dyn StepView, row: &[f64]) {
+        let (time, step) = (view.time(), view.step());
+        for (column, &value) in self.columns.iter_mut().zip(row) {
+            column.raise(value, time);
+        }
+        if !matches!(cadence, Cadence::Seconds(interval) if interval > step) {
+            return self.push(time, row);
+        }
+        let before = self.before.replace((time, row.to_vec()));
+        let Some(instant) = cadence.multiple(view.number(), time, step) else {
+            return;
+        };
+        match before {
+            _ if Cadence::is_same_time(instant, time, step) => self.push(instant, row),
+            Some((earlier, mut values)) if earlier < instant => {
+                let share = (instant - earlier) / (time - earlier);
+                for ((value, &later), column) in values.iter_mut().zip(row).zip(&self.columns) {
+                    *value = if column.holds {
+                        later
+                    } else {
+                        *value + share * (later - *value)
+                    };
+                }
+                self.push(instant, &values);
+            }
+            // Nothing is known before this step.
+            _ => self.push(time, row),
+        }
+    }
+    /// Whether no step was observed yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.times.is_empty() && self.before.is_none()
+    }
+    /// Adds the last observed step as the last row, whatever its time, of a table whose final values count.
+    pub(super) fn end(&mut self) {
+        let last = self.times.last().copied();
+        let later = self
+            .before
+            .take()
+            .filter(|(time, _)| last.is_none_or(|last| *time > last));
+        if let Some((time, row)) = later {
+            self.push(time, &row);
+        }
+    }
     /// Adds a row, one value per column.
-    pub(super) fn push(&mut self, time: f64, row: &[f64]) {
+    fn push(&mut self, time: f64, row: &[f64]) {
         self.times.push(time);
         for (column, &value) in self.columns.iter_mut().zip(row) {
             column.values.push(value);
@@ -114,11 +220,11 @@ mod tests {
     use super::*;
 
     fn column(name: &str, value: impl Fn(f64) -> f64) -> Column {
-        Column {
-            name: name.into(),
-            unit: "m/s2",
-            values: (0..200).map(|i| value(f64::from(i))).collect(),
-        }
+        Column::new(
+            name,
+            "m/s2",
+            (0..200).map(|i| value(f64::from(i))).collect(),
+        )
     }
 
     /// The roughness of a sinusoid is that of its samples per period, whatever its phase and direction and however many

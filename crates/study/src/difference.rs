@@ -88,15 +88,8 @@ mod tests {
     use super::*;
 
     fn table(end: f64, columns: &[(&str, [f64; 2])]) -> HistoryTable {
-        let column = |(name, values): &(&str, [f64; 2])| Column {
-            name: (*name).into(),
-            unit: "m",
-            values: values.to_vec(),
-        };
-        HistoryTable {
-            times: vec![0.0, end],
-            columns: columns.iter().map(column).collect(),
-        }
+        let column = |(name, values): &(&str, [f64; 2])| Column::new(*name, "m", values.to_vec());
+        HistoryTable::new(vec![0.0, end], columns.iter().map(column).collect())
     }
 
     /// The components of a history and quantity are summed; columns without motion, or missing in one run, are

@@ -9,7 +9,7 @@ use powerhouse_model::{
     Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView, Vec3,
 };
 
-use super::{HistoryTable, ObserveError, Recording, check_cadence};
+use super::{HistoryTable, ObserveError, Recording, check_cadence, table_cadence};
 use functional::Functional;
 pub use pieces::SectionPiece;
 use plane::{Plane, intersect};
@@ -282,7 +282,7 @@ impl Observer for SectionForces {
             .with_element_forces()
     }
     fn cadence(&self) -> Cadence {
-        self.cadence
+        table_cadence(self.cadence)
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
         self.recording.save()
@@ -322,7 +322,7 @@ impl Observer for SectionForces {
                 moment_across / width,
             ]);
         }
-        self.recording.lock().push(view.time(), &self.row);
+        (self.recording.lock()).see(self.cadence, view, &self.row);
         Ok(Flow::Continue)
     }
 }

@@ -207,3 +207,99 @@ fn energies_stand_under_their_names() {
     assert!((rows[0].1 - 0.3).abs() < 1e-15);
     assert!(peaks.to_string().lines().all(|line| line.contains(" J ")));
 }
+
+/// Rows of an interval in seconds are at its multiples, with values on the line between the steps around them, also of
+/// observers that are saved and restored between the two: for steps above half of the interval, far below it, that divide
+/// it and that are longer than it.
+#[test]
+fn rows_are_at_multiples_of_the_interval() {
+    let mesh = rough_block();
+    let wave = |t: f64| Vec3::new((40.0 * t).sin(), t * t, 1.0 - 3.0 * t);
+    for (step, interval) in [
+        (2.94e-3, 5e-3),
+        (2.94e-3, 0.02),
+        (1.7e-4, 0.003),
+        (4.9e-3, 5e-3),
+        (1e-3, 5e-3),
+        (7e-3, 5e-3),
+    ] {
+        let mut history = History::builder(Cadence::Seconds(interval))
+            .motion("a", Place::Node(9), Motion::ALL)
+            .build(&mesh)
+            .unwrap();
+        let recording = history.recording();
+        let mut view = Fields::at_rest(mesh.node_count());
+        view.step = step;
+        view.displacement = Box::new(|_, t| wave(t));
+        view.acceleration = Box::new(|_, t| 2.0 * wave(t));
+        let steps = (0.31_f64 / step).ceil() as u64 + 1;
+        view.run(&mut [&mut history], steps);
+        let table = recording.copy();
+        let expected = if interval > step { interval } else { step };
+        let rows = 1 + (0.31 / expected + 1e-6).floor() as usize;
+        assert!(
+            table.times.len() >= rows,
+            "{step} {interval}: {}",
+            table.times.len()
+        );
+        for (row, &time) in table.times.iter().enumerate() {
+            if interval > step {
+                // The number that its decimal digits are.
+                let digits: f64 = format!("{:.6}", row as f64 * interval).parse().unwrap();
+                assert_eq!(time, digits, "{step} {interval}");
+            }
+            let before = (time / step + 1e-6).floor() * step;
+            let share = (time - before) / step;
+            let value = wave(before) * (1.0 - share) + wave(before + step) * share;
+            for (axis, value) in ["x", "y", "z"].into_iter().zip(value.iter()) {
+                let at = |name: &str| table.column(&format!("a.{name}{axis}")).unwrap().values[row];
+                assert!(
+                    (at("u") - value).abs() < 1e-9,
+                    "{step} {interval} {time}: {}",
+                    at("u")
+                );
+                assert!((at("a") - 2.0 * value).abs() < 1e-9);
+            }
+        }
+    }
+}
+
+/// The peak of a motion is that of all steps, whatever the interval of its rows.
+#[test]
+fn peaks_do_not_depend_on_the_interval() {
+    let mesh = rough_block();
+    let step = 2.9e-3;
+    let pulse = |t: f64| -3.125 * (-((t - 0.101) / 4e-3).powi(2)).exp();
+    let greatest = (0..120)
+        .map(|n| pulse(f64::from(n) * step))
+        .fold(0.0, f64::min);
+    for interval in [1e-3, 5e-3, 0.02, 0.3] {
+        let mut history = History::builder(Cadence::Seconds(interval))
+            .stress("before", StressPlace::Element(7))
+            .motion("a", Place::Node(9), Motion::ACCELERATION)
+            .relative("b", Place::Node(3), Place::Node(9), Motion::DISPLACEMENT)
+            .build(&mesh)
+            .unwrap();
+        let recording = history.recording();
+        let mut peaks = history.motion_peaks().unwrap();
+        let mut view = Fields::at_rest(mesh.node_count());
+        view.step = step;
+        view.acceleration = Box::new(|_, t| Vec3::new(0.0, pulse(t), 0.0));
+        view.displacement =
+            Box::new(|node, t| Vec3::new(f64::from(u8::from(node == 8)) * pulse(t), 0.0, 0.0));
+        view.run(&mut [&mut peaks, &mut history], 120);
+        let mut table = PeakTable::default();
+        table.add_history(&recording.copy());
+        for name in ["a.ay", "b.ux"] {
+            let row = table.rows.iter().find(|row| row.name == name).unwrap();
+            assert!(
+                (row.value - greatest).abs() < 1e-12,
+                "{name} {interval}: {}",
+                row.value
+            );
+            assert!((row.time - 35.0 * step).abs() < 1e-9, "{}", row.time);
+        }
+    }
+    let stress = History::builder(Cadence::Steps(1)).stress("s", StressPlace::Element(7));
+    assert!(stress.build(&mesh).unwrap().motion_peaks().is_none());
+}

@@ -21,6 +21,7 @@ type Forces<'a> = Box<dyn Fn(u32, &mut [Vec3]) -> bool + 'a>;
 /// A step whose fields are functions of place and time.
 struct Fields<'a> {
     time: f64,
+    step: f64,
     nodes: usize,
     displacement: Field<'a, Vec3>,
     velocity: Field<'a, Vec3>,
@@ -36,6 +37,7 @@ impl Fields<'_> {
         let nothing = || Box::new(|_, _| Vec3::zeros());
         Self {
             time: 0.0,
+            step: 1e-3,
             nodes,
             displacement: nothing(),
             velocity: nothing(),
@@ -43,6 +45,24 @@ impl Fields<'_> {
             stress: Box::new(|_, _| Stress::default()),
             forces: Box::new(|_, _| false),
             energies: Vec::new(),
+        }
+    }
+    /// Shows observers so many steps, each when it is due; they are saved and restored before each step.
+    fn run(&mut self, observers: &mut [&mut dyn Observer], steps: u64) {
+        self.time = 0.0;
+        for number in 0..steps {
+            for observer in &mut *observers {
+                let saved = observer.save_state().unwrap();
+                observer.restore_state(&saved).unwrap();
+                let due = observer.cadence().is_due(number, self.time, self.step);
+                if due || number + 1 == steps {
+                    observer.observe(self).unwrap();
+                }
+            }
+            self.time += self.step;
+        }
+        for observer in observers {
+            observer.finish().unwrap();
         }
     }
     /// Shows an observer the step at a time.
@@ -54,13 +74,13 @@ impl Fields<'_> {
 
 impl StepView for Fields<'_> {
     fn number(&self) -> u64 {
-        (self.time * 1000.0).round() as u64
+        (self.time / self.step).round() as u64
     }
     fn time(&self) -> f64 {
         self.time
     }
     fn step(&self) -> f64 {
-        1e-3
+        self.step
     }
     fn node_count(&self) -> usize {
         self.nodes

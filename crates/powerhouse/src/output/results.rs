@@ -309,6 +309,8 @@ impl Recordings {
         remarks.append(&mut without_state);
         if !history.is_empty() {
             recordings.histories = Some(history.recording());
+            let peaks = history.motion_peaks();
+            observers.extend(peaks.map(|peaks| Box::new(peaks) as Box<dyn Observer>));
             observers.push(Box::new(history));
         }
         if !plan.cuts.is_empty() {

@@ -7,6 +7,8 @@ use crate::magnitude::rounded;
 
 /// Threshold of [`Column::roughness`]: that of a sinusoid with six samples per period.
 const ROUGH: f64 = 1.0;
+/// Least share of the greatest sample of an acceleration in the peak of all steps.
+const OF_PEAK: f64 = 0.95;
 /// Least ratio of the greatest acceleration of every second sample to that of all samples for a sufficient sampling
 /// interval: that of a sinusoid with seven samples per period.
 const OF_ALTERNATE_LOOKS: f64 = 0.9;
@@ -18,7 +20,9 @@ pub(super) fn warnings(histories: &HistoryTable, envelope: Option<&EnvelopeTable
         let interval = rounded((last - first) / (histories.times.len() - 1) as f64);
         let rough = |motion: &&[Column]| {
             let roughness = Column::roughness(motion).filter(|_| motion[0].unit == "m/s2");
-            roughness.is_some_and(|roughness| roughness > ROUGH)
+            roughness.is_some_and(|roughness| {
+                roughness > ROUGH || share_of_peak(motion, &histories.times) < OF_PEAK
+            })
         };
         let motions = histories
             .columns
@@ -32,6 +36,20 @@ pub(super) fn warnings(histories: &HistoryTable, envelope: Option<&EnvelopeTable
     let sparse = share.filter(|share| *share < OF_ALTERNATE_LOOKS);
     warnings.extend(sparse.map(|share| Remark::SparseEnvelope { share }));
     warnings
+}
+
+/// Greatest sample of the components of a motion over the peak of all steps.
+fn share_of_peak(motion: &[Column], times: &[f64]) -> f64 {
+    let greatest = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let sampled = greatest(
+        &mut motion
+            .iter()
+            .flat_map(|column| column.values.iter().copied()),
+    );
+    let peaks = motion.iter().filter_map(|column| column.peak(times));
+    sampled / greatest(&mut peaks.map(|(peak, _)| peak))
 }
 
 /// Name of a column without its component, and its unit, which identify one motion.

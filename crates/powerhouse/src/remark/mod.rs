@@ -420,8 +420,8 @@ pub enum Remark {
         /// Number of the node with this displacement in the mesh file.
         node: u64,
     },
-    /// Warning after the run: the sampling interval of an acceleration history is too long for its frequencies around its
-    /// peak: fewer than about six samples per period.
+    /// Warning after the run: the sampling interval of an acceleration history is too long for its frequencies: fewer than
+    /// about six samples per period around its peak, or samples that miss a twentieth of the peak of all steps.
     Undersampled {
         /// Name of the history.
         name: String,

@@ -532,7 +532,7 @@ impl fmt::Display for Remark {
             ),
             Self::Undersampled { name, interval } => write!(
                 f,
-                "the acceleration of '{name}' changes between samples around its peak by more than its own size: the motion has frequencies above those that the sampling interval of {interval} s resolves, as when cracks open or close, and its peak is that of the samples, not of the motion"
+                "the acceleration of '{name}' has frequencies above those that samples every {interval} s resolve, as when cracks open or close: around its peak they change by more than its own size, or miss it; its peak is that of all steps, but spectra of its samples are wrong (a shorter `every` resolves more)"
             ),
             Self::SparseEnvelope { share } => write!(
                 f,

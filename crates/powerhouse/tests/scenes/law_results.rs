@@ -194,11 +194,7 @@ fn energy_of_closing_cracks_is_warned_of() {
             ("recovery", recovery),
             ("integration", integration),
         ]
-        .map(|(name, value)| Column {
-            name: name.into(),
-            unit: "J",
-            values: vec![0.0, value],
-        })
+        .map(|(name, value)| Column::new(name, "J", vec![0.0, value]))
         .into();
         let warnings = results.warnings(&cube());
         let found = warnings

@@ -59,7 +59,7 @@ pub(super) fn relative_peaks(scene: &Scene) -> Result<Vec<Peak>, StudyError> {
     };
     let every = plan.every.max(scene.duration() / MOST_SAMPLES);
     let history = || {
-        let mut builder = History::builder(Cadence::Seconds(plan.every));
+        let mut builder = History::builder(Cadence::Steps(1));
         for request in &plan.relative {
             let (from, at) = (request.from.clone(), request.at.clone());
             builder = builder.relative(&request.name, from, at, Motion::DISPLACEMENT);
