@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use powerhouse::model::HistoryKind;
-use powerhouse::{Material, PointPath, Registry};
+use powerhouse::{Error, Material, PointPath, Registry};
 
 use crate::Outcome;
 use crate::terminal::{say, say_warning};
@@ -17,7 +17,13 @@ pub(crate) fn drive(
     out: Option<PathBuf>,
 ) -> Outcome {
     let material = Material::from_file(law, material, &Registry::default())?;
-    let test = PointPath::from_file(path)?.drive(&material)?;
+    // Of a test that fails on its way the steps before are written, and then the error.
+    let (test, failure) = match PointPath::from_file(path)?.drive(&material) {
+        Ok(test) => (test, None),
+        Err(Error::Leg { fault, test }) if test.records.len() > 1 => (*test, Some(fault)),
+        Err(Error::Leg { fault, .. }) => return Err(Error::Scene(fault).into()),
+        Err(error) => return Err(error.into()),
+    };
     say!("{}: {} steps", test.law, test.records.len() - 1);
     for warning in material.warnings() {
         say_warning!("{warning}");
@@ -40,5 +46,8 @@ pub(crate) fn drive(
     for file in test.write(&out.unwrap_or_else(default))? {
         say!("  {}", file.display());
     }
-    Ok(ExitCode::SUCCESS)
+    match failure {
+        Some(fault) => Err(Error::Scene(fault).into()),
+        None => Ok(ExitCode::SUCCESS),
+    }
 }

@@ -242,8 +242,8 @@ impl PointPath {
     /// Computes the response of a material point along the path.
     ///
     /// # Errors
-    /// Crack band width that the material rejects; a target that is not reached, or a strain that is not finite, with
-    /// its leg.
+    /// Crack band width that the material rejects; [`Error::Leg`] with the states until then for a target that is not
+    /// reached, or a strain that is not finite.
     pub fn drive(&self, material: &Material) -> Result<PointTest, Error> {
         let size = self.file.size.map_or(1.0, Positive::get);
         material.accept_size(size)?;
@@ -255,20 +255,24 @@ impl PointPath {
         let point = PointDriver::new(law).with_size(size);
         let point = point.and_then(|point| point.with_initial(Stress(initial)));
         let mut point = point.map_err(powerhouse_model::ModelError::from)?;
-        let mut records = vec![point.state().clone()];
-        for leg in &self.file.legs {
-            let located = |fault| Error::from(SceneFault::new(self.text.clone(), fault));
-            let targets = leg.targets(point.state()).map_err(located)?;
-            for target in targets {
-                let advanced = point.advance(target, leg.steps_to_target());
-                records.extend(advanced.map_err(|e| located(Fault::refused(leg.span(), e)))?);
-            }
-        }
-        Ok(PointTest {
+        let mut test = PointTest {
             law: material.name().into(),
             variables: material.history().to_vec(),
-            records,
-        })
+            records: vec![point.state().clone()],
+        };
+        for leg in &self.file.legs {
+            let located = |fault| SceneFault::new(self.text.clone(), fault);
+            let targets = leg.targets(point.state()).map_err(located)?;
+            for target in targets {
+                let steps = leg.steps_to_target();
+                if let Err(error) = point.advance_into(target, steps, &mut test.records) {
+                    let fault = Box::new(located(Fault::refused(leg.span(), error)));
+                    let test = Box::new(test);
+                    return Err(Error::Leg { fault, test });
+                }
+            }
+        }
+        Ok(test)
     }
 }
 

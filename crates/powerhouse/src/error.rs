@@ -307,6 +307,15 @@ pub enum Error {
         /// Results up to the failure, recorded at the samples until then; stages included.
         results: Box<Results>,
     },
+    /// Single-point test with a leg whose target is not reached.
+    #[cfg(feature = "scene-files")]
+    #[error("{fault}")]
+    Leg {
+        /// Cause, at the leg.
+        fault: Box<SceneFault>,
+        /// Response until then.
+        test: Box<crate::PointTest>,
+    },
 }
 
 impl Error {
@@ -325,6 +334,13 @@ impl Error {
     pub(crate) fn staging(stage: Option<&str>, source: StagingError) -> Self {
         let stage = stage.map(str::to_owned);
         Self::Staging { stage, source }
+    }
+    /// A fault of a scene file as that of a case, if the scene is one; other errors unchanged.
+    pub(crate) fn in_case(self, case: Option<&str>) -> Self {
+        match (self, case) {
+            (Self::Scene(fault), Some(case)) => fault.in_case(case).into(),
+            (error, _) => error,
+        }
     }
     /// Error of bolts.
     pub(crate) fn of_bolts(source: StagingError) -> Self {

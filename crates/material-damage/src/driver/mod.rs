@@ -153,25 +153,39 @@ impl<M: ConstitutiveLaw> PointDriver<M> {
         target: [Control; 6],
         steps: usize,
     ) -> Result<Vec<PointState>, MaterialError> {
+        let mut states = Vec::with_capacity(steps);
+        self.advance_into(target, steps, &mut states)?;
+        Ok(states)
+    }
+
+    /// Advances the point to the target in equal steps and appends the state after each, in a failure of those before it.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn advance_into(
+        &mut self,
+        target: [Control; 6],
+        steps: usize,
+        states: &mut Vec<PointState>,
+    ) -> Result<(), MaterialError> {
         let start = self.now.clone();
-        (1..=steps)
-            .map(|step| {
-                let share = step as f64 / steps as f64;
-                let between = |from: f64, to: f64| {
-                    if step == steps {
-                        to
-                    } else {
-                        from + share * (to - from)
-                    }
-                };
-                let here = core::array::from_fn(|i| match target[i] {
-                    Control::Strain(end) => Control::Strain(between(start.strain.0[i], end)),
-                    Control::Stress(end) => Control::Stress(between(start.stress.0[i], end)),
-                });
-                self.step(here)?;
-                Ok(self.now.clone())
-            })
-            .collect()
+        for step in 1..=steps {
+            let share = step as f64 / steps as f64;
+            let between = |from: f64, to: f64| {
+                if step == steps {
+                    to
+                } else {
+                    from + share * (to - from)
+                }
+            };
+            let here = core::array::from_fn(|i| match target[i] {
+                Control::Strain(end) => Control::Strain(between(start.strain.0[i], end)),
+                Control::Stress(end) => Control::Stress(between(start.stress.0[i], end)),
+            });
+            self.step(here)?;
+            states.push(self.now.clone());
+        }
+        Ok(())
     }
 
     /// Stress and history of a strain, from the current history.

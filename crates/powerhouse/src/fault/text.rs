@@ -46,6 +46,8 @@ impl SceneText {
 pub struct SceneFault {
     text: Arc<SceneText>,
     fault: Fault,
+    /// Name of the case with whose keys the scene was read.
+    case: Option<String>,
 }
 
 impl core::fmt::Debug for SceneFault {
@@ -58,7 +60,28 @@ impl core::fmt::Debug for SceneFault {
 impl SceneFault {
     /// Fault together with the text that it was found in, from which line and column are counted.
     pub fn new(text: Arc<SceneText>, fault: Fault) -> Self {
-        Self { text, fault }
+        Self {
+            text,
+            fault,
+            case: None,
+        }
+    }
+    /// The fault as that of a case of the scene, unless it is that of a case already.
+    #[must_use]
+    pub fn in_case(mut self, case: &str) -> Self {
+        self.case.get_or_insert_with(|| case.into());
+        self
+    }
+    /// Name of the case of the scene in which the fault was found, if it was one.
+    pub fn case(&self) -> Option<&str> {
+        self.case.as_deref()
+    }
+    /// The problem, with the case in which it was found.
+    fn title(&self) -> String {
+        match &self.case {
+            Some(case) => format!("in the case '{case}': {}", self.problem()),
+            None => self.problem().to_string(),
+        }
     }
     /// Type of the fault.
     pub fn problem(&self) -> &Problem {
@@ -77,7 +100,7 @@ impl SceneFault {
     /// `colours` adds terminal colours.
     pub fn render(&self, colours: bool) -> String {
         let path = self.text.path.display().to_string();
-        let title = self.problem().to_string();
+        let title = self.title();
         let start = self.fault.span.start.min(self.text.text.len());
         let mut end = self.fault.span.end.clamp(start, self.text.text.len());
         // The byte range of a table may span many lines: only its first line is shown.
@@ -118,7 +141,7 @@ impl core::fmt::Display for SceneFault {
             f,
             "{}:{line}:{column}: {}",
             self.path().display(),
-            self.problem()
+            self.title()
         )
     }
 }

@@ -92,8 +92,10 @@ impl Scene {
         case: Option<&str>,
         registry: &Registry,
     ) -> Result<Self, Error> {
-        let (spec, unusual) = file.checked(case, registry)?;
-        Self::compose(spec, unusual, registry)
+        let composed = file
+            .checked(case, registry)
+            .and_then(|(spec, unusual)| Self::compose(spec, unusual, registry));
+        composed.map_err(|error| error.in_case(case))
     }
     /// Scene of a specification, such as one from a file whose values a program has changed. Faults in changed values are
     /// reported where the file has the former ones.
@@ -101,9 +103,12 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`], as [`from_file`](Self::from_file).
     pub fn from_spec(spec: SceneSpec, registry: &Registry) -> Result<Self, Error> {
+        let case = spec.case().map(str::to_owned);
         let checked = spec.file().check(&spec, registry);
-        let unusual = checked.map_err(|fault| spec.file().fault(fault))?;
-        Self::compose(spec, unusual, registry)
+        let composed = checked
+            .map_err(|fault| spec.file().fault(fault))
+            .and_then(|unusual| Self::compose(spec, unusual, registry));
+        composed.map_err(|error| error.in_case(case.as_deref()))
     }
 
     /// Checks the keys and values of a scene file with changed keys, and of all its cases, without reading mesh and
@@ -129,6 +134,7 @@ impl Scene {
         let refused = |fault| file.fault(fault);
         let mut scene = resolve::compose(file.text(), &spec, registry).map_err(refused)?;
         scene.changes = file.changes().to_vec();
+        scene.places.case = spec.case().map(str::to_owned);
         if !scene.changes.is_empty() {
             let changes = scene.changes.clone();
             scene.remark_once(SceneRemark::ChangedKeys { changes });

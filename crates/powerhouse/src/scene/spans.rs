@@ -87,17 +87,20 @@ pub(crate) struct SceneSpans {
     pub(crate) rims: BTreeMap<String, Range<usize>>,
     /// Stages and the values in them.
     pub(crate) stages: StageSpans,
+    /// Name of the case of the scene.
+    pub(crate) case: Option<String>,
     /// Prescribed motions, with their node numbers in the mesh file.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
 
 impl SceneSpans {
-    /// Error with its position in the scene file, if the scene has a file and the position is known.
+    /// Error with its case and its position in the scene file, if the scene has a file and the position is known.
     pub(crate) fn put(&self, source: &Option<Arc<SceneText>>, error: Error) -> Error {
-        match self.of(&error) {
+        let placed = match self.of(&error) {
             Some(place) => Self::put_at(source, place, error),
             None => error,
-        }
+        };
+        placed.in_case(self.case.as_deref())
     }
 
     /// Error with a position in the scene file, if the scene has a file.

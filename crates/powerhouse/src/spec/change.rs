@@ -15,11 +15,18 @@ pub(crate) const NAMED: [(&str, &str); 6] = [
     ("bolt", "name"),
     ("stage", "name"),
 ];
-/// Keys that tables have beside those of their `law`: a change that names another law keeps these alone.
-const BESIDE_LAW: [(&str, &[&str]); 2] = [
-    ("material", &["name"]),
+/// Tables whose keys belong to what one of them names, with that key and the keys beside: a change that names another law or
+/// kind keeps the latter alone.
+const OF_KIND: [(&str, &str, &[&str]); 3] = [
+    ("material", "law", &["name"]),
+    (
+        "boundary",
+        "kind",
+        &["faces", "scatterer", "through", "region", "stations"],
+    ),
     (
         "joint",
+        "law",
         &[
             "name",
             "between",
@@ -64,27 +71,28 @@ pub(super) fn apply(root: &mut Node, case: &str) -> Result<(), Fault> {
                 };
                 return Err(Fault::new(name.span.clone(), problem));
             };
-            if let Some((_, kept)) = BESIDE_LAW.iter().find(|(of, _)| *of == section)
-                && let (Some(new), Some(old)) = (text(change, "law"), text(table, "law"))
-                && new != old
-            {
-                table.split(|key| kept.contains(&key));
-            }
-            replace(table, change, key);
+            replace(table, change, (section, key));
         }
     }
     for section in SINGLE {
         let change = own.get(section).and_then(Node::as_table);
         let table = root.get_mut(section).and_then(Node::as_table_mut);
         if let (Some(change), Some(table)) = (change, table) {
-            replace(table, change, "");
+            replace(table, change, (section, ""));
         }
     }
     Ok(())
 }
 
-/// Replaces keys of a table by the changed ones, except the key that selects the table.
-fn replace(table: &mut Table, change: &Table, name: &str) {
+/// Replaces keys of a table of a section by the changed ones, except the key that selects the table. Of another law or kind
+/// than before the table has none of the former keys.
+fn replace(table: &mut Table, change: &Table, (section, name): (&str, &str)) {
+    if let Some((_, kind, kept)) = OF_KIND.iter().find(|(of, ..)| *of == section)
+        && let (Some(new), Some(old)) = (text(change, kind), text(table, kind))
+        && new != old
+    {
+        table.split(|key| kept.contains(&key));
+    }
     for (key, entry) in change.iter().filter(|(key, _)| *key != name) {
         table.insert(key, entry.clone());
     }
@@ -109,8 +117,8 @@ fn text<'a>(table: &'a Table, key: &str) -> Option<&'a str> {
 mod tests {
     use schemars::{JsonSchema, schema_for};
 
-    use super::BESIDE_LAW;
-    use crate::spec::{JointSection, Material};
+    use super::OF_KIND;
+    use crate::spec::{BoundarySection, JointSection, Material};
 
     fn keys<T: JsonSchema>() -> Vec<String> {
         let schema = schema_for!(T);
@@ -118,15 +126,16 @@ mod tests {
         keys.unwrap().keys().cloned().collect()
     }
 
-    /// The keys beside those of a law are all keys that its table has, but for `law`.
+    /// The keys beside those of a law or kind are all keys that its table has, but for the one that names it.
     #[test]
     fn keys_beside_a_law_are_those_of_its_table() {
         for (section, keys) in [
             ("material", keys::<Material>()),
+            ("boundary", keys::<BoundarySection>()),
             ("joint", keys::<JointSection>()),
         ] {
-            let (_, kept) = BESIDE_LAW.iter().find(|(of, _)| *of == section).unwrap();
-            let mut kept = [kept, &["law"][..]].concat();
+            let (_, kind, kept) = OF_KIND.iter().find(|(of, ..)| *of == section).unwrap();
+            let mut kept = [kept, &[*kind][..]].concat();
             kept.sort_unstable();
             let mut keys = keys;
             keys.sort_unstable();

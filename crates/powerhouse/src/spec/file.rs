@@ -109,7 +109,8 @@ impl SceneFile {
     /// [`Error::Scene`] with file, line and column for an unknown or missing key, or a value of a wrong type or outside its
     /// range; [`Error::NoSuchCase`].
     pub fn spec(&self, case: Option<&str>) -> Result<SceneSpec, Error> {
-        let mut spec = decode::scene(&self.tables, case).map_err(|fault| self.fault(fault))?;
+        let spec = decode::scene(&self.tables, case).map_err(|fault| self.fault(fault));
+        let mut spec = spec.map_err(|error| error.in_case(case))?;
         if let (Some(name), None) = (case, spec.case()) {
             let available = spec.cases.iter().map(|case| case.name.to_string());
             let (name, available) = (name.into(), available.collect());
@@ -140,9 +141,8 @@ impl SceneFile {
             None => {
                 for case in &own.cases {
                     let of_case = self.spec(Some(&case.name))?;
-                    of_case
-                        .check_registered(registry)
-                        .map_err(|fault| self.fault(fault))?;
+                    let checked = of_case.check_registered(registry);
+                    checked.map_err(|fault| self.fault(fault).in_case(Some(case.name.as_str())))?;
                 }
                 own
             }

@@ -4,7 +4,7 @@ mod stages;
 
 use std::path::PathBuf;
 
-use powerhouse::{Error, Problem, Registry, Scene, SceneFault};
+use powerhouse::{Error, Problem, Registry, Scene, SceneFault, SceneFile};
 
 /// A scene without fault; the mesh and the record are those of the coarse cavern.
 const SOUND: &str = r#"title = "test"
@@ -727,4 +727,75 @@ fn any_text_gives_one_fault() {
             assert!(matches!(error, Error::Scene(_)), "{error}");
         }
     }
+}
+
+/// A case that names another kind of boundary drops the keys of the old kind, and keeps those that every kind has.
+#[test]
+fn a_case_may_name_another_kind_of_boundary() {
+    let faces = r#"faces = ["left", "right", "front", "back", "bottom"]"#;
+    let more = format!("{faces}\nspreading = \"cylindrical\"\nscatterer = [0, 0, -70]");
+    for (kind, keys) in [
+        ("viscous", ""),
+        ("viscous-spring", ", scatterer = [1, 0, -70]"),
+    ] {
+        let case =
+            format!("[[case]]\nname = \"other\"\nboundary = {{ kind = \"{kind}\"{keys} }}\n");
+        let text = format!("{}\n{case}", SOUND.replace(faces, &more));
+        read(&text).unwrap();
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
+        let file = SceneFile::parse(text, path).unwrap();
+        Scene::of_case(&file, Some("other"), &Registry::default()).unwrap();
+        let boundary = file.spec(Some("other")).unwrap().boundary.unwrap();
+        assert_eq!((boundary.kind.as_str(), boundary.faces.len()), (kind, 5));
+        let x = boundary.scatterer.unwrap()[0].get();
+        assert_eq!(x, if keys.is_empty() { 0.0 } else { 1.0 });
+        // The same kind keeps its keys.
+        let spreads = format!("{:?}", boundary.parameters).contains("cylindrical");
+        assert_eq!(spreads, kind == "viscous-spring");
+    }
+}
+
+/// A fault of a case names the case, wherever it is found: in its keys, laws, references and records; one of the scene itself
+/// names none.
+#[test]
+fn faults_of_cases_name_the_case() {
+    let registry = Registry::default();
+    for (keys, word) in [
+        (
+            "boundary = { kind = \"viscous\", spreading = \"cylindrical\" }",
+            "spreading",
+        ),
+        ("boundary = { kind = \"sponge\" }", "sponge"),
+        ("material = [{ name = \"rock\", poisson = 0.7 }]", "0.7"),
+        (
+            "material = [{ name = \"rock\", cohesion = 1e6 }]",
+            "cohesion",
+        ),
+        ("part = [{ set = \"rock\", material = \"salt\" }]", "salt"),
+        ("record = [{ name = \"el-centro\", cut = [30, 20] }]", "20"),
+        ("time = { durations = 3 }", "durations"),
+    ] {
+        let text = format!("{SOUND}\n[[case]]\nname = \"changed\"\n{keys}\n");
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
+        let error = Scene::case_from_toml(&text, path, "changed", &registry)
+            .err()
+            .unwrap();
+        let message = error.to_string();
+        assert!(
+            message.contains("in the case 'changed': "),
+            "{keys}: {message}"
+        );
+        assert!(message.contains(word), "{keys}: {message}");
+        let Error::Scene(fault) = error else {
+            panic!("{message}")
+        };
+        assert_eq!(fault.case(), Some("changed"));
+        assert!(fault.render(false).contains("in the case 'changed': "));
+        let line = text.lines().position(|line| line == keys).unwrap() + 1;
+        assert_eq!(fault.position().0, line, "{keys}");
+    }
+    let own = read(&SOUND.replace("poisson = 0.27", "poisson = 0.7"))
+        .err()
+        .unwrap();
+    assert!(!own.to_string().contains("case"), "{own}");
 }
