@@ -62,6 +62,33 @@ pub enum SceneRemark {
         /// Facet set of the face.
         face: String,
     },
+    /// Warning: a prescribed displacement is not that of the body at rest when the run begins.
+    PrescribedJump {
+        /// Number of nodes.
+        nodes: usize,
+        /// Number of the first of them.
+        node: u64,
+        /// Displacement at the start (m).
+        displacement: f64,
+    },
+    /// Warning: a prescribed displacement begins with a velocity.
+    PrescribedVelocity {
+        /// Number of nodes.
+        nodes: usize,
+        /// Number of the first of them.
+        node: u64,
+        /// Velocity at the start (m/s).
+        velocity: f64,
+        /// That velocity over the greatest of the run (1).
+        share: f64,
+    },
+    /// Warning: segments of bolts are too long for their grout.
+    CoarseBolts {
+        /// Name of the bolts.
+        bolts: String,
+        /// Relative error of the greatest force in ground that is stretched uniformly (1).
+        error: f64,
+    },
     /// Scatterer above the body.
     ScattererAbove {
         /// Height z of the scatterer (m).
@@ -233,6 +260,29 @@ impl fmt::Display for SceneRemark {
             Self::AbsorbingSurface { face } => write!(
                 f,
                 "the absorbing face '{face}' lies on the free surface of the half-space: scattered waves leave through it instead of being reflected"
+            ),
+            Self::PrescribedJump {
+                nodes,
+                node,
+                displacement,
+            } => write!(
+                f,
+                "the displacement prescribed at {nodes} nodes (the first is {node}) jumps by {displacement:.3e} m when the run begins: the first time step covers it, an impact whose stress grows as the step shortens; let it begin at zero, such as by `function = {{ kind = \"ramp\", duration = ... }}`"
+            ),
+            Self::PrescribedVelocity {
+                nodes,
+                node,
+                velocity,
+                share,
+            } => write!(
+                f,
+                "the velocity prescribed at {nodes} nodes (the first is {node}) jumps by {velocity:.3e} m/s when the run begins, {:.0} % of its greatest: a front of stress, impedance times this velocity, with frequencies above those that the mesh carries; let it begin with a horizontal tangent, such as by a `table`",
+                100.0 * share
+            ),
+            Self::CoarseBolts { bolts, error } => write!(
+                f,
+                "the segments of the bolts '{bolts}' are too long for their grout: in ground that is stretched uniformly their greatest force errs by {:.0} %; leave `longest_segment` out, or give a shorter one",
+                100.0 * error
             ),
             Self::ScattererAbove { height, top } => write!(
                 f,

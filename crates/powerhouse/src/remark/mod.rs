@@ -520,7 +520,9 @@ impl Remark {
                 SceneRemark::RestrainedField { .. }
                 | SceneRemark::AsymmetricField { .. }
                 | SceneRemark::PeriodicField { .. }
-                | SceneRemark::AbsorbingSurface { .. },
+                | SceneRemark::AbsorbingSurface { .. }
+                | SceneRemark::PrescribedJump { .. }
+                | SceneRemark::PrescribedVelocity { .. },
             ) => Topic::Input,
             _ => Topic::Run,
         }

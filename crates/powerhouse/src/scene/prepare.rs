@@ -14,10 +14,19 @@ use crate::engine::Leapfrog;
 use crate::joint::{Closing, NamedSurface};
 use crate::output::{Recordings, StateVariables, coarse_in_bending};
 use crate::stage::{Staging, Timeline, last_renewal};
-use crate::{Error, Remark, Simulation};
+use crate::{Error, Remark, SceneRemark, Simulation};
 
 /// Tolerance of heights above a level, over the diagonal of the mesh.
 const ROUNDING_OF_PLACE: f64 = 1e-9;
+/// Error of the greatest force of bolts by the length of their segments that is told.
+const COARSE_BOLTS: f64 = 0.05;
+/// Instants of the run at which a prescribed displacement is evaluated, and the share of their interval over which it
+/// begins.
+const START_INSTANTS: usize = 2000;
+const START_SHARE: f64 = 1e-3;
+/// Displacement and velocity at the start, over the greatest of the run, above which a prescribed motion is sudden.
+const SUDDEN_DISPLACEMENT: f64 = 1e-3;
+const SUDDEN_VELOCITY: f64 = 0.1;
 
 /// Specification of a model with all components, and the joint surfaces by name.
 pub(crate) struct Moving<'a> {
@@ -63,6 +72,7 @@ impl Scene {
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let timeline = Timeline::of(&self)?;
         remarks.extend(self.above_ground(timeline.as_ref()));
+        remarks.extend(self.sudden_motions());
         remarks.extend(self.joints.iter().filter_map(|joint| {
             let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
             Some(Remark::JointRenewed {
@@ -102,6 +112,12 @@ impl Scene {
             recordings.watch_joints(&self.output, &self.mesh, surfaces, &mut observers)?;
             if let Some(timeline) = &timeline {
                 let bolts = timeline.bolts(self.stages.len());
+                let coarse = timeline.bolts(self.stages.len()).filter_map(|set| {
+                    let (bolts, error) = (set.name().to_owned(), set.segment_error());
+                    (error > COARSE_BOLTS)
+                        .then_some(Remark::Scene(SceneRemark::CoarseBolts { bolts, error }))
+                });
+                remarks.extend(coarse);
                 recordings.watch_bolts(&self.output, bolts, &mut observers)?;
             }
             self.engine.build(spec)?
@@ -157,6 +173,57 @@ impl Scene {
         let (low, high) = self.mesh.bounding_box();
         let above = top - level > ROUNDING_OF_PLACE * (high - low).norm();
         above.then_some(Remark::AboveGround { level, top })
+    }
+
+    /// Warnings about prescribed motions that do not begin at rest, where the body does.
+    fn sudden_motions(&self) -> Vec<Remark> {
+        let mut remarks = Vec::new();
+        if self.initial != InitialMotion::Rest {
+            return Vec::new();
+        }
+        let interval = self.duration / START_INSTANTS as f64;
+        for driven in self
+            .prescribed
+            .iter()
+            .filter(|driven| !driven.nodes.is_empty())
+        {
+            let at = |time: f64| driven.displacement.value(self.start + time);
+            let values: Vec<f64> = (0..=START_INSTANTS)
+                .map(|i| at(i as f64 * interval))
+                .collect();
+            let farthest = values
+                .iter()
+                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            let changes = values
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs() / interval);
+            let [nodes, first] = [driven.nodes.len(), driven.nodes[0] as usize];
+            let node = self.mesh.node_tags()[first];
+            // Stages hold their value at the start.
+            let displacement = if self.stages.is_empty() {
+                values[0]
+            } else {
+                0.0
+            };
+            if displacement.abs() > SUDDEN_DISPLACEMENT * farthest {
+                remarks.push(SceneRemark::PrescribedJump {
+                    nodes,
+                    node,
+                    displacement,
+                });
+            }
+            let velocity = (at(START_SHARE * interval) - values[0]) / (START_SHARE * interval);
+            let share = velocity.abs() / changes.fold(velocity.abs(), f64::max);
+            if share > SUDDEN_VELOCITY {
+                remarks.push(SceneRemark::PrescribedVelocity {
+                    nodes,
+                    node,
+                    velocity,
+                    share,
+                });
+            }
+        }
+        remarks.into_iter().map(Remark::Scene).collect()
     }
 
     /// Specification of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.

@@ -197,22 +197,45 @@ impl Scene {
         Ok(remarks)
     }
 
-    /// Free outer facets: neither absorbing, nor supported or prescribed along their normals or in both directions
-    /// across them at all their nodes. Rollers of a plane slice do not support the edges of its other sides.
+    /// Free outer facets: neither absorbing, nor a side of a joint, nor supported or prescribed along their normals or in
+    /// both directions across them at all their nodes. Rollers of a plane slice do not support the edges of its other sides.
     fn free_facets(&self, faces: &[(&str, &[Facet])]) -> Vec<Facet> {
         let absorbing: HashSet<Facet> = faces.iter().flat_map(|(_, f)| f.iter().copied()).collect();
         let held = self.held_directions();
+        let jointed = self.sides_of_joints();
         let is_free = |facet: &Facet| {
             let normal = self.mesh.facet_geometry(*facet).normal();
-            let nodes = self.mesh.facet_nodes(*facet);
+            let mut nodes = self.mesh.facet_nodes(*facet);
             let of = |node: &u32| held.get(node).map_or(&[][..], Vec::as_slice);
-            !absorbing.contains(facet) && !nodes.iter().all(|node| is_held(of(node), &normal))
+            let is_held = nodes.iter().all(|node| is_held(of(node), &normal));
+            nodes.sort_unstable();
+            !absorbing.contains(facet) && !is_held && !jointed.contains(&nodes)
         };
         self.mesh
             .boundary_facets()
             .into_iter()
             .filter(is_free)
             .collect()
+    }
+
+    /// Nodes, in rising order, of each facet of the two sides of all joints.
+    fn sides_of_joints(&self) -> HashSet<Vec<u32>> {
+        let mut sides = HashSet::new();
+        for surface in self.joints.iter().map(|joint| &joint.surface) {
+            for facet in &surface.facets {
+                let opposite = |(&node, pair): (&u32, &Option<u32>)| {
+                    // At a tip both sides share the node.
+                    let pair = pair.map_or([node; 2], |pair| surface.pairs[pair as usize].nodes);
+                    if pair[0] == node { pair[1] } else { pair[0] }
+                };
+                let second = facet.nodes.iter().zip(&facet.pairs).map(opposite);
+                for mut nodes in [facet.nodes.clone(), second.collect()] {
+                    nodes.sort_unstable();
+                    sides.insert(nodes);
+                }
+            }
+        }
+        sides
     }
 
     /// Unit vectors of the directions in which nodes are supported, prescribed or periodic.

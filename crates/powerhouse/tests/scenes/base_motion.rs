@@ -1,13 +1,17 @@
 //! Prescribed motions by records: their delay, and its report.
 
+use powerhouse::engine::Prescribed;
 use powerhouse::io::write_gmsh;
+use powerhouse::material::LinearElastic;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::wavefield::{
     BaselineCorrection, EndDisplacement, RecordSignal, Signal, TimeHistory,
 };
-use powerhouse::{Error, Registry, Remark, Results, RunHooks, Scene};
+use powerhouse::{
+    Error, Material, Part, Registry, Remark, Results, RunHooks, Scene, SceneRemark, SceneStage,
+};
 
-use super::support::{Folder, Variants, WAVE};
+use super::support::{Folder, ROCK, Variants, WAVE};
 
 const STEP: f64 = 0.02;
 
@@ -206,4 +210,75 @@ fn a_filter_that_rings_too_long_is_named() {
         refused("{ kind = \"velocity-polynomial\", order = 5 }"),
         None
     );
+}
+
+/// A prescribed displacement that begins with a jump, or with a velocity, has a warning with its size; one that begins
+/// at rest has none, and neither has one that stages hold at its first value.
+#[test]
+fn sudden_prescribed_motions_are_warned_of() {
+    let remarks = |motion: fn(f64) -> f64, start: f64, stages: bool| {
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 4.0, 12.0), [1, 1, 3], "rock");
+        let mesh = mesh.unwrap();
+        let nodes = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
+        let mut scene = Scene::new("column", mesh)
+            .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
+            .prescribed(Prescribed {
+                nodes,
+                direction: Vec3::new(0.0, 2.0, 0.0),
+                displacement: Box::new(move |time: f64| motion(time)),
+            })
+            .with_start_time(start)
+            .with_duration(2.0);
+        if stages {
+            scene = scene.stage(SceneStage::new("held"));
+        }
+        let simulation = scene.prepare().unwrap();
+        let mut sudden = [0.0, 0.0, 0.0];
+        for remark in simulation.remarks() {
+            match remark {
+                Remark::Scene(SceneRemark::PrescribedJump {
+                    nodes,
+                    displacement,
+                    ..
+                }) => {
+                    assert_eq!(*nodes, 4);
+                    sudden[0] += displacement;
+                }
+                Remark::Scene(SceneRemark::PrescribedVelocity {
+                    velocity, share, ..
+                }) => {
+                    sudden[1] += velocity;
+                    sudden[2] += share;
+                }
+                _ => {}
+            }
+        }
+        sudden
+    };
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        let off = (0..3).map(|i| (found[i] - expected[i]).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-3, "{found:?} {expected:?}");
+    };
+    near(remarks(|_| -0.02, 0.0, false), [-0.02, 0.0, 0.0]);
+    near(remarks(|t| 0.3 * t.min(0.5), 0.0, false), [0.0, 0.3, 1.0]);
+    near(
+        remarks(|t| 0.01 * (12.0 * t).sin(), 0.0, false),
+        [0.0, 0.12, 1.0],
+    );
+    // At a quarter of a period the displacement jumps, but not the velocity.
+    near(remarks(|t| 0.01 * t.cos(), 0.0, false), [0.01, 0.0, 0.0]);
+    near(
+        remarks(|t| 0.5 * (t - 1.0) + 0.4 * (t - 1.0).powi(2), 1.0, false),
+        [0.0, 0.5, 0.5 / 2.1],
+    );
+    near(
+        remarks(|t| 0.01 * (1.0 - (12.0 * t).cos()), 0.0, false),
+        [0.0; 3],
+    );
+    near(
+        remarks(|t| 0.1 * (-(t - 1.0).powi(2) / 0.02).exp(), 0.0, false),
+        [0.0; 3],
+    );
+    near(remarks(|_| 0.0, 0.0, false), [0.0; 3]);
+    near(remarks(|_| -0.02, 0.0, true), [0.0; 3]);
 }

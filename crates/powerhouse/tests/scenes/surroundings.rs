@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use powerhouse::boundary::{InputMode, Viscous, ViscousSpring};
+use powerhouse::contact::{JointSurface, SurfaceOptions, Tied};
 use powerhouse::engine::{EngineError, FacePressure, Profile, Rayleigh, SolidKernel, Support};
 use powerhouse::io::write_gmsh;
 use powerhouse::material::{LinearElastic, media};
@@ -11,7 +12,7 @@ use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, Site, SmoothPulse, WaveKind, ZeroMeanPulse,
 };
 use powerhouse::{
-    Boundary, Error, InitialMotion, Material, Part, Registry, Remark, Scene, Simulation,
+    Boundary, Error, InitialMotion, Material, Part, Registry, Remark, Scene, SceneJoint, Simulation,
 };
 
 use super::support::*;
@@ -295,6 +296,36 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
         .with_boundary(Boundary::new(Viscous::default(), SIDES))
         .with_duration(0.6);
     assert_eq!(share(inside), None);
+}
+
+/// The sides of a joint that reaches the absorbing faces, level, steep or folded, are no free surface on which the field would have
+/// to be free of traction.
+#[test]
+fn sides_of_a_joint_are_no_free_surface() {
+    let planes: [fn(Vec3) -> f64; 3] = [
+        |x| x.z + 160.0,
+        |x| x.x - 130.0,
+        |x| (x.z + 160.0).max(130.0 - x.x),
+    ];
+    for plane in planes {
+        let mut mesh = cube();
+        let elements = 0..mesh.element_count() as u32;
+        let (below, above): (Vec<u32>, Vec<u32>) =
+            elements.partition(|&e| plane(mesh.centroid(e)) < 0.0);
+        let split = mesh.split_between(&below, &above).unwrap();
+        mesh = split.mesh;
+        let options = SurfaceOptions::within(1e-6).unwrap();
+        let surface = JointSurface::between(&mesh, &split.first, &split.second, &options).unwrap();
+        let scene = Scene::new("jointed", mesh)
+            .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
+            .joint(SceneJoint::new("joint", surface, Tied))
+            .with_field(wave(vertical(WaveKind::SV)))
+            .with_boundary(Boundary::new(Viscous::default(), SIDES))
+            .with_duration(0.6);
+        let simulation = scene.prepare().unwrap();
+        let loaded = |remark: &&Remark| matches!(remark, Remark::LoadedSurface { .. });
+        assert_eq!(simulation.remarks().iter().find(loaded), None);
+    }
 }
 
 /// A set inside the body contains its facets from both sides: a pressure on it would cancel, so that it is an error, in a
