@@ -67,7 +67,7 @@ impl Model {
         let near = self.samples_at(&nodes)?;
         let near = near.keys().flat_map(|&element| self.mesh.nodes_of(element));
         let samples = self.samples_at(&near.copied().collect())?;
-        let patches = Patches::new(&self.mesh, &samples);
+        let patches = Patches::new(self, &samples);
         let mut joints = self.joint_histories();
         for joint in &mut joints {
             for record in &mut joint.records {
@@ -222,8 +222,7 @@ impl Model {
             }
             let changes = self.stresses_of(index, &self.displacement_of_block(index));
             own.extend(wanted.into_iter().map(|(place, element)| {
-                let initial = self.initial_stress.get(element as usize);
-                let initial = initial.copied().unwrap_or_default();
+                let initial = self.initial.stress(element);
                 Sample {
                     element,
                     set: block.label().into(),
@@ -272,24 +271,32 @@ struct Patches<'a> {
     mesh: &'a Mesh,
     samples: &'a BTreeMap<u32, Sample>,
     at: HashMap<u32, Vec<u32>>,
+    /// Whether the initial stress is uniform in each element.
+    is_uniform: bool,
 }
 
 impl<'a> Patches<'a> {
-    fn new(mesh: &'a Mesh, samples: &'a BTreeMap<u32, Sample>) -> Self {
+    fn new(model: &'a Model, samples: &'a BTreeMap<u32, Sample>) -> Self {
+        let mesh = &model.mesh;
         let mut at = HashMap::<u32, Vec<u32>>::new();
         for &element in samples.keys() {
             for &node in mesh.nodes_of(element) {
                 at.entry(node).or_default().push(element);
             }
         }
-        Self { mesh, samples, at }
+        Self {
+            is_uniform: model.initial.slope.is_empty(),
+            mesh,
+            samples,
+            at,
+        }
     }
 
     /// Stress on a side of a pair, whose force on the node is its product with the area, by the elements within two layers
     /// around its nodes that are of one set with an element along the joint; none without elements.
     ///
-    /// The initial stress is uniform in each element, and its force that of the mean over the facets; the change of stress
-    /// varies, and its force is that of the mean weighted by the shape function of the node.
+    /// The force of a stress that varies is that of the mean weighted by the shape function of the node, that of an initial stress
+    /// that is uniform in each element that of the mean over the facets.
     fn stress_at(&self, side: &PairSide) -> Option<Stress> {
         let (mut initial, mut change) = (Vec::new(), Vec::new());
         let (mut middle, mut weighted, mut area) = (Vec3::zeros(), Vec3::zeros(), 0.0);
@@ -328,7 +335,8 @@ impl<'a> Patches<'a> {
                 Vec3::zeros()
             }
         };
-        let initial = linear_fit(&initial, &from(middle))?;
+        let uniform = if self.is_uniform { middle } else { weighted };
+        let initial = linear_fit(&initial, &from(uniform))?;
         let change = linear_fit(&change, &from(weighted))?;
         Some(Stress(core::array::from_fn(|i| initial[i] + change[i])))
     }

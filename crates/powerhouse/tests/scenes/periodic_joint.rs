@@ -6,7 +6,7 @@ use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{Registry, Scene};
 
-use crate::support::{Folder, run};
+use super::support::{Folder, run};
 
 const YOUNG: f64 = 2.0e9;
 const POISSON: f64 = 0.2;
