@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{AbsorbingBoundary, ContactLaw, Engine, Mesh, ModelError};
 use powerhouse_observe::HistorySampler;
-use powerhouse_wavefield::TimeHistory;
+use powerhouse_wavefield::{KnownLayeredWaves, TimeHistory};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -55,6 +55,8 @@ pub struct Registry {
     outputs: BTreeMap<String, Entry<OutputKind>>,
     mesh_generators: BTreeMap<String, MeshGenerator>,
     records: BTreeMap<PathBuf, Arc<TimeHistory>>,
+    /// Waves of the scenes that were read with these names, for others of the same ground and motion.
+    pub(crate) known_waves: KnownLayeredWaves,
     built_in: BuiltIn,
     version: String,
     engine: Arc<dyn Engine>,
@@ -136,6 +138,7 @@ impl Default for Registry {
             outputs: BTreeMap::new(),
             mesh_generators: BTreeMap::new(),
             records: BTreeMap::new(),
+            known_waves: KnownLayeredWaves::default(),
             built_in: BuiltIn::default(),
             version: String::new(),
             engine: standard_engine(),

@@ -6,6 +6,7 @@ use std::time::Duration;
 use powerhouse::engine::Precision;
 use powerhouse::engine::observe::Motion;
 use powerhouse::model::{DeviceError, ElementKind, HistoryKind, Mesh, RunError, StepProfile};
+use powerhouse::wavefield::LayeredWave;
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
@@ -26,7 +27,8 @@ pub struct Cost {
     pub stages: Option<StaticCost>,
     /// Predicted wall time of the free-field check before the run; `None` if the scene does not request one.
     pub self_check: Option<Duration>,
-    /// Predicted peak memory of the dynamic run (bytes), within a third; tables of waves past the critical angle excluded.
+    /// Predicted peak memory of the dynamic run (bytes), within a third; tables of waves in layers included, those of waves past the
+    /// critical angle of a half-space excluded.
     pub memory: u64,
     /// Memory of the mesh alone (bytes), part of it.
     pub memory_of_mesh: u64,
@@ -217,6 +219,8 @@ pub(crate) struct CostModel {
     absorbing_nodes: usize,
     joints: JointSizes,
     laws: LawSizes,
+    /// Waves in layered ground, whose tables grow while the scene is prepared.
+    layered: Vec<LayeredWave>,
 }
 
 /// Estimate of the size of the result files of a scene's run as a function of the time step.
@@ -304,6 +308,7 @@ impl CostModel {
             absorbing_nodes: absorbing.len(),
             joints: JointSizes::of(scene),
             laws: LawSizes::of(&scene.law_memory()?),
+            layered: scene.layered_waves().to_vec(),
         })
     }
 
@@ -339,6 +344,12 @@ impl CostModel {
             + PAIR_BYTES * self.joints.pairs
     }
 
+    /// Memory of the waves in layered ground with the tables that they have now (bytes).
+    fn bytes_of_layered(&self) -> f64 {
+        let bytes = self.layered.iter().map(|wave| wave.report().bytes as f64);
+        bytes.sum()
+    }
+
     /// Memory of a second model in double precision, with a mesh of its own (bytes).
     pub(crate) fn memory_in_double(&self) -> u64 {
         self.bytes_of_model(Precision::F64) as u64
@@ -362,7 +373,9 @@ impl CostModel {
     /// Memory of a run with a number of steps (bytes).
     pub(crate) fn memory(&self, steps: u64) -> u64 {
         let (nodes, elements) = self.counts();
-        let mut bytes = self.bytes_of_model(self.precision) + RECORDED_BYTES * self.numbers(steps);
+        let mut bytes = self.bytes_of_model(self.precision)
+            + self.bytes_of_layered()
+            + RECORDED_BYTES * self.numbers(steps);
         if let Some(envelope) = &self.plan.envelope {
             // A peak and its time, for each quantity; two quantities of stress.
             let stress = if envelope.stress { 32.0 } else { 0.0 };
@@ -378,7 +391,7 @@ impl CostModel {
             + STATIC_ELEMENT_BYTES * elements
             + STATIC_HISTORY_BYTES * self.laws.numbers
             + PAIR_BYTES * self.joints.pairs;
-        (self.bytes_of_model(self.precision) + of_statics) as u64
+        (self.bytes_of_model(self.precision) + self.bytes_of_layered() + of_statics) as u64
     }
 
     /// Size of the files of a run with a number of steps (bytes).

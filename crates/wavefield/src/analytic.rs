@@ -387,7 +387,7 @@ impl SampledSpectra {
         let needed = 8.0 * (support.end - support.start) / support.step;
         WaveError::check_samples("the transform of a signal", needed, MOST_SAMPLES)?;
         let count = (needed / 8.0).ceil().max(1.0) as usize;
-        let mut fourier = Fourier::new(8 * count);
+        let fourier = Fourier::new(8 * count);
         let radius = 0.5 * count as f64 * support.step;
         let centre = support.start + radius;
         let mut samples = [(); 3].map(|()| Vec::with_capacity(count + 1));
@@ -420,7 +420,7 @@ impl SampledSpectra {
     /// `2^coarsening` steps apart.
     fn along(&self, coarsening: u32, height: f64) -> Vec<[Complex; 3]> {
         let length = (self.length >> coarsening).max(4);
-        let mut fourier = Fourier::new(length);
+        let fourier = Fourier::new(length);
         let scale = length as f64 / self.length as f64;
         let rate = 2.0 * PI / self.period * height;
         let mut values = vec![[Complex::new(0.0, 0.0); 3]; length];

@@ -40,13 +40,17 @@ pub enum InputConvention {
     /// division by the transfer function H is regularised, `F conj(H) / (|H|^2 + (r Hm)^2)`, with
     /// Hm the sum of the waves' magnitudes. [`PlaneWave::conversion`](crate::PlaneWave::conversion)
     /// reports the misfit that results.
+    ///
+    /// In layers in which nothing moves before the wave arrives the record is made by a wave from below that began before
+    /// it, and without r the division is exact: at complex frequencies, of the motion under an exponential weight, where H
+    /// vanishes nowhere. Errors of the record at the frequencies at which H vanishes grow with time in undamped layers.
     Within {
         /// Depth below the surface (m), above zero and at most 1e9.
         depth: f64,
         /// Component of the record.
         component: SurfaceComponent,
-        /// Regularisation r (1), 0.001 to 0.5.
-        regularisation: f64,
+        /// Regularisation r (1), 0.001 to 0.5; none for the exact division in layers, and for 0.05 elsewhere.
+        regularisation: Option<f64>,
     },
 }
 

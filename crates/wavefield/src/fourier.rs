@@ -29,7 +29,7 @@ impl Fourier {
     }
 
     /// Spectrum `sum_k x_k exp(-2 pi i j k / n)` for j from 0 to n/2; missing samples are zero.
-    pub(crate) fn forward(&mut self, samples: &[f64]) -> Vec<Complex> {
+    pub(crate) fn forward(&self, samples: &[f64]) -> Vec<Complex> {
         let mut input = self.forward.make_input_vec();
         let mut output = self.forward.make_output_vec();
         let given = samples.len().min(input.len());
@@ -40,11 +40,17 @@ impl Fourier {
 
     /// Samples of a spectrum, scaled so that this is the inverse of
     /// [`forward`](Self::forward).
-    pub(crate) fn inverse(&mut self, spectrum: &[Complex]) -> Vec<f64> {
+    pub(crate) fn inverse(&self, spectrum: &[Complex]) -> Vec<f64> {
+        self.inverse_of(spectrum.iter().copied())
+    }
+
+    /// As [`inverse`](Self::inverse), of values one by one.
+    pub(crate) fn inverse_of(&self, spectrum: impl Iterator<Item = Complex>) -> Vec<f64> {
         let mut input = self.inverse.make_input_vec();
         let mut output = self.inverse.make_output_vec();
-        let given = spectrum.len().min(input.len());
-        input[..given].copy_from_slice(&spectrum[..given]);
+        for (input, value) in input.iter_mut().zip(spectrum) {
+            *input = value;
+        }
         // Real samples have real values at both ends of the spectrum.
         let last = input.len() - 1;
         input[0].im = 0.0;

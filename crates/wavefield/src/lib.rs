@@ -105,8 +105,8 @@ pub use history::{
     BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
 };
 pub use layered::{
-    Ground, GroundLayer, LayerDamping, LayerMechanism, LayeredReport, LayeredTablesReport,
-    LayeredWave, LayeredWaveParameters,
+    Ground, GroundLayer, KnownLayeredWaves, LayerDamping, LayerMechanism, LayeredReport,
+    LayeredTablesReport, LayeredWave, LayeredWaveParameters,
 };
 pub use pulse::{
     HarmonicBurst, RaisedCosinePulse, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse,

@@ -264,8 +264,8 @@ impl Envelope {
         let (threshold, most) = (limits.threshold, limits.most_padding);
         let count = (most / self.step).floor() as usize;
         let mut quiet = None;
-        for i in (0..=count).rev() {
-            let padding = self.step * i as f64;
+        let less = (0..=count).rev().map(|i| self.step * i as f64);
+        for padding in core::iter::once(most).chain(less) {
             if self.level(start - padding).largest() >= threshold {
                 break;
             }

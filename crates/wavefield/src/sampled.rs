@@ -117,12 +117,12 @@ impl SignalWindow {
     }
 
     /// Spectrum of samples.
-    pub(crate) fn spectrum(&mut self, samples: &[f64]) -> Vec<Complex> {
+    pub(crate) fn spectrum(&self, samples: &[f64]) -> Vec<Complex> {
         self.fourier.forward(samples)
     }
 
     /// Samples of a spectrum.
-    pub(crate) fn inverse(&mut self, spectrum: &[Complex]) -> Vec<f64> {
+    pub(crate) fn inverse(&self, spectrum: &[Complex]) -> Vec<f64> {
         self.fourier.inverse(spectrum)
     }
 
@@ -130,6 +130,16 @@ impl SignalWindow {
     pub(crate) fn fade(&self, samples: &mut [Vec<f64>; 3]) {
         fade(samples, self.step());
     }
+}
+
+/// Factor that falls from 1 to 0 while x goes from 0 to 1, with two derivatives zero at both ends, and its first two derivatives in
+/// time; x grows by `rate` (1/s).
+pub(crate) fn falling(x: f64, rate: f64) -> [f64; 3] {
+    [
+        1.0 - x * x * x * (10.0 + x * (6.0 * x - 15.0)),
+        -30.0 * rate * x * x * (1.0 - x) * (1.0 - x),
+        -60.0 * rate * rate * x * (1.0 - x) * (1.0 - 2.0 * x),
+    ]
 }
 
 /// Fades displacement, velocity and acceleration at both ends, by the product rule.

@@ -103,7 +103,7 @@ impl TimeHistory {
     /// Exact for the piecewise-linear record, taken to fall to zero within one step beyond both
     /// ends: the discrete transform times `step sinc^2(pi f step)`.
     pub fn fourier_spectrum(&self) -> Vec<SpectralLine> {
-        let mut fourier = Fourier::new(2 * self.samples());
+        let fourier = Fourier::new(2 * self.samples());
         let spectrum = fourier.forward(&self.acceleration());
         let bin = 1.0 / (fourier.len() as f64 * self.step());
         let lines = spectrum.iter().enumerate().map(|(i, value)| {

@@ -316,7 +316,7 @@ fn by_frequency(
     for signal in moving.into_iter().flatten() {
         check_return(&**signal, OPERATION)?;
     }
-    let mut window = SignalWindow::new(support, place.longest_delay(), OPERATION)?;
+    let window = SignalWindow::new(support, place.longest_delay(), OPERATION)?;
     // Spectra of displacement, velocity and acceleration of the components along, up and across.
     let mut spectra = moving.map(|signal| {
         let samples = match signal {

@@ -10,7 +10,7 @@ use crate::body::BodySampler;
 use crate::evanescent::AnalyticSampler;
 use crate::partial::{Arrival, PartialWave, half_space_waves, rotated};
 use crate::signal::check_return;
-use crate::within::{WithinRecord, incident_of_within};
+use crate::within::{WITHIN_REGULARISATION, WithinRecord, incident_of_within};
 use crate::{
     Angle, Complex, InputConvention, InputConversion, Signal, SurfaceReflection, WaveError,
     WaveKind,
@@ -186,7 +186,7 @@ impl PlaneWave {
                     let record = WithinRecord {
                         depth,
                         component,
-                        regularisation,
+                        regularisation: regularisation.unwrap_or(WITHIN_REGULARISATION),
                     };
                     let (found, report) = incident_of_within(&*signal, &reflection, record)?;
                     signal = Arc::new(found);

@@ -118,7 +118,7 @@ fn a_record_from_a_depth_comes_back_there() {
                 InputConvention::Within {
                     depth,
                     component,
-                    regularisation,
+                    regularisation: Some(regularisation),
                 },
             )
             .unwrap();
@@ -156,7 +156,7 @@ fn impossible_conventions_are_refused() {
         let convention = InputConvention::Within {
             depth,
             component: SurfaceComponent::X,
-            regularisation,
+            regularisation: Some(regularisation),
         };
         wave(WaveKind::SV, 20.0, convention)
             .unwrap_err()

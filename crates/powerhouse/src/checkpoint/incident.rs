@@ -5,6 +5,7 @@ use std::sync::Arc;
 use powerhouse_model::{FieldMotion, IncidentField, ModelError, Vec3};
 
 use crate::Scene;
+use crate::scene::CheckHeights;
 
 /// Number of nodes at which the incident motion is compared.
 const POINTS: usize = 100;
@@ -28,11 +29,15 @@ impl IncidentMotion {
     /// The incident motion of a scene at nodes spread over its mesh, or at some of the stations of its field.
     pub(super) fn of(scene: &Scene) -> Self {
         let stations = scene.field().and_then(|field| field.stations());
-        let nodes = stations.unwrap_or(scene.mesh().positions());
+        let nodes = stations.unwrap_or(scene.mesh().positions()).to_vec();
         let stride = nodes.len().div_ceil(POINTS).max(1);
         Self {
             field: scene.field().cloned(),
-            points: nodes.iter().copied().step_by(stride).collect(),
+            // A scene whose faces do not exist is not run.
+            points: match CheckHeights::of(scene) {
+                Ok(heights) => heights.sample(nodes, POINTS, |node| node.z),
+                Err(_) => nodes.into_iter().step_by(stride).collect(),
+            },
         }
     }
 

@@ -119,7 +119,8 @@ pub(super) fn waves<'r>(
         parameters.arrival = table.arrival.as_ref().map_or(0.0, |arrival| arrival.get());
         parameters.arrival -= motion.lead;
         parameters.until = Some(needed(&parameters, &*motion.signal, &points, end));
-        let wave = LayeredWave::new(parameters, motion.signal)
+        let wave = (scene.known_waves)
+            .wave(parameters, motion.signal)
             .map_err(|error| refused_wave(table, motion.span, error))?;
         origins.push(Origin::of_wave(table, records)?);
         waves.push(wave);
@@ -140,7 +141,7 @@ pub(super) fn waves<'r>(
         for (mut parameters, wave) in parameters.into_iter().zip(&split.waves) {
             parameters.arrival = arrival - split.origin.lead;
             parameters.until = Some(needed(&parameters, &*wave.signal, &points, end));
-            let wave = LayeredWave::new(parameters, wave.signal.clone());
+            let wave = scene.known_waves.wave(parameters, wave.signal.clone());
             waves.push(wave.map_err(|error| Fault::refused(table.incidence.span(), error))?);
             origins.push(split.origin.clone());
         }
@@ -239,10 +240,20 @@ pub(super) fn damping_of(layer: &Layer) -> Result<LayerDamping, Fault> {
     })
 }
 
-/// Interfaces moved to the heights of the next nodes of the absorbing faces, as far as the mesh reaches.
+/// Interfaces moved to the heights of the next nodes of the mesh, as far as it reaches: of those of the absorbing faces where
+/// the interface crosses these, else of any, as of a column whose sides are periodic.
 fn on_planes(ground: &Ground, scene: &Scene) -> Result<Vec<Result<f64, LayerError>>, Fault> {
-    let heights: Vec<f64> = nodes_of_faces(scene)?.iter().map(|point| point.z).collect();
-    let lowest = heights.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    let of = |points: &[Vec3]| -> Vec<f64> { points.iter().map(|point| point.z).collect() };
+    let range = |heights: &[f64]| {
+        let heights = heights.iter();
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], z| {
+            [a.min(*z), b.max(*z)]
+        })
+    };
+    let of_faces = of(&nodes_of_faces(scene)?);
+    let [low_face, high_face] = range(&of_faces);
+    let of_mesh = of(scene.mesh.positions());
+    let [lowest, _] = range(&of_mesh);
     let layers = ground.layers();
     let top = |index: usize| match index {
         0 => ground.surface(),
@@ -254,6 +265,8 @@ fn on_planes(ground: &Ground, scene: &Scene) -> Result<Vec<Result<f64, LayerErro
         let thickness = thickness(index).min(below.unwrap_or(f64::INFINITY));
         let tolerance = OFF_PLANE * thickness;
         let interface = layer.bottom;
+        let is_crossed = interface >= low_face - tolerance && interface <= high_face + tolerance;
+        let heights = if is_crossed { &of_faces } else { &of_mesh };
         let distance = |height: &&f64| (**height - interface).abs();
         let nearest = heights
             .iter()

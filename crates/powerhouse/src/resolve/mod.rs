@@ -53,6 +53,7 @@ pub(crate) fn compose(
     check_kernels(&names, file, &parts)?;
 
     let mut scene = Scene::new(file.title.clone(), mesh.clone());
+    scene.known_waves = registry.known_waves.clone();
     scene.parts = parts;
     scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
     scene.places.mesh = file.mesh.file.span();

@@ -15,7 +15,7 @@ use super::{one_of, ordered, unique};
 use crate::fault::{Fault, Problem, SceneText};
 use crate::spec::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
-    SceneSpec, Share, Units, WaveAxis, Within,
+    SceneSpec, Share, Units, WaveAxis,
 };
 use crate::{Registry, Remark, Scene};
 
@@ -267,7 +267,7 @@ pub(super) fn of_component(convention: &At<Convention>) -> Result<InputConventio
                     return Err(Fault::new(convention.span(), Problem::MissingKey { key }));
                 }
             },
-            regularisation: regularisation(within),
+            regularisation: within.regularisation.map(Share::get),
         },
     })
 }
@@ -280,7 +280,7 @@ pub(super) fn of_components(convention: &At<Convention>) -> Result<RecordedAt, F
         Convention::Within(within) if within.component.is_none() => {
             return Ok(RecordedAt::Within {
                 depth: within.depth.get(),
-                regularisation: regularisation(within),
+                regularisation: within.regularisation.map_or(0.05, Share::get),
             });
         }
         Convention::Incident => "an incident wave for a motion",
@@ -292,10 +292,6 @@ pub(super) fn of_components(convention: &At<Convention>) -> Result<RecordedAt, F
         convention.span(),
         Problem::Value { found, expected },
     ))
-}
-
-fn regularisation(within: &Within) -> f64 {
-    within.regularisation.map_or(0.05, Share::get)
 }
 
 /// Least share of a record's Arias intensity that a run should contain.

@@ -5,6 +5,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, IncidentField, Mat3, Vec3};
 
 use super::Scene;
+use super::check_heights::CheckHeights;
 use super::surroundings::{
     SIDE_TOLERANCE, TRACTION_INSTANTS, TRACTION_OF_NOTE, TRACTION_POINTS, is_held, larger,
 };
@@ -61,7 +62,7 @@ impl Scene {
         field: &dyn IncidentField,
         (faces, site): (&[(&str, &[Facet])], &BoundarySite),
     ) -> Result<Vec<Remark>, Error> {
-        let held = self.held_points(faces);
+        let held = self.held_points(faces)?;
         if held.nodes.is_empty() && held.pairs.is_empty() {
             return Ok(Vec::new());
         }
@@ -109,7 +110,9 @@ impl Scene {
     }
 
     /// Supported nodes, held outer facets that do not absorb, and periodic pairs; of each at most a given number.
-    fn held_points(&self, faces: &[(&str, &[Facet])]) -> HeldPoints {
+    fn held_points(&self, faces: &[(&str, &[Facet])]) -> Result<HeldPoints, Error> {
+        let heights = CheckHeights::of(self)?;
+        let height = |node: u32| self.mesh.positions()[node as usize].z;
         let region = self.boundary.as_ref().and_then(|b| b.region.as_deref());
         let region: Option<BTreeSet<u32>> =
             region.map(|region| self.mesh.nodes_of_elements(region).into_iter().collect());
@@ -130,7 +133,8 @@ impl Scene {
             for &node in &of_support {
                 directions.entry(node).or_default().extend(&all);
             }
-            let sampled = thinned(of_support).into_iter();
+            let sampled = heights.sample(of_support, TRACTION_POINTS, |node| height(*node));
+            let sampled = sampled.into_iter();
             nodes.extend(sampled.map(|node| HeldNode { node, along }));
         }
         let absorbing: HashSet<Facet> = faces.iter().flat_map(|(_, f)| f.iter().copied()).collect();
@@ -152,11 +156,12 @@ impl Scene {
         let pairs = self.periodic.iter().flat_map(|periodic| &periodic.pairs);
         let pairs = pairs.map(|&(from, to)| [from, to]);
         let pairs = pairs.filter(|pair| pair.iter().all(moves)).collect();
-        HeldPoints {
+        let of_plane = |plane: &HeldPlane| height(plane.node);
+        Ok(HeldPoints {
             nodes,
-            planes: thinned(planes),
-            pairs: thinned(pairs),
-        }
+            planes: heights.sample(planes, TRACTION_POINTS, of_plane),
+            pairs: heights.sample(pairs, TRACTION_POINTS, |pair: &[u32; 2]| height(pair[0])),
+        })
     }
 
     /// Largest deviations of the field over the run.
@@ -273,12 +278,6 @@ fn keep(worst: &mut (f64, usize), value: f64, index: usize) {
     if value.is_nan() || value > worst.0 {
         *worst = (value, index);
     }
-}
-
-/// Evenly spaced items of a list, at most as many as the field is evaluated at.
-fn thinned<T>(items: Vec<T>) -> Vec<T> {
-    let stride = items.len().div_ceil(TRACTION_POINTS).max(1);
-    items.into_iter().step_by(stride).collect()
 }
 
 /// Projection on the directions across all of the given unit vectors.

@@ -50,7 +50,7 @@ pub enum LayerError {
     },
     /// Interface in a scene file that lies farther from any plane of the mesh than a thousandth of its layer.
     #[error(
-        "the interface at z = {interface} m lies {off:.4e} m from the next nodes of the absorbing faces, at z = {nearest} m, more than a thousandth of the layer's {thickness:.4} m; give it the height of a plane of the mesh, or mesh the layer"
+        "the interface at z = {interface} m lies {off:.4e} m from the next nodes of the absorbing faces or, where it crosses none, of the mesh, at z = {nearest} m, more than a thousandth of the layer's {thickness:.4} m; give it the height of a plane of the mesh, or mesh the layer"
     )]
     NoPlane {
         /// Height z of the interface (m).

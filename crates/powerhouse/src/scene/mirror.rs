@@ -3,6 +3,7 @@
 use powerhouse_model::{Facet, FieldMotion, FieldSampler, IncidentField, Support, Vec3};
 use thiserror::Error;
 
+use super::check_heights::CheckHeights;
 use super::{Scene, SceneSpans};
 use crate::Error;
 
@@ -241,9 +242,9 @@ impl Scene {
         parity: Parity,
         (origin, normal): (&Vec3, &Vec3),
     ) -> Result<(), Error> {
-        let positions = self.mesh.positions();
-        let stride = positions.len().div_ceil(POINTS).max(1);
-        let points: Vec<Vec3> = positions.iter().step_by(stride).copied().collect();
+        let heights = CheckHeights::of(self)?;
+        let points = self.mesh.positions().to_vec();
+        let points = heights.sample(points, POINTS, |point| point.z);
         let images: Vec<Vec3> = (points.iter())
             .map(|point| origin + reflected(normal, &(point - origin)))
             .collect();

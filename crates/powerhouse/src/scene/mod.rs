@@ -2,6 +2,7 @@
 
 mod body;
 mod boundary;
+mod check_heights;
 #[cfg(feature = "scene-files")]
 mod file;
 mod held_field;
@@ -23,6 +24,7 @@ mod timing;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
+pub(crate) use check_heights::CheckHeights;
 #[cfg(feature = "scene-files")]
 pub use file::SceneChoice;
 pub use layers::LayerError;
@@ -47,7 +49,7 @@ use powerhouse_model::{
     Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 
-use powerhouse_wavefield::{LayeredWave, PlaneWave, TimeHistory};
+use powerhouse_wavefield::{KnownLayeredWaves, LayeredWave, PlaneWave, TimeHistory};
 
 #[cfg(feature = "scene-files")]
 use crate::Registry;
@@ -154,6 +156,8 @@ pub struct Scene {
     pub(crate) waves: Vec<PlaneWave>,
     /// The same of waves in layered ground.
     pub(crate) layered: Vec<LayeredWave>,
+    /// Waves of other scenes, whose tables waves in layered ground share.
+    pub(crate) known_waves: KnownLayeredWaves,
     pub(crate) boundary: Option<Boundary>,
     pub(crate) supports: Vec<Support>,
     pub(crate) mirrors: Vec<Mirror>,
@@ -211,6 +215,7 @@ impl Scene {
             field: None,
             waves: Vec::new(),
             layered: Vec::new(),
+            known_waves: KnownLayeredWaves::default(),
             boundary: None,
             supports: Vec::new(),
             mirrors: Vec::new(),

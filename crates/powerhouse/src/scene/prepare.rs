@@ -123,6 +123,7 @@ impl Scene {
             self.engine.build(spec)?
         };
         self.remarks.append(&mut remarks);
+        self.tables_made();
         if timeline.is_none() && self.start != 0.0 {
             let mut state = State::at_rest(self.mesh.node_count());
             state.time = self.start;
@@ -159,6 +160,19 @@ impl Scene {
                 variables: state_variables.variables,
             }),
         })
+    }
+
+    /// Gives the remarks about waves in layers the memory and accuracy of their tables, which all exist now.
+    fn tables_made(&mut self) {
+        let remarks = self.remarks.iter_mut();
+        let of_layers = remarks.filter_map(|remark| match remark {
+            Remark::Layered { report, bytes, .. } => Some((report, bytes)),
+            _ => None,
+        });
+        for (wave, (report, bytes)) in self.layered.iter().zip(of_layers) {
+            *report = wave.report();
+            *bytes = report.bytes;
+        }
     }
 
     /// Warning about an in-situ stress that ends below the top of the body in the first stage.

@@ -182,7 +182,8 @@ pub struct Within {
     /// Component: along the wave's horizontal direction of travel, across it, or vertical. Not given for a `[[motion]]`,
     /// which takes all components.
     pub component: Option<WaveAxis>,
-    /// Regularisation of the division by the transfer function (dimensionless), 0.001 to 0.5; 0.05 by default.
+    /// Regularisation of the division by the transfer function (dimensionless), 0.001 to 0.5. By default that of a wave in
+    /// layers is exact, where nothing moves before the wave arrives; elsewhere 0.05.
     pub regularisation: Option<Share>,
 }
 

@@ -1,5 +1,6 @@
 //! Layered ground: boxes without a structure against their free field, and scenes with layers.
 
+mod column;
 mod equivalent_linear;
 
 use std::path::PathBuf;
@@ -277,7 +278,7 @@ fn layers_that_do_not_fit_are_refused() {
         (
             "bottom = -20 ",
             "bottom = -21 ",
-            "from the next nodes of the absorbing faces, at z = -20 m",
+            "from the next nodes of the absorbing faces or, where it crosses none, of the mesh, at z = -20 m",
         ),
         (
             "bottom = -20 ",

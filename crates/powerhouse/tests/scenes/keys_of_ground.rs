@@ -271,7 +271,7 @@ fn conventions() {
     let within = |component, regularisation| InputConvention::Within {
         depth: 80.0,
         component,
-        regularisation,
+        regularisation: Some(regularisation),
     };
     for (kind, name, keys, convention) in [
         (WaveKind::SV, "sv", "\"outcrop\"", InputConvention::Outcrop),

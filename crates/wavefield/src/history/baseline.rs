@@ -213,7 +213,7 @@ impl TimeHistory {
         WaveError::check_samples("a high-pass filter with its padding", needed, MOST_SAMPLES)?;
         let pad = pad as usize;
         let length = self.samples() + 2 * pad;
-        let mut fourier = Fourier::new(2 * length);
+        let fourier = Fourier::new(2 * length);
         let mut samples = vec![0.0; fourier.len()];
         for (sample, node) in samples[pad..].iter_mut().zip(&self.nodes) {
             *sample = node.acceleration;

@@ -47,6 +47,7 @@ impl Heights {
             let errors = loop {
                 let coarse = uniform(top, bottom, intervals);
                 let fine = uniform(top, bottom, 2 * intervals);
+                tables.make(fine.iter().copied(), [])?;
                 let mut errors = [0.0_f64; 3];
                 for middle in fine.iter().skip(1).step_by(2) {
                     let found = missed(tables, &coarse, *middle)?;

@@ -2,10 +2,12 @@
 
 mod ground;
 mod heights;
+mod known;
 mod record;
 mod response;
 mod sampler;
 mod stack;
+mod states;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -15,10 +17,12 @@ use powerhouse_model::{
     ElasticMedium, FieldSampler, IncidentField, ModelError, ParameterError, Vec3,
 };
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 pub use ground::{Ground, GroundLayer, LayerDamping, LayerMechanism};
 use heights::{Heights, MOST_HEIGHTS};
+pub use known::KnownLayeredWaves;
 pub(crate) use response::{Response, ResponsePlace};
 use sampler::{LayeredPoint, LayeredSampler};
 pub use tables::LayeredTablesReport;
@@ -111,6 +115,8 @@ pub struct LayeredReport {
     /// Memory of the table of one height at most (bytes); layers with damping take up to half as much
     /// more for their heights.
     pub bytes_of_height: usize,
+    /// Memory of spectra and of all tables that were made so far (bytes).
+    pub bytes: usize,
     /// Tables that were made so far.
     pub tables: LayeredTablesReport,
 }
@@ -280,11 +286,12 @@ impl LayeredWave {
             step: self.tables.step(),
             residue: self.residue,
             bytes_of_height: self.tables.most_bytes(),
+            bytes: self.tables.bytes_of_spectra() + self.tables.report().bytes,
             tables: self.tables.report(),
         }
     }
 
-    /// Memory (bytes) that the tables of some points take at most, those made before included. Points of more than a thousand
+    /// Memory (bytes) that the spectra and the tables of some points take at most, those made before included. Points of more than a thousand
     /// heights have tables at fewer heights, which are made now.
     ///
     /// # Errors
@@ -299,7 +306,7 @@ impl LayeredWave {
             true => 2,
             false => 3,
         };
-        Ok(count * self.tables.most_bytes() * share / 2)
+        Ok(self.tables.bytes_of_spectra() + count * self.tables.most_bytes() * share / 2)
     }
 
     /// This wave delayed by a time (s); both share their tables.
@@ -321,6 +328,7 @@ impl LayeredWave {
         ParameterError::check("frequency", frequency, f64::MIN_POSITIVE, 1e9)?;
         self.check_heights([height].into_iter())?;
         let ground = &self.parameters.ground;
+        let frequency = Complex::new(2.0 * PI * frequency, 0.0);
         let state = stack::transfer(ground, &self.tables.stack, height, frequency);
         let zero = Complex::new(0.0, 0.0);
         Ok(match self.tables.stack.order {
@@ -431,31 +439,42 @@ impl LayeredWave {
         let ground = &self.parameters.ground;
         let p = self.tables.stack.slowness;
         let heights = self.heights_for(points)?;
+        // The height, or those around it, of each point, and its damped layer.
+        let places = points.iter().zip(layers).map(|(point, &layer)| {
+            let damping = ground.layers().get(layer).map(|layer| &layer.damping);
+            let damped = damping.filter(|damping| !damping.is_none()).map(|_| layer);
+            let around = match &heights {
+                None => vec![(self.tables.key(point.z), 1.0)],
+                Some(heights) => heights.around(layer, self.tables.depth(point.z)).to_vec(),
+            };
+            (damped, around)
+        });
+        let places: Vec<(Option<usize>, Vec<(i64, f64)>)> = places.collect();
+        let all = places.iter().flat_map(|(damped, around)| {
+            let used = around.iter().filter(|(_, weight)| *weight != 0.0);
+            used.map(move |(key, _)| (*key, *damped))
+        });
+        let damped = all.clone().filter_map(|(key, layer)| Some((key, layer?)));
+        self.tables.make(all.clone().map(|(key, _)| key), damped)?;
         let mut tables = Known::new(|key| self.tables.at(key));
         let mut products = Known::new(|(key, layer)| self.tables.product(key, layer));
         let mut prepared = Vec::with_capacity(points.len());
-        for (index, (point, &layer)) in points.iter().zip(layers).enumerate() {
-            let is_damped = ground
-                .layers()
-                .get(layer)
-                .is_some_and(|l| !l.damping.is_none());
+        for (index, ((point, &layer), (damped, around))) in
+            points.iter().zip(layers).zip(&places).enumerate()
+        {
             let medium = ground.medium(layer);
             let (lambda, shear) = (medium.lambda(), medium.shear());
             let coupling = match self.tables.stack.order {
                 1 => p * shear,
                 _ => p * 4.0 * shear * (lambda + shear) / medium.constrained(),
             };
-            let around = match &heights {
-                None => vec![(self.tables.key(point.z), 1.0)],
-                Some(heights) => heights.around(layer, self.tables.depth(point.z)).to_vec(),
-            };
-            for (key, weight) in around.into_iter().filter(|(_, weight)| *weight != 0.0) {
+            for &(key, weight) in around.iter().filter(|(_, weight)| *weight != 0.0) {
                 prepared.push(LayeredPoint {
                     index: index as u32,
                     table: tables.place(key)?,
-                    product: match is_damped {
-                        true => Some(products.place((key, layer))?),
-                        false => None,
+                    product: match damped {
+                        Some(layer) => Some(products.place((key, *layer))?),
+                        None => None,
                     },
                     delay: self.base_time - self.tables.advance(key) + self.along(point),
                     weight,

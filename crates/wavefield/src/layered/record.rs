@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::stack::{Stack, transfer};
 use super::window::Arriving;
-use crate::within::{TransferFunction, incident_of};
+use crate::within::{TransferFunction, WITHIN_REGULARISATION, causal_incident_of, incident_of};
 use crate::{
     Complex, InputConvention, InputConversion, Signal, SignalMotion, SignalSupport,
     SurfaceComponent, WaveError,
@@ -46,11 +46,13 @@ struct OfHeight<'a> {
 }
 
 impl TransferFunction for OfHeight<'_> {
-    fn value(&self, frequency: f64) -> Complex {
-        /// Frequency (Hz) in place of zero, where a damped modulus may vanish.
-        const LEAST: f64 = 1e-6;
+    fn value(&self, frequency: Complex) -> Complex {
+        /// Angular frequency (1/s) in place of zero, where a damped modulus may vanish.
+        const LEAST: Complex = Complex { re: 1e-5, im: 0.0 };
         let ground = self.arriving.ground;
-        let state = transfer(ground, &self.stack, self.height, frequency.max(LEAST));
+        let is_zero = frequency == Complex::new(0.0, 0.0);
+        let frequency = if is_zero { LEAST } else { frequency };
+        let state = transfer(ground, &self.stack, self.height, frequency);
         match (self.stack.order, self.component) {
             (1, SurfaceComponent::Y) | (2, SurfaceComponent::X) => state[0],
             (2, SurfaceComponent::Z) => state[1],
@@ -76,6 +78,7 @@ pub(crate) fn incident(
         amplitude: Complex::new(1.0, 0.0),
         within: None,
     };
+    let mut is_exact = false;
     let (depth, component, regularisation) = match convention {
         InputConvention::Incident => return Ok((signal, conversion)),
         InputConvention::Outcrop => {
@@ -90,7 +93,11 @@ pub(crate) fn incident(
             regularisation,
         } => {
             ParameterError::check("depth", depth, f64::MIN_POSITIVE, 1e9)?;
-            ParameterError::check("regularisation", regularisation, 1e-3, 0.5)?;
+            match regularisation {
+                Some(r) => ParameterError::check("regularisation", r, 1e-3, 0.5)?,
+                None => is_exact = arriving.is_causal(),
+            }
+            let regularisation = regularisation.unwrap_or(WITHIN_REGULARISATION);
             (depth, component, regularisation)
         }
     };
@@ -107,11 +114,14 @@ pub(crate) fn incident(
         coefficient,
         limit,
     };
-    let still = of_height.value(0.0).norm();
+    let still = of_height.value(Complex::new(0.0, 0.0)).norm();
     if still < 1e-12 {
         return Err(weak(still, LEAST_TRANSFER));
     }
-    let (found, report) = incident_of(&*signal, &of_height, regularisation)?;
+    let (found, report) = match is_exact {
+        true => causal_incident_of(&*signal, &of_height, arriving.until)?,
+        false => incident_of(&*signal, &of_height, regularisation)?,
+    };
     if regularisation == 0.0 && report.least_transfer < LEAST_TRANSFER {
         return Err(weak(report.least_transfer, LEAST_TRANSFER));
     }

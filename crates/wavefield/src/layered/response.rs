@@ -1,5 +1,7 @@
 //! Motion at one point of the ground for unit incident waves.
 
+use std::f64::consts::PI;
+
 use super::stack::{Stack, transfer};
 use crate::{Angle, Complex, Ground, SurfaceReflection, WaveError, WaveKind};
 
@@ -60,12 +62,8 @@ impl<'a> Response<'a> {
 
     fn state(&self, stack: &Stack, frequency: f64) -> [Complex; 4] {
         let ResponsePlace { ground, depth } = self.place;
-        transfer(
-            ground,
-            stack,
-            ground.surface() - depth,
-            frequency.max(LEAST),
-        )
+        let frequency = Complex::new(2.0 * PI * frequency.max(LEAST), 0.0);
+        transfer(ground, stack, ground.surface() - depth, frequency)
     }
 
     /// Motion along the direction of travel and up (rows) of P and SV (columns) at a frequency (Hz).

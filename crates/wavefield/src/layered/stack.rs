@@ -7,12 +7,11 @@
 //! Stratified Media, ch. 6).
 
 use powerhouse_model::ElasticMedium;
-use std::f64::consts::PI;
 
 use super::ground::{Ground, LayerDamping};
 use crate::{Complex, WaveKind};
 
-const ZERO: Complex = Complex { re: 0.0, im: 0.0 };
+pub(crate) const ZERO: Complex = Complex { re: 0.0, im: 0.0 };
 const ONE: Complex = Complex { re: 1.0, im: 0.0 };
 
 /// Relative distance of a slowness from that of a wave along a layer, below which it is moved
@@ -37,6 +36,18 @@ pub(crate) struct Columns {
     pub(crate) slowness: [Complex; 2],
     up: [[Complex; 2]; 4],
     down: [[Complex; 2]; 4],
+}
+
+/// Greatest number of waves of a layer.
+pub(crate) const WAVES: usize = 4;
+
+/// Upgoing or downgoing wave of a layer at one frequency.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StackWave {
+    /// Change of phase over a vertical distance, `w s` (1/m).
+    pub(crate) phase: Complex,
+    /// Displacement, and traction over `i w` (Pa s/m), where its amplitude is kept.
+    pub(crate) state: [Complex; 4],
 }
 
 /// One layer, or the half-space, whose thickness is zero.
@@ -129,11 +140,11 @@ impl Stack {
         let lambda = modulus * medium.lambda();
         let shear = modulus * medium.shear();
         let constrained = modulus * medium.constrained();
-        let root = modulus.sqrt();
+        let root = root(modulus);
         let (cp, cs) = (root * medium.p_speed(), root * medium.s_speed());
         let vertical = |c: Complex| {
             let square = (ONE - c * p) * (ONE + c * p) / (c * c);
-            let s = square.sqrt();
+            let s = self::root(square);
             // Waves decay in their direction.
             let growth = if frequency == ZERO {
                 s.im
@@ -184,6 +195,7 @@ impl Stack {
         let (n, count) = (self.order, self.count());
         let mut upward = vec![[[ZERO; 2]; 2]; count];
         let mut reflection = vec![[[ZERO; 2]; 2]; count + 1];
+        let mut passed = vec![[ZERO; 2]; count];
         let mut here = self.columns(0, frequency);
         // No traction at the surface.
         let mut matrix = [[ZERO; 4]; 4];
@@ -200,7 +212,9 @@ impl Stack {
         }
         for index in 0..count {
             let below = self.columns(index + 1, frequency);
-            let phases = self.phases(&here, frequency, self.layers[index].thickness);
+            let distance = self.layers[index].thickness;
+            let phases = here.slowness.map(|s| propagated(frequency * s * distance));
+            passed[index] = phases;
             let mut at_bottom = [[ZERO; 2]; 2];
             for row in 0..n {
                 for column in 0..n {
@@ -237,8 +251,7 @@ impl Stack {
         for index in (0..count).rev() {
             // At the top of the layer below upgoing waves have the amplitudes `up`.
             let at_bottom = product(&upward[index], &up);
-            let columns = self.columns(index, frequency);
-            let phases = self.phases(&columns, frequency, self.layers[index].thickness);
+            let phases = passed[index];
             up = [at_bottom[0] * phases[0], at_bottom[1] * phases[1]];
             out[index] = Amplitudes {
                 up: at_bottom,
@@ -247,80 +260,115 @@ impl Stack {
         }
     }
 
-    fn phases(&self, columns: &Columns, frequency: Complex, distance: f64) -> [Complex; 2] {
-        columns
-            .slowness
-            .map(|s| propagated(frequency, s * distance))
+    /// Waves of a layer at an angular frequency (1/s): of each kind that upwards and that downwards.
+    pub(crate) fn waves(
+        &self,
+        index: usize,
+        frequency: Complex,
+        amplitudes: &Amplitudes,
+    ) -> [StackWave; WAVES] {
+        let columns = self.columns(index, frequency);
+        // The incident wave passes a depth of the half-space earlier; the state is given after its own arrival.
+        let earlier = match index == self.count() {
+            true => frequency * columns.slowness[self.incident],
+            false => ZERO,
+        };
+        let n = self.order;
+        core::array::from_fn(|wave| {
+            let kind = wave / 2;
+            if kind >= n {
+                return StackWave {
+                    phase: ZERO,
+                    state: [ZERO; 4],
+                };
+            }
+            let own = frequency * columns.slowness[kind];
+            let (phase, vectors, amplitude) = match wave % 2 {
+                0 => (own, &columns.up, amplitudes.up[kind]),
+                _ => (own + earlier, &columns.down, amplitudes.down[kind]),
+            };
+            StackWave {
+                phase,
+                state: core::array::from_fn(|row| match row >= n {
+                    true => vectors[row][kind] * amplitude * self.scale,
+                    false => vectors[row][kind] * amplitude,
+                }),
+            }
+        })
+    }
+
+    /// Distances (m) that the waves of a layer have travelled at a depth below its top.
+    pub(crate) fn distances(&self, (index, depth): (usize, f64)) -> [f64; WAVES] {
+        let up = match index == self.count() {
+            true => 0.0,
+            false => self.layers[index].thickness - depth,
+        };
+        [up, depth, up, depth]
     }
 
     /// State in a layer at a distance (m) below its top: displacement, and traction over `i w`
     /// (Pa s/m) of the unit incident wave.
     pub(crate) fn state(
         &self,
-        (index, depth): (usize, f64),
-        columns: &Columns,
+        place: (usize, f64),
         amplitudes: &Amplitudes,
         frequency: Complex,
     ) -> [Complex; 4] {
-        let above_bottom = self.layers[index].thickness - depth;
-        let down = self.phases(columns, frequency, depth);
-        let up = if index == self.count() {
-            // The incident wave passes here earlier; the state is given after its own arrival.
-            [ONE; 2]
-        } else {
-            self.phases(columns, frequency, above_bottom)
-        };
-        let lag = if index == self.count() {
-            propagated(frequency, columns.slowness[self.incident] * depth)
-        } else {
-            ONE
-        };
+        let waves = self.waves(place.0, frequency, amplitudes).into_iter();
         let mut state = [ZERO; 4];
-        for (row, value) in state.iter_mut().enumerate().take(2 * self.order) {
-            for k in 0..self.order {
-                *value += columns.up[row][k] * up[k] * amplitudes.up[k]
-                    + columns.down[row][k] * down[k] * lag * amplitudes.down[k];
-            }
-            if row >= self.order {
-                *value *= self.scale;
+        for (wave, distance) in waves.zip(self.distances(place)) {
+            let factor = propagated(wave.phase * distance);
+            for (value, share) in state.iter_mut().zip(wave.state) {
+                *value += share * factor;
             }
         }
         state
     }
 }
 
-/// State at a height z (m) and frequency (Hz, above zero) for a unit incident displacement at the top of
-/// the half-space.
+/// State at a height z (m) and an angular frequency (1/s, not zero) for a unit incident displacement at the top of the
+/// half-space.
 pub(crate) fn transfer(
     ground: &Ground,
     stack: &Stack,
     height: f64,
-    frequency: f64,
+    frequency: Complex,
 ) -> [Complex; 4] {
     let index = ground.layer_at(height);
     let depth = (ground.extent(index)[0] - height).max(0.0);
-    let frequency = Complex::new(2.0 * PI * frequency, 0.0);
     let none = Amplitudes {
         up: [ZERO; 2],
         down: [ZERO; 2],
     };
     let mut amplitudes = vec![none; stack.count() + 1];
     stack.amplitudes(frequency, &mut amplitudes);
-    let columns = stack.columns(index, frequency);
-    let state = stack.state((index, depth), &columns, &amplitudes[index], frequency);
+    let state = stack.state((index, depth), &amplitudes[index], frequency);
     // A state in the half-space is that after the arrival of the incident wave there.
     let advance = match index == stack.count() {
-        true => columns.slowness[stack.incident].re * depth,
+        true => stack.columns(index, frequency).slowness[stack.incident].re * depth,
         false => 0.0,
     };
-    let earlier = Complex::new(0.0, frequency.re * advance).exp();
+    let earlier = propagated(frequency * -advance);
     state.map(|value| value * earlier)
 }
 
-/// Factor of a wave after a delay, `exp(-i w delay)`.
-fn propagated(frequency: Complex, delay: Complex) -> Complex {
-    let exponent = frequency * delay;
-    Complex::new(exponent.im, -exponent.re).exp()
+/// Factor of a wave after a change of its phase, `exp(-i phase)`.
+pub(crate) fn propagated(phase: Complex) -> Complex {
+    Complex::new(phase.im, -phase.re).exp()
+}
+
+/// Root with a real part that is not negative, without angles.
+fn root(square: Complex) -> Complex {
+    let norm = square.norm_sqr().sqrt();
+    let greater = (0.5 * (norm + square.re.abs())).sqrt();
+    let lesser = match greater > 0.0 {
+        true => 0.5 * square.im.abs() / greater,
+        false => 0.0,
+    };
+    match square.re >= 0.0 {
+        true => Complex::new(greater, lesser.copysign(square.im)),
+        false => Complex::new(lesser, greater.copysign(square.im)),
+    }
 }
 
 fn product(matrix: &[[Complex; 2]; 2], vector: &[Complex; 2]) -> [Complex; 2] {

@@ -1,12 +1,13 @@
 //! Tables in time of a layered field, one for each height.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::ground::Ground;
 use super::heights::Heights;
 use super::stack::{Amplitudes, Stack};
+use super::states::spectra;
 use super::window::{Window, held};
 use crate::analytic::{AnalyticSignal, AnalyticTables, Level};
 use crate::fourier::Fourier;
@@ -15,6 +16,10 @@ use crate::{Complex, Signal, WaveError};
 /// Greatest number of samples of a transform, and greatest memory of all tables of a wave (bytes).
 pub(crate) const MOST_SAMPLES: usize = 1 << 20;
 pub(crate) const MOST_BYTES: usize = 2 << 30;
+/// Memory of the states of heights that are computed at a time (bytes).
+const BATCH_BYTES: usize = 16 << 20;
+/// Number of samples over which the weight of a window is multiplied.
+const MULTIPLIED: usize = 64;
 /// Share of a peak below which a table begins and ends.
 const NEGLIGIBLE: f64 = 3e-7;
 /// The same where the motion falls as a power of time.
@@ -122,7 +127,17 @@ pub(crate) struct LayeredTables {
     stride: usize,
     /// Unit of heights (m): points nearer than half of it share a table.
     unit: f64,
+    fourier: Fourier,
     made: Mutex<Made>,
+}
+
+/// Tables of a height that are missing.
+#[derive(Default)]
+struct Missing {
+    /// That of displacement and traction.
+    state: bool,
+    /// Damped layers of which that of the product is missing.
+    products: BTreeSet<usize>,
 }
 
 /// Histories at all samples of a transform: values, and their derivatives.
@@ -144,7 +159,7 @@ impl LayeredTables {
         remaining: [f64; 2],
         unit: f64,
     ) -> Self {
-        let mut fourier = Fourier::new(window.length);
+        let fourier = Fourier::new(window.length);
         let length = fourier.len();
         let mut samples = [(); 3].map(|()| Vec::with_capacity(length));
         for i in 0..length {
@@ -163,9 +178,13 @@ impl LayeredTables {
             }
         }
         let bin = 2.0 * PI / (length as f64 * window.step);
-        let frequencies: Vec<Complex> = (0..bins)
+        let mut frequencies: Vec<Complex> = (0..bins)
             .map(|i| Complex::new(i as f64 * bin, -window.growth))
             .collect();
+        if frequencies[0].norm() == 0.0 {
+            // At zero a damped modulus may vanish.
+            frequencies[0] = frequencies[1] * 1e-6;
+        }
         let layers = stack.count() + 1;
         let zero = Complex::new(0.0, 0.0);
         let none = Amplitudes {
@@ -174,7 +193,7 @@ impl LayeredTables {
         };
         let mut amplitudes = vec![none; bins * layers];
         for (i, out) in amplitudes.chunks_exact_mut(layers).enumerate() {
-            stack.amplitudes(not_zero(&frequencies, i), out);
+            stack.amplitudes(frequencies[i], out);
         }
         Self {
             stack,
@@ -188,6 +207,7 @@ impl LayeredTables {
             peaks: [0.0; 3],
             stride: 2,
             unit,
+            fourier,
             made: Mutex::default(),
         }
     }
@@ -198,8 +218,8 @@ impl LayeredTables {
         let mut probe = Probe::default();
         let n = self.stack.order;
         let (valid, edge) = (self.window.valid(), self.window.length / 64);
-        for key in keys {
-            let histories = self.histories(self.place(*key));
+        for (_, state) in self.states(keys) {
+            let histories = self.histories(&state);
             let kinds = [
                 (&histories.values[..n], &self.remaining[..n]),
                 (&histories.rates[..n], &[0.0; 2][..n]),
@@ -241,6 +261,12 @@ impl LayeredTables {
         let needed = self.window.until.map(|until| self.window.after(until));
         let samples = needed.map_or(valid, |needed| needed.min(valid));
         (samples / self.stride + 3) * 4 * self.stack.order * size_of::<f64>()
+    }
+
+    /// Memory of spectra and amplitudes (bytes).
+    pub(crate) fn bytes_of_spectra(&self) -> usize {
+        let bins = self.frequencies.len() * (1 + self.spectra.len());
+        bins * size_of::<Complex>() + self.amplitudes.len() * size_of::<Amplitudes>()
     }
 
     pub(crate) fn report(&self) -> LayeredTablesReport {
@@ -297,48 +323,86 @@ impl LayeredTables {
         columns.slowness[self.stack.incident].re * depth
     }
 
-    /// Table of displacement and traction at a key, made at the first request.
-    pub(crate) fn at(&self, key: i64) -> Result<Arc<Table>, WaveError> {
+    /// Makes what is missing of tables of displacement and traction at some keys, and of the modulus of a damped layer over that
+    /// of its medium, times the velocity along the layer (of SH: across the direction of travel), at keys of layers.
+    ///
+    /// Those of one layer are made together: most of the work is the same at all heights.
+    pub(crate) fn make(
+        &self,
+        keys: impl IntoIterator<Item = i64>,
+        products: impl IntoIterator<Item = (i64, usize)>,
+    ) -> Result<(), WaveError> {
         // If another thread panics, every table in the map is still complete.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(table) = made.states.get(&key) {
-            return Ok(table.clone());
+        let mut missing: BTreeMap<i64, Missing> = BTreeMap::new();
+        for key in keys {
+            if !made.states.contains_key(&key) {
+                missing.entry(key).or_default().state = true;
+            }
         }
-        let histories = self.histories(self.place(key));
+        for (key, index) in products {
+            if !made.products.contains_key(&(key, index)) {
+                missing.entry(key).or_default().products.insert(index);
+            }
+        }
+        let keys: Vec<i64> = missing.keys().copied().collect();
+        for (key, state) in self.states(&keys) {
+            let Missing {
+                state: is_missing,
+                products,
+            } = &missing[&key];
+            if *is_missing {
+                let table = self.state_table(&state, &mut made.report);
+                self.keep(&mut made, &table)?;
+                made.states.insert(key, table);
+            }
+            for &index in products {
+                let histories = self.product_histories(&state[0], index);
+                let table = Arc::new(self.table(&histories, &[(self.peaks[1], 0.0)]));
+                self.keep(&mut made, &table)?;
+                made.products.insert((key, index), table);
+            }
+        }
+        Ok(())
+    }
+
+    /// Table of displacement and traction at a key.
+    pub(crate) fn at(&self, key: i64) -> Result<Arc<Table>, WaveError> {
+        self.make([key], [])?;
+        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(made.states[&key].clone())
+    }
+
+    /// Table of the product of a damped layer at a key.
+    pub(crate) fn product(&self, key: i64, index: usize) -> Result<Arc<Table>, WaveError> {
+        self.make([], [(key, index)])?;
+        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(made.products[&(key, index)].clone())
+    }
+
+    fn state_table(
+        &self,
+        state: &[Vec<Complex>; 4],
+        report: &mut LayeredTablesReport,
+    ) -> Arc<Table> {
+        let histories = self.histories(state);
         let errors = histories.interpolation(self.stride, self.window.valid(), self.stack.order);
         let [displacement, _, stress] = self.peaks;
         let [x, z] = self.remaining.map(|rest| (displacement, rest));
         let traction = (stress, 0.0);
-        let table = Arc::new(match self.stack.order {
-            1 => self.table(&histories, &[x, traction]),
-            _ => self.table(&histories, &[x, z, traction, traction]),
-        });
-        made.report.heights += 1;
+        report.heights += 1;
         let shares = Probe {
             peaks: self.peaks,
             ..Probe::default()
         };
-        let worst = made.report.interpolation.iter_mut();
+        let worst = report.interpolation.iter_mut();
         for (worst, error) in worst.zip(shares.shares(errors)) {
             *worst = worst.max(error);
         }
-        self.keep(&mut made, &table)?;
-        made.states.insert(key, table.clone());
-        Ok(table)
-    }
-
-    /// Table of the modulus of a damped layer over that of its medium, times the velocity along the
-    /// layer (of SH: across the direction of travel), made at the first request.
-    pub(crate) fn product(&self, key: i64, index: usize) -> Result<Arc<Table>, WaveError> {
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(table) = made.products.get(&(key, index)) {
-            return Ok(table.clone());
-        }
-        let histories = self.product_histories(self.place(key), index);
-        let table = Arc::new(self.table(&histories, &[(self.peaks[1], 0.0)]));
-        self.keep(&mut made, &table)?;
-        made.products.insert((key, index), table.clone());
-        Ok(table)
+        Arc::new(match self.stack.order {
+            1 => self.table(&histories, &[x, traction]),
+            _ => self.table(&histories, &[x, z, traction, traction]),
+        })
     }
 
     fn keep(&self, made: &mut Made, table: &Table) -> Result<(), WaveError> {
@@ -362,13 +426,23 @@ impl LayeredTables {
         }
     }
 
-    /// Spectrum of the state at a place, for a unit incident displacement at the top of the half-space.
-    pub(crate) fn state_at(&self, place: (usize, f64), bin: usize) -> [Complex; 4] {
-        let frequency = not_zero(&self.frequencies, bin);
-        let columns = self.stack.columns(place.0, frequency);
-        let layers = self.stack.count() + 1;
-        let amplitudes = &self.amplitudes[bin * layers + place.0];
-        self.stack.state(place, &columns, amplitudes, frequency)
+    /// Spectra of the state at keys, for a unit incident displacement at the top of the half-space, some at a time.
+    fn states<'s>(
+        &'s self,
+        keys: &'s [i64],
+    ) -> impl Iterator<Item = (i64, [Vec<Complex>; 4])> + use<'s> {
+        let of_height = 2 * self.stack.order * self.frequencies.len() * size_of::<Complex>();
+        let most = (BATCH_BYTES / of_height).max(1);
+        let layers = keys.chunk_by(|a, b| self.layer_of(*a) == self.layer_of(*b));
+        layers
+            .flat_map(move |keys| keys.chunks(most))
+            .flat_map(|keys| {
+                let places = keys.iter().map(|key| self.place(*key));
+                let (layers, depths): (Vec<usize>, Vec<f64>) = places.unzip();
+                let of = (layers[0], &depths[..]);
+                let states = spectra(&self.stack, of, &self.frequencies, &self.amplitudes);
+                keys.iter().copied().zip(states)
+            })
     }
 
     /// Value and rate of a quantity of a table from the constant part of the spectrum.
@@ -390,28 +464,32 @@ impl LayeredTables {
         }
     }
 
-    /// Histories at a layer and depth in it, less those of the constant part of the spectrum.
-    fn histories(&self, place: (usize, f64)) -> Histories {
+    /// Histories of a state, less those of the constant part of the spectrum.
+    fn histories(&self, state: &[Vec<Complex>; 4]) -> Histories {
         let n = self.stack.order;
-        let bins = self.frequencies.len();
         let [displacement, velocity, acceleration] = &self.spectra;
-        let mut values = vec![vec![Complex::new(0.0, 0.0); bins]; 2 * n];
-        let mut rates = values.clone();
-        for i in 0..bins {
-            let mut state = self.state_at(place, i);
-            if let Some(statics) = &self.statics {
-                for (k, value) in state.iter_mut().take(n).enumerate() {
-                    *value -= statics.coefficients[self.component(k)];
-                }
-            }
-            for k in 0..n {
-                values[k][i] = state[k] * displacement[i];
-                rates[k][i] = state[k] * velocity[i];
-                values[n + k][i] = state[n + k] * velocity[i];
-                rates[n + k][i] = state[n + k] * acceleration[i];
-            }
+        let of = |row: usize, signal: &[Complex]| {
+            let constant = match &self.statics {
+                Some(statics) if row < n => statics.coefficients[self.component(row)],
+                _ => Complex::new(0.0, 0.0),
+            };
+            let values = state[row].iter().zip(signal);
+            self.inverse(values.map(|(value, signal)| (value - constant) * signal))
+        };
+        let mut histories = Histories {
+            values: Vec::with_capacity(2 * n),
+            rates: Vec::with_capacity(2 * n),
+            step: self.window.step,
+        };
+        for row in 0..2 * n {
+            let [value, rate] = match row < n {
+                true => [displacement, velocity],
+                false => [velocity, acceleration],
+            };
+            histories.values.push(of(row, value));
+            histories.rates.push(of(row, rate));
         }
-        self.inverse(values, rates)
+        histories
     }
 
     /// Component in [along, across, up] of a displacement of the state.
@@ -419,36 +497,34 @@ impl LayeredTables {
         if self.stack.order == 1 { 1 } else { 2 * k }
     }
 
-    fn product_histories(&self, place: (usize, f64), index: usize) -> Histories {
-        let bins = self.frequencies.len();
-        let mut value = Vec::with_capacity(bins);
-        let mut rate = Vec::with_capacity(bins);
-        for i in 0..bins {
-            let modulus = self.stack.modulus(index, not_zero(&self.frequencies, i));
-            let factor = modulus * self.state_at(place, i)[0];
-            value.push(factor * self.spectra[1][i]);
-            rate.push(factor * self.spectra[2][i]);
-        }
-        self.inverse(vec![value], vec![rate])
-    }
-
-    fn inverse(&self, values: Vec<Vec<Complex>>, rates: Vec<Vec<Complex>>) -> Histories {
-        let mut fourier = Fourier::new(self.window.length);
-        let mut back = |spectra: Vec<Vec<Complex>>| -> Vec<Vec<f64>> {
-            let of = spectra.iter().map(|spectrum| {
-                let mut history = fourier.inverse(spectrum);
-                for (i, value) in history.iter_mut().enumerate() {
-                    *value /= self.window.weight(i);
-                }
-                history
-            });
-            of.collect()
-        };
+    /// Histories of the velocity of a displacement under the modulus of a damped layer.
+    fn product_histories(&self, displacement: &[Complex], index: usize) -> Histories {
+        let moduli = self.frequencies.iter();
+        let moduli = moduli.map(|frequency| self.stack.modulus(index, *frequency));
+        let under: Vec<Complex> = moduli.zip(displacement).map(|(m, u)| m * u).collect();
+        let of = |signal: &[Complex]| self.inverse(under.iter().zip(signal).map(|(u, s)| u * s));
         Histories {
-            values: back(values),
-            rates: back(rates),
+            values: vec![of(&self.spectra[1])],
+            rates: vec![of(&self.spectra[2])],
             step: self.window.step,
         }
+    }
+
+    /// History of a spectrum, without the weight of the window.
+    fn inverse(&self, spectrum: impl Iterator<Item = Complex>) -> Vec<f64> {
+        let mut history = self.fourier.inverse_of(spectrum);
+        if self.window.growth == 0.0 {
+            return history;
+        }
+        let per_sample = 1.0 / self.window.weight(1);
+        for (part, values) in history.chunks_mut(MULTIPLIED).enumerate() {
+            let mut factor = 1.0 / self.window.weight(MULTIPLIED * part);
+            for value in values {
+                *value *= factor;
+                factor *= per_sample;
+            }
+        }
+        history
     }
 
     /// Table of histories without the quiet times before and after them. `of` has for each quantity its
@@ -527,15 +603,6 @@ impl Histories {
 /// Largest magnitude of the first samples of a history.
 pub(crate) fn peak(values: &[f64], valid: usize) -> f64 {
     values[..valid].iter().fold(0.0, |m, v| m.max(v.abs()))
-}
-
-/// Angular frequency of a bin; the lowest one in place of zero, where a damped modulus may vanish.
-fn not_zero(frequencies: &[Complex], bin: usize) -> Complex {
-    let frequency = frequencies[bin];
-    match frequency.norm() {
-        0.0 => frequencies[1] * 1e-6,
-        _ => frequency,
-    }
 }
 
 /// Factor on a spectrum at a share of the Nyquist frequency: one up to a half, zero at the end, with

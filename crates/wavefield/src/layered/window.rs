@@ -3,6 +3,7 @@
 use super::ground::Ground;
 use super::stack::Stack;
 use super::tables::{LayeredTables, MOST_SAMPLES, StaticPart};
+use crate::sampled::falling;
 use crate::{Signal, SignalMotion, SurfaceReflection, WaveError, WaveKind};
 
 /// Decay of a causal field over the window, as an exponent: its periodic images are smaller by
@@ -80,12 +81,7 @@ pub(crate) fn held(signal: &dyn Signal, time: f64, window: &Window) -> SignalMot
         return SignalMotion::default();
     }
     let rate = 1.0 / (to - from);
-    let x = (time - from) * rate;
-    let [w, w1, w2] = [
-        1.0 - x * x * x * (10.0 + x * (6.0 * x - 15.0)),
-        -30.0 * rate * x * x * (1.0 - x) * (1.0 - x),
-        -60.0 * rate * rate * x * (1.0 - x) * (1.0 - 2.0 * x),
-    ];
+    let [w, w1, w2] = falling((time - from) * rate, rate);
     SignalMotion {
         displacement: motion.displacement * w,
         velocity: motion.velocity * w + motion.displacement * w1,
@@ -135,8 +131,12 @@ impl Arriving<'_> {
             (false, true) => 8.0,
         };
         let length = support.end - support.start + self.longest_delay();
-        let needed = self.until.filter(|_| causal).unwrap_or(0.0) / USED;
-        let mut duration = needed.max(pads * length);
+        // What comes after the time that is needed does not reach back to it.
+        let needed = self.until.filter(|_| causal);
+        let mut duration = match needed {
+            Some(until) => (until + 4.0 * support.step) / USED,
+            None => pads * length,
+        };
         loop {
             let count = duration / step;
             WaveError::check_samples("the ring-down of the layers", count, MOST_SAMPLES)?;
@@ -174,9 +174,9 @@ impl Arriving<'_> {
                 (true, _) => QUIET_POWER,
                 (false, _) => QUIET,
             };
-            // Of a causal field what still moves at the end does not come back.
-            let is_covered =
-                causal && (self.until).is_some_and(|until| window.after(until) < window.valid());
+            // Of a causal field what still moves at the end comes back under the weight alone.
+            let is_covered = needed.is_some_and(|until| window.after(until) < window.valid())
+                && left * (-decay).exp() <= QUIET;
             if left > permitted && !is_covered {
                 duration *= 2.0;
                 continue;
