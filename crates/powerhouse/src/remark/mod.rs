@@ -60,7 +60,8 @@ pub enum Remark {
         wave: String,
         /// Form of the field.
         report: LayeredReport,
-        /// Memory of the tables of the absorbing faces (bytes), at most.
+        /// Memory of the field (bytes): before the scene is prepared, of tables at the heights of the absorbing faces, at most;
+        /// then of all that were made.
         bytes: usize,
     },
     /// Fact: modulus and damping of layers by the equivalent linear method.
@@ -477,6 +478,10 @@ pub struct EquivalentLayer {
     pub modulus: f64,
     /// Damping ratio (1).
     pub damping: f64,
+    /// Frequency (Hz) at which the waves of the run have the modulus: the mean of its logarithm over the power of the strain.
+    pub frequency: f64,
+    /// Effective engineering shear strain (1) in the ground of the run, whose modulus rises with frequency.
+    pub in_run: f64,
 }
 
 impl Remark {

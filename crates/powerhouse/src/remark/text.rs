@@ -101,8 +101,8 @@ impl fmt::Display for Remark {
                 let megabytes = *bytes as f64 / 1e6;
                 write!(
                     f,
-                    "{wave}: tables of the motion at the heights of the absorbing faces, every {:.3e} s, take at most {megabytes:.1} MB",
-                    report.step
+                    "{wave}: tables of the motion at {} heights, every {:.3e} s, and its spectra take {megabytes:.1} MB",
+                    report.tables.heights, report.step
                 )?;
                 if let Some((heights, [displacement, velocity, stress])) =
                     report.tables.between_heights
@@ -134,19 +134,21 @@ impl fmt::Display for Remark {
                 for (index, layer) in layers.iter().enumerate() {
                     write!(
                         f,
-                        "{} '{}' has an effective shear strain of {:.4} % ({strain_ratio} of the greatest), {:.3} of its shear modulus, and damping of {:.2} %",
+                        "{} '{}' has an effective shear strain of {:.4} % ({strain_ratio} of the greatest), {:.3} of its shear modulus, held at {:.2} Hz in the run, and damping of {:.2} %; with the dispersion of that the strain is {:.4} %",
                         if index == 0 { "" } else { ";" },
                         layer.material,
                         100.0 * layer.strain,
                         layer.modulus,
-                        100.0 * layer.damping
+                        layer.frequency,
+                        100.0 * layer.damping,
+                        100.0 * layer.in_run
                     )?;
                 }
                 Ok(())
             }
             Self::LargeStrains { materials, limit } => write!(
                 f,
-                "the effective shear strain of '{}' is above {} %: the equivalent linear method damps high frequencies too much there, and the dispersion of flat damping changes strains by tens of per cent; compare with a law that yields",
+                "the effective shear strain of '{}' is above {} %: the equivalent linear method damps high frequencies too much there; compare with a law that yields",
                 materials.join("', '"),
                 100.0 * limit
             ),
@@ -182,14 +184,17 @@ impl fmt::Display for Remark {
                     "{wave}: the incident wave is {:.4} of its record ({convention})",
                     conversion.amplitude.norm()
                 ),
-                Some(within) => write!(
-                    f,
-                    "{wave}: the incident wave was computed from its record ({convention}) by a transfer function, with a regularisation of {}, with a misfit of {:.2e} of the record; its peak is {:.3} of that of the record, and the transfer function is at least {:.3} in the frequency range of the record",
-                    within.regularisation,
-                    within.misfit,
-                    within.amplification,
-                    within.least_transfer
-                ),
+                Some(within) => {
+                    let how = match within.regularisation {
+                        0.0 => "exactly".into(),
+                        share => format!("with a regularisation of {share}"),
+                    };
+                    write!(
+                        f,
+                        "{wave}: the incident wave was computed from its record ({convention}) by a transfer function, {how}, with a misfit of {:.2e} of the record; its peak is {:.3} of that of the record, and the transfer function is at least {:.3} in the frequency range of the record",
+                        within.misfit, within.amplification, within.least_transfer
+                    )
+                }
             },
             Self::Split {
                 record,

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use powerhouse_material_damage::{
     DampingBand, DarendeliSoil, LinearElastic, ReferenceFrequency, RelaxationSpectrum, StrainCurves,
 };
-use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Mat3, Vec3};
-use powerhouse_wavefield::{Ground, LayerDamping, LayeredWave};
+use powerhouse_model::{ElasticMedium, FieldMotion, IncidentField, Mat3, ModelError, Vec3};
+use powerhouse_wavefield::{Ground, LayerDamping, LayeredWave, TimeHistory};
 
 use super::record::PreparedRecord;
 use super::{layers, named, ordered};
@@ -50,8 +50,18 @@ struct Soil<'f> {
     /// Secant modulus over that at small strain, and damping ratio.
     modulus: f64,
     ratio: f64,
-    /// Effective shear strain of ground with these.
+    /// Effective shear strain of ground with these at all frequencies.
     strain: f64,
+    /// Frequency (Hz) at which the waves of the run have the modulus: the mean of the logarithm over the power of the strain.
+    frequency: f64,
+}
+
+/// Shear strain of a layer over a motion.
+struct Shear {
+    /// Greatest engineering strain (1), of any direction: the difference of the greatest and least principal strain.
+    greatest: f64,
+    /// Frequency (Hz) at the mean of its logarithm over the power of the strain.
+    frequency: f64,
 }
 
 /// Gives layers with strain curves, and the parts of their materials, the modulus and damping of the strain that the waves cause
@@ -102,32 +112,46 @@ pub(super) fn apply(
         }
         None => BAND,
     };
-    let mut of_parts: Vec<Damping> = Vec::new();
     // The strain is that of the whole motion, whatever the duration of the run: a shorter run is of the same ground.
     let lengths = records.values().map(|record| record.history.duration());
     let duration = lengths.fold(scene.duration, f64::max) + RINGING;
     let mut change = 0.0_f64;
+    let shears = |soils: &[Soil], scene: &Scene, ground: &Ground| {
+        let waves = layers::waves(file, scene, records, (ground, duration))?.waves;
+        let of = soils.iter().map(|soil| {
+            let shear = shear(scene, duration, ground, (&waves, soil.index));
+            shear.map_err(|error| Fault::refused(soil.place.clone(), error))
+        });
+        of.collect::<Result<Vec<Shear>, Fault>>()
+    };
     for iteration in 1..=most {
-        of_parts.clear();
         for soil in &soils {
             let medium = soil.medium()?;
             let material = Material::from(LinearElastic::new(medium));
             materials.insert(soil.material.to_string(), material);
-            let damping = soil.damping(band)?;
-            dampings[soil.index] = damping_of_layer(&damping).unwrap_or(LayerDamping::None);
-            of_parts.push(damping);
+            dampings[soil.index] = match soil.ratio {
+                0.0 => LayerDamping::None,
+                ratio => LayerDamping::Hysteretic { ratio },
+            };
         }
         let ground = layers::ground(file, scene, materials, &dampings)?;
-        let waves = layers::waves(file, scene, records, (&ground, duration))?.waves;
         change = 0.0;
-        for soil in &mut soils {
-            let greatest = greatest_strain(scene, duration, &ground, (&waves, soil.index));
-            let greatest = greatest.map_err(|error| Fault::refused(soil.place.clone(), error))?;
-            soil.strain = strain_ratio * greatest;
+        let found = shears(&soils, scene, &ground)?;
+        for (soil, shear) in soils.iter_mut().zip(found) {
+            soil.strain = strain_ratio * shear.greatest;
+            soil.frequency = shear.frequency.clamp(band[0], band[1]);
             change = change.max(soil.change());
         }
         if change <= tolerance {
+            let of_parts = soils.iter().map(|soil| soil.damping(band));
+            let of_parts = of_parts.collect::<Result<Vec<Damping>, Fault>>()?;
+            for (soil, damping) in soils.iter().zip(&of_parts) {
+                dampings[soil.index] = damping_of_layer(damping).unwrap_or(LayerDamping::None);
+            }
             finish(file, scene, materials, &soils, &of_parts)?;
+            let ground = layers::ground(file, scene, materials, &dampings)?;
+            let in_run = shears(&soils, scene, &ground)?.into_iter();
+            let in_run = in_run.map(|shear| strain_ratio * shear.greatest);
             let large = soils.iter().filter(|soil| soil.strain > LARGE);
             let large: Vec<String> = large.map(|soil| soil.material.to_string()).collect();
             if !large.is_empty() {
@@ -146,7 +170,11 @@ pub(super) fn apply(
             });
             scene.remarks.extend(beyond);
             scene.remarks.push(Remark::EquivalentLinear {
-                layers: soils.iter().map(Soil::told).collect(),
+                layers: soils
+                    .iter()
+                    .zip(in_run)
+                    .map(|(soil, in_run)| soil.told(in_run))
+                    .collect(),
                 strain_ratio,
                 iterations: iteration,
                 change,
@@ -241,6 +269,7 @@ fn soil<'f>(
         modulus: curves.modulus(0.0),
         ratio: curves.damping(0.0),
         strain: 0.0,
+        frequency: 1.0,
         curves,
     })
 }
@@ -311,7 +340,7 @@ impl Soil<'_> {
             .map_err(|error| Fault::refused(self.place.clone(), error))?;
         Ok(Damping::Flat {
             spectrum,
-            reference: ReferenceFrequency::Centre,
+            reference: ReferenceFrequency::At(self.frequency),
         })
     }
 
@@ -331,24 +360,25 @@ impl Soil<'_> {
         self.ratio = self.curves.damping(self.strain);
     }
 
-    fn told(&self) -> EquivalentLayer {
+    fn told(&self, in_run: f64) -> EquivalentLayer {
         EquivalentLayer {
             material: self.material.to_string(),
             strain: self.strain,
             modulus: self.modulus,
             damping: self.ratio,
+            frequency: self.frequency,
+            in_run,
         }
     }
 }
 
-/// Greatest engineering shear strain (1) over a duration (s) in the middle of a layer, of any direction: the difference of the
-/// greatest and least principal strain.
-fn greatest_strain(
+/// Shear strain over a duration (s) in the middle of a layer.
+fn shear(
     scene: &Scene,
     duration: f64,
     ground: &Ground,
     (waves, index): (&[LayeredWave], usize),
-) -> Result<f64, powerhouse_model::ModelError> {
+) -> Result<Shear, ModelError> {
     let bottom = ground.layers()[index].bottom;
     let top = match index {
         0 => ground.surface(),
@@ -372,6 +402,7 @@ fn greatest_strain(
     let step = step.max(duration / SAMPLES);
     let count = (duration / step).ceil() as usize;
     let mut greatest = 0.0_f64;
+    let mut histories = [(); 6].map(|()| Vec::with_capacity(count + 1));
     for sample in 0..=count {
         let mut motion = [FieldMotion::default(); 6];
         for sampler in &samplers {
@@ -381,10 +412,35 @@ fn greatest_strain(
             (motion[2 * axis].displacement - motion[2 * axis + 1].displacement) / (2.0 * apart)
         });
         let gradient = Mat3::from_columns(&slopes);
-        let strains = ((gradient + gradient.transpose()) * 0.5).symmetric_eigenvalues();
-        greatest = greatest.max(strains.max() - strains.min());
+        let strain = (gradient + gradient.transpose()) * 0.5;
+        let principal = strain.symmetric_eigenvalues();
+        greatest = greatest.max(principal.max() - principal.min());
+        let shear = strain - Mat3::identity() * (strain.trace() / 3.0);
+        let components = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+        for (history, component) in histories.iter_mut().zip(components) {
+            history.push(shear[component]);
+        }
     }
-    Ok(greatest)
+    let (mut power, mut sum) = (0.0, 0.0);
+    for (component, history) in histories.into_iter().enumerate() {
+        // A strain off the diagonal is there twice.
+        let share = if component < 3 { 1.0 } else { 2.0 };
+        let history = TimeHistory::new(step, history).map_err(ModelError::from)?;
+        for line in history.fourier_spectrum().iter().skip(1) {
+            let own = share * line.amplitude * line.amplitude;
+            power += own;
+            sum += own * line.frequency.ln();
+        }
+    }
+    let frequency = if power > 0.0 {
+        (sum / power).exp()
+    } else {
+        1.0
+    };
+    Ok(Shear {
+        greatest,
+        frequency,
+    })
 }
 
 /// Gives the parts of the layers their media and damping, and in stages the medium of small strain.

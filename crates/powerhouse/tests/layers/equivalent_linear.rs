@@ -27,7 +27,7 @@ fn site(clay: &str, gravel: &str, others: &[(&str, &str)]) -> String {
 }
 
 /// The layers of the remark, number of iterations and last change.
-fn figures(scene: &Scene) -> (Vec<EquivalentLayer>, usize, f64) {
+pub(super) fn figures(scene: &Scene) -> (Vec<EquivalentLayer>, usize, f64) {
     let found = scene.remarks().iter().find_map(|remark| match remark {
         Remark::EquivalentLinear {
             layers,

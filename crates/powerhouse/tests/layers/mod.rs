@@ -2,6 +2,7 @@
 
 mod column;
 mod equivalent_linear;
+mod shake;
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -48,6 +48,12 @@ pub enum LayerDamping {
         /// Frequency at which waves have the speeds of the layer's medium (Hz).
         reference: f64,
     },
+    /// One complex modulus at all frequencies, `M / C = 1 + 2 i r`, as in the usual equivalent linear method: without dispersion,
+    /// and for that not causal.
+    Hysteretic {
+        /// Damping ratio r (1), 0 to 0.5.
+        ratio: f64,
+    },
 }
 
 impl LayerDamping {
@@ -76,6 +82,7 @@ impl LayerDamping {
                 let scale = (0.5 * PI * exponent).cos();
                 (rate / (2.0 * PI * reference)).powf(2.0 * exponent) * (scale * scale)
             }
+            Self::Hysteretic { ratio } => Complex::new(1.0, 2.0 * ratio),
         }
     }
 
@@ -94,6 +101,7 @@ impl LayerDamping {
                 let rate = Complex::new(0.0, 2.0 * PI * highest);
                 self.modulus(rate).norm().sqrt().max(1.0)
             }
+            Self::Hysteretic { ratio } => (1.0 + 4.0 * ratio * ratio).sqrt(),
         }
     }
 
@@ -115,6 +123,7 @@ impl LayerDamping {
                 ParameterError::check("quality", *quality, 1.0, f64::MAX)?;
                 ParameterError::check("reference", *reference, 1e-9, 1e9)
             }
+            Self::Hysteretic { ratio } => ParameterError::check("ratio", *ratio, 0.0, 0.5),
         }
     }
 }
