@@ -76,8 +76,8 @@ const HISTORY: [HistoryVariable; 5] = {
 ///
 /// `sigma = (1 - D) C e`, `D = a_t d_t + a_c d_c`
 ///
-/// with `d_t` and `d_c` of the [`Softening`](crate::Softening) equation in the largest equivalent
-/// strain so far, `sqrt(sum <e_i>^2)`, and the weights `a_t = sum e_ti <e_i> / sum <e_i>^2`,
+/// with the largest `d_t` and `d_c` so far of the [`Softening`](crate::Softening) equation in the equivalent
+/// strain `sqrt(sum <e_i>^2)`, and the weights `a_t = sum e_ti <e_i> / sum <e_i>^2`,
 /// `a_c = 1 - a_t`, where `e_t` is the elastic strain of the tensile principal stresses alone. The
 /// strain `e` includes that of the initial stress, `C^-1 sigma0`.
 ///
@@ -201,10 +201,15 @@ impl Mazars {
             MazarsTension::Rates { rate, .. } => size.constant(1.0 / rate),
         }
     }
-    /// Damage state of principal stresses (Pa) and the largest equivalent strain before, in an element of a
-    /// width (m).
+    /// Damage state of principal stresses (Pa) after the largest equivalent strain and the damage in tension and in
+    /// compression `before`, in an element of a width (m).
     #[inline(always)]
-    fn state<L: Lane>(&self, values: &[L; 3], before: L, size: L) -> DamageState<L> {
+    fn state<L: Lane>(
+        &self,
+        values: &[L; 3],
+        [before, torn_before, broken_before]: [L; 3],
+        size: L,
+    ) -> DamageState<L> {
         let p = &self.parameters;
         let number = |value: f64| before.constant(value);
         let (zero, one) = (number(0.0), number(1.0));
@@ -225,22 +230,27 @@ impl Mazars {
         let weight = weight.select(some, one);
         let equivalent = largest * square.sqrt() * number(1.0 / p.medium.young);
 
-        let reached = before.max(equivalent);
         let threshold = p.threshold;
         let most = 1.0 - p.residual_stiffness;
         let rate = one / self.inverse_rate(size);
         let torn = match p.tension {
-            MazarsTension::FractureEnergy { .. } => damage_of(reached, threshold, 1.0, rate, most),
-            MazarsTension::FallingStress { .. } => {
-                damage_of_falling_stress(reached, threshold, rate, most)
+            MazarsTension::FractureEnergy { .. } => {
+                damage_of(equivalent, threshold, 1.0, rate, most)
             }
-            MazarsTension::Rates { share, .. } => damage_of(reached, threshold, share, rate, most),
+            MazarsTension::FallingStress { .. } => {
+                damage_of_falling_stress(equivalent, threshold, rate, most)
+            }
+            MazarsTension::Rates { share, .. } => {
+                damage_of(equivalent, threshold, share, rate, most)
+            }
         };
+        let torn = torn.max(torn_before);
         let rate = number(p.compression_rate);
-        let broken = damage_of(reached, threshold, p.compression_share, rate, most);
+        let broken = damage_of(equivalent, threshold, p.compression_share, rate, most);
+        let broken = broken.max(broken_before);
         let damage = weight * torn + (one - weight) * broken;
         DamageState {
-            equivalent: reached,
+            equivalent: equivalent.max(before),
             torn,
             broken,
             damage,
@@ -309,7 +319,8 @@ impl ConstitutiveLaw for Mazars {
         }
         let axes = PrincipalAxes::of(&total);
         let width = crack_band::width(old[WIDTH], &input.extents, &axes.directions[0]);
-        let state = self.state(&axes.values, old[EQUIVALENT], width);
+        let before = [EQUIVALENT, DAMAGE_TENSION, DAMAGE_COMPRESSION].map(|index| old[index]);
+        let state = self.state(&axes.values, before, width);
         let damage = state.damage;
         for (variable, value) in [
             (EQUIVALENT, state.equivalent),
@@ -386,7 +397,9 @@ impl ConstitutiveLaw for Mazars {
                 return *trial;
             }
             let size = Dual::fixed(width);
-            let state = self.state(trial, Dual::fixed(before), size);
+            let before = [EQUIVALENT, DAMAGE_TENSION, DAMAGE_COMPRESSION];
+            let before = before.map(|index| Dual::fixed(input.history[index]));
+            let state = self.state(trial, before, size);
             trial.map(|s| (Dual::fixed(1.0) - state.damage) * s)
         };
         Some(tangent::of_isotropic(medium, input, &input.strain, respond))

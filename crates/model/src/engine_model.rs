@@ -155,7 +155,7 @@ pub trait EngineModel: Send {
     ///
     /// # Errors
     /// [`StaticError::CarriedForcesChanged`] if the forces that hold the body differ from those of the stage before
-    /// by more than `tolerance` (0 to 1) times the internal forces; [`StaticError::Viscoelastic`] if a law would
+    /// by more than `tolerance` (0 to 1) times the internal forces; [`StaticError::StressChanges`] if a law would
     /// relax the static stress.
     fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError>;
 }

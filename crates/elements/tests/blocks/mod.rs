@@ -3,6 +3,7 @@
 mod boxes;
 mod elastic;
 mod grout;
+mod hand_over;
 mod hinge;
 mod invariance;
 mod location;

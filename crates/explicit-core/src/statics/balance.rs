@@ -9,7 +9,7 @@ use crate::nodes::with_nodes;
 use crate::ranks::Ranked;
 use crate::subdomain::NodalMotion;
 
-/// Length of step (s) at which the stress of a viscoelastic law differs from its static stress.
+/// Length of step (s) at which the stress in motion is compared with the static one: that of a viscoelastic law differs.
 const SOME_STEP: f64 = 1.0e-3;
 /// Relative difference of internal forces between two lengths of step that counts as rounding.
 const SAME: f64 = 1.0e-6;
@@ -26,7 +26,7 @@ impl Model {
     /// # Errors
     /// [`StaticError::CarriedForcesChanged`] if the carried forces differ from those of the stage before by more than
     /// `tolerance` (0 to 1) times the internal forces: a load, an element or a bolt is missing or
-    /// new; with 1 nothing is compared, as where elements take another material. [`StaticError::Viscoelastic`] if a law
+    /// new; with 1 nothing is compared, as where elements take another material. [`StaticError::StressChanges`] if a law
     /// would relax the static stress.
     pub fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError> {
         powerhouse_model::ParameterError::check("tolerance", tolerance, 0.0, 1.0)?;
@@ -36,7 +36,7 @@ impl Model {
             model.groups.motion.invalidate();
             with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
             model.begin_stage();
-            let refused = model.refuse_viscoelastic()?;
+            let refused = model.refuse_changed_stress()?;
             model.agreed(refused)?;
             let mut before = model.loads.carried().to_vec();
             before.resize(model.mass.len(), Vec3::zeros());
@@ -127,18 +127,20 @@ impl Model {
         Ok((forces, size))
     }
 
-    /// Refuses, as the inner result of this rank, viscoelastic laws, whose stress depends on the length of the step at zero
-    /// velocity.
-    fn refuse_viscoelastic(&mut self) -> Result<Result<(), StaticError>, StaticError> {
+    /// Refuses, as the inner result of this rank, sets whose internal forces at zero velocity are not the static ones, as of
+    /// a viscoelastic law.
+    fn refuse_changed_stress(&mut self) -> Result<Result<(), StaticError>, StaticError> {
         let size = |forces: &[Vec3]| forces.iter().map(Vec3::norm_squared).sum::<f64>().sqrt();
         self.compute_static_forces(SOME_STEP)?;
         let moving = self.force_buffers();
         self.compute_static_forces(0.0)?;
         for ((block, moving), still) in self.blocks.iter().zip(moving).zip(self.force_buffers()) {
             let change: Vec<Vec3> = moving.iter().zip(&still).map(|(a, b)| a - b).collect();
-            if size(&change) > SAME * size(&still) {
-                return Ok(Err(StaticError::Viscoelastic {
+            let (change, all) = (size(&change), size(&still));
+            if change > SAME * all {
+                return Ok(Err(StaticError::StressChanges {
                     set: block.label().into(),
+                    difference: change / all,
                 }));
             }
         }

@@ -16,9 +16,15 @@ pub use spectrum::{DampingBand, MOST_MECHANISMS, Mechanism, RelaxationSpectrum};
 /// Constitutive law whose elastic strain can be separated from the inelastic strain, so that damping
 /// can act in series with it.
 pub trait ElasticInSeries: ConstitutiveLaw {
-    /// The same law with all elastic moduli multiplied by a factor, its strengths unchanged.
+    /// The same law with all elastic moduli multiplied by a factor, its strengths and fracture energies unchanged.
     #[must_use]
     fn with_stiffness(&self, factor: f64) -> Self;
+    /// The same law in which a history means the strength that it means in the same law with another stiffness; unchanged
+    /// by default, for laws whose strength does not depend on the stiffness, or is itself in the history.
+    #[must_use]
+    fn with_strengths_of(self, _other: &Self) -> Self {
+        self
+    }
     /// Plastic strain in a history, which remains after unloading; `None` for a law without plastic
     /// strain.
     #[inline(always)]
@@ -79,7 +85,9 @@ impl ReferenceFrequency {
 /// static one: springs of `C_0` carry the stress, and the dashpots follow the elastic strain at once. A
 /// motion that starts from such a state starts from that stress, and it does not relax. `C_0` is softer
 /// than the given law, unless the reference is [`Static`](ReferenceFrequency::Static). An
-/// initial stress does not relax either. Damage acts on the total stress, as effective stress.
+/// initial stress does not relax either. Damage acts on the total stress, as effective stress. What has cracked in the
+/// static form is as damaged and as strong in the motion: strengths that depend on the stiffness by the fracture energy
+/// ([`with_strengths_of`](ElasticInSeries::with_strengths_of)) are those of a sudden strain in both.
 ///
 /// # Why so
 /// *Each mechanism is integrated exactly* for a strain that is linear within the step: passive for
@@ -106,6 +114,8 @@ impl ReferenceFrequency {
 pub struct FlatDamping<M> {
     /// Law as given.
     reference: M,
+    /// Law with the moduli of a sudden strain, whose strengths all histories mean.
+    sudden: M,
     /// Law with the moduli of a step, which is evaluated.
     effective: M,
     /// Relaxation mechanisms; `None` for a law without damping.
@@ -188,7 +198,8 @@ impl<M: ElasticInSeries> FlatDamping<M> {
         let unrelaxed = law.with_stiffness(relaxed * spectrum.unrelaxed());
         Ok(Self {
             medium: unrelaxed.medium(),
-            effective: law.with_stiffness(relaxed),
+            effective: law.with_stiffness(relaxed).with_strengths_of(&unrelaxed),
+            sudden: unrelaxed,
             reference: law,
             spectrum: Some(Arc::new(spectrum)),
             relaxed,
@@ -201,6 +212,7 @@ impl<M: ElasticInSeries> FlatDamping<M> {
     pub fn none(law: M) -> Self {
         Self {
             medium: law.medium(),
+            sudden: law.clone(),
             effective: law.clone(),
             spectrum: None,
             relaxed: 1.0,
@@ -331,7 +343,8 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
         } else {
             (Terms::in_equilibrium(mechanisms.len()), 1.0)
         };
-        law.effective = self.reference.with_stiffness(self.relaxed * sudden);
+        let effective = self.reference.with_stiffness(self.relaxed * sudden);
+        law.effective = effective.with_strengths_of(&self.sudden);
         law
     }
 }

@@ -316,6 +316,11 @@ impl ElasticInSeries for LeeFenves {
         law.shear *= factor;
         law
     }
+    /// The strengths follow the plastic strain at a rate by the fracture energy, elastic energy included.
+    fn with_strengths_of(mut self, other: &Self) -> Self {
+        (self.tension, self.compression) = (other.tension, other.compression);
+        self
+    }
     #[inline(always)]
     fn inelastic_strain<L: Lane>(&self, history: &[L]) -> Option<[L; 6]> {
         Some(array(|i| history[i]))

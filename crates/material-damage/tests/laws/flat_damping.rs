@@ -4,10 +4,12 @@ use core::f64::consts::TAU;
 
 use nalgebra::Complex;
 use powerhouse_material_damage::{
-    DampingBand, ElastoPlastic, FlatDamping, LinearElastic, MohrCoulomb, PlasticDamage,
-    PlasticDamageParameters, ReferenceFrequency, RelaxationSpectrum, YieldSurface, media, presets,
+    DampingBand, ElastoPlastic, FlatDamping, LeeFenves, LinearElastic, Mazars, MazarsParameters,
+    MazarsTension, MohrCoulomb, PlasticDamage, PlasticDamageParameters, ReferenceFrequency,
+    RelaxationSpectrum, SofteningPlasticity, SofteningPlasticityParameters, StrengthFall,
+    YieldSurface, media, presets,
 };
-use powerhouse_model::{ConstitutiveLaw, HistoryKind, LawInput, Strain, Stress};
+use powerhouse_model::{ConstitutiveLaw, ElasticMedium, HistoryKind, LawInput, Strain, Stress};
 
 use super::random::Random;
 
@@ -307,6 +309,81 @@ fn an_equilibrium_state_is_constant_in_steps_of_any_length() {
             &FlatDamping::new(concrete, spectrum.clone(), reference).unwrap(),
             3.0e-4,
         );
+        stays(
+            &FlatDamping::new(lee_fenves(), spectrum.clone(), reference).unwrap(),
+            3.0e-4,
+        );
+        stays(
+            &FlatDamping::new(softening_rock(), spectrum.clone(), reference).unwrap(),
+            1.0e-3,
+        );
+        for tension in TENSIONS {
+            stays(
+                &FlatDamping::new(mazars(tension), spectrum.clone(), reference).unwrap(),
+                3.0e-4,
+            );
+        }
+    }
+}
+
+fn lee_fenves() -> LeeFenves {
+    LeeFenves::new(presets::eurocode_lee_fenves(30.0).unwrap()).unwrap()
+}
+
+fn softening_rock() -> SofteningPlasticity<MohrCoulomb> {
+    SofteningPlasticity::new(SofteningPlasticityParameters {
+        surface: MohrCoulomb::new(presets::PAPER_ROCK).unwrap(),
+        fall: StrengthFall::FractureEnergy { energy: 2.0e3 },
+        residual_strength: 0.2,
+    })
+    .unwrap()
+}
+
+const TENSIONS: [MazarsTension; 3] = [
+    MazarsTension::FractureEnergy { energy: 150.0 },
+    MazarsTension::FallingStress { energy: 100.0 },
+    MazarsTension::Rates {
+        share: 0.9,
+        rate: 1.5e4,
+    },
+];
+
+fn mazars(tension: MazarsTension) -> Mazars {
+    Mazars::new(MazarsParameters {
+        medium: ElasticMedium::new(30.0e9, 0.2, 2400.0).unwrap(),
+        threshold: 1.0e-4,
+        tension,
+        compression_share: 1.2,
+        compression_rate: 1500.0,
+        residual_stiffness: 1.0e-6,
+    })
+    .unwrap()
+}
+
+/// Concrete that has softened in statics does not regain strength in the motion that follows: pulled on at once, up to three
+/// times as far, its stress never exceeds that at the start of the motion.
+#[test]
+fn a_crack_of_statics_does_not_heal_in_the_motion() {
+    let spectrum = RelaxationSpectrum::fit(band(0.08, 0.5, 20.0, 3)).unwrap();
+    let law = FlatDamping::new(lee_fenves(), spectrum, ReferenceFrequency::Centre).unwrap();
+    let pulled = |strain: f64| Strain([strain, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    for opened in [2.0e-4, 4.0e-4, 8.0e-4] {
+        let mut old = vec![0.0; law.history().len()];
+        let mut new = old.clone();
+        let input = LawInput::new(pulled(opened), &old).with_size(0.3);
+        let start = law.stress_change(&input, &mut new).0[0];
+        core::mem::swap(&mut old, &mut new);
+        let moving = law.for_step(1.0e-5);
+        for number in 1..=200 {
+            let strain = pulled(opened * (1.0 + 0.01 * f64::from(number)));
+            let input = LawInput::new(strain, &old).with_size(0.3);
+            let stress = moving.stress_change(&input, &mut new).0[0];
+            core::mem::swap(&mut old, &mut new);
+            assert!(
+                stress <= start * (1.0 + 1e-12),
+                "{opened}: {stress} {start}"
+            );
+        }
     }
 }
 

@@ -125,15 +125,18 @@ pub enum StaticError {
         /// Number of the node with the largest difference.
         node: u64,
     },
-    /// A viscoelastic law in a set with static stress, which its relaxation mechanisms would dissipate, in
-    /// [`EngineModel::hand_over`](crate::EngineModel::hand_over).
+    /// A set whose internal forces at rest are others in motion, in
+    /// [`EngineModel::hand_over`](crate::EngineModel::hand_over): its static stress would not stay.
     #[error(
-        "the law of set '{set}' is viscoelastic: its relaxation would reduce the static stress, which must be \
-        given as initial stress of this set"
+        "the static stress of set '{set}' would not stay: its internal forces in motion differ from those at rest by \
+        {difference:.1e} of them. A viscoelastic law relaxes it, unless it is given as initial stress of this set; other laws \
+        keep it in static equilibrium, which a smaller `tolerance` of the stages brings nearer"
     )]
-    Viscoelastic {
+    StressChanges {
         /// Name of the element set.
         set: String,
+        /// Norm of the difference over that of the forces at rest (1).
+        difference: f64,
     },
     /// Unbalanced forces above the tolerance after all corrections or steps of an increment that may not be halved again.
     #[error(
@@ -190,9 +193,11 @@ pub enum StaticError {
         /// Message of its error.
         message: String,
     },
-    /// Conjugate gradients that do not converge.
+    /// Conjugate gradients that no longer approach the solution.
     #[error(
-        "the linear solver leaves a relative residual of {residual:.3e} after {products} products"
+        "conjugate gradients leave a relative residual of {residual:.3e} after {products} products and come no nearer: a \
+        part of the body is hardly held, or stiffnesses, angles of elements or Poisson's ratios near 0.5 make the system \
+        too ill-conditioned; the method `cholesky` (in builds with a direct solver) has no such limit"
     )]
     LinearSolver {
         /// Norm of the residual over that of the right-hand side (1).
