@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use indicatif::MultiProgress;
 use powerhouse::engine::observe::Snapshot;
@@ -370,17 +371,24 @@ pub(crate) fn run(
         .with_progress(display.hook())
         .with_stop(stop)
         .with_profile(profile);
+    // The body after the last completed stage, and with it the reports of all before it.
+    let completed = Arc::new(Mutex::new(Vec::new()));
     let mut hooks = match leads {
         false => hooks.with_snapshots(Box::new(|_: &Snapshot| Ok(()))),
         true => {
-            let keep = checkpoints.clone();
+            let (keep, reports) = (checkpoints.clone(), completed.clone());
             let sink = folder.stages(&simulation)?;
             hooks
                 .with_tables(folder.tables())
                 .with_snapshots(folder.snapshots(&simulation)?)
                 .with_stages(Box::new(Stages::new(sink, &bars, "")))
                 .with_checkpoints(checkpoints.clone())
-                .with_stage_hook(move |body| keep.keep_stage(body))
+                .with_stage_hook(move |body| {
+                    let mut reports = reports.lock().unwrap_or_else(PoisonError::into_inner);
+                    reports.clear();
+                    reports.extend_from_slice(body.stages());
+                    keep.keep_stage(body);
+                })
         }
     };
     if place.count() == 1 {
@@ -417,11 +425,24 @@ pub(crate) fn run(
         Err(Error::Failed { error, results }) => (*results, Some(error)),
         Err(Error::Interrupted { stage }) => {
             say!("interrupted in the stage '{stage}': the dynamic run has not begun");
-            folder.interrupt(&title, &stage)?;
+            let completed = completed.lock().unwrap_or_else(PoisonError::into_inner);
+            folder.interrupt(&title, &stage, &completed)?;
             checkpoint::say_resumable(&folder);
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        Err(error) => return Err(error.into()),
+        Err(error) => {
+            let completed = completed.lock().unwrap_or_else(PoisonError::into_inner);
+            folder.fail(&title, &error, &completed)?;
+            if !completed.is_empty() {
+                warn_aside!(
+                    "note: the results of {} of {stages} stages are in {}",
+                    completed.len(),
+                    folder.path().join("stages").display()
+                );
+                checkpoint::say_after_failure(&folder, false);
+            }
+            return Err(error.into());
+        }
     };
     report::end_of_run(&mesh, &results);
     if let Some(profile) = &results.run.profile {

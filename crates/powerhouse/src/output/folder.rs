@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use powerhouse_io::{
     IoError, TableColumn, free_space, write_noted_table, write_summary, write_table, write_whole,
 };
-use powerhouse_model::Mesh;
+use powerhouse_model::{Mesh, StageReport};
 use powerhouse_observe::{HistoryTable, SectionCapacity, Snapshot, SnapshotSink};
 
 #[cfg(feature = "pictures")]
@@ -281,13 +281,53 @@ impl ResultFolder {
     }
 
     /// Marks the folder as that of a run that was interrupted in a construction stage, before the motion: a summary of the
-    /// state `stopped`, without results.
+    /// state `stopped` with the completed stages, given by their reports.
     ///
     /// # Errors
     /// File that could not be written.
-    pub fn interrupt(&self, title: &str, stage: &str) -> Result<(), Error> {
-        write_summary(&self.path.join(SUMMARY), &Begun::stopped(title, stage))?;
+    pub fn interrupt(
+        &self,
+        title: &str,
+        stage: &str,
+        completed: &[StageReport],
+    ) -> Result<(), Error> {
+        self.end_before_motion(Begun::stopped(title, stage), completed)
+    }
+
+    /// Marks the folder as that of a run that failed before the motion, in a stage or in the transfer to the run: a summary
+    /// of the state `failed` with the error and the completed stages, given by their reports.
+    ///
+    /// # Errors
+    /// File that could not be written.
+    pub fn fail(&self, title: &str, error: &Error, completed: &[StageReport]) -> Result<(), Error> {
+        self.end_before_motion(Begun::failed(title, &error.to_string()), completed)
+    }
+
+    fn end_before_motion(&self, summary: Begun, completed: &[StageReport]) -> Result<(), Error> {
+        let files = match completed {
+            [] => Vec::new(),
+            _ => self.names(&self.files_of_stages()),
+        };
+        let summary = summary.with_stages(completed, files);
+        write_summary(&self.path.join(SUMMARY), &summary)?;
         Ok(())
+    }
+
+    /// Paths of the files of stages, in order.
+    fn files_of_stages(&self) -> Vec<PathBuf> {
+        let mut files = self.files_in(STAGES, "", ".vtu");
+        files.extend(self.files_in(STAGES, "", ".csv"));
+        files.sort();
+        files
+    }
+
+    /// Paths relative to the folder.
+    fn names(&self, files: &[PathBuf]) -> Vec<String> {
+        let below = files.iter();
+        below
+            .filter_map(|file| file.strip_prefix(&self.path).ok())
+            .map(|file| file.to_string_lossy().replace('\\', "/"))
+            .collect()
     }
 
     /// Tables of histories, which grow in the folder while the run goes on.
@@ -402,14 +442,11 @@ impl ResultFolder {
             files.written.push(self.path.join(SNAPSHOTS));
         }
         if !results.stages.is_empty() {
-            let mut of_stages = self.files_in(STAGES, "", ".vtu");
-            of_stages.extend(self.files_in(STAGES, "", ".csv"));
-            of_stages.sort();
-            files.written.extend(of_stages);
+            files.written.extend(self.files_of_stages());
         }
         // Written last, so that a complete summary implies that all files exist.
         if files.failure.is_none() {
-            summary.complete(ended, files.names());
+            summary.complete(ended, self.names(&files.written));
         }
         files.write(SUMMARY, |file| write_summary(file, &summary));
         match files.failure {
@@ -546,17 +583,6 @@ impl Files<'_> {
                 self.failure.get_or_insert(failure);
             }
         }
-    }
-
-    /// Paths of the written files relative to the folder.
-    fn names(&self) -> Vec<String> {
-        let below = self
-            .written
-            .iter()
-            .filter_map(|file| file.strip_prefix(self.folder).ok());
-        below
-            .map(|file| file.to_string_lossy().replace('\\', "/"))
-            .collect()
     }
 }
 

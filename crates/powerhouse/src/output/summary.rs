@@ -62,19 +62,27 @@ pub(super) struct Summary {
 const INCOMPLETE: &str = "incomplete";
 /// State of a run that was interrupted.
 const STOPPED: &str = "stopped";
+/// State of a run that failed.
+const FAILED: &str = "failed";
 
 /// Name and version of this software.
 fn software() -> String {
     format!("powerhouse {}", env!("CARGO_PKG_VERSION"))
 }
 
-/// Content of `summary.json` while the run goes on, and of one that was interrupted before the motion.
+/// Content of `summary.json` while the run goes on, and of one that ended before the motion.
 #[derive(Debug, Serialize)]
 pub(super) struct Begun {
     title: String,
     software: String,
     ended: &'static str,
     failure: String,
+    /// Stages that were completed
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    stages: Vec<Stage>,
+    /// Paths of their files relative to the folder
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    files: Vec<String>,
 }
 
 impl Begun {
@@ -85,7 +93,15 @@ impl Begun {
             software: software(),
             ended: INCOMPLETE,
             failure: "the run goes on, or was ended from outside; the tables hold what it computed until then".into(),
+            stages: Vec::new(),
+            files: Vec::new(),
         }
+    }
+
+    /// The same with the stages that were completed, and their files.
+    pub(super) fn with_stages(mut self, stages: &[StageReport], files: Vec<String>) -> Self {
+        (self.stages, self.files) = (stages.iter().map(Stage::new).collect(), files);
+        self
     }
 
     /// Summary of a run of a title that was interrupted in a stage.
@@ -93,6 +109,15 @@ impl Begun {
         Self {
             ended: STOPPED,
             failure: format!("interrupted in the stage '{stage}', before the motion"),
+            ..Self::new(title)
+        }
+    }
+
+    /// Summary of a run of a title that failed before the motion.
+    pub(super) fn failed(title: &str, error: &str) -> Self {
+        Self {
+            ended: FAILED,
+            failure: error.into(),
             ..Self::new(title)
         }
     }
@@ -297,7 +322,7 @@ impl Summary {
                 Ended::Completed => "completed".into(),
                 Ended::Stopped => STOPPED.into(),
                 Ended::Observer(name) => format!("by observer {name}"),
-                Ended::Failed(_) => "failed".into(),
+                Ended::Failed(_) => FAILED.into(),
             },
             failure: match &run.ended {
                 Ended::Failed(error) => Some(error.clone()),

@@ -663,3 +663,57 @@ fn misfits_of_stages_are_refused() {
     );
     assert!(matches!(source, StagingError::Preload { joint } if joint == "seam"));
 }
+
+/// A stage that fails leaves the results of those before it: their files, and a summary with the error that lists them.
+#[test]
+fn a_failed_stage_leaves_the_results_of_those_before() {
+    let mesh = mesh();
+    let folder = folder(&mesh);
+    let seam = r#"
+[[joint]]
+name = "seam"
+between = ["lower", "upper"]
+law = "bonded-coulomb"
+static_friction = 0.7
+"#;
+    let pulled = r#"
+[[stage]]
+name = "pulled"
+load = [{ kind = "traction", set = "top", traction = [0, 0, 5e6] }]
+"#;
+    let text = [MATERIALS, BOLTS, seam, ROLLERS, TRENCH, pulled].concat();
+    let simulation = read(&folder, &text).unwrap().prepare().unwrap();
+    let results = ResultFolder::new(folder.join("out"));
+    results.begin("trench").unwrap();
+    let completed = Arc::new(Mutex::new(Vec::new()));
+    let reports = completed.clone();
+    let hooks = RunHooks::default()
+        .with_stages(results.stages(&simulation).unwrap())
+        .with_stage_hook(move |body| *reports.lock().unwrap() = body.stages().to_vec());
+    let error = simulation.run(hooks).unwrap_err();
+    assert!(matches!(error, Error::Stage(_)), "{error}");
+    let completed = completed.lock().unwrap();
+    results.fail("trench", &error, &completed).unwrap();
+    let text = std::fs::read_to_string(folder.join("out/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(summary["ended"], "failed");
+    assert_eq!(summary["failure"], error.to_string());
+    let names = |key: &str, of: fn(&serde_json::Value) -> String| -> Vec<String> {
+        summary[key].as_array().unwrap().iter().map(of).collect()
+    };
+    let name = |stage: &serde_json::Value| stage["name"].as_str().unwrap().to_owned();
+    assert_eq!(names("stages", name), ["ground", "trench", "support"]);
+    let files = names("files", |file| file.as_str().unwrap().to_owned());
+    for file in [
+        "1-ground.vtu",
+        "2-trench.vtu",
+        "3-support.vtu",
+        "3-support-anchors.csv",
+    ] {
+        let file = format!("stages/{file}");
+        assert!(
+            files.contains(&file) && folder.join("out").join(&file).exists(),
+            "{file}"
+        );
+    }
+}

@@ -306,9 +306,14 @@ impl Sweep {
             let files = self
                 .ranks
                 .agree(folder.stages(simulation).map_err(StudyError::from))?;
-            let writer = checkpoints.writer().clone();
-            let mut hooks =
-                RunHooks::default().with_stage_hook(move |body| writer.keep_stage(body));
+            let completed = Arc::new(Mutex::new(Vec::new()));
+            let (writer, reports) = (checkpoints.writer().clone(), completed.clone());
+            let mut hooks = RunHooks::default().with_stage_hook(move |body| {
+                let mut reports = locked(&reports);
+                reports.clear();
+                reports.extend_from_slice(body.stages());
+                writer.keep_stage(body);
+            });
             hooks.stop = control.stop.cloned();
             hooks.stages = Some(locked(control.watch).stages(case, files));
             hooks.completed_stages = checkpoints.take_body();
@@ -319,8 +324,14 @@ impl Sweep {
             let before = hooks.completed_stages.as_ref();
             let before = before.map_or(0, |body| body.stages().len());
             let found = simulation.equilibrate_with(hooks);
-            if let Err(Error::Interrupted { stage }) = &found {
-                folder.interrupt(&titled(simulation.title(), case), stage)?;
+            let title = || titled(simulation.title(), case);
+            let completed = locked(&completed);
+            match &found {
+                Err(Error::Interrupted { stage }) => {
+                    folder.interrupt(&title(), stage, &completed)?
+                }
+                Err(error) => folder.fail(&title(), error, &completed)?,
+                Ok(_) => {}
             }
             *body = found.map_err(of_stages)?;
             if let Some(found) = &*body {
