@@ -224,7 +224,7 @@ pub enum EngineError {
     /// Coincident nodes of two periodic faces, as at a joint that crosses them, that cannot be paired by the side on which
     /// the body lies, in [`PeriodicPairs::by_translation`](crate::PeriodicPairs::by_translation).
     #[error(
-        "several nodes of one periodic face have node {node} of the other as their partner: nodes coincide there, and the surface of the body does not tell on which side of a joint each lies"
+        "several nodes of one periodic face have node {node} of the other as their partner: nodes coincide there, and the surface of the body is on the same side of all of them"
     )]
     PeriodicSides {
         /// Number of the partner of several nodes.

@@ -12,3 +12,4 @@ mod reflection;
 mod spectra;
 mod split;
 mod support;
+mod within_layers;

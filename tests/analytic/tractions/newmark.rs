@@ -63,7 +63,7 @@ impl Base {
 }
 
 /// Slip (m) of a rigid block under the pulse (Newmark 1965): it moves with `a - mu g` from the time at which `a` exceeds
-/// `mu g` until it comes to rest.
+/// `mu g` until its velocity is zero.
 fn rigid_slip() -> f64 {
     let (peak, duration) = PULSE;
     let (step, mut time, mut speed, mut slip) = (1.0e-6, 0.0, 0.0_f64, 0.0);

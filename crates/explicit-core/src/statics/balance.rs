@@ -1,6 +1,8 @@
 //! Forces that balance a body in static equilibrium, and the transition to a dynamic stage.
 
-use powerhouse_model::{DisjointSets, HandOverReport, Quad, StaticError, StepTime, Vec3};
+use powerhouse_model::{
+    DisjointSets, HandOverReport, JointView, Quad, StaticError, StepTime, Vec3,
+};
 use rayon::prelude::*;
 
 use crate::Model;
@@ -40,7 +42,7 @@ impl Model {
             model.agreed(refused)?;
             let mut before = model.loads.carried().to_vec();
             before.resize(model.mass.len(), Vec3::zeros());
-            let (carried, scale) = model.balancing_forces(Loads::Own)?;
+            let (carried, scale) = model.balancing_forces(Loads::Own, Some(&before))?;
             let mut change: Vec<Vec3> = (carried.iter().zip(&before))
                 .map(|(now, before)| now - before)
                 .collect();
@@ -69,7 +71,7 @@ impl Model {
 
     /// Stores the forces that balance the model in addition to its loads as carried forces.
     pub(super) fn store_carried_forces(&mut self) -> Result<(), StaticError> {
-        let (carried, _) = self.balancing_forces(Loads::All)?;
+        let (carried, _) = self.balancing_forces(Loads::All, None)?;
         self.set_carried_forces(carried);
         Ok(())
     }
@@ -79,7 +81,14 @@ impl Model {
     ///
     /// Each node of a joint has its own, less the force of the joint, which keeps its tractions. Nodes connected by ties share
     /// their common force equally; the tie transmits the difference.
-    fn balancing_forces(&mut self, which: Loads) -> Result<(Vec<Vec3>, f64), StaticError> {
+    ///
+    /// Of joints that are new, without tractions, as where a tie was removed, the nodes keep the forces of the stage `before`,
+    /// and share equally what these lack: the joint then finds the traction of the tie.
+    fn balancing_forces(
+        &mut self,
+        which: Loads,
+        before: Option<&[Vec3]>,
+    ) -> Result<(Vec<Vec3>, f64), StaticError> {
         self.compute_static_forces(0.0)?;
         let count = self.mass.len();
         let mut forces = self.internal_forces();
@@ -104,11 +113,28 @@ impl Model {
             }
         }
         let initial = self.forces_of_initial_stress();
-        for together in self.tied_nodes() {
-            let of_group = |values: &[Vec3], node: u32| -> Vec3 {
-                let members = self.members(&node).iter();
-                members.map(|&member| values[member as usize]).sum()
-            };
+        let of_group = |values: &[Vec3], node: u32| -> Vec3 {
+            let members = self.members(&node).iter();
+            members.map(|&member| values[member as usize]).sum()
+        };
+        let new_pairs = before.map_or_else(Vec::new, |_| self.pairs_of_new_joints());
+        for together in self.connected_sets(new_pairs) {
+            let before = before.unwrap_or_default();
+            let of_nodes = together.iter();
+            let lacking: Vec3 = of_nodes
+                .map(|&node| of_group(&forces, node) - of_group(before, node))
+                .sum();
+            for node in &together {
+                for &member in self.members(node) {
+                    forces[member as usize] = Vec3::zeros();
+                }
+                let share = lacking / together.len() as f64;
+                forces[*node as usize] = of_group(before, *node) + share;
+            }
+        }
+        let ties = self.constraints.iter();
+        let ties = ties.flat_map(|bound| bound.constraint.ties()).collect();
+        for together in self.connected_sets(ties) {
             let nodes = together.iter();
             let sum: Vec3 = nodes
                 .map(|&node| of_group(&forces, node) + of_group(&initial, node))
@@ -219,12 +245,19 @@ impl Model {
         group.map_or(std::slice::from_ref(node), |group| &group.members)
     }
 
-    /// Sets of engine nodes connected by ties, each in rising order.
-    fn tied_nodes(&self) -> Vec<Vec<u32>> {
-        let mut pairs: Vec<[u32; 2]> = Vec::new();
-        for bound in &self.constraints {
-            pairs.extend(bound.constraint.ties());
-        }
+    /// Pairs (mesh indices) of joints none of whose pairs has a traction yet.
+    fn pairs_of_new_joints(&self) -> Vec<[u32; 2]> {
+        let is_new = |joint: &JointView| {
+            let mut records = joint.records.iter();
+            records.all(|record| record.traction == Vec3::zeros() && record.reference.is_none())
+        };
+        let joints = self.joints().filter(is_new);
+        let pairs = joints.flat_map(|joint| joint.pairs);
+        pairs.map(|pair| pair.nodes).collect()
+    }
+
+    /// Sets of engine nodes connected by pairs (mesh indices), each in rising order.
+    fn connected_sets(&self, pairs: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
         let pairs = pairs.into_iter();
         let pairs: Vec<[u32; 2]> = pairs
             .map(|pair| pair.map(|node| self.engine(node) as u32))

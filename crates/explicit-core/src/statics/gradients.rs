@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::system::System;
 
 /// Number of products, over the cube root of the number of unknowns, that a mesh of one compressible material takes: a solution
-/// that made no progress in so many has come to rest.
+/// that made no progress in so many does not converge.
 const PROGRESS_PRODUCTS: f64 = 60.0;
 /// The least number of such products.
 const LEAST_PRODUCTS: f64 = 200.0;

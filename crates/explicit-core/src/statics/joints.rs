@@ -1,7 +1,10 @@
 //! Joints and ties in static solutions: pairs that stick are tied, as long as their law admits the tractions.
 
+use std::collections::HashSet;
+
 use powerhouse_model::{
-    ContactState, DisjointSets, JointHistory, Mat3, PredictedMotion, StaticError, StepTime, Vec3,
+    ContactState, DisjointSets, JointHistory, JointRecord, Mat3, PredictedMotion, StaticError,
+    StepTime, Vec3,
 };
 
 use crate::Model;
@@ -10,6 +13,17 @@ use crate::groups::NodeGroup;
 /// Length of step (s) in which joint laws are evaluated for tractions in static equilibrium; forces do not
 /// depend on it.
 const SOME_STEP: f64 = 1.0e-4;
+
+/// Attempt to find tractions that the laws admit: any division of the forces that they admit is in equilibrium.
+#[derive(Clone, Copy, Debug)]
+enum Attempt {
+    /// Nearest to those of the stress beside the joint.
+    AsStressed,
+    /// The same, but the least ones at the nodes of pairs that do not bear these.
+    WithoutThose,
+    /// The least ones of all pairs.
+    Least,
+}
 
 /// Node pairs of joints that count as connected, in addition to ties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -190,6 +204,37 @@ impl Model {
         }
     }
 
+    /// Sets the references that an attempt does without to zero.
+    fn release_references(
+        &self,
+        attempt: Attempt,
+        before: &[JointHistory],
+        references: &mut [JointHistory],
+    ) {
+        let mut nodes = HashSet::new();
+        for (joint, before) in self.joints().zip(before) {
+            let records = joint.records.iter().zip(&before.records);
+            for ((now, before), pair) in records.zip(joint.pairs) {
+                let sticks = |record: &JointRecord| record.state.contact == ContactState::Stick;
+                if sticks(before) && !sticks(now) {
+                    nodes.extend(pair.nodes);
+                }
+            }
+        }
+        for joint in references {
+            for (record, pair) in joint.records.iter_mut().zip(&joint.nodes) {
+                let released = match attempt {
+                    Attempt::AsStressed => false,
+                    Attempt::WithoutThose => pair.iter().any(|node| nodes.contains(node)),
+                    Attempt::Least => true,
+                };
+                if released && record.reference.is_some() {
+                    record.reference = Some([0.0; 3]);
+                }
+            }
+        }
+    }
+
     /// Lets joints take their present tractions for references, to which those that later equilibrium leaves open are nearest.
     pub(super) fn keep_tractions(&mut self) {
         let mut histories = self.joint_histories();
@@ -248,17 +293,26 @@ impl Model {
             None => Mat3::zeros(),
         };
         let inverse: Vec<Mat3> = (0..self.mass.len()).map(inverse).collect();
-        let mut velocity: Vec<Vec3> = (inverse.iter().zip(&forces))
+        let velocity: Vec<Vec3> = (inverse.iter().zip(&forces))
             .map(|(inverse, force)| inverse * force * SOME_STEP)
             .collect();
         let displacement = self.displacements();
         let still = vec![Vec3::zeros(); displacement.len()];
         let connected = self.connected_pairs(ConnectedPairs::Sticking).len();
-        self.prepare_joints(SOME_STEP, &inverse);
-        self.correct_joints(SOME_STEP, (&displacement, &still), &mut velocity, &inverse)?;
-        let holds = self.connected_pairs(ConnectedPairs::Sticking).len() == connected;
-        if self.on_all_ranks(holds) {
-            return Ok(());
+        let before = self.joint_histories();
+        let mut references = before.clone();
+        let mut holds = false;
+        for attempt in [Attempt::AsStressed, Attempt::WithoutThose, Attempt::Least] {
+            self.release_references(attempt, &before, &mut references);
+            self.restore_joints(&references);
+            self.prepare_joints(SOME_STEP, &inverse);
+            let mut velocity = velocity.clone();
+            let motion = (&displacement[..], &still[..]);
+            self.correct_joints(SOME_STEP, motion, &mut velocity, &inverse)?;
+            holds = self.connected_pairs(ConnectedPairs::Sticking).len() == connected;
+            if self.on_all_ranks(holds) {
+                return Ok(());
+            }
         }
         self.agreed(self.check_joints(ConnectedPairs::Sticking))?;
         if holds {

@@ -39,20 +39,25 @@ fn cantilever(poisson: f64, layers: usize, method: StaticMethod) -> Result<f64, 
     Ok(mean / (bending + shear))
 }
 
-/// Cantilevers of one and of two layers of cells deflect by known shares of a beam up to a Poisson's ratio of
-/// 0.4999, by both methods that take no factor: conjugate gradients, whose residual grows at first, find the solution.
+fn deflects(method: StaticMethod, poisson: f64, layers: usize, expected: f64) {
+    let found = cantilever(poisson, layers, method).unwrap();
+    let is_close = (found - expected).abs() < 0.006;
+    assert!(is_close, "{method:?} {poisson} {layers}: {found}");
+}
+
+/// Cantilevers of one layer of cells deflect by known shares of a beam up to a Poisson's ratio of 0.4999: conjugate gradients,
+/// whose residual grows at first, find the solution.
 #[test]
 fn tetrahedra_rest_near_incompressibility() {
-    use StaticMethod::{ConjugateGradients, DynamicRelaxation};
-    for (method, poisson, layers, expected) in [
-        (ConjugateGradients, 0.3, 1, 1.04),
-        (ConjugateGradients, 0.49, 1, 1.06),
-        (ConjugateGradients, 0.4999, 1, 1.06),
-        (ConjugateGradients, 0.4999, 2, 0.98),
-        (DynamicRelaxation, 0.4999, 1, 1.06),
-    ] {
-        let found = cantilever(poisson, layers, method).unwrap();
-        let is_close = (found - expected).abs() < 0.006;
-        assert!(is_close, "{method:?} {poisson} {layers}: {found}");
+    for (poisson, expected) in [(0.3, 1.04), (0.49, 1.06), (0.4999, 1.06)] {
+        deflects(StaticMethod::ConjugateGradients, poisson, 1, expected);
     }
+}
+
+/// The same of two layers of cells, and by dynamic relaxation.
+#[test]
+#[ignore = "slow: cargo test --release --test explicit-core incompressibility -- --ignored"]
+fn fine_and_relaxed_tetrahedra_rest_near_incompressibility() {
+    deflects(StaticMethod::ConjugateGradients, 0.4999, 2, 0.98);
+    deflects(StaticMethod::DynamicRelaxation, 0.4999, 1, 1.06);
 }

@@ -101,7 +101,7 @@ fn periodic_nodes_are_paired_on_the_same_side_of_a_joint() {
     }
 }
 
-/// Coincident nodes that the surface does not tell apart are refused as such, not as nodes that are apart.
+/// Coincident nodes on the same side of the surface are refused as such, not as nodes that are apart.
 #[test]
 fn coincident_nodes_on_the_same_side_are_refused() {
     let mut builder = Mesh::builder();

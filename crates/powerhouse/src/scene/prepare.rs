@@ -18,7 +18,7 @@ use crate::{Error, Remark, SceneRemark, Simulation};
 
 /// Tolerance of heights above a level, over the diagonal of the mesh.
 const ROUNDING_OF_PLACE: f64 = 1e-9;
-/// Error of the greatest force of bolts by the length of their segments that is told.
+/// Error of the greatest force of bolts by the length of their segments from which a warning is given.
 const COARSE_BOLTS: f64 = 0.05;
 /// Instants of the run at which a prescribed displacement is evaluated, and the share of their interval over which it
 /// begins.

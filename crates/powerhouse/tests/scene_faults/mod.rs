@@ -755,8 +755,7 @@ fn a_case_may_name_another_kind_of_boundary() {
     }
 }
 
-/// A fault of a case names the case, wherever it is found: in its keys, laws, references and records; one of the scene itself
-/// names none.
+/// A fault of a case names the case, wherever it is found; one of the scene itself names none.
 #[test]
 fn faults_of_cases_name_the_case() {
     let registry = Registry::default();

@@ -58,6 +58,7 @@ fn every_field_comes_back() {
     record.first_crack = Some(2.5);
     record.friction = 10.0;
     record.bond_energy = 20.0;
+    record.reference = Some([-4.0, 0.5, 0.0]);
     record.impact = 30.0;
     record.closed_at = Some([1.0, 2.0, 3.0]);
     record.dilation = 0.25;

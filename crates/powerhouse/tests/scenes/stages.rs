@@ -691,7 +691,7 @@ load = [{ kind = "traction", set = "top", traction = [0, 0, 5e6] }]
         .with_stages(results.stages(&simulation).unwrap())
         .with_stage_hook(move |body| *reports.lock().unwrap() = body.stages().to_vec());
     let error = simulation.run(hooks).unwrap_err();
-    assert!(matches!(error, Error::Stage(_)), "{error}");
+    assert!(matches!(error, Error::Scene(_)), "{error}");
     let completed = completed.lock().unwrap();
     results.fail("trench", &error, &completed).unwrap();
     let text = std::fs::read_to_string(folder.join("out/summary.json")).unwrap();

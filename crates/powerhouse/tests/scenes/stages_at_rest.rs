@@ -161,7 +161,8 @@ fn the_stress_of_the_ground_comes_from_a_table() {
     let by_table = run(read(&folder, &text.replace(ground, table)).unwrap());
     for (a, b) in by_field.stages.iter().zip(&by_table.stages) {
         let [a, b] = [a, b].map(|stage| stage.largest_displacement.0);
-        assert!((a - b).abs() < 1e-9 * a + 1e-12, "{a} {b}");
+        // Within its elements the stress of the table does not vary with height as that of the ground does.
+        assert!((a - b).abs() < 5e-3 * a + 1e-12, "{a} {b}");
     }
     let told = |header: &str, rows: &[String], passages: &[&str]| {
         let fault = put(header, rows).unwrap_err().to_string();
