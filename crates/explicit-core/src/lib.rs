@@ -86,7 +86,8 @@
 //! *The stable step is that of the assembled model* (Lanczos), 1.2 to 1.7 times that of its
 //! worst element. It is found once, from some tens of force evaluations; the element bounds
 //! identify the limiting element. Impedances are left out because they are implicit, joints because a tie
-//! never raises the highest frequency.
+//! never raises the highest frequency, and pairs that slide raise its square by `(1 + sqrt(1 + mu^2)) / 2` at most; in
+//! bodies of bricks the factor 0.98 covered what they did up to a friction coefficient of 0.84.
 //!
 //! *The energy balance takes internal energy from stresses and strains of the elements*, instead of the work of
 //! nodal forces: such a sum balances identically and detects no error. The work of a nodal force is accounted
