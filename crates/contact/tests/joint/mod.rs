@@ -6,6 +6,7 @@ mod extremes;
 mod friction;
 mod history;
 mod impact;
+mod limit;
 mod pairs;
 mod threads;
 
