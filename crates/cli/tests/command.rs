@@ -187,7 +187,7 @@ fn an_interrupted_run_leaves_complete_output() {
         assert!(printed.contains("interrupted: "), "{printed}");
         let read = |file: &str| std::fs::read_to_string(scene.folder.join("out").join(file));
         assert!(read("summary.json").unwrap().contains("\"stopped\""));
-        // Every snapshot of the collection is there, and the histories go as far.
+        // Every snapshot of the collection is there, and the histories go as far, to the last multiple of their interval.
         let collection = read("snapshots.pvd").unwrap();
         let shots: Vec<&str> = collection.split("file=\"").skip(1).collect();
         assert!(shots.len() >= 2);
@@ -204,7 +204,7 @@ fn an_interrupted_run_leaves_complete_output() {
         };
         let shot = last(collection, "timestep=\"", '"');
         let row = last(read("histories.csv").unwrap().trim_end().into(), "\n", ',');
-        assert!(shot >= 0.01 && row >= shot, "{shot} {row}");
+        assert!(shot >= 0.01 && row >= shot - 0.005, "{shot} {row}");
     }
 }
 

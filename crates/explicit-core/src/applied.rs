@@ -337,11 +337,16 @@ impl LoadSums {
         self.nodes.iter().copied().zip(of_load)
     }
 
-    /// Product of the forces of some indices with vectors at their nodes, in the order of the indices.
-    pub(crate) fn product(&self, indices: &[u32], vector: impl Fn(usize) -> Vec3) -> f64 {
+    /// Sum of products of the forces of some indices with vectors at their nodes, in the order of the indices.
+    pub(crate) fn product(
+        &self,
+        indices: &[u32],
+        vector: impl Fn(usize) -> Vec3,
+        of: impl Fn(&Vec3, &Vec3) -> f64,
+    ) -> f64 {
         let terms = indices.iter().map(|&index| {
             let (node, force) = (self.nodes[index as usize], self.forces[index as usize]);
-            force.dot(&vector(node as usize))
+            of(&force, &vector(node as usize))
         });
         terms.sum()
     }

@@ -395,22 +395,20 @@ impl TimeLoop<'_> {
             return Ok(());
         }
         self.model.ranks.agree_to_go_on()?;
-        let Some(reading) = self.model.read_ledger(step) else {
+        let limit = self.energy.and_then(|check| check.limit);
+        let limit = limit.unwrap_or(match self.model.precision {
+            Precision::F64 => 1e-7,
+            Precision::Mixed => 1e-4,
+            Precision::F32 => 1e-2,
+        });
+        let Some(reading) = self.model.read_ledger(step, limit) else {
             return Ok(());
         };
         self.readings.energies = reading.columns;
         self.readings.hourglass = reading.hourglass;
         let residual = &mut self.readings.residual;
         *residual = residual.max(reading.residual.abs());
-        let Some(check) = self.energy else {
-            return Ok(());
-        };
-        let limit = check.limit.unwrap_or(match self.model.precision {
-            Precision::F64 => 1e-7,
-            Precision::Mixed => 1e-4,
-            Precision::F32 => 1e-2,
-        });
-        if reading.residual.abs() <= limit {
+        if self.energy.is_none() || reading.residual.abs() <= limit {
             return Ok(());
         }
         Err(RunError::EnergyResidual {

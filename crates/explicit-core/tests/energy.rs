@@ -175,6 +175,56 @@ fn the_balance_has_the_loss_of_an_impact() {
     assert!(matches!(glued(0.9), Err(RunError::EnergyResidual { .. })));
 }
 
+/// Great forces that a constraint balances leave velocities of rounding: a body at rest between them is no fault of the
+/// balance, whatever their size. A wrong loss is one, as soon as the body moves by more than that.
+#[test]
+fn a_body_at_rest_between_great_forces_is_no_fault() {
+    let mesh = hex_box([3, 2, 2], 1.0, 0.2);
+    let count = mesh.node_count();
+    let limited = |force: f64, speed: f64, wrong: f64, limit: Option<f64>| {
+        let push = Vec3::new(1.7, -0.31, 0.53) * force;
+        let on = |node: u32, force: Vec3| {
+            let load = NodalForce::new(vec![node], force, Box::new(Constant(1.0)));
+            Box::new(load) as Box<dyn NodalLoad>
+        };
+        let mut model = Model::builder(&mesh)
+            .elements("rock", rock().boxed())
+            .load(on(0, push))
+            .load(on(30, -push))
+            .constraint(Box::new(Glue {
+                nodes: [0, 30],
+                wrong,
+            }))
+            .build()
+            .unwrap();
+        let velocity = random_vectors(count, speed, 4);
+        let still = vec![Vec3::zeros(); count];
+        model.set_initial(&still, &velocity).unwrap();
+        let mut check = EnergyCheck::every(1);
+        check.limit = limit;
+        let options = RunOptions::steps(1000).with_energy(check);
+        go(&mut model, &Leapfrog, &options)
+    };
+    let pressed = |force, speed, wrong| limited(force, speed, wrong, None);
+    for force in [1.0e3, 1.0e7, 1.0e11] {
+        let report = pressed(force, 0.0, 1.0).unwrap();
+        assert!(report.energy_residual < 1e-7, "{force}: {report:?}");
+        let rounding = column(&report, "kinetic").sqrt();
+        assert!(rounding > 0.0, "{force}: nothing moves");
+        // A limit below rounding is taken at its word.
+        let found = limited(force, 0.0, 1.0, Some(1e-30));
+        assert!(matches!(found, Err(RunError::EnergyResidual { .. })));
+        // A thousandth of the weight of the error is found from 1e5 roundings of the velocity on.
+        let speed = 1.0e5 * rounding;
+        pressed(force, speed, 1.0).unwrap();
+        let found = pressed(force, speed, 0.9);
+        assert!(
+            matches!(found, Err(RunError::EnergyResidual { .. })),
+            "{force}: {found:?}"
+        );
+    }
+}
+
 /// The ledger of nodes in single precision closes to the rounding of that precision.
 #[test]
 fn single_precision_closes_to_its_own_rounding() {

@@ -36,7 +36,8 @@ pub struct EnergyCheck {
     /// Number of steps between two readings, 1 or above; the last step is read too.
     pub every: u64,
     /// Largest permitted residual, relative to the largest stored energy or external work so far (1), above which the run
-    /// fails; `None` for the default, 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single.
+    /// fails; `None` for the default, 1e-7 in double precision, 1e-4 in mixed, 1e-2 in single. What rounding leaves of great
+    /// works that cancel is no residual, unless the limit is below 64 rounding errors of a number.
     pub limit: Option<f64>,
     /// Whether each element set has its own balance, so that an error names the set that causes it; otherwise
     /// the error names the set whose energy changed most.

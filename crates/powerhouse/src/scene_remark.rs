@@ -62,6 +62,16 @@ pub enum SceneRemark {
         /// Facet set of the face.
         face: String,
     },
+    /// Warning: a joint slides with friction, and a part beside it has no damping of high frequencies: oscillations of sliding
+    /// bodies grow by themselves at any time step.
+    UndampedFriction {
+        /// Name of the joint.
+        joint: String,
+        /// Coefficient of friction of a sliding pair (1).
+        friction: f64,
+        /// Element sets of the parts.
+        sets: Vec<String>,
+    },
     /// Warning: a prescribed displacement is not that of the body at rest when the run begins.
     PrescribedJump {
         /// Number of nodes.
@@ -208,6 +218,13 @@ impl SceneRemark {
     }
 }
 
+/// Share of the stable step that keeps the highest frequency of sliding pairs below it, for coefficients of friction above
+/// 0.9, beyond which the usual share does not; see "Friction and the step" in `docs/theory.md`.
+fn bounded_safety(friction: f64) -> Option<f64> {
+    let raised = 0.5 * (1.0 + friction.hypot(1.0));
+    (friction > 0.9).then(|| raised.sqrt().recip() / 0.98)
+}
+
 impl fmt::Display for SceneRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -261,6 +278,25 @@ impl fmt::Display for SceneRemark {
                 f,
                 "the absorbing face '{face}' lies on the free surface of the half-space: scattered waves leave through it instead of being reflected"
             ),
+            Self::UndampedFriction {
+                joint,
+                friction,
+                sets,
+            } => {
+                write!(
+                    f,
+                    "the joint '{joint}' slides with a friction of {friction:.2} beside parts without damping ({}): oscillations of such bodies grow by themselves at any time step (flutter), from rounding to a visible motion in some {:.0} steps where all pairs slide or are about to; give the parts `damping`",
+                    sets.join(", "),
+                    700.0 / friction
+                )?;
+                match bounded_safety(*friction) {
+                    Some(safety) => write!(
+                        f,
+                        "; where it is oblique, `safety = {safety:.2}` in [time] keeps its highest frequency below the stable step"
+                    ),
+                    None => Ok(()),
+                }
+            }
             Self::PrescribedJump {
                 nodes,
                 node,

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::Model;
 use crate::groups::Groups;
-use crate::nodes::with_nodes;
+use crate::nodes::{Nodes, with_nodes};
 use crate::ranks::Communicator;
 use sum::Sum;
 use work::{MidStep, NodalWork, RangeWork};
@@ -26,6 +26,8 @@ pub(crate) use sum::total_energy;
 
 /// Factor between the reference energy of the residual and the energy lost to underflow in single precision.
 const FAR_ABOVE: f64 = 1.0e8;
+/// Rounding errors of the nodal arithmetic that sums of works may contain, as a multiple of one.
+const MOST_ROUNDED: f64 = 64.0;
 
 /// Energy balance of one element set.
 #[derive(Clone, Debug, Default)]
@@ -48,6 +50,10 @@ struct SetBalance {
 /// exactly, so that the order of the blocks has no influence.
 /// The work of a constant load is its product with the displacement since the ledger was opened, which is computed
 /// on demand.
+///
+/// Great forces in equilibrium with each other, as of a joint under the weight of the ground, do works on both sides that
+/// cancel but for their rounding. The residual counts where it is above that: `MOST_ROUNDED` rounding errors of the sum of
+/// the absolute works of constraints and constant loads. For a limit below `MOST_ROUNDED` rounding errors all of it counts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ledger {
     /// Index of the element set of each block.
@@ -70,13 +76,15 @@ pub(crate) struct Ledger {
     /// Reference of the residual: largest stored energy or external work so far (J), with a lower bound in single
     /// precision.
     scale: f64,
+    /// Rounding error of the nodal arithmetic (1).
+    rounding: f64,
 }
 
 /// A reading of the energy ledger at one time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reading {
     pub(crate) columns: Vec<(&'static str, f64)>,
-    /// Residual over the largest stored energy or external work so far.
+    /// Residual beyond the rounding of works that cancel, over the largest stored energy or external work so far.
     pub(crate) residual: f64,
     /// The element set with the largest share of the residual.
     pub(crate) worst_set: String,
@@ -96,6 +104,10 @@ impl Model {
         let mut ledger = Ledger {
             by_set,
             scale,
+            rounding: match self.nodes {
+                Nodes::F64(_) => f64::EPSILON,
+                _ => f32::EPSILON.into(),
+            },
             ranges,
             range_of_group,
             prescribed,
@@ -238,12 +250,12 @@ impl Model {
             .collect()
     }
 
-    /// Reads the ledger between kick and drift; none if no ledger is open.
-    pub(crate) fn read_ledger(&mut self, step: f64) -> Option<Reading> {
+    /// Reads the ledger between kick and drift, for a residual with a limit (1); none if no ledger is open.
+    pub(crate) fn read_ledger(&mut self, step: f64, limit: f64) -> Option<Reading> {
         self.record_first_half(step);
         let mut ledger = self.ledger.take()?;
         let energies = self.block_energies(step, true);
-        let reading = ledger.read(&self.present(step), &energies);
+        let reading = ledger.read(&self.present(step), &energies, limit);
         self.ledger = Some(ledger);
         Some(reading)
     }
@@ -284,6 +296,8 @@ impl Ledger {
             };
             range.constraints[0] += halves[0];
             range.constraints[1] += halves[1];
+            let speeds = groups.motion.previous[g].abs() + after.abs();
+            range.exchanged += 0.5 * impulse.abs().dot(&speeds);
             if is_prescribed {
                 range.prescribed += halves[0] + halves[1];
             }
@@ -332,7 +346,7 @@ impl Ledger {
         team.totals([sum(0), sum(1), sum(2), sum(3), sum(4)])
     }
 
-    fn read(&mut self, present: &MidStep, energies: &[BlockEnergy]) -> Reading {
+    fn read(&mut self, present: &MidStep, energies: &[BlockEnergy], limit: f64) -> Reading {
         let team = present.team;
         let sum = total_energy(energies.iter(), team);
         let energies = &self.set_energies(energies, team)[..];
@@ -376,6 +390,18 @@ impl Ledger {
         let hourglass = HourglassShare::above_rounding(shares);
         let inside = kinetic.abs() + sum.total().abs();
         self.scale = self.scale.max(inside).max(input.abs());
+        let exchanged = team.total(self.ranges.iter().map(|range| range.exchanged));
+        let cancelled = exchanged + present.load_exchange(&self.ranges);
+        // A limit below rounding is taken at its word.
+        let rounding = match MOST_ROUNDED * self.rounding {
+            of_one if limit < of_one => 0.0,
+            of_one => of_one * cancelled,
+        };
+        // NaN counts as a residual.
+        let beyond = match residual.abs() <= rounding {
+            true => 0.0,
+            false => residual - rounding.copysign(residual),
+        };
         let mut columns = spent.to_vec();
         columns.extend([
             ("initial", initial),
@@ -386,9 +412,9 @@ impl Ledger {
         Reading {
             columns,
             residual: if self.scale > 0.0 {
-                residual / self.scale
+                beyond / self.scale
             } else {
-                residual
+                beyond
             },
             worst_set: self.worst_set(energies, team),
             hourglass,

@@ -22,9 +22,9 @@ pub(crate) struct SavedLedger {
     scale: f64,
 }
 
-/// First engine node of a range, work of the nodal forces in it, and of the constraints: friction, bond, stored, impact, external
-/// work.
-type SavedRange = (u32, NodalWork<Sum>, [Sum; 5]);
+/// First engine node of a range, work of the nodal forces in it, that of the constraints (friction, bond, stored, impact, external
+/// work), and the sum of their absolute works (J).
+type SavedRange = (u32, NodalWork<Sum>, [Sum; 5], f64);
 
 impl Ledger {
     /// State between two steps, when no half of a step is pending, of all ranks on rank 0.
@@ -34,7 +34,7 @@ impl Ledger {
         let own: Vec<(u32, Sum)> = numbers.zip(self.work_of_block.iter().copied()).collect();
         let of_ranges = self.ranges.iter().map(|range| {
             let first = ranks.engine(range.nodes().start) as u32;
-            (first, range.all, range.dissipated)
+            (first, range.all, range.dissipated, range.exchanged)
         });
         let mut work_of_block = ranks.team.all_at_first(&own).concat();
         work_of_block.sort_by_key(|(number, _)| *number);
@@ -81,8 +81,9 @@ impl Ledger {
         for range in &mut self.ranges {
             let first = ranks.engine(range.nodes().start) as u32;
             let found = (saved.ranges).binary_search_by_key(&first, |(first, ..)| *first);
-            let (_, all, dissipated) = saved.ranges[found.map_err(|_| StateError::Missing)?];
-            (range.all, range.dissipated) = (all, dissipated);
+            let (_, all, dissipated, exchanged) =
+                saved.ranges[found.map_err(|_| StateError::Missing)?];
+            (range.all, range.dissipated, range.exchanged) = (all, dissipated, exchanged);
         }
         (self.origin, self.potential, self.scale) = (saved.origin, saved.potential, saved.scale);
         Ok(())

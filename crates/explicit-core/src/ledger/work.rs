@@ -52,6 +52,8 @@ pub(super) struct RangeWork {
     pub(super) constraints: [f64; 2],
     /// Work (J) in the present step of those constraints that have nodes with prescribed motion.
     pub(super) prescribed: f64,
+    /// Sum of the absolute works of the constraints on the groups in all steps (J), component by component.
+    pub(super) exchanged: f64,
     /// Energies that the constraints reported for the present step.
     pub(super) reported: ConstraintWork,
     /// The same in all steps before (J): friction, bond, energy stored by bonds, impact, external
@@ -251,10 +253,24 @@ impl MidStep<'_> {
 
     /// Product of the constant loads with the present displacement (J).
     pub(super) fn load_potential(&self, ranges: &[RangeWork]) -> f64 {
+        self.constant_loads(ranges, Vec3::dot)
+    }
+
+    /// Sum of the absolute products of the components of constant loads and present displacements (J).
+    pub(super) fn load_exchange(&self, ranges: &[RangeWork]) -> f64 {
+        self.constant_loads(ranges, |force, u| force.abs().dot(&u.abs()))
+    }
+
+    /// Sum of products of the constant loads with the present displacement.
+    fn constant_loads(
+        &self,
+        ranges: &[RangeWork],
+        product: impl Fn(&Vec3, &Vec3) -> f64 + Sync,
+    ) -> f64 {
         let of_range = |range: &RangeWork| {
             with_nodes!(self.nodes, arrays => {
                 let displacement = |node: usize| arrays.displacement[node].to_vector();
-                self.sums.product(&range.constant, displacement)
+                self.sums.product(&range.constant, displacement, &product)
             })
         };
         let of_ranges: Vec<f64> = ranges.par_iter().map(of_range).collect();
@@ -266,7 +282,7 @@ impl MidStep<'_> {
     pub(super) fn load_work(&self, range: &RangeWork) -> f64 {
         with_nodes!(self.nodes, arrays => {
             let velocity = |node: usize| arrays.velocity[node].to_vector();
-            self.sums.product(&range.changing, velocity) * 0.5 * self.step
+            self.sums.product(&range.changing, velocity, Vec3::dot) * 0.5 * self.step
         })
     }
 

@@ -127,10 +127,16 @@ impl Results {
         let last = |name| self.energies.column(name)?.values.last().copied();
         let energy = last(RESIDUAL)?;
         let input: f64 = INPUTS.iter().filter_map(|name| last(name)).sum();
+        let largest = self.run.energy_residual;
+        let share = || match largest {
+            // The input may be rounding, too.
+            0.0 => 0.0,
+            _ => (energy / input).abs(),
+        };
         Some(EnergyResidual {
             energy,
-            share_of_input: (input != 0.0).then(|| (energy / input).abs()),
-            largest: self.run.energy_residual,
+            share_of_input: (input != 0.0).then(share),
+            largest,
         })
     }
     /// Name of each joint and its largest accumulated slip or opening over the shortest edge of its facets (1).

@@ -511,9 +511,10 @@ impl Remark {
             | Self::Hinge { .. }
             | Self::BeyondCapacity { .. }
             | Self::Bending(_) => Topic::Sections,
-            Self::LargeSlip { .. } | Self::JointRenewed { .. } | Self::ReducedStrength { .. } => {
-                Topic::Joints
-            }
+            Self::LargeSlip { .. }
+            | Self::JointRenewed { .. }
+            | Self::ReducedStrength { .. }
+            | Self::Scene(SceneRemark::UndampedFriction { .. }) => Topic::Joints,
             Self::Hourglass { .. } | Self::CrackEnergy { .. } => Topic::Energy,
             Self::NoState { .. }
             | Self::Undersampled { .. }

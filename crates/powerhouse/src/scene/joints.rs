@@ -1,14 +1,14 @@
 //! Constraints of the joints of a scene.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use powerhouse_contact::Joint;
-use powerhouse_model::{ContactLaw, ElasticMedium, PeriodicPairs};
+use powerhouse_model::{ContactLaw, ElasticMedium, JointInput, PeriodicPairs, Vec3};
 
 use super::Scene;
 use crate::joint::{Closing, NamedJoint, NamedSurface};
-use crate::{Error, Remark, SceneJoint};
+use crate::{Damping, Error, Remark, SceneJoint, SceneRemark};
 
 /// Group of joints with common nodes, and their nodes.
 type Group = (Vec<u32>, Vec<NamedJoint>);
@@ -53,24 +53,12 @@ impl Scene {
         if joint.law.between([&some, &some]).is_none() {
             return Ok(joint.law.clone());
         }
-        let mut side_of = HashMap::new();
-        for pair in &joint.surface.pairs {
-            let sides = pair.nodes.into_iter().zip(0..);
-            side_of.extend(sides);
-        }
         let mut media: [Option<ElasticMedium>; 2] = [None; 2];
-        for (element, part) in (0..).zip(self.part_of_elements()?) {
-            let Some(part) = part else { continue };
-            let nodes = self.mesh.nodes_of(element).iter();
-            let sides: HashSet<usize> = nodes
-                .filter_map(|node| side_of.get(node).copied())
-                .collect();
+        for (side, part) in self.parts_beside(joint)? {
             let medium = self.parts[part].material.medium();
-            for side in sides {
-                let softest = media[side].get_or_insert(medium);
-                if medium.young < softest.young {
-                    *softest = medium;
-                }
+            let softest = media[side].get_or_insert(medium);
+            if medium.young < softest.young {
+                *softest = medium;
             }
         }
         Ok(match media {
@@ -78,6 +66,51 @@ impl Scene {
             _ => None,
         }
         .unwrap_or_else(|| joint.law.clone()))
+    }
+
+    /// Sides of a joint (0 or 1) and the parts with elements at their nodes.
+    fn parts_beside(&self, joint: &SceneJoint) -> Result<BTreeSet<(usize, usize)>, Error> {
+        let mut side_of = HashMap::new();
+        for pair in &joint.surface.pairs {
+            side_of.extend(pair.nodes.into_iter().zip(0..));
+        }
+        let mut beside = BTreeSet::new();
+        for (element, part) in (0..).zip(self.part_of_elements()?) {
+            let Some(part) = part else { continue };
+            let nodes = self.mesh.nodes_of(element).iter();
+            let sides = nodes.filter_map(|node| side_of.get(node).copied());
+            beside.extend(sides.map(|side| (side, part)));
+        }
+        Ok(beside)
+    }
+
+    /// Joints that slide with friction beside parts whose high frequencies are not damped.
+    pub(crate) fn undamped_friction(&self) -> Result<Vec<Remark>, Error> {
+        let is_undamped = |damping: &Damping| match damping {
+            Damping::Flat { .. } => false,
+            _ => damping.rayleigh().stiffness == 0.0,
+        };
+        let mut remarks = Vec::new();
+        for joint in &self.joints {
+            let friction = sliding_friction(&*self.law_of_joint(joint)?);
+            // Flutter is too slow to matter below.
+            if friction.is_nan() || friction < 0.3 {
+                continue;
+            }
+            let beside = self.parts_beside(joint)?.into_iter().map(|(_, part)| part);
+            let beside: BTreeSet<usize> = beside.collect();
+            let undamped = beside.into_iter().map(|part| &self.parts[part]);
+            let undamped = undamped.filter(|part| is_undamped(&part.damping));
+            let sets: Vec<String> = undamped.map(|part| part.set.clone()).collect();
+            if !sets.is_empty() {
+                remarks.push(Remark::Scene(SceneRemark::UndampedFriction {
+                    joint: joint.name.clone(),
+                    friction,
+                    sets,
+                }));
+            }
+        }
+        Ok(remarks)
     }
 
     /// Joints whose strength is reduced where the mesh does not resolve the failure of their bonds.
@@ -102,4 +135,17 @@ impl Scene {
         }
         Ok(remarks)
     }
+}
+
+/// Increase of the strength of a sliding pair with its pressure (1), at rest without a bond; not a number for a law that never
+/// slides.
+fn sliding_friction(law: &dyn ContactLaw) -> f64 {
+    let mut history = vec![0.0; law.history().len()];
+    law.initial_history(&mut history);
+    let state = law.initial();
+    let strength = |pressure: f64| {
+        let input = JointInput::new(Vec3::new(-pressure, 0.0, 0.0), &state);
+        law.sliding_strength(-pressure, &input.with_history(&history))
+    };
+    (strength(2.0e6) - strength(1.0e6)) / 1.0e6
 }

@@ -82,6 +82,7 @@ impl Scene {
             })
         }));
         remarks.extend(self.reduced_joints()?);
+        remarks.extend(self.undamped_friction()?);
         let state_variables = StateVariables::of(&self, &rims)?;
         let (mut recordings, mut observers) = Recordings::observe(
             &self.output,

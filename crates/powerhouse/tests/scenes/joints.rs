@@ -3,7 +3,7 @@
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{JointRecord, Mesh};
-use powerhouse::{Error, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint};
+use powerhouse::{Error, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint, SceneRemark};
 
 use super::support::*;
 
@@ -373,4 +373,51 @@ fn a_bond_with_fracture_energies_fails_gradually() {
         "{factor} {area} {of}"
     );
     assert_eq!(reduced(&brittle("reduce = false\n")), []);
+}
+
+/// A joint that slides beside undamped parts is warned of, with the share of the stable step for great coefficients; none with
+/// stiffness damping on both sides, or with little friction.
+#[test]
+fn undamped_parts_beside_friction_are_warned_of() {
+    let folder = folder("flutter");
+    let warnings = |friction: &str, damping: [&str; 2]| {
+        let text = JOINT
+            .replace(
+                "static_friction = 0.7",
+                &format!("static_friction = {friction}"),
+            )
+            .replace(
+                "dynamic_friction = 0.5",
+                &format!("dynamic_friction = {friction}"),
+            );
+        let parts = ["lower", "upper"].into_iter().zip(damping);
+        let text = parts.fold(text, |text, (set, damping)| {
+            let part = format!("[[part]]\nset = \"{set}\"\n");
+            text.replace(&part, &format!("{part}{damping}"))
+        });
+        let simulation = read(&folder, &text).unwrap().prepare().unwrap();
+        let remarks = simulation.remarks().iter();
+        let texts = remarks
+            .filter(|remark| matches!(remark, Remark::Scene(SceneRemark::UndampedFriction { .. })));
+        texts.map(|remark| remark.to_string()).collect::<Vec<_>>()
+    };
+    let damped = "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 20] }\nelastic_rim = 10\n";
+    let none = warnings("0.2", [""; 2]);
+    assert!(none.is_empty(), "{none:?}");
+    let [both] = &warnings("0.5", [""; 2])[..] else {
+        panic!("one joint")
+    };
+    assert!(
+        both.contains("'bedding'") && both.contains("(lower, upper)") && !both.contains("safety"),
+        "{both}"
+    );
+    let [oblique] = &warnings("1", ["", damped])[..] else {
+        panic!("one joint")
+    };
+    assert!(
+        oblique.contains("(lower)") && oblique.contains("safety = 0.93"),
+        "{oblique}"
+    );
+    let none = warnings("1", [damped; 2]);
+    assert!(none.is_empty(), "{none:?}");
 }
