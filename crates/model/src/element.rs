@@ -42,11 +42,14 @@ pub struct BlockContext<'a> {
     pub ledger: bool,
     /// Where the block stores new history variables.
     pub history_update: HistoryUpdate,
+    /// Whether the body rests, so that elements with numbers of their own bring these to equilibrium, whatever the length of the
+    /// step; otherwise they follow step by step.
+    pub rests: bool,
 }
 
 impl<'a> BlockContext<'a> {
     /// A context of a step, a displacement (m) and a velocity (m/s), without energy bookkeeping, with
-    /// buffered history variables.
+    /// buffered history variables; of a body that rests if the step is zero.
     pub fn new(when: StepTime, displacement: NodalView<'a>, velocity: NodalView<'a>) -> Self {
         let StepTime { number, time, step } = when;
         Self {
@@ -58,12 +61,19 @@ impl<'a> BlockContext<'a> {
             damping_shift: 0.0,
             ledger: false,
             history_update: HistoryUpdate::Buffered,
+            rests: step == 0.0,
         }
     }
     /// The same context with new history variables stored as `update` says.
     #[must_use]
     pub fn with_history_update(mut self, update: HistoryUpdate) -> Self {
         self.history_update = update;
+        self
+    }
+    /// The same context of a body that rests, if `rests` is true, or moves.
+    #[must_use]
+    pub fn with_rest(mut self, rests: bool) -> Self {
+        self.rests = rests;
         self
     }
     /// Sets the addition to the stiffness damping coefficient of every block (s).

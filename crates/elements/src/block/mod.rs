@@ -145,7 +145,7 @@ where
         &mut self,
         displacement: &[Quad<f64>],
         velocity: &[Quad<A>],
-        (step, damping): (f64, f64),
+        (step, damping, rests): (f64, f64, bool),
         sums: Option<&mut StepSums>,
         out: &mut [Quad<A>],
     ) -> bool {
@@ -163,7 +163,7 @@ where
             let finite = self.write_forces::<f64>(
                 displacement,
                 &velocity,
-                (step, damping),
+                (step, damping, rests),
                 sums,
                 &mut forces,
             );
@@ -226,7 +226,7 @@ where
             }
             let access = HistoryAccess::Write(&mut history);
             let start = still.as_deref();
-            let finite = self.material(nodes, (access, start), rates, Some(out), None);
+            let finite = self.material(nodes, (access, start, rests), rates, Some(out), None);
             self.committed_displacement = still;
             (self.account, self.history) = (account, history);
             finite
@@ -261,7 +261,7 @@ where
     fn material<A: BatchScalar>(
         &self,
         nodes: &[Quad<f64>],
-        (history, still): (HistoryAccess<S>, Option<&[Quad<f64>]>),
+        (history, still, rests): (HistoryAccess<S>, Option<&[Quad<f64>]>, bool),
         rates: Option<Rates<A, S>>,
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
@@ -284,7 +284,7 @@ where
             exchange: S::exchange(&mut exchanges),
             nodes,
             still,
-            relaxes: writes && !self.law.is_stepping() && self.kernel.own_history() > 0,
+            relaxes: writes && rests && self.kernel.own_history() > 0,
             rates,
             out,
             survey,
@@ -313,7 +313,7 @@ where
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
         let access = HistoryAccess::Read(&self.history);
-        self.material::<f64>(nodes, (access, None), None, None, Some(&mut survey));
+        self.material::<f64>(nodes, (access, None, false), None, None, Some(&mut survey));
         survey
     }
 
@@ -338,7 +338,7 @@ where
         self.history.set_in_place(in_place && self.active.is_none());
         let mut sums = StepSums::default();
         let balanced = context.ledger.then_some(&mut sums);
-        let terms = (context.step, damping);
+        let terms = (context.step, damping, context.rests);
         let finite = self.write_forces(displacement, velocity, terms, balanced, out);
         if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
             return Err(fault);

@@ -22,6 +22,8 @@ pub(crate) struct BlockTerms {
     pub(crate) terms: ForceTerms,
     /// Whether blocks keep account of their energies.
     pub(crate) ledger: bool,
+    /// Whether the body rests, whatever the length of the step.
+    pub(crate) rests: bool,
     /// Whether the history variables of the last step are committed first, while the block is in the cache.
     pub(crate) commit: bool,
     /// Whether blocks compute without their stiffness damping, to measure its time.
@@ -35,6 +37,7 @@ impl BlockTerms {
             when,
             terms: ForceTerms::PLAIN,
             ledger: false,
+            rests: true,
             commit: false,
             undamped: false,
         }
@@ -119,6 +122,7 @@ fn forces_of<S: Storage>(
         when,
         terms,
         ledger,
+        rests,
         commit,
         undamped,
     } = evaluation;
@@ -135,6 +139,7 @@ fn forces_of<S: Storage>(
             let context = BlockContext::new(when, Storage::view(displacement), S::view(velocity))
                 .with_damping_shift(shift)
                 .with_ledger(ledger)
+                .with_rest(rests)
                 .with_history_update(terms.history_update);
             block.forces(&context, S::view_mut(buffer))
         });
@@ -310,6 +315,7 @@ impl Model {
                 when,
                 terms,
                 ledger: ledger.is_some(),
+                rests: step == 0.0,
                 commit,
                 undamped: false,
             };
