@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use powerhouse::{Material, PointPath, Registry};
+use powerhouse::{PointPath, Registry};
 use powerhouse_fuzz::limited;
 
 /// Steps of a path that is followed to its end; longer ones are only read.
@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let registry = Registry::default();
     let material = limited(bytes.len(), || {
-        Material::from_toml(materials, "law.toml", None, &registry)
+        registry.material_of_text(materials, "law.toml", None)
     });
     let path = limited(bytes.len(), || PointPath::from_toml(path, "path.toml"));
     let (Ok(material), Ok(path)) = (material, path) else {

@@ -22,6 +22,9 @@ const PROGRAM: &str = "powerhouse-program";
 /// The crate of graphics processors, which compiles programs.
 const DEVICE: &str = "powerhouse-device";
 
+/// The crate of materials, in which laws are compiled for elements.
+const LAWS: &str = "powerhouse-laws";
+
 /// The crates around the model; none knows another, but elements record programs, and a device compiles them.
 const AROUND_MODEL: [&str; 11] = [
     ENGINE,
@@ -65,7 +68,8 @@ fn permitted(package: &str) -> Vec<&'static str> {
     let model = "powerhouse-model";
     match package {
         "powerhouse-model" | TEST_SUPPORT => vec![],
-        "powerhouse" => [&[model][..], &AROUND_MODEL].concat(),
+        "powerhouse" => [&[model, LAWS][..], &AROUND_MODEL].concat(),
+        LAWS => vec![model, "powerhouse-elements", "powerhouse-material-damage"],
         "powerhouse-study" => vec!["powerhouse"],
         "powerhouse-wang-2019" => vec!["powerhouse", "powerhouse-study"],
         "powerhouse-cli" => vec!["powerhouse", "powerhouse-study", "powerhouse-wang-2019"],

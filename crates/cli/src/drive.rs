@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use powerhouse::model::HistoryKind;
-use powerhouse::{Error, Material, PointPath, Registry};
+use powerhouse::{Error, PointPath, Registry};
 
 use crate::Outcome;
 use crate::terminal::{say, say_warning};
@@ -16,7 +16,7 @@ pub(crate) fn drive(
     material: Option<&str>,
     out: Option<PathBuf>,
 ) -> Outcome {
-    let material = Material::from_file(law, material, &Registry::default())?;
+    let material = Registry::default().material_of_file(law, material)?;
     // Of a test that fails on its way the steps before are written, and then the error.
     let (test, failure) = match PointPath::from_file(path)?.drive(&material) {
         Ok(test) => (test, None),

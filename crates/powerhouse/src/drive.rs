@@ -276,32 +276,32 @@ impl PointPath {
     }
 }
 
-impl Material {
+impl Registry {
     /// Reads a material from a file with `[[material]]` tables, such as a scene. Without a name the file must have
     /// exactly one material.
     ///
     /// # Errors
     /// File that cannot be read, or a fault in it with line and column.
-    pub fn from_file(
+    pub fn material_of_file(
+        &self,
         path: impl AsRef<Path>,
         name: Option<&str>,
-        registry: &Registry,
-    ) -> Result<Self, Error> {
+    ) -> Result<Material, Error> {
         let path = path.as_ref();
-        Self::from_toml(spec::read_text(path)?, path, name, registry)
+        self.material_of_text(spec::read_text(path)?, path, name)
     }
 
-    /// Material of a text in TOML with `[[material]]` tables, as [`from_file`](Self::from_file). `path` is used in
+    /// Material of a text in TOML with `[[material]]` tables, as [`material_of_file`](Self::material_of_file). `path` is used in
     /// messages.
     ///
     /// # Errors
     /// A fault in the text with line and column.
-    pub fn from_toml(
+    pub fn material_of_text(
+        &self,
         text: impl Into<String>,
         path: impl Into<PathBuf>,
         name: Option<&str>,
-        registry: &Registry,
-    ) -> Result<Self, Error> {
+    ) -> Result<Material, Error> {
         let text = Arc::new(SceneText {
             path: path.into(),
             text: text.into(),
@@ -321,7 +321,7 @@ impl Material {
                 };
                 Fault::new(0..0, problem)
             })?;
-            registry.material(table)
+            self.material(table)
         });
         Ok(found.map_err(|fault| SceneFault::new(text, fault))?)
     }

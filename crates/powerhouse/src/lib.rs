@@ -87,7 +87,6 @@ mod builtin_joints;
 #[cfg(feature = "scene-files")]
 mod builtin_laws;
 mod checkpoint;
-mod damping;
 #[cfg(feature = "scene-files")]
 mod drive;
 pub mod engine;
@@ -99,7 +98,6 @@ mod joint;
 mod key_change;
 #[cfg(feature = "scene-files")]
 pub mod keys;
-mod known;
 mod magnitude;
 mod message;
 mod output;
@@ -138,7 +136,6 @@ pub use checkpoint::{
     CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointPlan, CheckpointWriter,
     IntervalError, KeptState, ResumedRun, RunInputs,
 };
-pub use damping::{Damping, DampingCost};
 #[cfg(feature = "scene-files")]
 pub use drive::{PointPath, PointTest};
 pub use error::Error;
@@ -154,7 +151,8 @@ pub use output::{
     RingRequest, RunningTables, SampledRequest, SectionRequest, SectionUse, SnapshotRequest,
     StateRequest, StressRequest, file_name,
 };
-pub use part::{Kernel, Material, Part};
+pub use part::{Kernel, Part};
+pub use powerhouse_laws::{Damping, DampingCost, Material};
 pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 #[cfg(feature = "scene-files")]

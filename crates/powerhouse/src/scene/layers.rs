@@ -78,7 +78,6 @@ fn medium_in_words(medium: &ElasticMedium) -> String {
 pub(crate) fn damping_of_layer(damping: &Damping) -> Option<LayerDamping> {
     match damping {
         Damping::None => Some(LayerDamping::None),
-        Damping::Rayleigh(_) => None,
         Damping::Flat {
             spectrum,
             reference,
@@ -93,6 +92,7 @@ pub(crate) fn damping_of_layer(damping: &Damping) -> Option<LayerDamping> {
                 velocity: reference.velocity(spectrum).ok()?,
             })
         }
+        _ => None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Materials from files without a run: warnings about them, and single-point tests.
 
-use powerhouse::{Material, Registry};
+use powerhouse::Registry;
 
 use super::support::*;
 
@@ -70,7 +70,7 @@ fn every_law_is_driven() {
         let keys = keys_of(law);
         let text = format!("[[material]]\nname = \"m\"\nlaw = \"{law}\"\n{keys}");
         std::fs::write(&file, text).unwrap();
-        let material = Material::from_file(&file, None, &registry).unwrap();
+        let material = registry.material_of_file(&file, None).unwrap();
         let driven = powerhouse::PointPath::from_file(&path).unwrap();
         let driven = driven
             .drive(&material)

@@ -10,23 +10,21 @@ use crate::Material;
 /// Material damping of a part.
 ///
 /// ```
-/// use powerhouse::engine::Rayleigh;
-/// use powerhouse::material::{
+/// use powerhouse_laws::{Damping, Material};
+/// use powerhouse_material_damage::{
 ///     DampingBand, LinearElastic, ReferenceFrequency, RelaxationSpectrum, media,
 /// };
-/// use powerhouse::{Damping, Material, Part};
 ///
 /// // 5 % over a band reduce the stable step by a tenth.
 /// let band = DampingBand { ratio: 0.05, lowest: 0.5, highest: 20.0, mechanisms: 3 };
-/// let flat = Damping::Flat {
-///     spectrum: RelaxationSpectrum::fit(band)?,
-///     reference: ReferenceFrequency::Centre,
-/// };
-/// let rock = Part::new("rock", Material::from(LinearElastic::new(media::ROCK))).with_damping(flat);
-/// let moving = rock.moving_material()?;
+/// let spectrum = RelaxationSpectrum::fit(band)?;
+/// let rock = Material::from(LinearElastic::new(media::ROCK));
+/// let moving = rock.damped(&spectrum, ReferenceFrequency::Centre)?.expect("an elastic part");
 /// let shortening = media::ROCK.p_speed() / moving.medium().p_speed();
 /// assert!(shortening > 0.89 && shortening < 0.92, "{shortening}");
-/// # Ok::<(), powerhouse::Error>(())
+/// let damping = Damping::Flat { spectrum, reference: ReferenceFrequency::Centre };
+/// assert_eq!(damping.rayleigh().stiffness, 0.0);
+/// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -60,7 +58,7 @@ impl From<Rayleigh> for Damping {
 
 impl Damping {
     /// Rayleigh coefficients; zero for other kinds of damping.
-    pub(crate) fn rayleigh(&self) -> Rayleigh {
+    pub fn rayleigh(&self) -> Rayleigh {
         match self {
             Self::Rayleigh(rayleigh) => *rayleigh,
             Self::None | Self::Flat { .. } => Rayleigh::default(),
@@ -89,7 +87,10 @@ pub struct DampingCost {
 
 impl DampingCost {
     /// Comparison of a material with its damped form.
-    pub(crate) fn of(
+    ///
+    /// # Errors
+    /// A reference frequency out of range.
+    pub fn of(
         material: &Material,
         damped: &Material,
         (spectrum, reference): (&RelaxationSpectrum, ReferenceFrequency),
