@@ -85,7 +85,12 @@ fn difference(kind: WaveKind) -> Outcome<(f64, f64)> {
         .with_field(field(kind, rock)?)
         .with_step(TimeStep::Seconds(STEP))
         .with_duration(STEPS as f64 * STEP)
-        .with_output(OutputPlan::default().history("probe", point, Motion::DISPLACEMENT))
+        .with_output(
+            // A row of every step, as the other code has them.
+            OutputPlan::default()
+                .with_every(STEP)
+                .history("probe", point, Motion::DISPLACEMENT),
+        )
         .prepare()?
         .run(RunHooks::default())?;
 

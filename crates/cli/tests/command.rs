@@ -505,10 +505,10 @@ fn drive_tests_a_material() {
             "{wrong}: {printed}"
         );
     }
-    // A lateral pressure that its crushed state does not bear: the steps before are written.
+    // A lateral tension beyond its strength: the steps before are written.
     let output = drive(
-        "[[leg]]\nkind = \"uniaxial\"\nstrain = 2e-4\nsteps = 10\n\
-         [[leg]]\nkind = \"mixed\"\nzz = { stress = -60e6 }\nsteps = 20\n",
+        "[[leg]]\nkind = \"uniaxial\"\nstrain = -2e-4\nsteps = 10\n\
+         [[leg]]\nkind = \"mixed\"\nxx = { stress = 5e6 }\nsteps = 20\n",
     );
     let (printed, errors) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(2), "{errors}");
@@ -521,7 +521,7 @@ fn drive_tests_a_material() {
     assert!((12..31).contains(&rows), "{rows}");
     assert!(printed.contains(&format!("{} steps", rows - 1)) && printed.contains("point.csv"));
     let strain = table.lines().nth(11).unwrap().split(',').nth(3).unwrap();
-    assert_eq!(strain.parse::<f64>().unwrap(), 2e-4, "{table}");
+    assert_eq!(strain.parse::<f64>().unwrap(), -2e-4, "{table}");
     // A width at which the concrete snaps back.
     let output = drive("size = 20\nleg = []\n");
     assert_eq!(output.status.code(), Some(2));

@@ -30,7 +30,10 @@ fn pictures(file: &Path) -> u32 {
 /// history of a point on it. Quantities, lines and folders that are not there are refused by name.
 #[test]
 fn snapshots_are_drawn_after_the_run() {
-    let block = Block::new("fields", |scene| scene);
+    // The last step ends at the last row of the history.
+    let block = Block::new("fields", |scene| {
+        scene.replace("duration = 0.3\n", "duration = 0.3\nstep = 0.0025\n")
+    });
     let (scene, out) = (block.scene(), block.out_text());
     said(&block, &["run", &scene, "--out", &out, "--quiet"]);
     let listed = said(&block, &["picture", &out]);

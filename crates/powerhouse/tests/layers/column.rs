@@ -1,7 +1,10 @@
 //! A column of layers between periodic sides, of which the bottom alone absorbs.
 
+use std::path::PathBuf;
+
 use powerhouse::RunHooks;
 use powerhouse::model::{FieldMotion, IncidentField, Vec3};
+use powerhouse::wavefield::{EndDisplacement, Signal};
 
 use super::{SITE, read};
 
@@ -75,6 +78,47 @@ fn a_column_moves_like_its_layers() {
         let error = error(&column(&wave, ends, others), axis);
         println!("figure layers.column_{kind} {error:.4}");
         assert!(error < 0.03, "{kind} {ends}: {error}");
+    }
+}
+
+/// A record of the surface of the column, or of a depth in it, becomes the motion there: the field is that of the layers.
+#[test]
+fn a_column_takes_records_of_its_surface_and_of_a_depth() {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let file = file.join("../../data/records/el_centro_1940_ns.csv");
+    for (convention, depth) in [
+        ("\"surface-along\"", 0.0),
+        ("{ within = { depth = 20, component = \"along\" } }", 20.0),
+        ("{ within = { depth = 56, component = \"along\" } }", 56.0),
+    ] {
+        let wave = format!(
+            "[[record]]\nname = \"r\"\nfile = {file:?}\nunits = \"m/s2\"\ncut = [0, 5]\nbaseline = {{ kind = \"velocity-polynomial\", order = 5 }}\nconvention = {convention}\n[[wave]]\nkind = \"sv\"\nincidence = 0\nrecord = \"r\"\n"
+        );
+        // What comes after the end of the run is left out of the field.
+        let scene = read(&column(
+            &wave,
+            PERIODIC,
+            &[("duration = 3", "duration = 9")],
+        ))
+        .unwrap();
+        let history = scene.records()["r"].clone();
+        let record = history.into_signal(EndDisplacement::Declared(0.0)).unwrap();
+        let field = &scene.layered_waves()[0];
+        let sampler = field.prepare(&[Vec3::new(0.0, 2.0, -depth)]).unwrap();
+        // Time zero of the record is that of the incident wave at the top of the half-space.
+        let arrival = field.parameters().arrival_at(&Vec3::new(0.0, 2.0, -40.0));
+        let (mut off, mut all) = (0.0, 0.0);
+        for i in 0..250 {
+            let time = 0.02 * f64::from(i);
+            let mut motion = [FieldMotion::default()];
+            sampler.add_motion(arrival + time, &mut motion);
+            let expected = record.motion(time).velocity;
+            off += (motion[0].velocity.x - expected).powi(2);
+            all += expected * expected;
+        }
+        let error = f64::sqrt(off / all);
+        println!("figure layers.column_record_{depth} {error:.2e}");
+        assert!(error < 0.01, "{convention}: {error}");
     }
 }
 
