@@ -290,6 +290,14 @@ pub enum ProgramError {
         /// Name of the element set or of the engine.
         name: String,
     },
+    /// Elements that are compiled without the recording of programs.
+    #[error(
+        "'{name}' has no program: this build leaves them out; compile it with the feature `programs`"
+    )]
+    LeftOut {
+        /// Name of the element set.
+        name: String,
+    },
     /// A law that is evaluated one point at a time.
     #[error(
         "the law '{law}' has no program: it is evaluated one point at a time; a law that implements \

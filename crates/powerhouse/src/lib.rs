@@ -38,6 +38,7 @@
 //! | `direct` | a direct solver for static equilibrium |
 //! | `gpu` | steps on a graphics processor of NVIDIA, `engine = "gpu"` |
 //! | `h5drm` | motions of stations in H5DRM files, [`io::read_station_motions`] |
+//! | `programs` | programs of the elements in CUDA C and WGSL, [`Simulation::program_sources`]; the laws and kernels are compiled once more |
 //! | `vtkhdf` | all snapshots of a run in one file, `io::VtkHdf` |
 //!
 //! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.

@@ -7,6 +7,7 @@ use powerhouse_model::{
     HistoryVariable, Lane, LawEnergy, LawInput, ModelError, RemainingStiffness, Scalar, Strain,
     Stress,
 };
+#[cfg(feature = "programs")]
 use powerhouse_program::Traced;
 
 use super::exchange::REMAINING;
@@ -98,6 +99,7 @@ impl<S: BatchScalar> BatchLaw<S> for AtOnce {
         Arc::new(self.clone())
     }
     /// Leaves its lanes, for which the recording is refused: the law is a function of a whole block.
+    #[cfg(feature = "programs")]
     fn record(
         &self,
         input: &LawInput<Traced<S>>,

@@ -9,6 +9,7 @@ use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents, HistoryVariable, LawEnergy, LawInput,
     ModelError, RemainingStiffness, Scalar, Strain, Stress, point_energy, point_stress_change,
 };
+#[cfg(feature = "programs")]
 use powerhouse_program::Traced;
 
 use super::exchange::REMAINING;
@@ -104,6 +105,7 @@ pub(crate) trait BatchLaw<S: Scalar>: ErasedLaw {
     /// The law discretised in time for steps of a length (s).
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>>;
     /// Records the evaluation of the law at one point: its change of stress and the remaining stiffness.
+    #[cfg(feature = "programs")]
     fn record(
         &self,
         input: &LawInput<Traced<S>>,
@@ -168,6 +170,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> BatchLaw<S> for M {
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>> {
         Arc::new(ConstitutiveLaw::for_step(self, length))
     }
+    #[cfg(feature = "programs")]
     fn record(
         &self,
         input: &LawInput<Traced<S>>,

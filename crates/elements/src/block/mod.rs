@@ -19,6 +19,7 @@ mod memory;
 mod numbers;
 mod operations;
 mod own;
+#[cfg(feature = "programs")]
 mod program;
 mod remaining;
 mod saved;
@@ -427,9 +428,17 @@ where
     fn nodes(&self) -> &[u32] {
         &self.nodes
     }
+    #[cfg(feature = "programs")]
     fn program(&self, step: f64, forks: usize) -> Result<Program, ProgramError> {
         self.recorded(step, forks)
     }
+    #[cfg(not(feature = "programs"))]
+    fn program(&self, _step: f64, _forks: usize) -> Result<Program, ProgramError> {
+        Err(ProgramError::LeftOut {
+            name: self.label.to_string(),
+        })
+    }
+    #[cfg(feature = "programs")]
     fn program_inputs(
         &self,
         index: usize,
