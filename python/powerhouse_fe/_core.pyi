@@ -165,8 +165,11 @@ class Scene:
         progress: Callable[[str | None, int, int, float], object] | None,
         threads: int | None,
         checkpoint_every: str | None,
+        restart: bool,
     ) -> Results: ...
-    def simulation(self, folder: PathLike[str] | None, every: int, threads: int | None) -> Steps: ...
+    def simulation(
+        self, folder: PathLike[str] | None, every: int, threads: int | None, restart: bool
+    ) -> Steps: ...
     def sweep(
         self,
         folder: PathLike[str] | None,

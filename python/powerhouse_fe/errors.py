@@ -47,7 +47,8 @@ class RunError(Error):
 
 
 class FolderError(Error):
-    """Results folder that is in use by another run, cannot hold the files of a run, or lost them."""
+    """Results folder that is in use by another run, has one that was interrupted, cannot hold the files of a run, or lost
+    them."""
 
 
 class Interrupted(KeyboardInterrupt):

@@ -229,6 +229,7 @@ class Scene:
         *,
         threads: int | None = None,
         checkpoint_every: str | None = None,
+        restart: bool = False,
     ) -> Results:
         """Runs the scene, as ``powerhouse run`` does, and returns its results.
 
@@ -237,7 +238,9 @@ class Scene:
         far the run is; a function is called with the stage or ``None``, steps done and planned, and the time (s), some
         times in a second on the calling thread. ``threads`` is the number of threads in place of the scene's; results do
         not depend on it. ``checkpoint_every`` is the wall time between two checkpoints of a scene from a file, such as
-        ``"10min"`` or ``"never"``: the command resumes such a run (``powerhouse run --resume FOLDER``).
+        ``"10min"`` or ``"never"``: the command resumes such a run (``powerhouse run --resume FOLDER``). A folder where a
+        run of the same scene was interrupted raises :class:`FolderError`; ``restart=True`` begins anew and removes its
+        checkpoint and results.
 
         Other threads of Python go on meanwhile. Ctrl-C ends the run after one more step and raises
         :class:`Interrupted`, whose ``results``, and the files, are complete until then; an exception of a progress
@@ -246,8 +249,9 @@ class Scene:
         """
         display = Display() if progress is True else None
         callback = display if display else (progress if callable(progress) else None)
+        path = None if folder is None else Path(folder)
         try:
-            found = self._scene.run(None if folder is None else Path(folder), callback, threads, checkpoint_every)
+            found = self._scene.run(path, callback, threads, checkpoint_every, restart)
         except BaseException as error:
             results = getattr(error, "results", None)
             if isinstance(results, _core.Results):
@@ -264,13 +268,15 @@ class Scene:
         *,
         every: int = 1,
         threads: int | None = None,
+        restart: bool = False,
     ) -> Simulation:
         """Starts a run that waits at every step, or at every one of ``every`` steps, and at the last one.
 
-        ``folder`` and ``threads`` are those of :meth:`run`. A faulty scene is reported when the first step is taken, or
+        ``folder``, ``threads`` and ``restart`` are those of :meth:`run`. A faulty scene is reported when the first step is taken, or
         by :meth:`Simulation.finish`.
         """
-        return Simulation(self._scene.simulation(None if folder is None else Path(folder), every, threads))
+        path = None if folder is None else Path(folder)
+        return Simulation(self._scene.simulation(path, every, threads, restart))
 
     def sweep(
         self,

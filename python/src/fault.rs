@@ -65,6 +65,10 @@ pub(crate) fn of(py: Python<'_>, error: &Error) -> PyErr {
 pub(crate) fn of_study(py: Python<'_>, error: &StudyError) -> PyErr {
     match error {
         StudyError::Scene(error) => of(py, error),
+        StudyError::Unfinished { .. } | StudyError::UnreadableCheckpoint { .. } => {
+            let message = error.to_string().replace("`--restart`", "`restart=True`");
+            exception(py, "FolderError", &message)
+        }
         error => exception(py, "InputError", &error.to_string()),
     }
 }

@@ -15,7 +15,6 @@ mod alarm;
 mod arrays;
 mod check;
 mod fault;
-mod folder;
 mod functions;
 mod keys;
 mod laws;

@@ -45,8 +45,8 @@ pub(crate) struct Done {
     pub(crate) mesh: Arc<model::Mesh>,
     pub(crate) results: powerhouse::Results,
     pub(crate) notes: RunNotes,
-    /// Why a checkpoint could not be written, if so.
-    pub(crate) lost: Option<String>,
+    /// Warnings about checkpoints.
+    pub(crate) of_checkpoints: Vec<String>,
     pub(crate) folder: Option<PathBuf>,
     pub(crate) files: Vec<PathBuf>,
     pub(crate) shots: Vec<Shot>,
@@ -161,7 +161,7 @@ impl Results {
             mesh,
             results,
             notes,
-            lost,
+            of_checkpoints,
             folder,
             files,
             shots,
@@ -177,7 +177,7 @@ impl Results {
         let mut warnings: Vec<String> = (merge_messages(messages).into_iter())
             .map(|message| message.text)
             .collect();
-        warnings.extend(lost.map(|lost| format!("a checkpoint could not be written: {lost}")));
+        warnings.extend(of_checkpoints);
         let remarks = facts.iter().map(|remark| remark.to_string()).collect();
         let ended = match &results.run.ended {
             Ended::Completed => "completed".to_owned(),

@@ -4,18 +4,18 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use powerhouse::engine::StaticProgress;
 use powerhouse::engine::observe::Snapshot;
-use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::model::{Observer, RunError};
-use powerhouse::{CheckpointInterval, CompletedStage, Error, RunHooks, RunNotes, StageSink};
-use powerhouse_study::saving::FormatError;
-use powerhouse_study::{FreeFieldCheck, OutputSize, StudyError, Warning};
+use powerhouse::{
+    CheckpointInterval, CompletedStage, Error, ProgressHook, ResultFolder, StageSink,
+};
+use powerhouse_study::{CheckpointEvent, RunWatch, SceneRun, StudyError};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::alarm::Alarm;
 use crate::fault::{Failure, exception, with};
-use crate::folder::{self, Open};
 use crate::results::{Done, Results, Shot};
 use crate::scene::Source;
 use crate::waiting::wait_with;
@@ -28,6 +28,14 @@ pub(crate) struct Order {
     /// Number of threads in place of the scene's.
     pub(crate) threads: Option<usize>,
     pub(crate) checkpoint_every: Option<CheckpointInterval>,
+    /// Whether the checkpoint of an interrupted run in the folder is removed.
+    pub(crate) restart: bool,
+}
+
+/// Reads an interval of checkpoints, such as `10min` or `never`.
+pub(crate) fn interval(text: Option<&str>) -> Result<Option<CheckpointInterval>, String> {
+    let read = text.map(|text| text.parse::<CheckpointInterval>());
+    read.transpose().map_err(|error| error.to_string())
 }
 
 /// How far a run is, for the thread that waits.
@@ -85,7 +93,13 @@ impl From<Error> for End {
 
 impl From<StudyError> for End {
     fn from(error: StudyError) -> Self {
-        Self::Failure(Box::new(error.into()))
+        match error {
+            StudyError::Interrupted => Self::Interrupted("the free-field check".into()),
+            StudyError::Scene(Error::Interrupted { stage }) => {
+                Self::Interrupted(format!("the stage '{stage}'"))
+            }
+            error => Self::Failure(Box::new(error.into())),
+        }
     }
 }
 
@@ -199,6 +213,33 @@ impl StageSink for Stages {
     }
 }
 
+/// The callbacks of a run, which count for the thread that waits.
+struct Counting {
+    progress: Arc<Progress>,
+    /// What is to be said of checkpoints.
+    said: Vec<String>,
+}
+
+impl RunWatch for Counting {
+    fn checkpoint(&mut self, event: CheckpointEvent) {
+        let text = event.to_string();
+        let warning = text.strip_prefix("warning: ");
+        self.said.extend(warning.map(str::to_owned));
+    }
+    fn stages(&mut self, files: Option<Box<dyn StageSink>>) -> Option<Box<dyn StageSink>> {
+        let progress = self.progress.clone();
+        Some(Box::new(Stages { files, progress }))
+    }
+    fn progress(&mut self) -> Option<ProgressHook<'static>> {
+        let counted = self.progress.clone();
+        Some(Box::new(move |now| {
+            counted.done.store(now.done, Ordering::Relaxed);
+            counted.planned.store(now.planned, Ordering::Relaxed);
+            counted.time.store(now.time.to_bits(), Ordering::Relaxed);
+        }))
+    }
+}
+
 /// Composes, checks and runs the scene, with one more observer, and writes its results.
 pub(crate) fn make(
     order: &Order,
@@ -206,70 +247,13 @@ pub(crate) fn make(
     progress: &Arc<Progress>,
     observer: Option<Box<dyn Observer>>,
 ) -> Result<Ran, End> {
-    let stop = &alarm.stop;
     if let Some(folder) = &order.folder {
         order.source.keep_file(folder)?;
     }
-    let mut scene = order.source.compose(alarm)?;
-    if let Some(threads) = order.threads {
-        scene = scene.with_threads(threads);
-    }
-    let text = scene.source().map(|source| source.text.clone());
-    let limit = scene.self_check();
-    let free_field = match limit {
-        Some(_) => Some(FreeFieldCheck::of(&scene)?),
-        None => None,
-    };
-    let mut warnings = powerhouse_study::warnings(&scene)?;
-    if let Some(format) = FormatError::of(&scene)?.filter(FormatError::needs_warning) {
-        warnings.push(Warning::Format(format));
-    }
-    let size = OutputSize::of(&scene)?;
-    // Without a file there is nothing from which the command could resume the run.
-    let checkpoints = (order.folder.as_ref())
-        .filter(|_| order.source.is_file)
-        .map(|folder| folder::checkpoints(&scene, (folder, order.checkpoint_every)));
-    let mut simulation = scene.prepare()?;
-    let step = simulation.step()?;
-    let open = match &order.folder {
-        None => None,
-        Some(path) => {
-            let simulation = (&simulation, size.bytes(step));
-            Some(Open::lock(path, simulation, checkpoints)?)
-        }
-    };
-    if let (Some(free_field), Some(limit)) = (free_field, limit) {
-        let hooks = RunHooks::default().with_stop(stop.clone());
-        match free_field.run(step, hooks) {
-            Ok(found) => found.require(limit)?,
-            Err(StudyError::Interrupted) => {
-                return Err(End::Interrupted("the free-field check".into()));
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
-    let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    let remarks = simulation.remarks().to_vec();
-    let warnings = warnings.iter().map(Warning::message).collect();
-    let notes = RunNotes::new(remarks).with_warnings(warnings);
-    let counted = progress.clone();
-    let hooks = RunHooks::default()
-        .with_stop(stop.clone())
-        .with_progress(move |now| {
-            counted.done.store(now.done, Ordering::Relaxed);
-            counted.planned.store(now.planned, Ordering::Relaxed);
-            counted.time.store(now.time.to_bits(), Ordering::Relaxed);
-        });
+    let scene = order.source.compose(alarm)?;
     let shots: Arc<Mutex<Vec<Shot>>> = Arc::default();
-    let stages = |files| -> Box<dyn StageSink> {
-        let progress = progress.clone();
-        Box::new(Stages { files, progress })
-    };
-    let hooks = match &open {
-        Some(open) => {
-            open.begin(&title)?;
-            open.hooks(hooks, &simulation, |files| stages(Some(files)))?
-        }
+    let mut run = match &order.folder {
+        Some(folder) => SceneRun::new(scene, ResultFolder::new(folder)).restarting(order.restart),
         None => {
             let kept = shots.clone();
             let keep = move |shot: &Snapshot| {
@@ -277,46 +261,42 @@ pub(crate) fn make(
                 shots.push(Shot::of(shot));
                 Ok(())
             };
-            hooks
-                .with_snapshots(Box::new(keep))
-                .with_stages(stages(None))
+            SceneRun::in_memory(scene, Box::new(keep))
         }
     };
-    let mut hooks = hooks;
-    hooks.observers.extend(observer);
-    let outcome = simulation.run(hooks);
-    let lost = open.as_ref().and_then(Open::settle);
-    let (results, error) = match outcome {
-        Ok(results) => (results, None),
-        Err(Error::Failed { error, results }) => (*results, Some(error)),
-        Err(Error::Interrupted { stage }) => {
-            return Err(End::Interrupted(format!("the stage '{stage}'")));
-        }
-        Err(error) => return Err(error.into()),
-    };
-    let mut done = Done {
-        title,
-        mesh,
-        results,
-        notes,
-        lost,
-        folder: order.folder.clone(),
-        files: Vec::new(),
-        shots: core::mem::take(&mut *shots.lock().unwrap_or_else(PoisonError::into_inner)),
-    };
-    let mut unwritten = None;
-    if let Some(open) = open {
-        let is_complete = error.is_none() && done.results.run.ended != Ended::Stopped;
-        let body = (done.title.as_str(), &*done.mesh);
-        let text = (text.as_deref(), is_complete);
-        match open.write(body, (&done.results, &done.notes), text) {
-            Ok(files) => done.files = files,
-            Err(failure) => unwritten = Some(failure),
-        }
+    if let Some(threads) = order.threads {
+        run = run.with_threads(threads);
     }
+    if !order.source.is_file {
+        // Without a file there is nothing from which the command could resume the run.
+        run = run.without_checkpoints();
+    }
+    let mut watch = Counting {
+        progress: progress.clone(),
+        said: Vec::new(),
+    };
+    let ran = run
+        .with_checkpoint_interval(order.checkpoint_every)
+        .with_stop(Some(alarm.stop.clone()))
+        .with_observers(observer)
+        .run(&mut watch)?;
+    let written = ran.write().and_then(|files| ran.close().map(|()| files));
+    let (files, unwritten) = match written {
+        Ok(files) => (files, None),
+        Err(error) => (Vec::new(), Some(error.into())),
+    };
     Ok(Ran {
-        done,
-        error,
+        done: Done {
+            title: ran.title,
+            mesh: ran.mesh,
+            results: ran.results,
+            notes: ran.notes,
+            of_checkpoints: watch.said,
+            folder: order.folder.clone(),
+            files,
+            shots: core::mem::take(&mut *shots.lock().unwrap_or_else(PoisonError::into_inner)),
+        },
+        error: ran.failure,
         unwritten,
     })
 }

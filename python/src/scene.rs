@@ -14,12 +14,11 @@ use pyo3::types::PyDict;
 use crate::alarm::Alarm;
 use crate::check::Check;
 use crate::fault::{self, Failure, exception, text_of};
-use crate::folder::interval;
 use crate::functions::Function;
 use crate::laws::{self, Law};
 use crate::mesh::Mesh;
 use crate::results::Results;
-use crate::run::{Order, run};
+use crate::run::{Order, interval, run};
 use crate::steps::Steps;
 use crate::studies::{self, SweepOrder, Trade, TradeOrder};
 use crate::waiting::wait_for;
@@ -281,6 +280,7 @@ impl Scene {
         progress: Option<Py<PyAny>>,
         threads: Option<usize>,
         checkpoint_every: Option<String>,
+        restart: bool,
     ) -> PyResult<Results> {
         let checkpoint_every = interval(checkpoint_every.as_deref())
             .map_err(|message| exception(py, "InputError", &message))?;
@@ -289,6 +289,7 @@ impl Scene {
             folder,
             threads,
             checkpoint_every,
+            restart,
         };
         run(py, order, progress)
     }
@@ -383,6 +384,7 @@ impl Scene {
         folder: Option<PathBuf>,
         every: u64,
         threads: Option<usize>,
+        restart: bool,
     ) -> PyResult<Steps> {
         if every == 0 {
             let message =
@@ -394,6 +396,7 @@ impl Scene {
             folder,
             threads: threads.or(self.threads),
             checkpoint_every: None,
+            restart,
         };
         let counts = (self.mesh.node_count(), self.mesh.element_count());
         Ok(Steps::start(order, every, counts))

@@ -10,6 +10,7 @@ import sys
 import textwrap
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,71 @@ def test_an_interrupted_run_is_complete_until_then(scene_file: Path, command: An
     whole = scene_file.parent / "whole"
     ph.Scene.from_file(scene_file).run(whole, progress=False)
     assert (out / "histories.csv").read_bytes() == (whole / "histories.csv").read_bytes()
+
+
+class Enough(Exception):
+    """What ends a run in these tests."""
+
+
+def enough(stage: str | None, done: int, planned: int, at: float) -> None:
+    """A progress function that ends the run after some steps."""
+    if done > 10:
+        raise Enough
+
+
+def test_an_interrupted_run_is_not_discarded_silently(scene_file: Path) -> None:
+    """A run where one of the same scene was interrupted is refused, and its checkpoint and results are kept, unless it
+    begins anew on purpose; one of another scene says which checkpoint it removes."""
+    scene_file.write_text(scene_file.read_text().replace("duration = 0.3", "duration = 400.0"))
+    scene = ph.Scene.from_file(scene_file)
+    out = scene_file.parent / "out"
+    with pytest.raises(Enough):
+        scene.run(out, enough)
+    left = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    assert out / "checkpoint" / "latest.run" in left
+    doors: list[Callable[[], object]] = [
+        lambda: scene.run(out, progress=False),
+        lambda: next(iter(scene.simulation(out))),
+    ]
+    for door in doors:
+        with pytest.raises(ph.FolderError) as refused:
+            door()
+        assert "ended before its time in" in str(refused.value) and "`restart=True`" in str(refused.value)
+        assert left == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    with pytest.raises(Enough):
+        scene.run(out, enough, restart=True)
+    with scene.simulation(out, restart=True) as simulation:
+        next(iter(simulation))
+    assert (out / "checkpoint" / "latest.run").read_bytes() != left[out / "checkpoint" / "latest.run"]
+    scene_file.write_text(scene_file.read_text().replace("duration = 400.0", "duration = 0.1"))
+    other = ph.Scene.from_file(scene_file).run(out, progress=False)
+    assert any("the checkpoint of another run in" in warning for warning in other.warnings)
+    assert not (out / "checkpoint").exists()
+
+
+@pytest.mark.parametrize("precision", ["f32", "mixed", "f64"])
+def test_the_files_and_warnings_are_those_of_the_command(precision: str, scene_file: Path, command: Any) -> None:
+    """A run has the files of the command, byte for byte but for wall times, and its warnings, that of the number format
+    included."""
+    text = f'precision = "{precision}"\n' + scene_file.read_text()
+    scene_file.write_text(text.replace("every = 0.1\n", "every = 7.0\n"))
+    here, there = scene_file.parent / "here", scene_file.parent / "there"
+    results = ph.Scene.from_file(scene_file).run(here, progress=False)
+    ended = command("run", scene_file, "--out", there)
+    assert ended.returncode == 0, ended.stderr
+    found = {path.relative_to(there) for path in there.rglob("*") if path.is_file()}
+    assert found == {path.relative_to(here) for path in here.rglob("*") if path.is_file()}
+    for file in found:
+        timeless = [
+            [line for line in path.read_bytes().splitlines() if b'"wall_time"' not in line]
+            for path in (here / file, there / file)
+        ]
+        assert timeless[0] == timeless[1], file
+    assert any("snapshots" in warning for warning in results.warnings)
+    for warning in results.warnings:
+        assert f"warning: {warning}" in ended.stdout
+    formats = [warning for warning in results.warnings if f'number format "{precision}"' in warning]
+    assert len(formats) == ("number format" in ended.stdout)
 
 
 def test_an_exception_of_progress_ends_a_run() -> None:

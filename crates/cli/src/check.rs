@@ -3,8 +3,6 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use powerhouse::io::is_packed_mesh;
 use powerhouse::{KeyChange, RunHooks, Scene, SceneChoice};
@@ -62,8 +60,16 @@ pub(crate) fn free_field(path: &Path, of_file: &SceneChoice) -> Outcome {
     let limit = scene.self_check();
     let check = FreeFieldCheck::of(&scene)?;
     let step = scene.prepare()?.step()?;
-    let Some(found) = compare(check, step, &stop::flag()?)? else {
-        return Ok(ExitCode::from(INTERRUPTED));
+    let display = Display::new("free field");
+    let hooks = RunHooks::default()
+        .with_progress(display.hook())
+        .with_stop(stop::flag()?);
+    let found = check.run(step, hooks);
+    display.clear();
+    say_found(found.as_ref());
+    let found = match found {
+        Err(StudyError::Interrupted) => return Ok(ExitCode::from(INTERRUPTED)),
+        found => found?,
     };
     if let Some(limit) = limit {
         found.require(limit)?;
@@ -71,27 +77,13 @@ pub(crate) fn free_field(path: &Path, of_file: &SceneChoice) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs a free-field check and prints its report; `None` if it was interrupted.
-pub(crate) fn compare(
-    check: FreeFieldCheck,
-    step: f64,
-    stop: &Arc<AtomicBool>,
-) -> Result<Option<FreeFieldReport>, StudyError> {
-    let display = Display::new("free field");
-    let hooks = RunHooks::default()
-        .with_progress(display.hook())
-        .with_stop(stop.clone());
-    let found = check.run(step, hooks);
-    display.clear();
+/// Prints the report of a free-field check, or that it was interrupted.
+pub(crate) fn say_found(found: Result<&FreeFieldReport, &StudyError>) {
     match found {
-        Ok(found) => {
-            report::free_field(&found);
-            Ok(Some(found))
-        }
+        Ok(found) => report::free_field(found),
         Err(StudyError::Interrupted) => {
             say!("interrupted during the free-field check: nothing was run");
-            Ok(None)
         }
-        Err(error) => Err(error),
+        Err(_) => {}
     }
 }

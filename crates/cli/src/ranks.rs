@@ -7,8 +7,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use powerhouse::engine::ExplicitOnRanks;
-use powerhouse::io::{file_checksum, peak_memory};
-use powerhouse::{RunInputs, Scene};
+use powerhouse::io::peak_memory;
 
 use crate::Outcome;
 
@@ -30,22 +29,6 @@ impl Place {
         self.engine.as_ref()
     }
 
-    /// Number of processes.
-    pub(crate) fn count(&self) -> usize {
-        self.engine.as_ref().map_or(1, |engine| engine.rank_count())
-    }
-
-    /// Refuses what one process alone supports.
-    pub(crate) fn refuse(&self, used: &[(&str, bool)]) -> Result<(), Box<dyn std::error::Error>> {
-        match used.iter().find(|(_, used)| *used) {
-            Some((what, _)) if self.count() > 1 => {
-                let count = self.count();
-                Err(format!("{what} cannot be used on {count} ranks, only on one").into())
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// The result of this process if all have succeeded; a failure of one is one of all.
     pub(crate) fn agree<T>(
         &self,
@@ -64,14 +47,6 @@ impl Place {
         Ok(value)
     }
 
-    /// Whether something is true of all processes.
-    pub(crate) fn all(&self, own: bool) -> Result<bool, Box<dyn std::error::Error>> {
-        match &self.engine {
-            None => Ok(own),
-            Some(engine) => Ok(engine.all(own)?),
-        }
-    }
-
     /// Peak memory (bytes) of each process so far, in the order of ranks; none where the system does not report it.
     pub(crate) fn peak_memory(&self) -> Option<Vec<u64>> {
         let own = peak_memory();
@@ -80,25 +55,6 @@ impl Place {
         };
         let all = engine.of_all(own.unwrap_or_default()).ok()?;
         all.iter().all(|bytes| *bytes > 0).then_some(all)
-    }
-
-    /// The scene on the engine of this rank, after a check that all have the same one.
-    ///
-    /// # Errors
-    /// Scenes, files that they name, or programs that differ between the ranks.
-    pub(crate) fn take(
-        &self,
-        scene: Scene,
-        inputs: &RunInputs,
-    ) -> Result<Scene, Box<dyn std::error::Error>> {
-        let Some(engine) = &self.engine else {
-            return Ok(scene);
-        };
-        engine.check_same("the scene, or a file that it names,", inputs.checksum())?;
-        let program = std::env::current_exe().and_then(|program| file_checksum(&program));
-        let sum = program.map(|sum| sum.value());
-        engine.check_same("the program", sum.unwrap_or_default())?;
-        Ok(scene.with_engine(engine.clone()))
     }
 }
 

@@ -7,8 +7,10 @@ use crate::terminal::{say, say_warning};
 use powerhouse::engine::Ended;
 use powerhouse::engine::observe::{PeakRow, PeakTable};
 use powerhouse::model::{Mesh, StepProfile, Vec3};
-use powerhouse::{CompletedStage, Error, Results, RunNotes, Simulation, Topic, merge_messages};
-use powerhouse_study::{FreeFieldReport, PointError, Warning, text};
+use powerhouse::{
+    CompletedStage, Error, Message, Results, RunNotes, Simulation, Topic, merge_messages,
+};
+use powerhouse_study::{FreeFieldReport, PointError, text};
 
 /// Prints lines of text, those that begin with `warning: ` as warnings.
 pub(crate) fn lines(text: &str) {
@@ -21,7 +23,7 @@ pub(crate) fn lines(text: &str) {
 }
 
 /// Prints size, remarks, warnings and stable step of a simulation before its run.
-pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> Result<(), Error> {
+pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Message]) -> Result<(), Error> {
     let mesh = simulation.mesh().clone();
     say!("{}", simulation.title());
     say!(
@@ -32,7 +34,7 @@ pub(crate) fn before_run(simulation: &mut Simulation, warnings: &[Warning]) -> R
     // Some remarks are made only when the step is known.
     simulation.step()?;
     lines(&text::of_remarks(simulation.remarks()));
-    for warning in merge_messages(warnings.iter().map(Warning::message)) {
+    for warning in merge_messages(warnings.iter().cloned()) {
         say_warning!("{}", warning.text);
     }
     let stable = simulation.stable_step()?;

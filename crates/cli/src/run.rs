@@ -3,29 +3,24 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::MultiProgress;
-use powerhouse::engine::observe::Snapshot;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::io::peak_memory;
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, CheckpointWriter, CompletedStage, Error, FolderLock,
-    KeptState, KeyChange, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene,
-    SceneChoice, Simulation, StageSink,
+    CheckpointFiles, CheckpointInterval, CompletedStage, Error, KeyChange, Message, ProgressHook,
+    ResultFolder, RunInputs, RunNotes, Scene, SceneChoice, Simulation, StageSink,
 };
-use powerhouse_study::saving::FormatError;
 use powerhouse_study::sweep::is_sweep;
-use powerhouse_study::{FreeFieldCheck, OutputSize, Warning};
+use powerhouse_study::{CheckpointEvent, FreeFieldReport, RunWatch, SceneRun, StudyError};
 
 use crate::checkpoint::{self, KeptAt};
 use crate::progress::{Display, StaticDisplay};
 use crate::ranks::Place;
 use crate::terminal::{say, say_warning, warn_aside};
 use crate::{INTERRUPTED, Outcome, check, read, report, stop};
-
-/// Why ranks do not measure the error of a number format: each would need the memory of the whole body.
-const ON_RANKS: &str = "ranks do not measure it, `powerhouse check` does, which needs the memory of one process with the whole body";
 
 /// Scene that is run, and where its results are.
 pub(crate) enum Choice {
@@ -62,28 +57,9 @@ pub(crate) struct Options {
     pub(crate) profile: bool,
 }
 
-/// State from which a run begins.
-enum Beginning {
-    /// That of the scene.
-    Scene,
-    /// The last checkpoint of the same run.
-    Checkpoint(ResumedRun),
-    /// A state that another run has kept.
-    Kept(KeptState),
-}
-
-/// What is run: a scene, the folder of its results, its inputs, and the state from which it begins.
-struct Planned {
-    scene: Scene,
-    folder: ResultFolder,
-    inputs: RunInputs,
-    beginning: Beginning,
-    /// Whether the checkpoint of an interrupted run in the folder is removed.
-    restart: bool,
-}
-
 impl Choice {
-    fn open(self) -> Result<Planned, Box<dyn std::error::Error>> {
+    /// The run, and the folder of its results.
+    fn open(self) -> Result<(SceneRun<'static>, ResultFolder), Box<dyn std::error::Error>> {
         match self {
             Self::Start {
                 scene,
@@ -96,29 +72,14 @@ impl Choice {
                 let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
                 folder.keep_scene(&path)?;
                 warn_of_sweep(&folder);
-                Ok(Planned {
-                    folder,
-                    inputs: RunInputs::of(&scene),
-                    beginning: Beginning::Scene,
-                    restart,
-                    scene,
-                })
+                let run = SceneRun::new(scene, folder.clone()).restarting(restart);
+                Ok((run, folder))
             }
             Self::Resume { folder, scene } => {
-                let files = CheckpointFiles::of(&folder);
-                let resumed = files.read().map_err(Error::from)?;
+                let resumed = CheckpointFiles::of(&folder).read().map_err(Error::from)?;
                 let scene = read_as(scene, &resumed.inputs, Vec::new())?;
-                let mut inputs = RunInputs::of(&scene);
-                let checked = files.check(&resumed.inputs, &inputs);
-                checked.map_err(Error::from)?;
-                inputs.origin = resumed.inputs.origin.clone();
-                Ok(Planned {
-                    scene,
-                    folder: ResultFolder::new(folder),
-                    inputs,
-                    beginning: Beginning::Checkpoint(resumed),
-                    restart: true,
-                })
+                let folder = ResultFolder::new(folder);
+                Ok((SceneRun::resumed(scene, folder.clone(), resumed)?, folder))
             }
             Self::From {
                 kept: KeptAt { folder, time },
@@ -135,8 +96,8 @@ impl Choice {
                     );
                 }
                 let scene = read_as(scene, &kept.inputs, of_file.changes)?;
-                let inputs = kept.variant(&scene).map_err(Error::from)?;
                 let results = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                let run = SceneRun::from_state(scene, results.clone(), kept)?.restarting(restart);
                 warn_of_sweep(&results);
                 if is_same(results.path(), &folder) {
                     return Err(format!(
@@ -145,13 +106,7 @@ impl Choice {
                     )
                     .into());
                 }
-                Ok(Planned {
-                    scene,
-                    folder: results,
-                    inputs,
-                    beginning: Beginning::Kept(kept),
-                    restart,
-                })
+                Ok((run, results))
             }
         }
     }
@@ -190,40 +145,6 @@ fn is_same(first: &Path, second: &Path) -> bool {
     }
 }
 
-/// Locks the folder of the results, removes what an earlier run left unfinished, and proves that the files of a simulation,
-/// with a size (bytes), can be written. A run of the same inputs that was interrupted there is refused, unless it is
-/// resumed or begun anew on purpose.
-fn prepare(
-    folder: &ResultFolder,
-    (simulation, size): (&Simulation, u64),
-    (restart, inputs): (bool, &RunInputs),
-) -> Result<FolderLock, Box<dyn std::error::Error>> {
-    let lock = folder.lock()?;
-    if let Some(remark) = lock.remark() {
-        say!("{remark}");
-    }
-    if !restart {
-        checkpoint::refuse_resumable(folder, inputs)?;
-    }
-    folder.remove_unfinished()?;
-    folder.prove(simulation, size)?;
-    Ok(lock)
-}
-
-/// Removes the files of an earlier run unless it is resumed, and writes the summary of one that has begun.
-fn begin(
-    folder: &ResultFolder,
-    files: &CheckpointFiles,
-    (title, resumes): (&str, bool),
-) -> Result<(), Box<dyn std::error::Error>> {
-    if !resumes {
-        folder.clear()?;
-        files.clear().map_err(Error::from)?;
-    }
-    folder.begin(title)?;
-    Ok(())
-}
-
 /// Stage sink that prints a line per stage, shows the progress of its solution, and forwards to the writer of files.
 pub(crate) struct Stages {
     files: Box<dyn StageSink>,
@@ -254,7 +175,68 @@ impl StageSink for Stages {
     }
 }
 
-/// Runs the free-field check if the scene requests it, runs the scene, and writes the results, also of a failed run.
+/// What a run prints.
+struct Output {
+    folder: ResultFolder,
+    bars: MultiProgress,
+    /// The display of the free-field check or of the time steps.
+    display: Display,
+    /// The cancellation flag.
+    stop: Arc<AtomicBool>,
+}
+
+impl Output {
+    fn show(&mut self, what: &str) -> Option<ProgressHook<'static>> {
+        self.display = Display::among(&self.bars, what);
+        Some(self.display.hook())
+    }
+}
+
+impl RunWatch for Output {
+    fn composed(&mut self, simulation: &mut Simulation, warnings: &[Message]) -> Result<(), Error> {
+        report::before_run(simulation, warnings)
+    }
+    fn checkpoint(&mut self, event: CheckpointEvent) {
+        report::lines(&event.to_string());
+    }
+    fn locked(&mut self, remark: &str) {
+        say!("{remark}");
+    }
+    fn checks(&mut self) -> Option<ProgressHook<'static>> {
+        self.show("free field")
+    }
+    fn checked(&mut self, found: Result<&FreeFieldReport, &StudyError>) {
+        self.display.clear();
+        check::say_found(found);
+    }
+    fn begins(&mut self, _notes: &RunNotes) -> Result<(), StudyError> {
+        if self.stop.load(Ordering::Relaxed) {
+            say!("interrupted before the first step: nothing was run");
+            return Err(StudyError::Interrupted);
+        }
+        Ok(())
+    }
+    fn stages(&mut self, files: Option<Box<dyn StageSink>>) -> Option<Box<dyn StageSink>> {
+        Some(Box::new(Stages::new(files?, &self.bars, "")))
+    }
+    fn progress(&mut self) -> Option<ProgressHook<'static>> {
+        self.show("run")
+    }
+    fn ended(&mut self) {
+        self.display.clear();
+    }
+    fn failed_in_stages(&mut self, completed: usize, of: usize) {
+        if completed > 0 {
+            warn_aside!(
+                "note: the results of {completed} of {of} stages are in {}",
+                self.folder.path().join("stages").display()
+            );
+            checkpoint::say_after_failure(&self.folder, false);
+        }
+    }
+}
+
+/// Runs a scene and writes the results, also of a failed run.
 ///
 /// On several ranks all of them run the scene; one of them checks and writes.
 pub(crate) fn run(
@@ -266,224 +248,81 @@ pub(crate) fn run(
     }: Options,
     place: &Place,
 ) -> Outcome {
-    let leads = place.leads();
-    let Planned {
-        scene,
-        folder,
-        inputs,
-        beginning,
-        restart,
-    } = place.agree(choice.open())?;
-    let scene = match threads {
-        Some(count) => scene.with_threads(count.get()),
-        None => scene,
+    let (run, folder) = place.agree(choice.open())?;
+    let run = match threads {
+        Some(count) => run.with_threads(count.get()),
+        None => run,
     };
-    place.refuse(&[
-        ("--profile", profile),
-        (
-            "a run from a kept state (--from)",
-            matches!(beginning, Beginning::Kept(_)),
-        ),
-        (
-            "`keep` of `[checkpoint]`",
-            !scene.checkpoints().keep.is_empty(),
-        ),
-    ])?;
-    let text = scene.source().map(|source| source.text.clone());
-    let resumes = matches!(beginning, Beginning::Checkpoint(_));
-    // A run that is resumed has passed the check.
-    let limit = scene.self_check().filter(|_| !resumes && leads);
-    let free_field = match limit {
-        Some(_) => Some(FreeFieldCheck::of(&scene)?),
-        None => None,
-    };
-    let mut warnings = powerhouse_study::warnings(&scene)?;
-    let format = match place.count() {
-        1 => FormatError::of(&scene)?,
-        _ => FormatError::not_measured(&scene, ON_RANKS),
-    };
-    if let Some(format) = format.filter(FormatError::needs_warning) {
-        warnings.push(Warning::Format(format));
-    }
-    let size = OutputSize::of(&scene)?;
-    let scene = place.take(scene, &inputs)?;
-    let origin = inputs.origin.clone();
-    let saved = match &beginning {
-        Beginning::Scene => None,
-        Beginning::Checkpoint(resumed) => resumed.run.as_ref(),
-        Beginning::Kept(kept) => Some(&kept.run),
-    };
-    let (saved_step, saved_time) = (saved.map(|run| run.step), saved.map(|run| run.time));
-    let files = CheckpointFiles::of(folder.path());
-    let every = every.or(scene.checkpoints().every);
-    let every = every.unwrap_or(CheckpointInterval::DEFAULT).duration();
-    let own = (files.clone(), inputs.clone());
-    let checkpoints = CheckpointWriter::new(&scene, own, every, saved_time);
-    let stages = scene.stages().len();
-    let mut simulation = scene.prepare()?;
     let stop = stop::flag()?;
-    match saved_step {
-        Some(step) if resumes => simulation.resume_at(step),
-        _ => report::before_run(&mut simulation, &warnings)?,
-    }
-    if let Beginning::Checkpoint(resumed) = &beginning {
-        checkpoint::say_resumed(resumed);
-    }
-    let mut remarks = simulation.remarks().to_vec();
-    if let Some(origin) = origin {
-        let remark = Remark::StartedFrom { origin };
-        say!("{remark}");
-        remarks.push(remark);
-    }
-    let step = match saved_step {
-        Some(step) => step,
-        None => simulation.step()?,
-    };
-    // Everything that the end of the run needs is tested before its first step.
-    let prepared = match leads {
-        true => prepare(&folder, (&simulation, size.bytes(step)), (restart, &inputs)).map(Some),
-        false => Ok(None),
-    };
-    let lock = place.agree(prepared)?;
-    let checked = match (free_field, limit) {
-        (Some(free_field), Some(limit)) => match check::compare(free_field, step, &stop) {
-            Ok(Some(found)) => found.require(limit).map(|()| true).map_err(Into::into),
-            Ok(None) => Ok(false),
-            Err(error) => Err(error.into()),
-        },
-        _ => Ok(true),
-    };
-    let goes_on = place.agree(checked)?;
-    if !place.all(goes_on)? {
-        return Ok(ExitCode::from(INTERRUPTED));
-    }
-    let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    let begun = match leads {
-        true => begin(&folder, &files, (&title, resumes)),
-        false => Ok(()),
-    };
-    place.agree(begun)?;
-    let notes =
-        RunNotes::new(remarks).with_warnings(warnings.iter().map(Warning::message).collect());
     let bars = MultiProgress::new();
-    let display = Display::among(&bars, "run");
-    let hooks = RunHooks::default()
-        .with_progress(display.hook())
-        .with_stop(stop)
-        .with_profile(profile);
-    // The body after the last completed stage, and with it the reports of all before it.
-    let completed = Arc::new(Mutex::new(Vec::new()));
-    let mut hooks = match leads {
-        false => hooks.with_snapshots(Box::new(|_: &Snapshot| Ok(()))),
-        true => {
-            let (keep, reports) = (checkpoints.clone(), completed.clone());
-            let sink = folder.stages(&simulation)?;
-            hooks
-                .with_tables(folder.tables())
-                .with_snapshots(folder.snapshots(&simulation)?)
-                .with_stages(Box::new(Stages::new(sink, &bars, "")))
-                .with_checkpoints(checkpoints.clone())
-                .with_stage_hook(move |body| {
-                    let mut reports = reports.lock().unwrap_or_else(PoisonError::into_inner);
-                    reports.clear();
-                    reports.extend_from_slice(body.stages());
-                    keep.keep_stage(body);
-                })
-        }
+    let mut output = Output {
+        folder: folder.clone(),
+        display: Display::among(&bars, ""),
+        bars,
+        stop: stop.clone(),
     };
-    if place.count() == 1 {
-        hooks = hooks.with_stage_checkpoints(checkpoints.clone());
-    }
-    let hooks = match beginning {
-        Beginning::Scene => hooks,
-        Beginning::Checkpoint(resumed) => checkpoint::resuming(hooks, resumed, stages),
-        Beginning::Kept(kept) => {
-            if let Some(body) = &kept.body {
-                checkpoints.keep_stage(body);
-            }
-            checkpoint::starting_from(hooks, kept)
-        }
-    };
-    let outcome = simulation.run(hooks);
-    display.clear();
-    // Only of a run whose end the ranks agree on.
-    let memory = outcome.is_ok().then(|| place.peak_memory()).flatten();
-    if let Some(lost) = checkpoints.finish() {
-        say_warning!("a checkpoint could not be written: {lost}");
-    }
-    if !leads {
-        return match outcome {
-            Ok(results) if results.run.ended == Ended::Stopped => Ok(ExitCode::from(INTERRUPTED)),
-            Ok(_) => Ok(ExitCode::SUCCESS),
-            Err(Error::Interrupted { .. }) => Ok(ExitCode::from(INTERRUPTED)),
-            Err(Error::Failed { error, .. }) => Err(error.into()),
-            Err(error) => Err(error.into()),
-        };
-    }
-    let (results, failure) = match outcome {
-        Ok(results) => (results, None),
-        Err(Error::Failed { error, results }) => (*results, Some(error)),
-        Err(Error::Interrupted { stage }) => {
+    let ran = run
+        .with_checkpoint_interval(every)
+        .with_profile(profile)
+        .with_stop(Some(stop))
+        .on_ranks(place.engine().cloned())
+        .run(&mut output);
+    let ran = match ran {
+        Err(StudyError::Interrupted) => return Ok(ExitCode::from(INTERRUPTED)),
+        Err(StudyError::Scene(Error::Interrupted { stage })) => {
             say!("interrupted in the stage '{stage}': the dynamic run has not begun");
-            let completed = completed.lock().unwrap_or_else(PoisonError::into_inner);
-            folder.interrupt(&title, &stage, &completed)?;
-            checkpoint::say_resumable(&folder);
+            if place.leads() {
+                checkpoint::say_resumable(&folder);
+            }
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        Err(error) => {
-            let completed = completed.lock().unwrap_or_else(PoisonError::into_inner);
-            folder.fail(&title, &error, &completed)?;
-            if !completed.is_empty() {
-                warn_aside!(
-                    "note: the results of {} of {stages} stages are in {}",
-                    completed.len(),
-                    folder.path().join("stages").display()
-                );
-                checkpoint::say_after_failure(&folder, false);
-            }
-            return Err(error.into());
-        }
+        ran => ran?,
     };
-    report::end_of_run(&mesh, &results);
+    let (mesh, results, failure) = (&ran.mesh, &ran.results, &ran.failure);
+    // Only of a run whose end the ranks agree on.
+    let memory = match failure {
+        None => place.peak_memory(),
+        Some(_) => None,
+    };
+    if !place.leads() {
+        return match (ran.failure, ran.results.run.ended) {
+            (Some(failure), _) => Err(failure.into()),
+            (None, Ended::Stopped) => Ok(ExitCode::from(INTERRUPTED)),
+            (None, _) => Ok(ExitCode::SUCCESS),
+        };
+    }
+    report::end_of_run(mesh, results);
     if let Some(profile) = &results.run.profile {
         report::profile(profile);
     }
-    let is_held = lock.as_ref().is_some_and(FolderLock::is_held);
-    let written = folder.write((&title, &mesh), &results, &notes, text.as_deref());
+    let written = ran.write();
     if written.is_err() {
         // Both errors are printed, that of the run first.
-        if let Some(failure) = &failure {
+        if let Some(failure) = failure {
             warn_aside!("error: {failure}");
         }
         checkpoint::say_after_failure(&folder, !results.advice.is_empty());
     }
-    report::results(&mesh, &results, (&notes, &written?));
+    report::results(mesh, results, (&ran.notes, &written?));
     // With that of the files, which the first rank writes.
     let mut memory = memory.unwrap_or_default();
     if let (Some(first), Some(peak)) = (memory.first_mut(), peak_memory()) {
         *first = peak;
     }
     report::peak_memory(&memory);
-    // Released after all files are written, so that no results are lost.
-    if let Some(lock) = lock.filter(|_| !is_held) {
-        lock.release()?;
-    }
+    ran.close()?;
     for advice in &results.advice {
         warn_aside!("note: {advice}");
     }
-    match (failure, results.run.ended) {
-        (Some(failure), _) => {
-            checkpoint::say_after_failure(&folder, !results.advice.is_empty());
-            Err(failure.into())
-        }
+    if failure.is_some() {
+        checkpoint::say_after_failure(&folder, !results.advice.is_empty());
+    }
+    match (ran.failure, ran.results.run.ended) {
+        (Some(failure), _) => Err(failure.into()),
         (None, Ended::Stopped) => {
             checkpoint::say_resumable(&folder);
             Ok(ExitCode::from(INTERRUPTED))
         }
-        (None, _) => {
-            // The results are complete.
-            files.remove().map_err(Error::from)?;
-            Ok(ExitCode::SUCCESS)
-        }
+        (None, _) => Ok(ExitCode::SUCCESS),
     }
 }

@@ -5,6 +5,7 @@ mod block;
 mod book;
 mod command;
 mod converge;
+mod doors;
 mod emit;
 #[cfg(unix)]
 mod faults;

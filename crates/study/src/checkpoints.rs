@@ -1,4 +1,4 @@
-//! Checkpoints of the runs of a study, from which a study that was interrupted or killed goes on inside a run.
+//! Checkpoints in the results folder of a run, from which one that was interrupted or killed goes on.
 
 use core::fmt;
 use std::path::Path;
@@ -8,12 +8,13 @@ use powerhouse::engine::SavedRun;
 use powerhouse::model::StateError;
 use powerhouse::{
     CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody,
-    Error, ResumedRun, RunInputs, Scene, StageSolution,
+    Error, KeptState, Remark, ResumedRun, RunInputs, Scene, StageSolution,
 };
 
 use crate::StudyError;
+use crate::text::start_of;
 
-/// Use of the checkpoint of a run of a study, for progress output; its text is a sentence without a full stop.
+/// Use of the checkpoint of a run, for progress output; its text is a sentence without a full stop.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum CheckpointEvent<'a> {
@@ -23,6 +24,15 @@ pub enum CheckpointEvent<'a> {
     Unused(&'a str),
     /// A checkpoint could not be written, for the reason given: the run goes on, and the last one that was written remains.
     Unwritten(&'a str),
+    /// The run starts from a state that another run has kept, or goes on from a run that did.
+    Origin(&'a Remark),
+    /// A new run removes the checkpoint of another run, of other inputs, from its folder.
+    Removed {
+        /// Path of the folder.
+        folder: &'a Path,
+        /// The checkpoint.
+        of: &'a ResumedRun,
+    },
 }
 
 impl fmt::Display for CheckpointEvent<'_> {
@@ -46,6 +56,13 @@ impl fmt::Display for CheckpointEvent<'_> {
             Self::Unwritten(reason) => {
                 write!(f, "warning: a checkpoint could not be written: {reason}")
             }
+            Self::Origin(remark) => write!(f, "{remark}"),
+            Self::Removed { folder, of } => write!(
+                f,
+                "warning: the checkpoint of another run in {}, which would go on {}, is removed: its scene or files differ",
+                folder.display(),
+                start_of(of)
+            ),
         }
     }
 }
@@ -57,91 +74,130 @@ pub(crate) fn is_of_state(error: &StudyError) -> bool {
         .any(|error| error.is::<StateError>())
 }
 
-/// Checkpoints in the results folder of a run of a study.
+/// State from which a run begins.
+#[derive(Debug)]
+pub(crate) enum RunStart {
+    /// That of its scene.
+    Scene,
+    /// The last checkpoint of the same run.
+    Checkpoint(ResumedRun),
+    /// A state that another run has kept.
+    Kept(KeptState),
+}
+
+impl RunStart {
+    /// The last checkpoint in a folder of a run with these inputs, or the scene, and the reasons for which checkpoints are
+    /// not used.
+    pub(crate) fn last(files: &CheckpointFiles, inputs: &RunInputs) -> (Self, Vec<String>) {
+        let found = files.read().and_then(|found| {
+            files.check(&found.inputs, inputs)?;
+            Ok(found)
+        });
+        match found {
+            Ok(mut found) => {
+                let unused = core::mem::take(&mut found.unused);
+                (Self::Checkpoint(found), unused)
+            }
+            Err(CheckpointError::None { .. }) => (Self::Scene, Vec::new()),
+            Err(error) => (Self::Scene, vec![error.to_string()]),
+        }
+    }
+
+    /// State of the dynamic run; none if it has not begun.
+    pub(crate) fn run(&self) -> Option<&SavedRun> {
+        match self {
+            Self::Scene => None,
+            Self::Checkpoint(resumed) => resumed.run.as_ref(),
+            Self::Kept(kept) => Some(&kept.run),
+        }
+    }
+}
+
+/// What a run goes on from.
+#[derive(Default)]
+pub(crate) struct SavedParts {
+    /// The body after the stages that were completed.
+    pub(crate) body: Option<EquilibratedBody>,
+    /// State of the static solution of a stage.
+    pub(crate) solution: Option<StageSolution>,
+    /// State of the dynamic run.
+    pub(crate) run: Option<Arc<SavedRun>>,
+}
+
+/// Checkpoints in the results folder of a run.
 pub(crate) struct RunCheckpoints {
     files: CheckpointFiles,
-    /// State from which the run goes on; its parts are taken one by one.
-    resumed: Option<ResumedRun>,
+    start: RunStart,
     /// Reasons for which checkpoints are not used.
     unused: Vec<String>,
     writer: Arc<CheckpointWriter>,
 }
 
 impl RunCheckpoints {
-    /// Reads the checkpoint of a scene's run from its results folder; one that is damaged or of other inputs is not used.
-    /// New ones are written at an interval of wall time, in place of the scene's; states that the scene wants to keep are,
-    /// if it `keeps` them.
-    pub(crate) fn open(
-        folder: &Path,
-        scene: &Scene,
-        interval: Option<CheckpointInterval>,
-        keeps: bool,
+    /// Those of a scene's run with inputs, from its start. New ones are written at an interval of wall time, in place of the
+    /// scene's; states that the scene wants to keep are, if it `keeps` them.
+    pub(crate) fn new(
+        files: CheckpointFiles,
+        (scene, inputs): (&Scene, RunInputs),
+        (start, unused): (RunStart, Vec<String>),
+        (interval, keeps): (Option<CheckpointInterval>, bool),
     ) -> Self {
         let interval = interval.or(scene.checkpoints().every);
         let interval = interval.unwrap_or(CheckpointInterval::DEFAULT).duration();
-        let files = CheckpointFiles::of(folder);
-        let inputs = RunInputs::of(scene);
-        let found = files.read().and_then(|found| {
-            files.check(&found.inputs, &inputs)?;
-            Ok(found)
-        });
-        let (resumed, unused) = match found {
-            Ok(mut found) => {
-                let unused = core::mem::take(&mut found.unused);
-                (Some(found), unused)
-            }
-            Err(CheckpointError::None { .. }) => (None, Vec::new()),
-            Err(error) => (None, vec![error.to_string()]),
-        };
-        let run = resumed.as_ref().and_then(|resumed| resumed.run.as_ref());
         let after = match keeps {
-            true => run.map(|run| run.time),
+            true => start.run().map(|run| run.time),
             false => Some(f64::INFINITY),
         };
         Self {
             writer: CheckpointWriter::new(scene, (files.clone(), inputs), interval, after),
             files,
-            resumed,
+            start,
             unused,
         }
     }
 
-    /// Whether the run goes on from a checkpoint.
+    /// Whether the run goes on from a checkpoint of its own.
     pub(crate) fn is_resumed(&self) -> bool {
-        self.resumed.is_some()
+        matches!(self.start, RunStart::Checkpoint(_))
     }
-    /// Length of a step (s) of the dynamic run that is resumed; none if it has not begun.
+    /// Length of a step (s) of the dynamic run from whose state this one goes on.
     pub(crate) fn step(&self) -> Option<f64> {
-        Some(self.resumed.as_ref()?.run.as_ref()?.step)
+        self.start.run().map(|run| run.step)
     }
     /// What the run goes on from, in words that differ if it does.
     pub(crate) fn description(&self) -> String {
-        let resumed = self.resumed.as_ref();
-        let run = resumed.and_then(|resumed| resumed.run.as_ref());
+        let run = self.start.run();
         let run = run.map(|run| (run.done, run.step.to_bits(), run.time.to_bits()));
-        let body = resumed.and_then(|resumed| resumed.body.as_ref());
+        let body = match &self.start {
+            RunStart::Scene => None,
+            RunStart::Checkpoint(resumed) => resumed.body.as_ref(),
+            RunStart::Kept(kept) => kept.body.as_ref(),
+        };
         format!("{run:?} {:?}", body.map(|body| body.stages().len()))
     }
     /// Reports from where the run goes on, and which checkpoints are not used.
     pub(crate) fn report(&self, mut event: impl FnMut(CheckpointEvent)) {
         let unused = self.unused.iter();
         unused.for_each(|reason| event(CheckpointEvent::Unused(reason)));
-        if let Some(resumed) = &self.resumed {
+        if let RunStart::Checkpoint(resumed) = &self.start {
             event(CheckpointEvent::Resumed(resumed));
         }
     }
-
-    /// Takes the body after the stages that were completed.
-    pub(crate) fn take_body(&mut self) -> Option<EquilibratedBody> {
-        self.resumed.as_mut()?.body.take()
-    }
-    /// Takes the state of the static solution of a stage.
-    pub(crate) fn take_solution(&mut self) -> Option<StageSolution> {
-        self.resumed.as_mut()?.solution.take()
-    }
-    /// Takes the state of the dynamic run.
-    pub(crate) fn take_run(&mut self) -> Option<Arc<SavedRun>> {
-        Some(Arc::new(self.resumed.as_mut()?.run.take()?))
+    /// Takes what the run goes on from.
+    pub(crate) fn take(&mut self) -> SavedParts {
+        match core::mem::replace(&mut self.start, RunStart::Scene) {
+            RunStart::Scene => SavedParts::default(),
+            RunStart::Checkpoint(resumed) => SavedParts {
+                body: resumed.body,
+                solution: resumed.solution,
+                run: resumed.run.map(Arc::new),
+            },
+            RunStart::Kept(kept) => SavedParts {
+                body: kept.body,
+                solution: None,
+                run: Some(Arc::new(kept.run)),
+            },
+        }
     }
 
     /// The writer of the checkpoints of this run.
@@ -153,6 +209,32 @@ impl RunCheckpoints {
         if let Some(reason) = self.writer.finish() {
             event(CheckpointEvent::Unwritten(&reason));
         }
+    }
+    /// Refuses a new run of inputs in a folder with a checkpoint that cannot be read, or from which a run of the same inputs
+    /// goes on; reports one of other inputs, which will be removed.
+    ///
+    /// # Errors
+    /// [`StudyError::Unfinished`], [`StudyError::UnreadableCheckpoint`].
+    pub(crate) fn refuse_resumable(
+        &self,
+        (folder, inputs): (&Path, &RunInputs),
+        mut event: impl FnMut(CheckpointEvent),
+    ) -> Result<(), StudyError> {
+        let found = match self.files.read() {
+            Ok(found) => found,
+            Err(CheckpointError::None { .. }) => return Ok(()),
+            Err(source) => {
+                let folder = folder.into();
+                return Err(StudyError::UnreadableCheckpoint { folder, source });
+            }
+        };
+        let is_same = found.inputs.origin == inputs.origin;
+        if is_same && self.files.check(&found.inputs, inputs).is_ok() {
+            let (folder, start) = (folder.into(), start_of(&found));
+            return Err(StudyError::Unfinished { folder, start });
+        }
+        event(CheckpointEvent::Removed { folder, of: &found });
+        Ok(())
     }
     /// Removes all checkpoints and states that were kept, as before a new run.
     ///

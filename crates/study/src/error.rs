@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use powerhouse::CheckpointError;
 use powerhouse::model::{MeshError, ModelError, ParameterError};
 use powerhouse::wavefield::WaveError;
 use thiserror::Error;
@@ -57,6 +58,28 @@ pub enum StudyError {
         what: &'static str,
         /// Number of ranks.
         ranks: usize,
+    },
+    /// A new run in the folder of one of the same inputs that ended before its time, from whose checkpoint it can go on.
+    #[error(
+        "a run of this scene ended before its time in {path}: `powerhouse run --resume {path}` goes on {start}; `--restart` begins anew",
+        path = folder.display()
+    )]
+    Unfinished {
+        /// Path of the folder.
+        folder: PathBuf,
+        /// From where it goes on, in words.
+        start: String,
+    },
+    /// A new run in a folder with a checkpoint that cannot be read.
+    #[error(
+        "{} has a checkpoint, but {source}; `--restart` removes it, --out gives another folder",
+        folder.display()
+    )]
+    UnreadableCheckpoint {
+        /// Path of the folder.
+        folder: PathBuf,
+        /// Cause.
+        source: CheckpointError,
     },
     /// A result folder without a table of histories.
     #[error("{} has no histories: its scene needs at least one [[output.history]]", folder.display())]

@@ -5,6 +5,7 @@
 //!   limits it, predicted cost of stages and run, and the changes that save most ([`saving`]).
 //! - [`FreeFieldCheck`] runs the scene's box without the structure and compares it with the incident field. The
 //!   difference is the error of mesh, time step and boundary, a lower bound of the errors of the scene.
+//! - [`SceneRun`] runs a scene into a folder, with all that is checked before.
 //! - [`mod@sweep`] runs the cases of a scene, and [`write_report`] writes their results to one HTML page.
 //! - [`motion`] measures recorded motions, and [`fields`] draws what snapshots have, after a run.
 //! - [`trade`] measures cost and error of a scene's numerical options and finds the Pareto front.
@@ -44,11 +45,13 @@ pub mod motion;
 mod opening_slice;
 mod perturbation;
 mod price;
+mod ranks;
 mod recorded;
 mod report;
 mod resolution;
 mod rounded;
 pub mod saving;
+mod scene_run;
 mod sensitivity;
 mod shell_octant;
 mod sides;
@@ -77,6 +80,7 @@ pub use report::{
     write_report_with,
 };
 pub use resolution::Resolution;
+pub use scene_run::{RanScene, RunWatch, SceneRun};
 pub use sensitivity::{Variation, VariedFigure, sensitivity};
 pub use shell_octant::ShellOctant;
 pub use static_cost::StaticCost;

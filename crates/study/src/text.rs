@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::engine::StableStep;
 use powerhouse::model::{LimitingTerm, StepProfile};
-use powerhouse::{Remark, merge_messages};
+use powerhouse::{Remark, ResumedRun, merge_messages};
 
 /// Appends a line to a text; a `String` takes every line.
 macro_rules! line {
@@ -96,5 +96,18 @@ pub fn bytes(count: u64) -> String {
         b if b < 1e6 => format!("{:.0} kB", b / 1e3),
         b if b < 1e9 => format!("{:.0} MB", b / 1e6),
         b => format!("{:.1} GB", b / 1e9),
+    }
+}
+
+/// The state from which a run goes on that has left a checkpoint, in words: `from t = ...`.
+pub fn start_of(found: &ResumedRun) -> String {
+    match (&found.run, &found.body) {
+        (Some(run), _) => format!("from t = {:.6} s, after {} steps", run.time, run.done),
+        _ if found.solution.is_some() => "within the solution of a stage".into(),
+        (None, Some(body)) => {
+            let last = body.stages().last().map_or("", |stage| stage.name.as_str());
+            format!("after the stage '{last}'")
+        }
+        (None, None) => "from its start".into(),
     }
 }

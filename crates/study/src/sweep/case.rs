@@ -1,6 +1,7 @@
 //! Run of one case of a sweep.
 
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,8 +10,8 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, Remark,
-    ResultFolder, RunHooks, RunNotes, Scene, SceneFile, Simulation,
+    CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, ProgressHook,
+    Remark, ResultFolder, RunHooks, RunNotes, Scene, SceneFile, Simulation, StageSink,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -19,9 +20,9 @@ use super::{
     CaseInput, CaseOutcome, Coverage, LOOK, OUTCOME, Peak, Sweep, SweepWatch, ground, locked,
     pictures,
 };
-use crate::checkpoints::{RunCheckpoints, is_of_state};
+use crate::checkpoints::is_of_state;
 use crate::store;
-use crate::{CheckpointEvent, FreeFieldCheck, OutputSize, StudyError, Warning};
+use crate::{CheckpointEvent, FreeFieldReport, RunWatch, SceneRun, StudyError};
 
 /// Cancellation flag and progress callback of a case.
 pub(super) struct CaseControl<'h, 'w> {
@@ -34,16 +35,16 @@ pub(super) enum Claim {
     /// None: its results are complete.
     Finished,
     /// This process, as long as it holds the lock.
-    Own(FolderLock),
+    Own(Arc<FolderLock>),
     /// Another process, or a run into the folder of the case.
     Elsewhere,
 }
 
-/// The error of a case from that of its stages.
-pub(super) fn of_stages(error: Error) -> StudyError {
+/// An error of a run, an interruption within a stage as that of the study.
+pub(crate) fn of_stages(error: StudyError) -> StudyError {
     match error {
-        Error::Interrupted { .. } => StudyError::Interrupted,
-        error => error.into(),
+        StudyError::Scene(Error::Interrupted { .. }) => StudyError::Interrupted,
+        error => error,
     }
 }
 
@@ -51,18 +52,40 @@ pub(super) fn of_stages(error: Error) -> StudyError {
 struct PlannedCase {
     scene: Scene,
     input: CaseInput,
-    text: Option<String>,
     relative: Vec<String>,
     /// Key of the body after the stages.
     body: String,
-    title: String,
     ground: Vec<Peak>,
     coverage: Option<Coverage>,
-    checkpoints: RunCheckpoints,
-    /// The free-field check with its limit.
-    check: Option<(FreeFieldCheck, f64)>,
-    size: OutputSize,
-    warnings: Vec<Message>,
+}
+
+/// The callbacks of the run of a case as those of its sweep.
+struct CaseRunWatch<'c, 'w> {
+    case: &'c str,
+    path: PathBuf,
+    lock: Arc<FolderLock>,
+    watch: &'c Mutex<&'w mut dyn SweepWatch>,
+}
+
+impl RunWatch for CaseRunWatch<'_, '_> {
+    fn checkpoint(&mut self, event: CheckpointEvent) {
+        locked(self.watch).checkpoint(self.case, event);
+    }
+    fn checked(&mut self, found: Result<&FreeFieldReport, &StudyError>) {
+        if let Ok(found) = found {
+            locked(self.watch).self_check(self.case, found.largest());
+        }
+    }
+    fn begins(&mut self, notes: &RunNotes) -> Result<(), StudyError> {
+        locked(self.watch).warns(self.case, notes, self.lock.remark());
+        store::unmark(&self.path, &[OUTCOME])
+    }
+    fn stages(&mut self, files: Option<Box<dyn StageSink>>) -> Option<Box<dyn StageSink>> {
+        Some(locked(self.watch).stages(self.case, files?))
+    }
+    fn progress(&mut self) -> Option<ProgressHook<'static>> {
+        locked(self.watch).progress(self.case)
+    }
 }
 
 /// Title of the results of a case of a scene.
@@ -84,7 +107,7 @@ impl Sweep {
             Err(error) => Err(error.into()),
             // Another process may have finished it before the lock was taken.
             Ok(_) if self.is_finished(case) => Ok(Claim::Finished),
-            Ok(lock) => Ok(Claim::Own(lock)),
+            Ok(lock) => Ok(Claim::Own(Arc::new(lock))),
         }
     }
 
@@ -92,7 +115,7 @@ impl Sweep {
     /// does not fit the body, as that of another build of the program, is removed, and the case begins anew.
     pub(super) fn case(
         &self,
-        (case, lock): (&str, &FolderLock),
+        (case, lock): (&str, &Arc<FolderLock>),
         control: &CaseControl,
         bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
@@ -110,90 +133,43 @@ impl Sweep {
 
     fn run_case(
         &self,
-        (case, lock): (&str, &FolderLock),
+        (case, lock): (&str, &Arc<FolderLock>),
         control: &CaseControl,
         bodies: &BodyStore,
     ) -> Result<CaseOutcome, StudyError> {
         self.ranks.begin(Some(case))?;
-        let planned = self.ranks.agree(self.plan(case))?;
         let PlannedCase {
             scene,
             input,
-            text,
             relative,
             body,
-            title,
             ground,
             coverage,
-            mut checkpoints,
-            check,
-            size,
-            mut warnings,
-        } = planned;
-        self.ranks.check_same(&checkpoints)?;
+        } = self.ranks.agree(self.plan(case))?;
         let path = self.folder.join(case);
-        let folder = ResultFolder::new(&path);
-        let mut simulation = scene.prepare()?;
-        // An invalid step is an error before any file is removed.
-        let step = match checkpoints.step() {
-            Some(step) => {
-                simulation.resume_at(step);
-                step
-            }
-            None => simulation.step()?,
-        };
-        let report = |event: CheckpointEvent| locked(control.watch).checkpoint(case, event);
-        let begin = || {
-            folder.remove_unfinished()?;
-            folder.prove(&simulation, size.bytes(step))?;
-            store::unmark(&path, &[OUTCOME])?;
-            checkpoints.report(report);
-            if !checkpoints.is_resumed() {
-                folder.clear()?;
-                checkpoints.clear()?;
-            }
-            if let Some((check, limit)) = check {
-                let mut hooks = RunHooks::default();
-                hooks.stop = control.stop.cloned();
-                let found = check.run(step, hooks)?;
-                locked(control.watch).self_check(case, found.largest());
-                found.require(limit)?;
-            }
-            Ok(())
-        };
-        self.ranks.agree(begin())?;
-
-        let mesh = simulation.mesh().clone();
-        warnings.extend(coverage.as_ref().and_then(Coverage::warning));
-        let notes = RunNotes::new(simulation.remarks().to_vec()).with_warnings(warnings);
-        locked(control.watch).warns(case, &notes, lock.remark());
-        let open = || -> Result<_, StudyError> {
-            folder.begin(&title)?;
-            Ok(folder.snapshots(&simulation)?)
-        };
-        let mut hooks = RunHooks::default()
-            .with_snapshots(self.ranks.agree(open())?)
-            .with_tables(folder.tables())
-            .with_checkpoints(checkpoints.writer().clone());
-        let staged = (&folder, &mut checkpoints);
-        hooks.equilibrated_body =
-            self.equilibrated(&simulation, (case, &body), staged, (control, bodies))?;
-        hooks.resume = checkpoints.take_run();
-        hooks.progress = locked(control.watch).progress(case);
-        hooks.stop = control.stop.cloned();
-        let outcome = simulation.run(hooks);
-        checkpoints.finish(report);
-        let (results, failure) = match outcome {
-            Ok(results) => (results, None),
-            Err(Error::Failed { error, results }) => (*results, Some(error)),
-            Err(error) => return Err(error.into()),
-        };
-        let of_results = results.warnings(&mesh);
+        let title = titled(scene.title(), case);
+        let run = self
+            .run_of((case, scene), control)
+            .with_title(title)
+            .with_warnings(coverage.as_ref().and_then(Coverage::warning))
+            .with_lock(lock.clone())
+            .with_bodies(|simulation, hooks| {
+                self.equilibrated((simulation, hooks), (case, &body), (control, bodies))
+            });
+        let mut ran = run
+            .run(&mut CaseRunWatch {
+                case,
+                path: path.clone(),
+                lock: lock.clone(),
+                watch: control.watch,
+            })
+            .map_err(of_stages)?;
+        let (mesh, results) = (&ran.mesh, &ran.results);
+        let of_results = results.warnings(mesh);
         let of_results: Vec<Message> = of_results.iter().map(Remark::message).collect();
         locked(control.watch).warns_of_results(case, &of_results);
-        let is_held = lock.is_held();
-        let mut files = folder.write((&title, &mesh), &results, &notes, text.as_deref())?;
-        if let Some(failure) = failure {
+        let mut files = ran.write()?;
+        if let Some(failure) = ran.failure.take() {
             return Err(Error::from(failure).into());
         }
         let stop = control.stop;
@@ -202,48 +178,46 @@ impl Sweep {
         if *ended == Ended::Stopped || (stopped && *ended != Ended::Completed) {
             return Err(StudyError::Interrupted);
         }
-        files.extend(pictures::draw(&path, &mesh, &results)?);
-        let mut outcome = CaseOutcome::of((case, input), &mesh, &results, (&relative, ground));
+        files.extend(pictures::draw(&path, mesh, results)?);
+        let mut outcome = CaseOutcome::of((case, input), mesh, results, (&relative, ground));
         outcome.coverage = coverage;
         let file = path.join(OUTCOME);
         write_summary(&file, &outcome).map_err(Error::from)?;
         files.push(file.clone());
         // The fingerprint is written last: without it the case is not finished.
-        if !is_held {
-            return Err(Error::from(FolderError::Gone { folder: path }).into());
-        }
+        ran.require_folder()?;
         if let Some(variant) = self.variant(case) {
             store::finish(&path, variant.fingerprint(), &files)?;
         }
-        checkpoints.remove()?;
+        ran.remove_checkpoints()?;
         // Read back, as a later sweep does: a number may lose its last bit in a file.
         CaseOutcome::read(&file)
+    }
+
+    /// The run of the scene of a case into its folder.
+    pub(super) fn run_of<'a>(
+        &self,
+        (case, scene): (&str, Scene),
+        control: &CaseControl,
+    ) -> SceneRun<'a> {
+        SceneRun::continued(scene, ResultFolder::new(self.folder.join(case)))
+            .with_checkpoint_interval(self.checkpoint_interval)
+            .with_stop(control.stop.cloned())
+            .on_ranks(self.ranks.0.clone())
     }
 
     /// What a case needs before its model is built, from which the files of the last run are not touched yet.
     fn plan(&self, case: &str) -> Result<PlannedCase, StudyError> {
         let scene = self.scene_of(case)?;
         let input = CaseInput::of(scene.input());
-        let path = self.folder.join(case);
         let relative = scene.output().relative.iter();
-        let checkpoints = RunCheckpoints::open(&path, &scene, self.checkpoint_interval, true);
-        // A run that is resumed has passed the check.
-        let check = scene.self_check().filter(|_| !checkpoints.is_resumed());
-        let check = check.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(&scene)?, limit)));
-        let warnings = crate::warnings(&scene)?;
         Ok(PlannedCase {
-            text: scene.source().map(|source| source.text.clone()),
             relative: relative.map(|request| request.name.clone()).collect(),
             body: at_rest::key(&scene),
-            title: titled(scene.title(), case),
             ground: ground::relative_peaks(&scene)?,
             coverage: Coverage::of(&scene, &input),
-            check: check.transpose()?,
-            size: OutputSize::of(&scene)?,
-            warnings: warnings.iter().map(Warning::message).collect(),
             input,
-            checkpoints,
-            scene: self.ranks.take(scene)?,
+            scene,
         })
     }
 
@@ -266,16 +240,13 @@ impl Sweep {
         }
         Ok(scene)
     }
-}
 
-impl Sweep {
-    /// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible, or after the last
-    /// stage of its checkpoint; `None` without stages.
+    /// The equilibrated body of a case after its stages, from another case or an earlier sweep if possible, or computed with
+    /// hooks; `None` without stages.
     fn equilibrated(
         &self,
-        simulation: &Simulation,
+        (simulation, hooks): (&Simulation, RunHooks),
         (case, key): (&str, &str),
-        (folder, checkpoints): (&ResultFolder, &mut RunCheckpoints),
         (control, bodies): (&CaseControl, &BodyStore),
     ) -> Result<Option<EquilibratedBody>, StudyError> {
         let slot = bodies.slot(key);
@@ -303,37 +274,9 @@ impl Sweep {
             self.ranks.agree(Ok(()))?;
         } else {
             let started = Instant::now();
-            let files = self
-                .ranks
-                .agree(folder.stages(simulation).map_err(StudyError::from))?;
-            let completed = Arc::new(Mutex::new(Vec::new()));
-            let (writer, reports) = (checkpoints.writer().clone(), completed.clone());
-            let mut hooks = RunHooks::default().with_stage_hook(move |body| {
-                let mut reports = locked(&reports);
-                reports.clear();
-                reports.extend_from_slice(body.stages());
-                writer.keep_stage(body);
-            });
-            hooks.stop = control.stop.cloned();
-            hooks.stages = Some(locked(control.watch).stages(case, files));
-            hooks.completed_stages = checkpoints.take_body();
-            if !self.ranks.are_several() {
-                hooks.stage_solution = checkpoints.take_solution();
-                hooks.stage_checkpoints = Some(checkpoints.writer().clone());
-            }
             let before = hooks.completed_stages.as_ref();
             let before = before.map_or(0, |body| body.stages().len());
-            let found = simulation.equilibrate_with(hooks);
-            let title = || titled(simulation.title(), case);
-            let completed = locked(&completed);
-            match &found {
-                Err(Error::Interrupted { stage }) => {
-                    folder.interrupt(&title(), stage, &completed)?
-                }
-                Err(error) => folder.fail(&title(), error, &completed)?,
-                Ok(_) => {}
-            }
-            *body = found.map_err(of_stages)?;
+            *body = simulation.equilibrate_with(hooks)?;
             if let Some(found) = &*body {
                 if found.stages().len() > before {
                     locked(control.watch).equilibrated(case, started.elapsed());

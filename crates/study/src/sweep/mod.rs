@@ -52,10 +52,12 @@ use powerhouse::{
 };
 
 use crate::json::read_json;
+use crate::ranks::RunRanks;
 use crate::store;
 use crate::variant::Variant;
 use crate::{CheckpointEvent, StudyError};
 use at_rest::BodyStore;
+pub(crate) use case::of_stages;
 use case::{CaseControl, Claim};
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
@@ -64,7 +66,6 @@ pub(crate) use entry::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 use processes::SharedFolder;
-use ranks::CaseRanks;
 pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.
@@ -155,7 +156,7 @@ pub struct Sweep {
     at_once: NonZeroUsize,
     /// Wall time between two checkpoints, in place of the scene's.
     checkpoint_interval: Option<CheckpointInterval>,
-    ranks: CaseRanks,
+    ranks: RunRanks,
     /// Records as used by the waves.
     records: Vec<(String, TimeHistory)>,
 }
@@ -227,7 +228,7 @@ impl Sweep {
             registry,
             at_once: NonZeroUsize::MIN,
             checkpoint_interval: None,
-            ranks: CaseRanks::default(),
+            ranks: RunRanks::default(),
         })
     }
 
@@ -291,7 +292,7 @@ impl Sweep {
     /// it. Rank 0 returns the outcomes and writes the files, the others return none. Cases run one after the other.
     #[must_use]
     pub fn on_ranks(mut self, engine: Arc<ExplicitOnRanks>) -> Self {
-        self.ranks = CaseRanks(Some(engine));
+        self.ranks = RunRanks(Some(engine));
         self
     }
 

@@ -11,17 +11,18 @@ use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
 use powerhouse::model::{CheckpointSink, ModelError, Progress};
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, ResultFolder,
-    RunHooks, Scene, SceneSpec,
+    RunHooks, RunInputs, Scene, SceneSpec,
 };
 use serde::{Deserialize, Serialize};
 
 use super::plan::Design;
 use super::{Trade, TradeWatch};
-use crate::checkpoints::{RunCheckpoints, is_of_state};
+use crate::checkpoints::{RunCheckpoints, RunStart, is_of_state};
 use crate::cost::CostModel;
 use crate::json::read_json;
 use crate::mark::Fingerprint;
 use crate::store;
+use crate::sweep::of_stages;
 use crate::variant::Variant;
 use crate::{CheckpointEvent, StudyError};
 
@@ -190,7 +191,11 @@ impl TradeRunner<'_> {
         let started = Instant::now();
         let model = CostModel::of(&scene)?;
         let scene = scene.with_duration(self.window);
-        let mut checkpoints = RunCheckpoints::open(folder, &scene, self.checkpoint_interval, false);
+        let files = CheckpointFiles::of(folder);
+        let inputs = RunInputs::of(&scene);
+        let start = RunStart::last(&files, &inputs);
+        let kept = (self.checkpoint_interval, false);
+        let mut checkpoints = RunCheckpoints::new(files, (&scene, inputs), start, kept);
         let spent = match checkpoints.is_resumed() {
             true => SpentTime::read(folder),
             false => {
@@ -204,6 +209,7 @@ impl TradeRunner<'_> {
             Some(step) => step,
             None => simulation.step()?,
         };
+        let saved = checkpoints.take();
         let composed = started.elapsed().as_secs_f64();
         let spent = Arc::new(Mutex::new(spent));
         let equilibrated = match self.bodies.get(body) {
@@ -228,12 +234,9 @@ impl TradeRunner<'_> {
                 };
                 let mut hooks = RunHooks::default().with_stage_hook(keep);
                 hooks.stop = self.stop.cloned();
-                hooks.completed_stages = checkpoints.take_body();
+                hooks.completed_stages = saved.body;
                 let found = simulation.equilibrate_with(hooks);
-                let found = found.map_err(|error| match error {
-                    powerhouse::Error::Interrupted { .. } => StudyError::Interrupted,
-                    error => error.into(),
-                })?;
+                let found = found.map_err(|error| of_stages(error.into()))?;
                 let took = locked(&spent).stages;
                 let found = found.map(|body| StagingOutcome { body, took });
                 if let Some(found) = &found {
@@ -264,7 +267,7 @@ impl TradeRunner<'_> {
             clock: clock.clone(),
             spent,
         }));
-        hooks.resume = checkpoints.take_run();
+        hooks.resume = saved.run;
         let done = hooks.resume.as_ref().map_or(0, |saved| saved.done);
         let results = simulation.run(hooks);
         checkpoints.finish(|event| watch.checkpoint(name, event));

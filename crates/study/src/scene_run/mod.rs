@@ -1,0 +1,489 @@
+//! One run of a scene, with its results in a folder.
+
+mod ran;
+mod watch;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use powerhouse::engine::ExplicitOnRanks;
+use powerhouse::engine::observe::{Snapshot, SnapshotSink};
+use powerhouse::model::Observer;
+use powerhouse::{
+    CheckpointFiles, CheckpointInterval, EquilibratedBody, Error, FolderLock, KeptState, Message,
+    Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, Simulation,
+};
+
+use crate::checkpoints::{RunCheckpoints, RunStart};
+use crate::ranks::RunRanks;
+use crate::saving::FormatError;
+use crate::{CheckpointEvent, FreeFieldCheck, OutputSize, StudyError, Warning};
+pub use ran::RanScene;
+use ran::Written;
+pub use watch::RunWatch;
+
+/// Why ranks do not measure the error of a number format: each would need the memory of the whole body.
+const ON_RANKS: &str = "ranks do not measure it, `powerhouse check` does, which needs the memory of one process with the whole body";
+
+/// Source of the body after the stages in place of the run, from the simulation and the hooks of its stages.
+type BodySource<'a> =
+    dyn FnOnce(&Simulation, RunHooks<'_>) -> Result<Option<EquilibratedBody>, StudyError> + 'a;
+
+/// Run of a scene, with its results in a folder or in memory.
+///
+/// Everything that could refuse the run or spoil its end comes before its first step and before the results of an earlier
+/// run are removed: warnings with the error of the number format, the stable step, the lock of the folder, a proof that all
+/// files can be written, a look for the checkpoint of an interrupted run, and the free-field check if the scene requests one.
+///
+/// ```no_run
+/// use powerhouse::{ResultFolder, Scene};
+/// use powerhouse_study::{RunWatch, SceneRun};
+///
+/// struct Silent;
+/// impl RunWatch for Silent {}
+///
+/// let scene = Scene::from_file("scene.toml")?;
+/// let mut ran = SceneRun::new(scene, ResultFolder::new("results")).run(&mut Silent)?;
+/// let files = ran.write()?;
+/// ran.close()?;
+/// println!("{} steps, {} files", ran.results.run.steps, files.len());
+/// # Ok::<(), powerhouse_study::StudyError>(())
+/// ```
+pub struct SceneRun<'a> {
+    scene: Scene,
+    inputs: RunInputs,
+    title: Option<String>,
+    warnings: Vec<Message>,
+    /// Where the results are written; in memory alone without it.
+    folder: Option<ResultFolder>,
+    lock: Option<Arc<FolderLock>>,
+    start: (RunStart, Vec<String>),
+    /// Whether the checkpoint of an interrupted run in the folder is removed.
+    restart: bool,
+    interval: Option<CheckpointInterval>,
+    /// Whether checkpoints are written.
+    saves: bool,
+    hooks: RunHooks<'static>,
+    bodies: Option<Box<BodySource<'a>>>,
+    ranks: RunRanks,
+}
+
+impl<'a> SceneRun<'a> {
+    fn of(scene: Scene, folder: Option<ResultFolder>) -> Self {
+        Self {
+            inputs: RunInputs::of(&scene),
+            title: None,
+            warnings: Vec::new(),
+            folder,
+            lock: None,
+            start: (RunStart::Scene, Vec::new()),
+            restart: false,
+            interval: None,
+            saves: true,
+            hooks: RunHooks::default(),
+            bodies: None,
+            ranks: RunRanks::default(),
+            scene,
+        }
+    }
+    /// A new run with its results in a folder. It is refused if a run of the same inputs was interrupted there, unless it
+    /// [restarts](Self::restarting).
+    pub fn new(scene: Scene, folder: ResultFolder) -> Self {
+        Self::of(scene, Some(folder))
+    }
+    /// A new run that writes no files; snapshots go to a sink.
+    pub fn in_memory(scene: Scene, snapshots: Box<dyn SnapshotSink>) -> Self {
+        let mut run = Self::of(scene, None);
+        run.hooks.snapshots = Some(snapshots);
+        run
+    }
+    /// The run with results in a folder, resumed from its last checkpoint, which is that of the same scene.
+    ///
+    /// # Errors
+    /// [`CheckpointError::OtherRun`](powerhouse::CheckpointError::OtherRun).
+    pub fn resumed(
+        scene: Scene,
+        folder: ResultFolder,
+        mut from: ResumedRun,
+    ) -> Result<Self, StudyError> {
+        let mut run = Self::new(scene, folder).restarting(true);
+        let checked = run.files().check(&from.inputs, &run.inputs);
+        checked.map_err(Error::from)?;
+        run.inputs.origin = from.inputs.origin.clone();
+        let unused = core::mem::take(&mut from.unused);
+        run.start = (RunStart::Checkpoint(from), unused);
+        Ok(run)
+    }
+    /// A new run from a state that another run has kept.
+    ///
+    /// # Errors
+    /// As [`KeptState::variant`].
+    pub fn from_state(
+        scene: Scene,
+        folder: ResultFolder,
+        kept: KeptState,
+    ) -> Result<Self, StudyError> {
+        let mut run = Self::new(scene, folder);
+        run.inputs = kept.variant(&run.scene).map_err(Error::from)?;
+        run.start.0 = RunStart::Kept(kept);
+        Ok(run)
+    }
+    /// A run that goes on from the last checkpoint of the same inputs in its folder if there is one that can be used, and
+    /// begins anew otherwise.
+    pub(crate) fn continued(scene: Scene, folder: ResultFolder) -> Self {
+        let mut run = Self::new(scene, folder).restarting(true);
+        run.start = RunStart::last(&run.files(), &run.inputs);
+        run
+    }
+
+    /// Sets whether the checkpoint of a run that was interrupted in the folder is removed; false by default.
+    #[must_use]
+    pub fn restarting(mut self, restart: bool) -> Self {
+        self.restart = restart;
+        self
+    }
+    /// Sets the number of threads, above zero, in place of the scene's.
+    #[must_use]
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.scene = self.scene.with_threads(threads);
+        self
+    }
+    /// Sets the wall time between two checkpoints in place of the scene's, if one is given.
+    #[must_use]
+    pub fn with_checkpoint_interval(mut self, interval: Option<CheckpointInterval>) -> Self {
+        self.interval = interval;
+        self
+    }
+    /// Writes no checkpoints, as of a scene that cannot be read again.
+    #[must_use]
+    pub fn without_checkpoints(mut self) -> Self {
+        self.saves = false;
+        self
+    }
+    /// Sets the cancellation flag, see [`RunHooks::stop`].
+    #[must_use]
+    pub fn with_stop(mut self, stop: Option<Arc<AtomicBool>>) -> Self {
+        self.hooks.stop = stop;
+        self
+    }
+    /// Sets whether the wall time of the parts of time steps is measured.
+    #[must_use]
+    pub fn with_profile(mut self, profile: bool) -> Self {
+        self.hooks.profile = profile;
+        self
+    }
+    /// Adds observers beside those of the scene's output requests.
+    #[must_use]
+    pub fn with_observers(
+        mut self,
+        observers: impl IntoIterator<Item = Box<dyn Observer>>,
+    ) -> Self {
+        self.hooks.observers.extend(observers);
+        self
+    }
+    /// Computes the run on several ranks together, of which this process is one; every rank makes the same run. Rank 0 writes
+    /// the files.
+    #[must_use]
+    pub fn on_ranks(mut self, engine: Option<Arc<ExplicitOnRanks>>) -> Self {
+        self.ranks = RunRanks(engine);
+        self
+    }
+    /// Sets the title of the results in place of the scene's.
+    pub(crate) fn with_title(mut self, title: String) -> Self {
+        self.title = Some(title);
+        self
+    }
+    /// Adds warnings to those about the scene.
+    pub(crate) fn with_warnings(mut self, warnings: impl IntoIterator<Item = Message>) -> Self {
+        self.warnings.extend(warnings);
+        self
+    }
+    /// Takes the lock of the folder, which is then not locked again.
+    pub(crate) fn with_lock(mut self, lock: Arc<FolderLock>) -> Self {
+        self.lock = Some(lock);
+        self
+    }
+    /// Takes the body after the stages from a source; the run computes no stages of its own.
+    pub(crate) fn with_bodies(
+        mut self,
+        source: impl FnOnce(&Simulation, RunHooks<'_>) -> Result<Option<EquilibratedBody>, StudyError>
+        + 'a,
+    ) -> Self {
+        self.bodies = Some(Box::new(source));
+        self
+    }
+
+    fn files(&self) -> CheckpointFiles {
+        CheckpointFiles::of(
+            self.folder
+                .as_ref()
+                .map_or(Path::new(""), ResultFolder::path),
+        )
+    }
+
+    /// Composes, checks and runs the scene. The results are not written yet, but for what grows during the run.
+    ///
+    /// # Errors
+    /// Whatever refuses the run: faults of the scene, a folder in use or that cannot hold the files,
+    /// [`StudyError::Unfinished`], [`StudyError::TooCoarse`]. [`StudyError::Interrupted`] if the flag was raised during the
+    /// free-field check, [`Error::Interrupted`] if it was within a stage. Errors of the stages. A failure of the motion is none: it
+    /// is with the [results](RanScene::failure) until then.
+    pub fn run(self, watch: &mut dyn RunWatch) -> Result<RanScene, StudyError> {
+        let files = self.files();
+        let Self {
+            scene,
+            inputs,
+            title,
+            warnings: further,
+            folder,
+            mut lock,
+            start,
+            restart,
+            interval,
+            saves,
+            mut hooks,
+            bodies,
+            ranks,
+        } = self;
+        let (leads, stop) = (ranks.leads(), hooks.stop.clone());
+        ranks.refuse(&[
+            ("--profile", hooks.profile),
+            (
+                "a run from a kept state (--from)",
+                matches!(start.0, RunStart::Kept(_)),
+            ),
+            (
+                "`keep` of `[checkpoint]`",
+                !scene.checkpoints().keep.is_empty(),
+            ),
+        ])?;
+        let text = scene.source().map(|source| source.text.clone());
+        let has_begun = start.0.run().is_some();
+        let origin = inputs.origin.clone();
+        let of_writer = (&scene, inputs.clone());
+        let mut checkpoints = RunCheckpoints::new(files, of_writer, start, (interval, true));
+        let resumes = checkpoints.is_resumed();
+        let foreseen = match leads {
+            true => Foreseen::of(&scene, (resumes, folder.is_some()), ranks.count()).map(Some),
+            false => Ok(None),
+        };
+        let Foreseen {
+            mut warnings,
+            check,
+            size,
+        } = ranks.agree(foreseen)?.unwrap_or_default();
+        warnings.extend(further);
+        let scene = ranks.take(scene, &inputs)?;
+        ranks.check_same("the checkpoint of the run", &checkpoints.description())?;
+        let stages = scene.stages().len();
+        let mut simulation = scene.prepare()?;
+        let step = match checkpoints.step() {
+            Some(step) if resumes => {
+                simulation.resume_at(step);
+                step
+            }
+            kept => {
+                let own = simulation.step()?;
+                kept.unwrap_or(own)
+            }
+        };
+        if !(resumes && has_begun) {
+            watch.composed(&mut simulation, &warnings)?;
+        }
+        let title = title.unwrap_or_else(|| simulation.title().to_owned());
+        let mut remarks = simulation.remarks().to_vec();
+        checkpoints.report(|event| watch.checkpoint(event));
+        if let Some(origin) = origin {
+            let remark = Remark::StartedFrom { origin };
+            watch.checkpoint(CheckpointEvent::Origin(&remark));
+            remarks.push(remark);
+        }
+        // Everything that the end of the run needs is tested before its first step.
+        let prepare = || -> Result<(), StudyError> {
+            let Some(folder) = folder.as_ref().filter(|_| leads) else {
+                return Ok(());
+            };
+            if lock.is_none() {
+                let own = folder.lock()?;
+                if let Some(remark) = own.remark() {
+                    watch.locked(remark);
+                }
+                lock = Some(Arc::new(own));
+            }
+            if !restart {
+                let of = (folder.path(), &inputs);
+                checkpoints.refuse_resumable(of, |event| watch.checkpoint(event))?;
+            }
+            folder.remove_unfinished()?;
+            let size = size.map_or(0, |size| size.bytes(step));
+            Ok(folder.prove(&simulation, size)?)
+        };
+        ranks.agree(prepare())?;
+        let notes = RunNotes::new(remarks).with_warnings(warnings);
+        let checked = match check {
+            Some(check) => made(check, (step, stop.clone()), watch),
+            None => Ok(()),
+        };
+        let goes_on = match checked.and_then(|()| if leads { watch.begins(&notes) } else { Ok(()) })
+        {
+            Err(StudyError::Interrupted) => Ok(false),
+            begins => begins.map(|()| true),
+        };
+        let goes_on = ranks.agree(goes_on)?;
+        if !ranks.all(goes_on)? {
+            return Err(StudyError::Interrupted);
+        }
+        let mesh = simulation.mesh().clone();
+        let mut saved = checkpoints.take();
+        let completed = Arc::new(Mutex::new(Vec::new()));
+        let mut begin = || -> Result<(), StudyError> {
+            if !leads {
+                // Snapshots are taken by all ranks.
+                hooks.snapshots = Some(Box::new(|_: &Snapshot| Ok(())));
+                return Ok(());
+            }
+            let Some(folder) = &folder else {
+                hooks.stages = watch.stages(None);
+                return Ok(());
+            };
+            if !resumes {
+                folder.clear()?;
+                checkpoints.clear()?;
+            }
+            folder.begin(&title)?;
+            hooks.snapshots = Some(folder.snapshots(&simulation)?);
+            hooks.tables = Some(folder.tables());
+            hooks.stages = watch.stages(Some(folder.stages(&simulation)?));
+            let (reports, writer) = (completed.clone(), checkpoints.writer().clone());
+            hooks.keep_stage = Some(Box::new(move |body| {
+                body.stages().clone_into(&mut locked(&reports));
+                if saves {
+                    writer.keep_stage(body);
+                }
+            }));
+            if saves {
+                hooks.checkpoints = Some(checkpoints.writer().clone());
+                if let Some(body) = saved.body.as_ref().filter(|_| !resumes) {
+                    checkpoints.writer().keep_stage(body);
+                }
+            }
+            Ok(())
+        };
+        ranks.agree(begin())?;
+        hooks.completed_stages = saved.body.take();
+        hooks.resume = saved.run.take();
+        if ranks.count() == 1 {
+            hooks.stage_solution = saved.solution.take();
+            if saves && folder.is_some() {
+                hooks.stage_checkpoints = Some(checkpoints.writer().clone());
+            }
+        }
+        let rested = match bodies {
+            None => Ok(None),
+            Some(source) => {
+                let mut own = RunHooks::default();
+                own.stop = stop.clone();
+                own.stages = hooks.stages.take();
+                own.keep_stage = hooks.keep_stage.take();
+                own.completed_stages = hooks.completed_stages.take();
+                own.stage_solution = hooks.stage_solution.take();
+                own.stage_checkpoints = hooks.stage_checkpoints.take();
+                source(&simulation, own)
+            }
+        };
+        let outcome = rested.and_then(|body| {
+            hooks.equilibrated_body = body;
+            hooks.progress = watch.progress();
+            Ok(simulation.run(hooks)?)
+        });
+        watch.ended();
+        checkpoints.finish(|event| watch.checkpoint(event));
+        let (results, failure) = match outcome {
+            Ok(results) => (results, None),
+            Err(StudyError::Scene(Error::Failed { error, results })) => (*results, Some(error)),
+            Err(StudyError::Scene(error)) => {
+                if let Some(folder) = folder.as_ref().filter(|_| leads) {
+                    let completed = locked(&completed);
+                    match &error {
+                        Error::Interrupted { stage } => {
+                            folder.interrupt(&title, stage, &completed)?
+                        }
+                        error => {
+                            folder.fail(&title, error, &completed)?;
+                            watch.failed_in_stages(completed.len(), stages);
+                        }
+                    }
+                }
+                return Err(error.into());
+            }
+            Err(error) => return Err(error),
+        };
+        let written = folder.filter(|_| leads).map(|folder| Written {
+            folder,
+            checkpoints,
+            lock,
+            text,
+        });
+        Ok(RanScene {
+            title,
+            mesh,
+            results,
+            notes,
+            failure,
+            written,
+        })
+    }
+}
+
+/// What is known of a run before its model is built.
+#[derive(Default)]
+struct Foreseen {
+    warnings: Vec<Message>,
+    /// The free-field check with its limit.
+    check: Option<(FreeFieldCheck, f64)>,
+    size: Option<OutputSize>,
+}
+
+impl Foreseen {
+    /// That of a scene, which resumes a run or not and writes files or not, on a number of ranks.
+    fn of(
+        scene: &Scene,
+        (resumes, writes): (bool, bool),
+        ranks: usize,
+    ) -> Result<Self, StudyError> {
+        // A run that is resumed has passed the check.
+        let limit = scene.self_check().filter(|_| !resumes);
+        let check = limit.map(|limit| Ok::<_, StudyError>((FreeFieldCheck::of(scene)?, limit)));
+        let mut warnings = crate::warnings(scene)?;
+        let format = match ranks {
+            1 => FormatError::of(scene)?,
+            _ => FormatError::not_measured(scene, ON_RANKS),
+        };
+        let format = format.filter(FormatError::needs_warning);
+        warnings.extend(format.map(Warning::Format));
+        Ok(Self {
+            check: check.transpose()?,
+            warnings: warnings.iter().map(Warning::message).collect(),
+            size: writes.then(|| OutputSize::of(scene)).transpose()?,
+        })
+    }
+}
+
+/// Makes a free-field check at a step (s).
+fn made(
+    (check, limit): (FreeFieldCheck, f64),
+    (step, stop): (f64, Option<Arc<AtomicBool>>),
+    watch: &mut dyn RunWatch,
+) -> Result<(), StudyError> {
+    let mut hooks = RunHooks::default();
+    (hooks.stop, hooks.progress) = (stop, watch.checks());
+    let found = check.run(step, hooks);
+    watch.checked(found.as_ref());
+    found?.require(limit)
+}
+
+/// Locks a mutex; data of a thread that panicked are used as they are.
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
