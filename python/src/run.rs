@@ -253,7 +253,7 @@ pub(crate) fn make(
     let scene = order.source.compose(alarm)?;
     let shots: Arc<Mutex<Vec<Shot>>> = Arc::default();
     let mut run = match &order.folder {
-        Some(folder) => SceneRun::new(scene, ResultFolder::new(folder)).restarting(order.restart),
+        Some(folder) => SceneRun::new(scene, ResultFolder::new(folder)),
         None => {
             let kept = shots.clone();
             let keep = move |shot: &Snapshot| {
@@ -264,22 +264,17 @@ pub(crate) fn make(
             SceneRun::in_memory(scene, Box::new(keep))
         }
     };
-    if let Some(threads) = order.threads {
-        run = run.with_threads(threads);
-    }
-    if !order.source.is_file {
-        // Without a file there is nothing from which the command could resume the run.
-        run = run.without_checkpoints();
-    }
+    (run.threads, run.restart) = (order.threads, order.restart);
+    run.interval = order.checkpoint_every;
+    // Without a file there is nothing from which the command could resume the run.
+    run.saves = order.source.is_file;
+    run.hooks.stop = Some(alarm.stop.clone());
+    run.hooks.observers.extend(observer);
     let mut watch = Counting {
         progress: progress.clone(),
         said: Vec::new(),
     };
-    let ran = run
-        .with_checkpoint_interval(order.checkpoint_every)
-        .with_stop(Some(alarm.stop.clone()))
-        .with_observers(observer)
-        .run(&mut watch)?;
+    let ran = run.run(&mut watch)?;
     let written = ran.write().and_then(|files| ran.close().map(|()| files));
     let (files, unwritten) = match written {
         Ok(files) => (files, None),

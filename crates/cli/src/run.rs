@@ -11,7 +11,7 @@ use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::io::peak_memory;
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, CompletedStage, Error, KeyChange, Message, ProgressHook,
-    ResultFolder, RunInputs, RunNotes, Scene, SceneChoice, Simulation, StageSink,
+    ResultFolder, RunHooks, RunInputs, RunNotes, Scene, SceneChoice, Simulation, StageSink,
 };
 use powerhouse_study::sweep::is_sweep;
 use powerhouse_study::{CheckpointEvent, FreeFieldReport, RunWatch, SceneRun, StudyError};
@@ -72,7 +72,8 @@ impl Choice {
                 let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
                 folder.keep_scene(&path)?;
                 warn_of_sweep(&folder);
-                let run = SceneRun::new(scene, folder.clone()).restarting(restart);
+                let mut run = SceneRun::new(scene, folder.clone());
+                run.restart = restart;
                 Ok((run, folder))
             }
             Self::Resume { folder, scene } => {
@@ -97,7 +98,8 @@ impl Choice {
                 }
                 let scene = read_as(scene, &kept.inputs, of_file.changes)?;
                 let results = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
-                let run = SceneRun::from_state(scene, results.clone(), kept)?.restarting(restart);
+                let mut run = SceneRun::from_state(scene, results.clone(), kept)?;
+                run.restart = restart;
                 warn_of_sweep(&results);
                 if is_same(results.path(), &folder) {
                     return Err(format!(
@@ -248,11 +250,8 @@ pub(crate) fn run(
     }: Options,
     place: &Place,
 ) -> Outcome {
-    let (run, folder) = place.agree(choice.open())?;
-    let run = match threads {
-        Some(count) => run.with_threads(count.get()),
-        None => run,
-    };
+    let (mut run, folder) = place.agree(choice.open())?;
+    run.threads = threads.map(NonZeroUsize::get);
     let stop = stop::flag()?;
     let bars = MultiProgress::new();
     let mut output = Output {
@@ -261,13 +260,10 @@ pub(crate) fn run(
         bars,
         stop: stop.clone(),
     };
-    let ran = run
-        .with_checkpoint_interval(every)
-        .with_profile(profile)
-        .with_stop(Some(stop))
-        .on_ranks(place.engine().cloned())
-        .run(&mut output);
-    let ran = match ran {
+    run.interval = every;
+    run.hooks = RunHooks::default().with_profile(profile).with_stop(stop);
+    run.engine = place.engine().cloned();
+    let ran = match run.run(&mut output) {
         Err(StudyError::Interrupted) => return Ok(ExitCode::from(INTERRUPTED)),
         Err(StudyError::Scene(Error::Interrupted { stage })) => {
             say!("interrupted in the stage '{stage}': the dynamic run has not begun");

@@ -9,7 +9,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::engine::observe::{Snapshot, SnapshotSink};
-use powerhouse::model::Observer;
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, EquilibratedBody, Error, FolderLock, KeptState, Message,
     Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, Simulation,
@@ -38,57 +37,66 @@ type BodySource<'a> =
 ///
 /// ```no_run
 /// use powerhouse::{ResultFolder, Scene};
-/// use powerhouse_study::{RunWatch, SceneRun};
-///
-/// struct Silent;
-/// impl RunWatch for Silent {}
+/// use powerhouse_study::SceneRun;
 ///
 /// let scene = Scene::from_file("scene.toml")?;
-/// let mut ran = SceneRun::new(scene, ResultFolder::new("results")).run(&mut Silent)?;
+/// let mut ran = SceneRun::new(scene, ResultFolder::new("results")).run(&mut ())?;
 /// let files = ran.write()?;
 /// ran.close()?;
 /// println!("{} steps, {} files", ran.results.run.steps, files.len());
 /// # Ok::<(), powerhouse_study::StudyError>(())
 /// ```
+#[non_exhaustive]
 pub struct SceneRun<'a> {
+    /// Number of threads, above zero, in place of the scene's.
+    pub threads: Option<usize>,
+    /// Whether the checkpoint of a run that was interrupted in the folder is removed; a new run is refused otherwise.
+    pub restart: bool,
+    /// Whether checkpoints are written, as by default: of no use to a scene that cannot be read again.
+    pub saves: bool,
+    /// Wall time between two checkpoints in place of the scene's.
+    pub interval: Option<CheckpointInterval>,
+    /// Cancellation flag, further observers, profile, and the sink of snapshots of a run in memory. All else is set by the
+    /// run.
+    pub hooks: RunHooks<'static>,
+    /// Engine of this process among several that compute the run together, each of which makes the same one; rank 0 writes
+    /// the files.
+    pub engine: Option<Arc<ExplicitOnRanks>>,
     scene: Scene,
     inputs: RunInputs,
-    title: Option<String>,
-    warnings: Vec<Message>,
     /// Where the results are written; in memory alone without it.
     folder: Option<ResultFolder>,
-    lock: Option<Arc<FolderLock>>,
     start: (RunStart, Vec<String>),
-    /// Whether the checkpoint of an interrupted run in the folder is removed.
-    restart: bool,
-    interval: Option<CheckpointInterval>,
-    /// Whether checkpoints are written.
-    saves: bool,
-    hooks: RunHooks<'static>,
-    bodies: Option<Box<BodySource<'a>>>,
-    ranks: RunRanks,
+    /// Lock of the folder, if it is locked already.
+    pub(crate) lock: Option<Arc<FolderLock>>,
+    /// Title of the results in place of the scene's.
+    pub(crate) title: Option<String>,
+    /// Warnings beside those about the scene.
+    pub(crate) warnings: Vec<Message>,
+    /// Source of the body after the stages, of which the run then computes none.
+    pub(crate) bodies: Option<Box<BodySource<'a>>>,
 }
 
 impl<'a> SceneRun<'a> {
     fn of(scene: Scene, folder: Option<ResultFolder>) -> Self {
         Self {
             inputs: RunInputs::of(&scene),
+            scene,
+            threads: None,
+            restart: false,
+            saves: true,
+            interval: None,
+            hooks: RunHooks::default(),
+            engine: None,
+            folder,
+            start: (RunStart::Scene, Vec::new()),
+            lock: None,
             title: None,
             warnings: Vec::new(),
-            folder,
-            lock: None,
-            start: (RunStart::Scene, Vec::new()),
-            restart: false,
-            interval: None,
-            saves: true,
-            hooks: RunHooks::default(),
             bodies: None,
-            ranks: RunRanks::default(),
-            scene,
         }
     }
-    /// A new run with its results in a folder. It is refused if a run of the same inputs was interrupted there, unless it
-    /// [restarts](Self::restarting).
+    /// A new run with its results in a folder.
     pub fn new(scene: Scene, folder: ResultFolder) -> Self {
         Self::of(scene, Some(folder))
     }
@@ -107,7 +115,8 @@ impl<'a> SceneRun<'a> {
         folder: ResultFolder,
         mut from: ResumedRun,
     ) -> Result<Self, StudyError> {
-        let mut run = Self::new(scene, folder).restarting(true);
+        let mut run = Self::new(scene, folder);
+        run.restart = true;
         let checked = run.files().check(&from.inputs, &run.inputs);
         checked.map_err(Error::from)?;
         run.inputs.origin = from.inputs.origin.clone();
@@ -132,86 +141,10 @@ impl<'a> SceneRun<'a> {
     /// A run that goes on from the last checkpoint of the same inputs in its folder if there is one that can be used, and
     /// begins anew otherwise.
     pub(crate) fn continued(scene: Scene, folder: ResultFolder) -> Self {
-        let mut run = Self::new(scene, folder).restarting(true);
+        let mut run = Self::new(scene, folder);
+        run.restart = true;
         run.start = RunStart::last(&run.files(), &run.inputs);
         run
-    }
-
-    /// Sets whether the checkpoint of a run that was interrupted in the folder is removed; false by default.
-    #[must_use]
-    pub fn restarting(mut self, restart: bool) -> Self {
-        self.restart = restart;
-        self
-    }
-    /// Sets the number of threads, above zero, in place of the scene's.
-    #[must_use]
-    pub fn with_threads(mut self, threads: usize) -> Self {
-        self.scene = self.scene.with_threads(threads);
-        self
-    }
-    /// Sets the wall time between two checkpoints in place of the scene's, if one is given.
-    #[must_use]
-    pub fn with_checkpoint_interval(mut self, interval: Option<CheckpointInterval>) -> Self {
-        self.interval = interval;
-        self
-    }
-    /// Writes no checkpoints, as of a scene that cannot be read again.
-    #[must_use]
-    pub fn without_checkpoints(mut self) -> Self {
-        self.saves = false;
-        self
-    }
-    /// Sets the cancellation flag, see [`RunHooks::stop`].
-    #[must_use]
-    pub fn with_stop(mut self, stop: Option<Arc<AtomicBool>>) -> Self {
-        self.hooks.stop = stop;
-        self
-    }
-    /// Sets whether the wall time of the parts of time steps is measured.
-    #[must_use]
-    pub fn with_profile(mut self, profile: bool) -> Self {
-        self.hooks.profile = profile;
-        self
-    }
-    /// Adds observers beside those of the scene's output requests.
-    #[must_use]
-    pub fn with_observers(
-        mut self,
-        observers: impl IntoIterator<Item = Box<dyn Observer>>,
-    ) -> Self {
-        self.hooks.observers.extend(observers);
-        self
-    }
-    /// Computes the run on several ranks together, of which this process is one; every rank makes the same run. Rank 0 writes
-    /// the files.
-    #[must_use]
-    pub fn on_ranks(mut self, engine: Option<Arc<ExplicitOnRanks>>) -> Self {
-        self.ranks = RunRanks(engine);
-        self
-    }
-    /// Sets the title of the results in place of the scene's.
-    pub(crate) fn with_title(mut self, title: String) -> Self {
-        self.title = Some(title);
-        self
-    }
-    /// Adds warnings to those about the scene.
-    pub(crate) fn with_warnings(mut self, warnings: impl IntoIterator<Item = Message>) -> Self {
-        self.warnings.extend(warnings);
-        self
-    }
-    /// Takes the lock of the folder, which is then not locked again.
-    pub(crate) fn with_lock(mut self, lock: Arc<FolderLock>) -> Self {
-        self.lock = Some(lock);
-        self
-    }
-    /// Takes the body after the stages from a source; the run computes no stages of its own.
-    pub(crate) fn with_bodies(
-        mut self,
-        source: impl FnOnce(&Simulation, RunHooks<'_>) -> Result<Option<EquilibratedBody>, StudyError>
-        + 'a,
-    ) -> Self {
-        self.bodies = Some(Box::new(source));
-        self
     }
 
     fn files(&self) -> CheckpointFiles {
@@ -234,24 +167,22 @@ impl<'a> SceneRun<'a> {
         let Self {
             scene,
             inputs,
-            title,
-            warnings: further,
             folder,
             mut lock,
-            start,
-            restart,
-            interval,
-            saves,
             mut hooks,
-            bodies,
-            ranks,
+            ..
         } = self;
+        let ranks = RunRanks(self.engine);
+        let scene = match self.threads {
+            Some(count) => scene.with_threads(count),
+            None => scene,
+        };
         let (leads, stop) = (ranks.leads(), hooks.stop.clone());
         ranks.refuse(&[
             ("--profile", hooks.profile),
             (
                 "a run from a kept state (--from)",
-                matches!(start.0, RunStart::Kept(_)),
+                matches!(self.start.0, RunStart::Kept(_)),
             ),
             (
                 "`keep` of `[checkpoint]`",
@@ -259,10 +190,11 @@ impl<'a> SceneRun<'a> {
             ),
         ])?;
         let text = scene.source().map(|source| source.text.clone());
-        let has_begun = start.0.run().is_some();
+        let has_begun = self.start.0.run().is_some();
         let origin = inputs.origin.clone();
         let of_writer = (&scene, inputs.clone());
-        let mut checkpoints = RunCheckpoints::new(files, of_writer, start, (interval, true));
+        let mut checkpoints =
+            RunCheckpoints::new(files, of_writer, self.start, (self.interval, true));
         let resumes = checkpoints.is_resumed();
         let foreseen = match leads {
             true => Foreseen::of(&scene, (resumes, folder.is_some()), ranks.count()).map(Some),
@@ -273,7 +205,7 @@ impl<'a> SceneRun<'a> {
             check,
             size,
         } = ranks.agree(foreseen)?.unwrap_or_default();
-        warnings.extend(further);
+        warnings.extend(self.warnings);
         let scene = ranks.take(scene, &inputs)?;
         ranks.check_same("the checkpoint of the run", &checkpoints.description())?;
         let stages = scene.stages().len();
@@ -291,7 +223,7 @@ impl<'a> SceneRun<'a> {
         if !(resumes && has_begun) {
             watch.composed(&mut simulation, &warnings)?;
         }
-        let title = title.unwrap_or_else(|| simulation.title().to_owned());
+        let title = self.title.unwrap_or_else(|| simulation.title().to_owned());
         let mut remarks = simulation.remarks().to_vec();
         checkpoints.report(|event| watch.checkpoint(event));
         if let Some(origin) = origin {
@@ -311,7 +243,7 @@ impl<'a> SceneRun<'a> {
                 }
                 lock = Some(Arc::new(own));
             }
-            if !restart {
+            if !self.restart {
                 let of = (folder.path(), &inputs);
                 checkpoints.refuse_resumable(of, |event| watch.checkpoint(event))?;
             }
@@ -358,11 +290,11 @@ impl<'a> SceneRun<'a> {
             let (reports, writer) = (completed.clone(), checkpoints.writer().clone());
             hooks.keep_stage = Some(Box::new(move |body| {
                 body.stages().clone_into(&mut locked(&reports));
-                if saves {
+                if self.saves {
                     writer.keep_stage(body);
                 }
             }));
-            if saves {
+            if self.saves {
                 hooks.checkpoints = Some(checkpoints.writer().clone());
                 if let Some(body) = saved.body.as_ref().filter(|_| !resumes) {
                     checkpoints.writer().keep_stage(body);
@@ -375,11 +307,11 @@ impl<'a> SceneRun<'a> {
         hooks.resume = saved.run.take();
         if ranks.count() == 1 {
             hooks.stage_solution = saved.solution.take();
-            if saves && folder.is_some() {
+            if self.saves && folder.is_some() {
                 hooks.stage_checkpoints = Some(checkpoints.writer().clone());
             }
         }
-        let rested = match bodies {
+        let rested = match self.bodies {
             None => Ok(None),
             Some(source) => {
                 let mut own = RunHooks::default();

@@ -8,6 +8,7 @@ use crate::{CheckpointEvent, FreeFieldReport, StudyError};
 ///
 /// Of several ranks each calls those of its own, but for [`checked`](Self::checked), [`begins`](Self::begins) and those of
 /// the folder, which are called on rank 0 alone.
+/// `()` is the one that does nothing.
 pub trait RunWatch {
     /// Called when the model is built and its step is known, before the folder is touched, with the warnings about the scene;
     /// not for a run that is resumed in its motion.
@@ -52,3 +53,5 @@ pub trait RunWatch {
     /// Called if the run failed before its motion, with the number of stages that were completed and that of all.
     fn failed_in_stages(&mut self, _completed: usize, _of: usize) {}
 }
+
+impl RunWatch for () {}

@@ -148,14 +148,13 @@ impl Sweep {
         } = self.ranks.agree(self.plan(case))?;
         let path = self.folder.join(case);
         let title = titled(scene.title(), case);
-        let run = self
-            .run_of((case, scene), control)
-            .with_title(title)
-            .with_warnings(coverage.as_ref().and_then(Coverage::warning))
-            .with_lock(lock.clone())
-            .with_bodies(|simulation, hooks| {
-                self.equilibrated((simulation, hooks), (case, &body), (control, bodies))
-            });
+        let mut run = self.run_of((case, scene), control);
+        run.title = Some(title);
+        (run.warnings).extend(coverage.as_ref().and_then(Coverage::warning));
+        run.lock = Some(lock.clone());
+        run.bodies = Some(Box::new(|simulation, hooks| {
+            self.equilibrated((simulation, hooks), (case, &body), (control, bodies))
+        }));
         let mut ran = run
             .run(&mut CaseRunWatch {
                 case,
@@ -200,10 +199,12 @@ impl Sweep {
         (case, scene): (&str, Scene),
         control: &CaseControl,
     ) -> SceneRun<'a> {
-        SceneRun::continued(scene, ResultFolder::new(self.folder.join(case)))
-            .with_checkpoint_interval(self.checkpoint_interval)
-            .with_stop(control.stop.cloned())
-            .on_ranks(self.ranks.0.clone())
+        let folder = ResultFolder::new(self.folder.join(case));
+        let mut run = SceneRun::continued(scene, folder);
+        run.interval = self.checkpoint_interval;
+        run.hooks.stop = control.stop.cloned();
+        run.engine = self.ranks.0.clone();
+        run
     }
 
     /// What a case needs before its model is built, from which the files of the last run are not touched yet.

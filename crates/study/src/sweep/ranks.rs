@@ -8,8 +8,8 @@ use powerhouse::{EquilibratedBody, RunHooks, Simulation};
 
 use super::at_rest::{self, BodyStore};
 use super::{CaseControl, Sweep, locked};
+use crate::StudyError;
 use crate::ranks::RunRanks;
-use crate::{RunWatch, StudyError};
 
 impl RunRanks {
     /// Gives the other ranks the name of the case that is computed next; none ends their work.
@@ -23,11 +23,6 @@ impl RunRanks {
         Ok(!self.of_first(text)?.is_empty())
     }
 }
-
-/// The callbacks of a rank other than 0, which is not shown.
-struct Unseen;
-
-impl RunWatch for Unseen {}
 
 impl Sweep {
     /// Computes the part of a rank other than 0 in all cases, until rank 0 ends the sweep.
@@ -59,10 +54,12 @@ impl Sweep {
     ) -> Result<(), StudyError> {
         let scene = self.ranks.agree(self.scene_of(case))?;
         let key = at_rest::key(&scene);
-        let run = self.run_of((case, scene), control);
-        let run = run
-            .with_bodies(|simulation, hooks| self.follow_stages(simulation, hooks, (&key, bodies)));
-        run.run(&mut Unseen).map(|_| ())
+        let mut run = self.run_of((case, scene), control);
+        run.bodies = Some(Box::new(|simulation, hooks| {
+            self.follow_stages(simulation, hooks, (&key, bodies))
+        }));
+        // Rank 0 alone is shown.
+        run.run(&mut ()).map(|_| ())
     }
 
     /// The body after the stages on a rank other than 0: from the file of rank 0, or computed with it.
