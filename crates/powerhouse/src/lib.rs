@@ -146,6 +146,7 @@ pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use key_change::{KeyChange, KeyChangeError};
 pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
 pub use message::{Message, RunNotes, Topic, merge_messages};
+pub use output::summary;
 pub use output::{
     BendingError, BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock,
     HistoryRequest, JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results,

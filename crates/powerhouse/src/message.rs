@@ -1,11 +1,11 @@
 //! Messages: texts of warnings and facts with their topic, as written to files and reports.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::Remark;
 
 /// Topic of a message: the group of results that it concerns, beside which reports show it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Topic {
@@ -24,7 +24,7 @@ pub enum Topic {
 }
 
 /// Message: text of a warning or fact with its topic.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Message {
     /// Topic of the message.
     pub about: Topic,

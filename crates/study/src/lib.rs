@@ -50,6 +50,7 @@ mod recorded;
 mod report;
 mod resolution;
 mod rounded;
+mod run_summary;
 pub mod saving;
 mod scene_run;
 mod sensitivity;

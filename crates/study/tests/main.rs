@@ -13,5 +13,6 @@ mod meshes;
 mod promises;
 mod registered;
 mod studies;
+mod summaries;
 mod sweep;
 mod trade;

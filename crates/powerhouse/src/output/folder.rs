@@ -19,7 +19,7 @@ use super::joints::JointFacets;
 use super::lock::{FolderError, FolderLock, TRIES, unique};
 use super::running::RunningTables;
 use super::stages::{NoStages, StageFiles};
-use super::summary::{Begun, Summary};
+use super::summary::{BegunSummary, RunSummary};
 use super::{Results, file_name, rings, vtu};
 use crate::message::{RunNotes, Topic};
 use crate::{Error, Simulation, StageSink};
@@ -276,7 +276,7 @@ impl ResultFolder {
     /// # Errors
     /// File that could not be written.
     pub fn begin(&self, title: &str) -> Result<(), Error> {
-        write_summary(&self.path.join(SUMMARY), &Begun::new(title))?;
+        write_summary(&self.path.join(SUMMARY), &BegunSummary::new(title))?;
         Ok(())
     }
 
@@ -291,7 +291,7 @@ impl ResultFolder {
         stage: &str,
         completed: &[StageReport],
     ) -> Result<(), Error> {
-        self.end_before_motion(Begun::stopped(title, stage), completed)
+        self.end_before_motion(BegunSummary::stopped(title, stage), completed)
     }
 
     /// Marks the folder as that of a run that failed before the motion, in a stage or in the transfer to the run: a summary
@@ -300,10 +300,14 @@ impl ResultFolder {
     /// # Errors
     /// File that could not be written.
     pub fn fail(&self, title: &str, error: &Error, completed: &[StageReport]) -> Result<(), Error> {
-        self.end_before_motion(Begun::failed(title, &error.to_string()), completed)
+        self.end_before_motion(BegunSummary::failed(title, &error.to_string()), completed)
     }
 
-    fn end_before_motion(&self, summary: Begun, completed: &[StageReport]) -> Result<(), Error> {
+    fn end_before_motion(
+        &self,
+        summary: BegunSummary,
+        completed: &[StageReport],
+    ) -> Result<(), Error> {
         let files = match completed {
             [] => Vec::new(),
             _ => self.names(&self.files_of_stages()),
@@ -381,7 +385,7 @@ impl ResultFolder {
             written: Vec::new(),
             failure: None,
         };
-        let mut summary = Summary::new(title, mesh, results, notes);
+        let mut summary = RunSummary::new(title, mesh, results, notes);
         let ended = summary.interrupt("its files are not all written");
         files.write(SUMMARY, |file| write_summary(file, &summary));
         files.written.clear();

@@ -20,7 +20,7 @@ mod sampling;
 mod sections;
 mod stages;
 mod state_variables;
-mod summary;
+pub mod summary;
 mod vtu;
 
 pub use bending::BendingError;

@@ -1,61 +1,84 @@
-//! Summary file of a run.
+//! Summary file of a run, as it is written and read.
 
 use powerhouse_model::{Ended, Mesh, StageReport};
 use powerhouse_observe::{JointOutcome, JointTable, PeakRow, PeakTable};
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{BoltForces, Results, SectionUse};
 use crate::message::{Message, RunNotes};
 
-/// Content of `summary.json`.
-#[derive(Debug, Serialize)]
-pub(super) struct Summary {
-    title: String,
-    software: String,
-    nodes: usize,
-    elements: usize,
-    ended: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    failure: Option<String>,
-    /// What limited the step of a run that failed, and what may help
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    advice: Vec<String>,
-    steps: u64,
-    /// Device that took steps beside the host
-    #[serde(skip_serializing_if = "Option::is_none")]
-    device: Option<Device>,
-    /// s
-    step: f64,
-    /// s
-    end_time: f64,
-    /// s
-    wall_time: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stable_step: Option<StableStepSummary>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    stages: Vec<Stage>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    hand_over: Option<HandOver>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    bolts: Vec<Bolts>,
-    peaks: Vec<Peak>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    section_uses: Vec<Utilisation>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    joints: Vec<Joint>,
-    /// J, at the last sample; terms that were ever nonzero
-    energies: Vec<Energy>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    energy_residual: Option<Residual>,
-    /// Warnings about the results, to be shown with them
-    warnings: Vec<Message>,
-    /// Facts about the composition of the scene
-    remarks: Vec<String>,
-    /// Whether laws or joints have history variables, so that results depend on the load path
-    path_dependent: bool,
-    /// Paths relative to the folder, without the summary
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    files: Vec<String>,
+/// Content of `summary.json` of a run whose motion has begun.
+///
+/// A figure that is no finite number, as after a failure, is NaN.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct RunSummary {
+    /// Title.
+    pub title: String,
+    /// Name and version of the software.
+    pub software: String,
+    /// Number of nodes of the mesh.
+    pub nodes: usize,
+    /// Number of elements of the mesh.
+    pub elements: usize,
+    /// How the run ended: `completed`, `stopped`, `failed`, `by observer NAME`; `incomplete` while files are missing.
+    pub ended: String,
+    /// Why it failed or is incomplete.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
+    /// What limited the step of a run that failed, and what may help.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub advice: Vec<String>,
+    /// Number of time steps.
+    pub steps: u64,
+    /// Device that took steps beside the host.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<Device>,
+    /// Length of a step (s).
+    pub step: f64,
+    /// Time at the end (s).
+    pub end_time: f64,
+    /// Wall time of stages and motion (s).
+    pub wall_time: f64,
+    /// The stable step and what limits it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stable_step: Option<StableStepSummary>,
+    /// Construction stages.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageSummary>,
+    /// Transfer from the last stage to the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hand_over: Option<HandOver>,
+    /// Bolt groups.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bolts: Vec<BoltSummary>,
+    /// Peaks of all histories and envelopes.
+    pub peaks: Vec<PeakSummary>,
+    /// Greatest utilisation of each reinforced section.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub section_uses: Vec<UtilisationSummary>,
+    /// Joints and zones of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<JointSummary>,
+    /// Energies (J) at the last sample; terms that were ever nonzero.
+    pub energies: Vec<EnergySummary>,
+    /// Residual of the energy balance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_residual: Option<ResidualSummary>,
+    /// Warnings about the results, to be shown with them.
+    pub warnings: Vec<Message>,
+    /// Facts about the composition of the scene.
+    pub remarks: Vec<String>,
+    /// Whether laws or joints have history variables, so that results depend on the load path.
+    pub path_dependent: bool,
+    /// Paths relative to the folder, without the summary.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+/// Reads a number, of which JSON has no form if it is not finite: NaN then.
+fn real<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// State of a run whose files are not all written.
@@ -71,27 +94,32 @@ fn software() -> String {
 }
 
 /// Content of `summary.json` while the run goes on, and of one that ended before the motion.
-#[derive(Debug, Serialize)]
-pub(super) struct Begun {
-    title: String,
-    software: String,
-    ended: &'static str,
-    failure: String,
-    /// Stages that were completed
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    stages: Vec<Stage>,
-    /// Paths of their files relative to the folder
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    files: Vec<String>,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct BegunSummary {
+    /// Title.
+    pub title: String,
+    /// Name and version of the software.
+    pub software: String,
+    /// How the run ended: `stopped`, `failed`; `incomplete` while it goes on.
+    pub ended: String,
+    /// Why there are no results.
+    pub failure: String,
+    /// Stages that were completed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageSummary>,
+    /// Paths of their files relative to the folder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
 }
 
-impl Begun {
+impl BegunSummary {
     /// Summary of a run of a title that has begun.
     pub(super) fn new(title: &str) -> Self {
         Self {
             title: title.into(),
             software: software(),
-            ended: INCOMPLETE,
+            ended: INCOMPLETE.into(),
             failure: "the run goes on, or was ended from outside; the tables hold what it computed until then".into(),
             stages: Vec::new(),
             files: Vec::new(),
@@ -100,14 +128,14 @@ impl Begun {
 
     /// The same with the stages that were completed, and their files.
     pub(super) fn with_stages(mut self, stages: &[StageReport], files: Vec<String>) -> Self {
-        (self.stages, self.files) = (stages.iter().map(Stage::new).collect(), files);
+        (self.stages, self.files) = (stages.iter().map(StageSummary::new).collect(), files);
         self
     }
 
     /// Summary of a run of a title that was interrupted in a stage.
     pub(super) fn stopped(title: &str, stage: &str) -> Self {
         Self {
-            ended: STOPPED,
+            ended: STOPPED.into(),
             failure: format!("interrupted in the stage '{stage}', before the motion"),
             ..Self::new(title)
         }
@@ -116,7 +144,7 @@ impl Begun {
     /// Summary of a run of a title that failed before the motion.
     pub(super) fn failed(title: &str, error: &str) -> Self {
         Self {
-            ended: FAILED,
+            ended: FAILED.into(),
             failure: error.into(),
             ..Self::new(title)
         }
@@ -124,102 +152,143 @@ impl Begun {
 }
 
 /// Device that took steps beside the host.
-#[derive(Debug, Serialize)]
-struct Device {
-    name: String,
-    steps: u64,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Device {
+    /// Name.
+    pub name: String,
+    /// Number of its steps.
+    pub steps: u64,
 }
 
-#[derive(Debug, Serialize)]
-struct StableStepSummary {
-    /// s
-    step: f64,
-    /// s
-    assembled_limit: f64,
-    element: u64,
-    set: String,
-    term: &'static str,
+/// The stable step of a run and what limits it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct StableStepSummary {
+    /// Stable step (s).
+    pub step: f64,
+    /// Stable step of the assembled body (s).
+    pub assembled_limit: f64,
+    /// Number of the element that limits it.
+    pub element: u64,
+    /// Set of the element.
+    pub set: String,
+    /// What limits it.
+    pub term: String,
 }
 
 /// Changes and solution of a construction stage.
-#[derive(Debug, Serialize)]
-struct Stage {
-    name: String,
-    excavated: usize,
-    cast: usize,
-    increments: u32,
-    corrections: u32,
-    /// Unbalanced force over the load
-    residual: f64,
-    /// m
-    largest_displacement: f64,
-    node: u64,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct StageSummary {
+    /// Name.
+    pub name: String,
+    /// Number of excavated elements.
+    pub excavated: usize,
+    /// Number of cast elements.
+    pub cast: usize,
+    /// Number of load increments.
+    pub increments: u32,
+    /// Number of corrections.
+    pub corrections: u32,
+    /// Unbalanced force over the load.
+    #[serde(deserialize_with = "real")]
+    pub residual: f64,
+    /// Largest displacement in the stage (m).
+    #[serde(deserialize_with = "real")]
+    pub largest_displacement: f64,
+    /// Number of the node with this displacement.
+    pub node: u64,
 }
 
-#[derive(Debug, Serialize)]
-struct HandOver {
-    /// N, norm of the carried forces
-    standing: f64,
-    /// Over the internal forces
-    difference: f64,
+/// Transfer from the last stage to the motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct HandOver {
+    /// Norm of the carried forces (N).
+    #[serde(deserialize_with = "real")]
+    pub standing: f64,
+    /// Difference over the internal forces.
+    #[serde(deserialize_with = "real")]
+    pub difference: f64,
 }
 
-#[derive(Debug, Serialize)]
-struct Bolts {
-    name: String,
-    bolts: usize,
-    /// N, at the end
-    greatest_force: f64,
-    /// Number of the bolt with this force, from one
-    bolt: usize,
-    /// N, in the run
-    #[serde(skip_serializing_if = "Option::is_none")]
-    greatest_of_run: Option<f64>,
-    /// s
-    #[serde(skip_serializing_if = "Option::is_none")]
-    time: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bolt_of_run: Option<usize>,
+/// Forces of a bolt group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct BoltSummary {
+    /// Name of the group.
+    pub name: String,
+    /// Number of bolts.
+    pub bolts: usize,
+    /// Greatest axial force (N) at the end.
+    #[serde(deserialize_with = "real")]
+    pub greatest_force: f64,
+    /// Number of the bolt with this force, from one.
+    pub bolt: usize,
+    /// Greatest axial force (N) in the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub greatest_of_run: Option<f64>,
+    /// Its time (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Number of the bolt with it, from one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bolt_of_run: Option<usize>,
 }
 
-#[derive(Debug, Serialize)]
-struct Peak {
-    name: String,
-    unit: &'static str,
-    value: f64,
-    /// s
-    time: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    place: Option<String>,
-    /// Whether the value is of the size of rounding errors compared with others of its unit
-    #[serde(skip_serializing_if = "core::ops::Not::not")]
-    below_rounding: bool,
+/// Peak of a history or an envelope.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct PeakSummary {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Value with its sign.
+    #[serde(deserialize_with = "real")]
+    pub value: f64,
+    /// Time (s).
+    #[serde(deserialize_with = "real")]
+    pub time: f64,
+    /// Place in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// Whether the value is of the size of rounding errors compared with others of its unit.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub below_rounding: bool,
 }
 
-/// Greatest utilisation of a reinforced section
-#[derive(Debug, Serialize)]
-struct Utilisation {
-    section: String,
-    /// Of the moment borne with the same normal force; none where no moment is borne
-    #[serde(skip_serializing_if = "Option::is_none")]
-    utilisation: Option<f64>,
-    /// s
-    time: f64,
-    /// N/m, tension positive
-    axial: f64,
-    /// N m/m
-    moment: f64,
-    /// N m/m, borne with that normal force
-    #[serde(skip_serializing_if = "Option::is_none")]
-    borne: Option<[f64; 2]>,
-    /// m
-    thickness: f64,
-    /// s, first time above one
-    #[serde(skip_serializing_if = "Option::is_none")]
-    beyond_from: Option<f64>,
+/// Greatest utilisation of a reinforced section.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct UtilisationSummary {
+    /// Name of the section.
+    pub section: String,
+    /// Share of the moment borne with the same normal force; none where no moment is borne.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub utilisation: Option<f64>,
+    /// Time (s).
+    #[serde(deserialize_with = "real")]
+    pub time: f64,
+    /// Normal force (N/m), tension positive.
+    #[serde(deserialize_with = "real")]
+    pub axial: f64,
+    /// Moment (N m/m).
+    #[serde(deserialize_with = "real")]
+    pub moment: f64,
+    /// Moments (N m/m) borne with that normal force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub borne: Option<[f64; 2]>,
+    /// Thickness (m).
+    #[serde(deserialize_with = "real")]
+    pub thickness: f64,
+    /// First time (s) above one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_from: Option<f64>,
 }
 
-impl Utilisation {
+impl UtilisationSummary {
     fn new(of: SectionUse) -> Self {
         Self {
             utilisation: Some(of.utilisation).filter(|share| share.is_finite()),
@@ -234,71 +303,99 @@ impl Utilisation {
     }
 }
 
-#[derive(Debug, Serialize)]
-struct Joint {
-    name: String,
-    joint: String,
-    pairs: usize,
-    /// m2
-    area: f64,
-    /// s
-    #[serde(skip_serializing_if = "Option::is_none")]
-    first_slip: Option<f64>,
-    /// Number of the pair's node on the first side
-    #[serde(skip_serializing_if = "Option::is_none")]
-    first_slip_node: Option<u64>,
-    /// s
-    #[serde(skip_serializing_if = "Option::is_none")]
-    first_crack: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    first_crack_node: Option<u64>,
-    /// Share of the area
-    slipped: f64,
-    /// Share of the area
-    opened: f64,
-    /// Share of the area
-    never_bonded: f64,
-    /// Share of the area
-    broken: f64,
-    /// Reference configuration of slip, opening and energies, if not that of zero displacement
-    #[serde(skip_serializing_if = "Option::is_none")]
-    counted_from: Option<&'static str>,
-    /// m
-    slip: f64,
-    slip_node: u64,
-    /// m
-    peak_opening: f64,
-    peak_opening_node: u64,
-    /// J
-    friction: f64,
-    /// J
-    bond: f64,
-    /// J
-    impact: f64,
-    /// Of pairs with common nodes
-    most_sweeps: u32,
-    /// Change of motion in the last sweep
-    worst_residual: f64,
+/// Outcome of a joint or a zone of it; shares are those of its area.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct JointSummary {
+    /// Name of the joint or the zone.
+    pub name: String,
+    /// Name of the joint.
+    pub joint: String,
+    /// Number of node pairs.
+    pub pairs: usize,
+    /// Area (m2).
+    #[serde(deserialize_with = "real")]
+    pub area: f64,
+    /// Time (s) of the first slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_slip: Option<f64>,
+    /// Number of the node on the first side of the pair that slid first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_slip_node: Option<u64>,
+    /// Time (s) of the first crack.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_crack: Option<f64>,
+    /// Number of the node on the first side of the pair that cracked first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_crack_node: Option<u64>,
+    /// Share that slid.
+    #[serde(deserialize_with = "real")]
+    pub slipped: f64,
+    /// Share that opened.
+    #[serde(deserialize_with = "real")]
+    pub opened: f64,
+    /// Share that never was bonded.
+    #[serde(deserialize_with = "real")]
+    pub never_bonded: f64,
+    /// Share whose bond is broken.
+    #[serde(deserialize_with = "real")]
+    pub broken: f64,
+    /// Reference configuration of slip, opening and energies, if not that of zero displacement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted_from: Option<String>,
+    /// Largest slip (m).
+    #[serde(deserialize_with = "real")]
+    pub slip: f64,
+    /// Number of its node.
+    pub slip_node: u64,
+    /// Largest opening (m).
+    #[serde(deserialize_with = "real")]
+    pub peak_opening: f64,
+    /// Number of its node.
+    pub peak_opening_node: u64,
+    /// Work of friction (J).
+    #[serde(deserialize_with = "real")]
+    pub friction: f64,
+    /// Work of breaking bonds (J).
+    #[serde(deserialize_with = "real")]
+    pub bond: f64,
+    /// Energy lost in impacts (J).
+    #[serde(deserialize_with = "real")]
+    pub impact: f64,
+    /// Greatest number of sweeps over pairs with common nodes.
+    pub most_sweeps: u32,
+    /// Change of motion in the last sweep.
+    #[serde(deserialize_with = "real")]
+    pub worst_residual: f64,
 }
 
-#[derive(Debug, Serialize)]
-struct Energy {
-    name: String,
-    value: f64,
+/// A term of the energy balance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct EnergySummary {
+    /// Name.
+    pub name: String,
+    /// Energy (J).
+    #[serde(deserialize_with = "real")]
+    pub value: f64,
 }
 
-#[derive(Debug, Serialize)]
-struct Residual {
-    /// J, at the last sample
-    energy: f64,
-    /// Over the input work
-    #[serde(skip_serializing_if = "Option::is_none")]
-    share_of_input: Option<f64>,
-    /// Of the run, over the largest energy until then
-    largest: f64,
+/// Residual of the energy balance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct ResidualSummary {
+    /// At the last sample (J).
+    #[serde(deserialize_with = "real")]
+    pub energy: f64,
+    /// Over the input work.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share_of_input: Option<f64>,
+    /// Largest of the run, over the largest energy until then.
+    #[serde(deserialize_with = "real")]
+    pub largest: f64,
 }
 
-impl Summary {
+impl RunSummary {
     /// Marks the summary as incomplete for a reason; returns the previous end state and failure.
     pub(super) fn interrupt(&mut self, reason: &str) -> (String, Option<String>) {
         let ended = core::mem::replace(&mut self.ended, INCOMPLETE.into());
@@ -342,30 +439,30 @@ impl Summary {
                 assembled_limit: stable.assembled_limit,
                 element: stable.element,
                 set: stable.set.clone(),
-                term: stable.term.name(),
+                term: stable.term.name().into(),
             }),
-            stages: results.stages.iter().map(Stage::new).collect(),
+            stages: results.stages.iter().map(StageSummary::new).collect(),
             hand_over: results.hand_over.as_ref().map(|report| HandOver {
                 standing: report.carried_forces,
                 difference: report.difference,
             }),
-            bolts: results.bolts.iter().filter_map(Bolts::new).collect(),
-            peaks: Peak::all(&results.peaks(mesh)),
+            bolts: results.bolts.iter().filter_map(BoltSummary::new).collect(),
+            peaks: PeakSummary::all(&results.peaks(mesh)),
             section_uses: (results.section_uses().into_iter())
-                .map(Utilisation::new)
+                .map(UtilisationSummary::new)
                 .collect(),
             joints: (results.joint_outcomes.iter())
-                .map(|outcome| Joint::new(mesh, outcome, &results.joints))
+                .map(|outcome| JointSummary::new(mesh, outcome, &results.joints))
                 .collect(),
             energies: results
                 .energy_terms()
                 .into_iter()
-                .map(|(name, value)| Energy {
+                .map(|(name, value)| EnergySummary {
                     name: name.into(),
                     value,
                 })
                 .collect(),
-            energy_residual: results.energy_residual().map(|residual| Residual {
+            energy_residual: results.energy_residual().map(|residual| ResidualSummary {
                 energy: residual.energy,
                 share_of_input: residual.share_of_input,
                 largest: residual.largest,
@@ -378,7 +475,7 @@ impl Summary {
     }
 }
 
-impl Stage {
+impl StageSummary {
     fn new(report: &StageReport) -> Self {
         Self {
             name: report.name.clone(),
@@ -393,7 +490,7 @@ impl Stage {
     }
 }
 
-impl Bolts {
+impl BoltSummary {
     fn new(forces: &BoltForces) -> Option<Self> {
         let (bolt, greatest_force) = forces.greatest()?;
         let of_run = forces.greatest_of_run();
@@ -409,7 +506,7 @@ impl Bolts {
     }
 }
 
-impl Joint {
+impl JointSummary {
     fn new(mesh: &Mesh, outcome: &JointOutcome, joints: &[JointTable]) -> Self {
         let whole = joints.iter().find(|joint| joint.name == outcome.joint);
         let node = |pair: usize| {
@@ -436,7 +533,7 @@ impl Joint {
             counted_from: (whole.iter())
                 .flat_map(|joint| &joint.records)
                 .any(|record| record.closed_at.is_some())
-                .then_some("where a stage closed the joint anew, see the remarks"),
+                .then(|| "where a stage closed the joint anew, see the remarks".into()),
             slip: outcome.slip.0,
             slip_node: node(outcome.slip.1),
             peak_opening: outcome.peak_opening.0,
@@ -448,11 +545,11 @@ impl Joint {
     }
 }
 
-impl Peak {
+impl PeakSummary {
     fn all(peaks: &PeakTable) -> Vec<Self> {
         let peak = |row: &PeakRow| Self {
             name: row.name.clone(),
-            unit: row.unit,
+            unit: row.unit.into(),
             value: row.value,
             time: row.time,
             place: row.place.map(|place| place.to_string()),

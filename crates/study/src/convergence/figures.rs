@@ -6,11 +6,11 @@ use std::path::Path;
 use powerhouse::Scene;
 use powerhouse::io::{TableColumn, read_table};
 use powerhouse::model::HistoryKind;
-use serde_json::Value;
+use powerhouse::summary::PeakSummary;
 
 use crate::StudyError;
 use crate::even_samples::even_samples;
-use crate::json::read_json;
+use crate::run_summary::FoundSummary;
 use crate::sweep::{CaseOutcome, JointCase, OUTCOME};
 
 /// Frequencies (Hz) at which response spectra are compared, and their damping ratio.
@@ -78,33 +78,34 @@ pub(super) fn figures(
     not_compared: &BTreeSet<&'static str>,
 ) -> Result<Vec<Figure>, StudyError> {
     let outcome = CaseOutcome::read(&folder.join(OUTCOME))?;
-    let summary: Value = read_json(&folder.join("summary.json"))?;
+    let summary = FoundSummary::of_results(folder)?;
     let file = folder.join("histories.csv");
     let histories = match file.exists() {
         true => read_table(&file).map_err(powerhouse::Error::from)?,
         false => Vec::new(),
     };
-    let mut found = peaks(&summary, not_compared);
+    let mut found = peaks(&summary.peaks, not_compared);
     found.extend(spectra(&histories));
     found.extend(outcomes(&outcome));
     Ok(found)
 }
 
 /// The absolute peaks of a run: motions, principal stresses, amounts of laws, section forces, bolts, joints, envelopes.
-fn peaks(summary: &Value, not_compared: &BTreeSet<&'static str>) -> Vec<Figure> {
-    let rows = summary["peaks"].as_array().into_iter().flatten();
-    let kept = rows.filter_map(|row| {
-        let [name, unit] = ["name", "unit"].map(|key| row[key].as_str());
-        let (name, unit) = (name?, unit?);
+fn peaks(rows: &[PeakSummary], not_compared: &BTreeSet<&'static str>) -> Vec<Figure> {
+    let kept = rows.iter().filter_map(|row| {
+        let (name, unit) = (row.name.as_str(), row.unit.as_str());
         let variable = name.rsplit('.').next().unwrap_or(name);
         let is_component = ["xx", "yy", "zz", "xy", "yz", "zx", "s2"].contains(&variable);
         if is_component || not_compared.contains(variable) {
             return None;
         }
-        let value = match row["below_rounding"] == true {
+        let value = match row.below_rounding {
             true => 0.0,
-            false => row["value"].as_f64()?.abs(),
+            false => row.value.abs(),
         };
+        if !value.is_finite() {
+            return None;
+        }
         Some(Figure {
             name: format!("peak of {name}"),
             unit: unit.into(),
@@ -210,10 +211,10 @@ mod tests {
     /// Components of tensors, flags and widths of crack bands are not compared; peaks below rounding count as zero.
     #[test]
     fn peaks_are_those_of_amounts() {
-        let peak = |name: &str, unit: &str, value: f64| json!({"name": name, "unit": unit, "value": value});
+        let peak = |name: &str, unit: &str, value: f64| json!({"name": name, "unit": unit, "value": value, "time": 0.1});
         let mut still = peak("crown.ux", "m", 1e-21);
         still["below_rounding"] = true.into();
-        let summary = json!({"peaks": [
+        let rows = json!([
             still,
             peak("crown.vz", "m/s", -0.3),
             peak("wall.xx", "Pa", 4.0),
@@ -223,9 +224,10 @@ mod tests {
             peak("crack_band_width", "m", 8.0),
             peak("wall.damage", "1", 0.9),
             peak("lining.axial", "N", -10.0),
-        ]});
+        ]);
+        let rows: Vec<PeakSummary> = serde_json::from_value(rows).unwrap();
         let excluded = BTreeSet::from(["plastic_strain_xx", "yield_state", "crack_band_width"]);
-        let found = peaks(&summary, &excluded);
+        let found = peaks(&rows, &excluded);
         let found: Vec<(&str, f64, bool)> = found
             .iter()
             .map(|figure| (figure.name.as_str(), figure.value, figure.of_motion))

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use powerhouse::io::{TableColumn, read_table};
+use powerhouse::summary::UtilisationSummary;
 
 use super::ReportTable;
 use super::column;
@@ -21,28 +22,25 @@ const FORCES: [(&str, &str, &str); 3] = [
 pub(super) const MEANING: &str = "Normal force N (tension positive), shear force Q and bending moment M of sections through \
      linings and floors, per metre along them: static, and the least and greatest of the run with their times.";
 
-/// The greatest utilisation of each reinforced section of a run, from its summary; `None` without one.
-pub(super) fn utilisation(summary: &serde_json::Value) -> Option<ReportTable> {
-    let uses = summary["section_uses"].as_array()?;
-    let row = |of: &serde_json::Value| {
-        let real = |key: &str| of[key].as_f64();
-        let thousands = |key: &str| real(key).map_or(String::new(), |value| rounded(1e-3 * value));
-        let borne = [0, 1].map(|end| of["borne"][end].as_f64().map(|value| rounded(1e-3 * value)));
+/// The table of the greatest utilisation of each reinforced section of a run; `None` without one.
+pub(super) fn utilisation(uses: &[UtilisationSummary]) -> Option<ReportTable> {
+    let thousands = |value: f64| rounded(1e-3 * value);
+    let row = |of: &UtilisationSummary| {
+        let borne = |[least, greatest]: [f64; 2]| {
+            format!("{} to {}", thousands(least), thousands(greatest))
+        };
         vec![
-            of["section"].as_str().unwrap_or("").to_owned(),
-            real("utilisation").map_or("beyond".to_owned(), rounded),
-            real("time").map_or(String::new(), |time| format!("{time:.2}")),
-            thousands("axial"),
-            thousands("moment"),
-            match borne {
-                [Some(least), Some(greatest)] => format!("{least} to {greatest}"),
-                _ => "none".to_owned(),
-            },
-            real("thickness").map_or(String::new(), rounded),
-            real("beyond_from").map_or("never".to_owned(), |time| format!("from {time:.2} s")),
+            of.section.clone(),
+            of.utilisation.map_or("beyond".to_owned(), rounded),
+            format!("{:.2}", of.time),
+            thousands(of.axial),
+            thousands(of.moment),
+            of.borne.map_or("none".to_owned(), borne),
+            rounded(of.thickness),
+            (of.beyond_from).map_or("never".to_owned(), |time| format!("from {time:.2} s")),
         ]
     };
-    Some(ReportTable {
+    (!uses.is_empty()).then(|| ReportTable {
         header: [
             "section",
             "greatest utilisation",

@@ -23,7 +23,9 @@ mod tables;
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{TableColumn, read_table};
+use powerhouse::summary::RunSummary;
 
+use crate::run_summary::FoundSummary;
 use crate::store::MARK;
 use crate::sweep::{CASES, CaseEntry, CaseOutcome, OUTCOME, write_text};
 use crate::{StudyError, json};
@@ -44,8 +46,8 @@ pub struct ReportCase {
     pub outcome: CaseOutcome,
     /// Histories against time, the first column.
     pub histories: Vec<TableColumn>,
-    /// Summary of the run.
-    pub summary: serde_json::Value,
+    /// Summary of the run; none of a case without files.
+    pub summary: Option<RunSummary>,
     /// Contents of the fingerprint file.
     fingerprint: serde_json::Value,
 }
@@ -57,7 +59,7 @@ impl ReportCase {
             folder: PathBuf::new(),
             outcome,
             histories: Vec::new(),
-            summary: serde_json::Value::Null,
+            summary: None,
             fingerprint: serde_json::Value::Null,
         }
     }
@@ -105,14 +107,15 @@ pub fn report_gaps(folder: impl AsRef<Path>) -> Result<Vec<String>, StudyError> 
     if let Some(cases) = listed(folder)? {
         return Ok(cases.iter().filter_map(|case| case.gap(folder)).collect());
     }
-    let summary = read_json(&folder.join("summary.json"))?;
+    let Some(summary) = FoundSummary::read(folder)? else {
+        return Ok(Vec::new());
+    };
     let mut gaps = Vec::new();
-    if summary["ended"] == "incomplete" {
-        let reason = summary["failure"].as_str().unwrap_or("");
+    if summary.ended() == "incomplete" {
+        let reason = summary.failure().unwrap_or("");
         gaps.push(format!("the run is incomplete: {reason}"));
     }
-    let files = summary["files"].as_array().into_iter().flatten();
-    let files = files.filter_map(serde_json::Value::as_str);
+    let files = summary.files().iter();
     for file in files.filter(|file| !folder.join(file).exists()) {
         gaps.push(format!("{file} is gone"));
     }
@@ -166,7 +169,7 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
                 true => read_table(&histories).map_err(powerhouse::Error::from)?,
                 false => Vec::new(),
             },
-            summary: read_json(&folder.join("summary.json"))?,
+            summary: Some(FoundSummary::of_results(&folder)?),
             fingerprint: read_json(&folder.join(MARK))?,
             folder,
         })

@@ -1,12 +1,13 @@
 //! Warnings of runs, for the sections of a report that they concern.
 
-use serde_json::Value;
+use powerhouse::summary::RunSummary;
+use powerhouse::{Message, Topic};
 
 use super::ReportCase;
 
 /// A warning with the runs that have it.
 struct RunWarning<'v> {
-    about: &'v str,
+    about: Topic,
     text: &'v str,
     cases: Vec<&'v str>,
 }
@@ -20,20 +21,18 @@ pub(super) struct RunWarnings<'v> {
 
 impl<'v> RunWarnings<'v> {
     /// Collects the warnings of summaries with the names of their runs.
-    pub(super) fn of(runs: impl IntoIterator<Item = (&'v str, &'v Value)>) -> Self {
+    pub(super) fn of(runs: impl IntoIterator<Item = (&'v str, &'v RunSummary)>) -> Self {
         let mut found = Self {
             all: Vec::new(),
             runs: 0,
         };
         for (name, summary) in runs {
             found.runs += 1;
-            for warning in summary["warnings"].as_array().into_iter().flatten() {
-                let (about, text) = (warning["about"].as_str(), warning["text"].as_str());
-                let (about, text) = (about.unwrap_or("run"), text.unwrap_or(""));
+            for Message { about, text } in &summary.warnings {
                 match found.all.iter_mut().find(|known| known.text == text) {
                     Some(known) => known.cases.push(name),
                     None => found.all.push(RunWarning {
-                        about,
+                        about: *about,
                         text,
                         cases: vec![name],
                     }),
@@ -45,11 +44,13 @@ impl<'v> RunWarnings<'v> {
 
     /// Collects the warnings of the cases of a sweep.
     pub(super) fn of_cases(cases: &'v [ReportCase]) -> Self {
-        Self::of((cases.iter()).map(|case| (case.outcome.name.as_str(), &case.summary)))
+        let named =
+            |case: &'v ReportCase| Some((case.outcome.name.as_str(), case.summary.as_ref()?));
+        Self::of(cases.iter().filter_map(named))
     }
 
     /// The warnings about some topics (all topics for an empty list), as sentences with the runs that have them.
-    pub(super) fn about(&self, topics: &[&str]) -> Vec<String> {
+    pub(super) fn about(&self, topics: &[Topic]) -> Vec<String> {
         let own = self.all.iter().filter(|warning| {
             let is_own = topics.contains(&warning.about);
             topics.is_empty() || is_own

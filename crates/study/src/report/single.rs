@@ -2,48 +2,57 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::ResultFolder;
-use serde_json::Value;
+use powerhouse::{ResultFolder, Topic};
 
 use super::ReportTable;
 use super::page::Page;
 use super::run_warnings::RunWarnings;
-use super::{forces, motions, read_json, report_gaps, tables};
+use super::{forces, motions, report_gaps, tables};
 use crate::StudyError;
 use crate::rounded::rounded;
+use crate::run_summary::FoundSummary;
 use crate::text::after_first_slip;
 
 /// Greatest size of a picture on the page (bytes).
 const LARGEST: u64 = 4 << 20;
 
+/// Topics of the peaks and of plots and pictures.
+const OF_RESULTS: [Topic; 3] = [Topic::Histories, Topic::Sections, Topic::Joints];
+
 /// The report page of a result folder.
 pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
-    let summary = read_json(&folder.join("summary.json"))?;
-    let Some(title) = summary["title"].as_str() else {
+    let Some(found) = FoundSummary::read(folder)? else {
         let folder = folder.into();
         return Err(StudyError::NoResults { folder });
     };
-    let mut page = Page::new(title);
+    let mut page = Page::new(found.title());
     page.section("Run");
     page.warnings(&report_gaps(folder)?);
-    let warnings = RunWarnings::of([("", &summary)]);
+    let summary = found.whole();
+    let warnings = RunWarnings::of(summary.map(|summary| ("", summary)));
     page.warnings(&warnings.about(&[]));
-    page.paragraph(&tables::repetition(&[&summary]));
-    let real = |key: &str| rounded(summary[key].as_f64().unwrap_or(0.0));
     let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![row("ended", found.ended().to_owned())];
+    rows.extend(found.failure().map(|why| row("why", why.to_owned())));
+    if let Some(summary) = summary {
+        page.paragraph(&tables::repetition(&[summary]));
+        rows.splice(
+            0..0,
+            [
+                row("steps", summary.steps.to_string()),
+                row("step (s)", rounded(summary.step)),
+            ],
+        );
+        rows.push(row("end (s)", rounded(summary.end_time)));
+        rows.push(row("wall time (s)", rounded(summary.wall_time)));
+    }
     page.table(&ReportTable {
         header: vec!["".into(), "".into()],
-        rows: vec![
-            row("steps", summary["steps"].to_string()),
-            row("step (s)", real("step")),
-            row("ended", summary["ended"].as_str().unwrap_or("").to_owned()),
-            row("end (s)", real("end_time")),
-            row("wall time (s)", real("wall_time")),
-        ],
+        rows,
     });
-    let facts = summary["remarks"].as_array().into_iter().flatten();
-    let facts: Vec<Vec<String>> = (facts.filter_map(|fact| fact.as_str()).enumerate())
-        .map(|(number, fact)| vec![(number + 1).to_string(), fact.to_owned()])
+    let facts = summary.iter().flat_map(|summary| &summary.remarks);
+    let facts: Vec<Vec<String>> = (facts.enumerate())
+        .map(|(number, fact)| vec![(number + 1).to_string(), fact.clone()])
         .collect();
     if !facts.is_empty() {
         page.section("Remarks");
@@ -53,21 +62,19 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         });
     }
     page.section("Peaks");
-    page.warnings(&warnings.about(&["histories", "sections", "joints"]));
-    let joints = summary["joints"].as_array().into_iter().flatten();
-    let firsts = joints.flat_map(|joint| [&joint["first_slip"], &joint["first_crack"]]);
-    if let Some(after) = after_first_slip(firsts.filter_map(Value::as_f64)) {
+    page.warnings(&warnings.about(&OF_RESULTS));
+    let joints = summary.iter().flat_map(|summary| &summary.joints);
+    let firsts = joints.flat_map(|joint| [joint.first_slip, joint.first_crack]);
+    if let Some(after) = after_first_slip(firsts.flatten()) {
         page.paragraph(&format!("The {after}."));
     }
-    let peaks = summary["peaks"].as_array();
-    let rows = peaks.into_iter().flatten().map(|peak| {
-        let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
-        let real = |key: &str| rounded(peak[key].as_f64().unwrap_or(0.0));
-        if peak["below_rounding"] == true {
-            let (value, time) = ("0, below rounding".into(), String::new());
-            return vec![text("name"), value, text("unit"), time];
-        }
-        vec![text("name"), real("value"), text("unit"), real("time")]
+    let peaks = summary.iter().flat_map(|summary| &summary.peaks);
+    let rows = peaks.map(|peak| {
+        let (value, time) = match peak.below_rounding {
+            true => ("0, below rounding".into(), String::new()),
+            false => (rounded(peak.value), rounded(peak.time)),
+        };
+        vec![peak.name.clone(), value, peak.unit.clone(), time]
     });
     page.table(&ReportTable {
         header: ["name", "value", "unit", "time (s)"]
@@ -75,13 +82,14 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
             .to_vec(),
         rows: rows.collect(),
     });
-    motions::section(&mut page, folder, &warnings.about(&["histories"]))?;
+    motions::section(&mut page, folder, &warnings.about(&[Topic::Histories]))?;
     if let Some(table) = forces::table(folder)? {
         page.section("Section forces");
-        page.warnings(&warnings.about(&["sections"]));
+        page.warnings(&warnings.about(&[Topic::Sections]));
         page.paragraph(forces::MEANING);
         page.table(&table);
-        if let Some(uses) = forces::utilisation(&summary) {
+        let uses = summary.and_then(|summary| forces::utilisation(&summary.section_uses));
+        if let Some(uses) = uses {
             page.paragraph(
                 "Utilisation of reinforced sections: the moment over what the section bears with the same normal \
                  force (`capacity/`), strengths as in the scene.",
@@ -93,7 +101,7 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
         let files = files(&folder.join(below), end);
         if !files.is_empty() {
             page.section(section);
-            page.warnings(&warnings.about(&["histories", "sections", "joints"]));
+            page.warnings(&warnings.about(&OF_RESULTS));
         }
         for file in files {
             let name = file

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{TableColumn, read_table};
-use powerhouse::{ResultFolder, file_name};
+use powerhouse::{ResultFolder, Topic, file_name};
 
 use super::page::Page;
 use super::run_warnings::RunWarnings;
@@ -33,7 +33,7 @@ pub(super) fn page(
     cases: &[ReportCase],
     sections: &[&dyn ReportSection],
 ) -> Result<Page, StudyError> {
-    let title = cases[0].summary["title"].as_str().unwrap_or("sweep");
+    let title = (cases[0].summary.as_ref()).map_or("sweep", |summary| &summary.title);
     let title = title.rsplit_once(": ").map_or(title, |(scene, _)| scene);
     let mut page = Page::new(title);
     let sweep = Sweep {
@@ -82,17 +82,17 @@ impl Sweep<'_> {
     }
 
     /// Adds the warnings of the cases about some topics; about all topics for an empty list.
-    fn warnings(&self, page: &mut Page, topics: &[&str]) {
+    fn warnings(&self, page: &mut Page, topics: &[Topic]) {
         page.warnings(&RunWarnings::of_cases(self.cases).about(topics));
     }
 
     /// Adds the peaks and histories of a general scene.
     fn results(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Peaks");
-        self.warnings(page, &["histories"]);
+        self.warnings(page, &[Topic::Histories]);
         page.table(&tables::all_peaks(self.cases));
         page.section("Histories");
-        self.warnings(page, &["histories"]);
+        self.warnings(page, &[Topic::Histories]);
         page.figures(charts::all_histories(self.cases, &self.plots)?)?;
         page.section("Pictures");
         page.pictures(self.cases, |_| {
@@ -112,7 +112,8 @@ impl Sweep<'_> {
         page.section("Cases");
         page.warnings(&report_gaps(self.folder)?);
         self.warnings(page, &[]);
-        let summaries: Vec<_> = self.cases.iter().map(|case| &case.summary).collect();
+        let summaries = self.cases.iter().filter_map(|case| case.summary.as_ref());
+        let summaries: Vec<_> = summaries.collect();
         page.paragraph(&tables::repetition(&summaries));
         page.table(&tables::cases(self.cases));
         if let Some(stages) = tables::stages(self.cases) {
@@ -127,7 +128,7 @@ impl Sweep<'_> {
 
     fn input(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Input");
-        self.warnings(page, &["input"]);
+        self.warnings(page, &[Topic::Input]);
         for record in self.records() {
             let coverages = self
                 .outcomes
@@ -146,7 +147,7 @@ impl Sweep<'_> {
     /// Adds a section that is not one of all reports.
     fn further(&self, page: &mut Page, title: &str, items: Vec<ReportItem>) {
         page.section(title);
-        self.warnings(page, &["input"]);
+        self.warnings(page, &[Topic::Input]);
         for item in items {
             match item {
                 ReportItem::Paragraph(text) => page.paragraph(&text),
@@ -203,7 +204,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Principal stress");
-        self.warnings(page, &["histories"]);
+        self.warnings(page, &[Topic::Histories]);
         page.paragraph("Greatest principal stress over time of each stress history (MPa).");
         let stresses = tables::peaks(self.cases, |outcome| &outcome.stresses, 1e-6);
         page.table(&stresses);
@@ -220,7 +221,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Displacement");
-        self.warnings(page, &["histories"]);
+        self.warnings(page, &[Topic::Histories]);
         if relative {
             page.paragraph("Greatest norm of the relative displacement (mm).");
             page.table(&tables::peaks(self.cases, |outcome| &outcome.relative, 1e3));
@@ -276,7 +277,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Joint");
-        self.warnings(page, &["joints"]);
+        self.warnings(page, &[Topic::Joints]);
         page.table(&tables::joints(self.cases, |outcome| &outcome.joints));
         if self
             .outcomes
@@ -307,7 +308,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Section forces");
-        self.warnings(page, &["sections"]);
+        self.warnings(page, &[Topic::Sections]);
         page.paragraph(
             "Normal force N (tension positive), shear force Q and bending moment M of sections through \
              linings and floors, per metre along the halls, including the static forces of the stages: the \
@@ -340,7 +341,7 @@ impl Sweep<'_> {
             return Ok(());
         }
         page.section("Floor response spectra");
-        self.warnings(page, &["histories"]);
+        self.warnings(page, &[Topic::Histories]);
         let unknown = repetition::unknown(self.cases);
         page.warnings(unknown.as_slice());
         page.paragraph(&format!(
@@ -382,7 +383,7 @@ impl Sweep<'_> {
 
     fn energy(&self, page: &mut Page) -> Result<(), StudyError> {
         page.section("Energy");
-        self.warnings(page, &["energy"]);
+        self.warnings(page, &[Topic::Energy]);
         page.paragraph(
             "Energy balance of each case at its end (J): external work, stored energies and dissipation. The \
              residual is the imbalance.",

@@ -1,6 +1,6 @@
 //! Tables of a report.
 
-use serde_json::Value;
+use powerhouse::summary::{PeakSummary, RunSummary, StageSummary};
 
 use super::ReportCase;
 use super::ReportTable;
@@ -14,16 +14,22 @@ fn header(names: &[&str]) -> Vec<String> {
 }
 
 /// A sentence with the software and the mesh that reproduce a run, or the runs of a sweep.
-pub(super) fn repetition(summaries: &[&Value]) -> String {
-    let software = summaries[0]["software"].as_str().unwrap_or("?");
-    let counts = |key: &str| {
-        let counts = summaries.iter().filter_map(|summary| summary[key].as_u64());
+pub(super) fn repetition(summaries: &[&RunSummary]) -> String {
+    let meshes = summaries.iter();
+    let meshes: Vec<[usize; 2]> = meshes.map(|run| [run.elements, run.nodes]).collect();
+    let software = summaries.first().map_or("", |run| &run.software);
+    computed(software, &meshes)
+}
+
+/// The sentence of a software and the numbers of elements and nodes of meshes.
+fn computed(software: &str, meshes: &[[usize; 2]]) -> String {
+    let [elements, nodes] = [0, 1].map(|of| {
+        let counts = meshes.iter().map(|mesh| mesh[of]);
         match (counts.clone().min(), counts.max()) {
             (Some(least), Some(most)) if least < most => format!("{least} to {most}"),
-            (least, _) => least.unwrap_or(0).to_string(),
+            (least, _) => least.map_or(String::new(), |least| least.to_string()),
         }
-    };
-    let (elements, nodes) = (counts("elements"), counts("nodes"));
+    });
     let mesh = match elements.contains(' ') {
         true => format!("meshes of {elements} elements and {nodes} nodes"),
         false => format!("a mesh of {elements} elements and {nodes} nodes"),
@@ -38,18 +44,16 @@ pub(super) fn repetition(summaries: &[&Value]) -> String {
 pub(super) fn cases(cases: &[ReportCase]) -> ReportTable {
     let rows = cases.iter().map(|case| {
         let outcome = &case.outcome;
-        let limit = &case.summary["stable_step"];
-        let limited = match (limit["element"].as_u64(), limit["set"].as_str()) {
-            (Some(element), Some(set)) => format!("{element} in {set}"),
-            _ => String::new(),
-        };
+        let summary = case.summary.as_ref();
+        let limit = summary.and_then(|summary| summary.stable_step.as_ref());
+        let limited = limit.map(|limit| format!("{} in {}", limit.element, limit.set));
         vec![
             outcome.name.clone(),
-            case.summary["elements"].as_u64().unwrap_or(0).to_string(),
+            summary.map_or(String::new(), |summary| summary.elements.to_string()),
             rounded(outcome.end),
             outcome.steps.to_string(),
             rounded(1e3 * outcome.step),
-            limited,
+            limited.unwrap_or_default(),
             rounded(outcome.wall_time),
             rounded(outcome.energy_residual),
             case.fingerprint["inputs"].as_str().unwrap_or("").into(),
@@ -73,11 +77,12 @@ pub(super) fn cases(cases: &[ReportCase]) -> ReportTable {
 
 /// The table of stages, once for all cases that share them; `None` without stages.
 pub(super) fn stages(cases: &[ReportCase]) -> Option<ReportTable> {
-    let of_case = |case: &ReportCase| case.summary["stages"].as_array().cloned();
-    let mut shared: Vec<(Vec<Value>, Vec<&str>)> = Vec::new();
+    let mut shared: Vec<(&[StageSummary], Vec<&str>)> = Vec::new();
     for case in cases {
-        let stages = of_case(case).filter(|stages| !stages.is_empty());
-        let Some(stages) = stages else { continue };
+        let Some(summary) = &case.summary else {
+            continue;
+        };
+        let stages = summary.stages.as_slice();
         let name = case.outcome.name.as_str();
         match shared.iter_mut().find(|(known, _)| *known == stages) {
             Some((_, names)) => names.push(name),
@@ -91,17 +96,15 @@ pub(super) fn stages(cases: &[ReportCase]) -> Option<ReportTable> {
             [] => String::new(),
         };
         stages.iter().map(move |stage| {
-            let count = |key: &str| stage[key].as_u64().unwrap_or(0).to_string();
-            let real = |key: &str| stage[key].as_f64().unwrap_or(0.0);
             vec![
                 cases.clone(),
-                stage["name"].as_str().unwrap_or("").into(),
-                count("excavated"),
-                count("cast"),
-                count("increments"),
-                count("corrections"),
-                rounded(real("residual")),
-                rounded(1e3 * real("largest_displacement")),
+                stage.name.clone(),
+                stage.excavated.to_string(),
+                stage.cast.to_string(),
+                stage.increments.to_string(),
+                stage.corrections.to_string(),
+                rounded(stage.residual),
+                rounded(1e3 * stage.largest_displacement),
             ]
         })
     });
@@ -151,31 +154,26 @@ pub(super) fn peaks(
 
 /// The table of all peaks of the summaries, with a column for each case.
 pub(super) fn all_peaks(cases: &[ReportCase]) -> ReportTable {
-    let peaks = |case: &ReportCase| {
-        case.summary["peaks"]
-            .as_array()
-            .cloned()
-            .unwrap_or_default()
-    };
+    let of_cases = cases.iter().map(|case| match &case.summary {
+        Some(summary) => summary.peaks.as_slice(),
+        None => &[],
+    });
+    let of_cases: Vec<&[PeakSummary]> = of_cases.collect();
     let mut names: Vec<(String, String)> = Vec::new();
-    for peak in cases.iter().flat_map(peaks) {
-        let text = |key: &str| peak[key].as_str().unwrap_or("").to_owned();
-        let named = (text("name"), text("unit"));
+    for peak in of_cases.iter().copied().flatten() {
+        let named = (peak.name.clone(), peak.unit.clone());
         if !names.contains(&named) {
             names.push(named);
         }
     }
-    let of_cases: Vec<Vec<Value>> = cases.iter().map(peaks).collect();
     let rows = names.iter().map(|(name, unit)| {
-        let values = of_cases.iter().map(|peaks| {
-            let found = peaks.iter().find(|peak| peak["name"] == name.as_str());
-            match found {
-                Some(peak) if peak["below_rounding"] == true => "0".to_owned(),
-                found => found
-                    .and_then(|peak| peak["value"].as_f64())
-                    .map_or(String::new(), rounded),
-            }
-        });
+        let values =
+            of_cases
+                .iter()
+                .map(|peaks| match peaks.iter().find(|peak| peak.name == *name) {
+                    Some(peak) if peak.below_rounding => "0".to_owned(),
+                    found => found.map_or(String::new(), |peak| rounded(peak.value)),
+                });
         [name.clone(), unit.clone()]
             .into_iter()
             .chain(values)
@@ -322,9 +320,9 @@ pub(super) fn sensitivity(variations: &[Variation]) -> Option<ReportTable> {
 
 /// The table of the energies at the end of each case (J).
 pub(super) fn energies(cases: &[ReportCase]) -> ReportTable {
-    let entries = |case: &'_ ReportCase| -> Vec<(String, f64)> {
-        let list = case.summary["energies"].as_array().into_iter().flatten();
-        list.filter_map(|entry| Some((entry["name"].as_str()?.into(), entry["value"].as_f64()?)))
+    let entries = |case: &ReportCase| -> Vec<(String, f64)> {
+        let list = case.summary.iter().flat_map(|summary| &summary.energies);
+        list.map(|energy| (energy.name.clone(), energy.value))
             .collect()
     };
     let all: Vec<Vec<(String, f64)>> = cases.iter().map(entries).collect();
@@ -416,21 +414,18 @@ pub(super) fn joints(
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
-    use super::repetition;
+    use super::computed;
 
     /// Different meshes of the cases are reported as ranges.
     #[test]
     fn sizes_of_meshes_are_reported_as_a_range() {
-        let summary = |elements: u64, nodes: u64| json!({ "software": "powerhouse", "elements": elements, "nodes": nodes });
-        let [coarse, fine] = [summary(15840, 19494), summary(130088, 144960)];
-        let same = repetition(&[&coarse, &coarse]);
+        let [coarse, fine] = [[15840, 19494], [130088, 144960]];
+        let same = computed("powerhouse", &[coarse, coarse]);
         assert!(
             same.contains(" on a mesh of 15840 elements and 19494 nodes."),
             "{same}"
         );
-        let both = repetition(&[&fine, &coarse]);
+        let both = computed("powerhouse", &[fine, coarse]);
         assert!(
             both.contains(" on meshes of 15840 to 130088 elements and 19494 to 144960 nodes."),
             "{both}"
