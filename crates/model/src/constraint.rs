@@ -170,6 +170,9 @@ pub trait Constraint: Send {
     /// equal and opposite on both sides: area times what their tractions exceed those that act without them. Adds none by
     /// default.
     fn add_joint_forces(&self, _out: &mut [Vec3]) {}
+    /// Lets the closed pairs of its joints without a [reference](crate::JointRecord::reference) take their present tractions
+    /// for it: what forces leave open stays as it is. By default nothing changes.
+    fn keep_tractions(&mut self) {}
     /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
     /// joints that stick; static solutions take the nodes of such a pair for one. None by default.
     fn ties(&self) -> Vec<[u32; 2]> {

@@ -39,6 +39,9 @@ struct Branch {
     follower: u8,
 }
 
+/// Change of a velocity, over its size and that of its changes by impulses, that rounding explains.
+const ALIGNED: f64 = 1e-9;
+
 impl Group {
     /// Group of pairs with the indices of their nodes.
     pub(super) fn new(pairs: Vec<u32>, nodes: Vec<[u32; 2]>) -> Self {
@@ -170,7 +173,7 @@ impl Group {
 
         self.apply(&impulses, pairs, motion);
         if contacts.iter().all(|contact| contact.held) {
-            self.align(&offsets, pairs, motion);
+            self.align(&offsets, &impulses, pairs, motion);
         }
         let mut changed = Vec::new();
         for (a, nodes) in self.nodes.iter().enumerate() {
@@ -223,16 +226,31 @@ impl Group {
         }
     }
 
-    /// Gives nodes that all stick together the same velocity, to the last bit.
-    fn align(&self, offsets: &[(Vec3, Vec3)], pairs: &[JointPair], motion: &mut PredictedMotion) {
+    /// Gives nodes that all stick together the same velocity, to the last bit. Pairs that cannot all be held back to where they
+    /// stuck, as pairs of several normals that slipped on the way, keep the velocities of their impulses.
+    fn align(
+        &self,
+        offsets: &[(Vec3, Vec3)],
+        impulses: &DVector<f64>,
+        pairs: &[JointPair],
+        motion: &mut PredictedMotion,
+    ) {
+        let speeds = (self.inverse_mass.iter().enumerate()).map(|(a, [first, second])| {
+            let impulse: Vec3 = impulses.fixed_rows::<3>(3 * a).into_owned();
+            let impulse = pairs[self.pairs[a] as usize].to_global(&impulse);
+            (first * impulse).norm().max((second * impulse).norm())
+        });
+        let most = ALIGNED * speeds.fold(0.0, f64::max);
         for branch in &self.branches {
             let a = branch.pair as usize;
             let [first, second] = self.nodes[a].map(|node| node as usize);
             let after = -pairs[self.pairs[a] as usize].to_global(&offsets[a].1);
-            if branch.follower == 1 {
-                motion.velocity[second] = motion.velocity[first] + after;
-            } else {
-                motion.velocity[first] = motion.velocity[second] - after;
+            let [from, of] = match branch.follower {
+                1 => [motion.velocity[first] + after, motion.velocity[second]],
+                _ => [motion.velocity[second] - after, motion.velocity[first]],
+            };
+            if (from - of).norm() <= most + ALIGNED * (from.norm() + after.norm()) {
+                motion.velocity[if branch.follower == 1 { second } else { first }] = from;
             }
         }
     }

@@ -476,6 +476,16 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         }
     }
 
+    fn keep_tractions(&mut self) {
+        for (record, side) in self.records.iter_mut().zip(&self.sides) {
+            if record.reference.is_none() && record.state.contact != ContactState::Open {
+                record.reference = Some((record.traction - side.preload).into());
+                // How pairs can be solved depends on it.
+                self.prepared = None;
+            }
+        }
+    }
+
     fn joints(&self) -> Vec<JointView<'_>> {
         let Effort { sweeps, residual } = self.effort;
         let views = self.members.iter().map(|member| {
@@ -498,11 +508,8 @@ impl<L: ContactLaw> Constraint for Joint<L> {
             return false;
         };
         for (index, &earlier) in member.pairs().zip(&found) {
-            let mut record = history.records[earlier];
+            let record = history.records[earlier];
             let (side, origin) = (&mut self.sides[index], member.origin(&record));
-            if record.reference.is_none() && record.state.contact != ContactState::Open {
-                record.reference = Some((record.traction - side.preload).into());
-            }
             // What is prepared holds the origins of pairs, and how their references let them be solved.
             if side.origin != origin || self.records[index].reference != record.reference {
                 side.origin = origin;

@@ -193,7 +193,7 @@ impl Model {
         joints.map(|joint| JointHistory::from(&joint)).collect()
     }
 
-    /// Restores the joints to an earlier state.
+    /// Restores the joints to an earlier state, with their tractions for references where they have none.
     pub(super) fn restore_joints(&mut self, histories: &[JointHistory]) {
         for history in histories {
             for bound in &mut self.constraints {
@@ -201,6 +201,9 @@ impl Model {
                     break;
                 }
             }
+        }
+        for bound in &mut self.constraints {
+            bound.constraint.keep_tractions();
         }
     }
 

@@ -5,13 +5,17 @@
 //! joint and which into the support. The stress on both sides of the joint does, `t = sigma n`. It is fitted to the mean
 //! stresses of the elements around the node as a linear function of position, as in superconvergent patch recovery
 //! (Zienkiewicz & Zhu 1992), which is exact for a stress that is linear over the patch. At rollers it has no shear along them.
+//!
+//! What is cast against stressed ground is free of stress, and so is the joint between them: its tractions are those of the stress in
+//! the side that was cast last. A joint that was grouted later than both sides were there bears none of the stress that they had
+//! before; it has no such tractions.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use nalgebra::Matrix6x3;
 use powerhouse_model::{
-    ContactState, Facet, FacetGeometry, JointHistory, JointPair, Mat3, Mesh, StaticError, Stress,
-    Vec3,
+    ContactState, Facet, FacetGeometry, JointHistory, JointPair, JointRecord, Mat3, Mesh,
+    StaticError, Stress, Vec3,
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -23,6 +27,8 @@ use crate::Model;
 const NEGLIGIBLE: f64 = 1.0e-5;
 /// Square of the extent of a patch in a direction, over that of its widest one, below which it has no extent.
 const FLAT: f64 = 1.0e-8;
+/// Distance below which two places are the same, over displacements and the size of elements.
+const SAME_PLACE: f64 = 1.0e-9;
 /// Sine of the angle below which two directions count as parallel.
 const PARALLEL: f64 = 1.0e-8;
 /// Cosine of the angle between the normal of a pair and that of a facet along it.
@@ -33,6 +39,8 @@ const ALONG: f64 = 0.7;
 struct Sample {
     element: u32,
     set: String,
+    /// Number of its cast among those of the model, from one; zero for elements from the start.
+    cast: usize,
     initial: [f64; 6],
     change: [f64; 6],
 }
@@ -75,18 +83,37 @@ impl Model {
             }
         }
         for pair in &pairs {
-            let tractions = (pair.sides.iter()).filter_map(|side| {
-                let stress = beside_supports(&patches.stress_at(side)?, &pair.held);
-                Some(stress.traction(&pair.geometry.normal))
+            let sides = pair.sides.iter();
+            let stresses: Vec<(usize, Stress)> =
+                sides.filter_map(|side| patches.stress_at(side)).collect();
+            let Some(last) = stresses.iter().map(|(cast, _)| *cast).max() else {
+                continue;
+            };
+            let record = &mut joints[pair.joint].records[pair.pair];
+            if !self.began_with(last, &pair.geometry, record) {
+                continue;
+            }
+            let tractions = stresses.iter().filter(|(cast, _)| *cast == last);
+            let tractions = tractions.map(|(_, stress)| {
+                beside_supports(stress, &pair.held).traction(&pair.geometry.normal)
             });
             let tractions: Vec<Vec3> = tractions.collect();
-            if !tractions.is_empty() {
-                let mean = tractions.iter().sum::<Vec3>() / tractions.len() as f64;
-                let record = &mut joints[pair.joint].records[pair.pair];
-                record.reference = Some(pair.geometry.to_local(&mean).into());
-            }
+            let mean = tractions.iter().sum::<Vec3>() / tractions.len() as f64;
+            record.reference = Some(pair.geometry.to_local(&mean).into());
         }
         self.put_references(joints)
+    }
+
+    /// Whether a pair was closed when the elements of a cast came, or from the start for those that were always there.
+    fn began_with(&self, cast: usize, pair: &JointPair, record: &JointRecord) -> bool {
+        let cast = cast.checked_sub(1).and_then(|cast| self.casts.get(cast));
+        let displacement = |node: u32| {
+            let all = cast.map_or(&[][..], |cast| &cast.displacement);
+            all.get(node as usize).copied().unwrap_or_default()
+        };
+        let [first, second] = pair.nodes.map(displacement);
+        let off = record.origin() - pair.to_local(&(second - first));
+        off.norm() <= SAME_PLACE * (first.norm() + second.norm() + pair.spacing)
     }
 
     /// Restores the joints with new references, rid of what is negligible; returns their greatest change over the greatest
@@ -199,6 +226,10 @@ impl Model {
     /// The active solid elements of all ranks at some nodes (mesh indices), with their mean stresses.
     fn samples_at(&self, nodes: &BTreeSet<u32>) -> Result<BTreeMap<u32, Sample>, StaticError> {
         let absent: BTreeSet<u32> = self.absent.iter().copied().collect();
+        let mut cast_of = HashMap::new();
+        for (cast, number) in self.casts.iter().zip(1..) {
+            cast_of.extend(cast.elements.iter().map(|&element| (element, number)));
+        }
         let mut own = Vec::new();
         for (index, block) in self.blocks.iter().enumerate() {
             let here = |element: u32| {
@@ -226,6 +257,7 @@ impl Model {
                 Sample {
                     element,
                     set: block.label().into(),
+                    cast: cast_of.get(&element).copied().unwrap_or(0),
                     initial: initial.0,
                     change: changes[place].0,
                 }
@@ -293,12 +325,13 @@ impl<'a> Patches<'a> {
     }
 
     /// Stress on a side of a pair, whose force on the node is its product with the area, by the elements within two layers
-    /// around its nodes that are of one set with an element along the joint; none without elements.
+    /// around its nodes that are of one set and cast with an element along the joint, and the last of these casts; none without
+    /// elements.
     ///
     /// The force of a stress that varies is that of the mean weighted by the shape function of the node, that of an initial stress
     /// that is uniform in each element that of the mean over the facets.
-    fn stress_at(&self, side: &PairSide) -> Option<Stress> {
-        let (mut initial, mut change) = (Vec::new(), Vec::new());
+    fn stress_at(&self, side: &PairSide) -> Option<(usize, Stress)> {
+        let (mut initial, mut change, mut last) = (Vec::new(), Vec::new(), 0);
         let (mut middle, mut weighted, mut area) = (Vec3::zeros(), Vec3::zeros(), 0.0);
         for &node in &side.nodes {
             let here = self.mesh.positions()[node as usize];
@@ -307,10 +340,12 @@ impl<'a> Patches<'a> {
                 .iter()
                 .flat_map(|&element| self.mesh.nodes_of(element));
             let patch: BTreeSet<u32> = nodes.flat_map(|&node| self.around(node)).copied().collect();
-            let mut sets = BTreeSet::<&str>::new();
+            let mut sets = BTreeSet::<(&str, usize)>::new();
             for &element in first {
                 for facet in self.facets_along(element, node, &side.normal) {
-                    sets.insert(&self.samples[&element].set);
+                    let sample = &self.samples[&element];
+                    sets.insert((&sample.set, sample.cast));
+                    last = last.max(sample.cast);
                     if self.is_free(element, &facet.nodes) {
                         let share = Share::of(self.mesh, &facet, node);
                         middle += (facet.centroid - here) * share.area;
@@ -321,7 +356,7 @@ impl<'a> Patches<'a> {
             }
             for &element in &patch {
                 let sample = &self.samples[&element];
-                if sets.contains(sample.set.as_str()) {
+                if sets.contains(&(sample.set.as_str(), sample.cast)) {
                     let away = self.mesh.centroid(element) - here;
                     initial.push((away, sample.initial));
                     change.push((away, sample.change));
@@ -338,7 +373,8 @@ impl<'a> Patches<'a> {
         let uniform = if self.is_uniform { middle } else { weighted };
         let initial = linear_fit(&initial, &from(uniform))?;
         let change = linear_fit(&change, &from(weighted))?;
-        Some(Stress(core::array::from_fn(|i| initial[i] + change[i])))
+        let stress = Stress(core::array::from_fn(|i| initial[i] + change[i]));
+        Some((last, stress))
     }
 
     fn around(&self, node: u32) -> &[u32] {
