@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+#[cfg(feature = "programs")]
+use powerhouse_model::RemainingStiffness;
 use powerhouse_model::{
     BlockLaw, BlockLawInput, ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents,
-    HistoryVariable, Lane, LawEnergy, LawInput, ModelError, RemainingStiffness, Scalar, Strain,
-    Stress,
+    HistoryVariable, Lane, LawEnergy, LawInput, ModelError, Scalar, Strain, Stress,
 };
 #[cfg(feature = "programs")]
 use powerhouse_program::Traced;
@@ -43,6 +44,7 @@ impl ErasedLaw for AtOnce {
     fn uses_location(&self) -> bool {
         self.0.uses_location()
     }
+    #[cfg(feature = "programs")]
     fn is_in_lanes(&self) -> bool {
         false
     }

@@ -5,9 +5,11 @@
 
 use std::sync::Arc;
 
+#[cfg(feature = "programs")]
+use powerhouse_model::RemainingStiffness;
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, Extents, HistoryVariable, LawEnergy, LawInput,
-    ModelError, RemainingStiffness, Scalar, Strain, Stress, point_energy, point_stress_change,
+    ModelError, Scalar, Strain, Stress, point_energy, point_stress_change,
 };
 #[cfg(feature = "programs")]
 use powerhouse_program::Traced;
@@ -84,6 +86,7 @@ pub(crate) trait ErasedLaw: Send + Sync {
     fn is_linear(&self) -> bool;
     fn history(&self) -> &[HistoryVariable];
     fn uses_location(&self) -> bool;
+    #[cfg(feature = "programs")]
     fn is_in_lanes(&self) -> bool;
     /// Whether the law is evaluated for all points of a block at once, and linearised by its medium.
     fn takes_blocks(&self) -> bool {
@@ -134,6 +137,7 @@ impl<M: ConstitutiveLaw> ErasedLaw for M {
     fn uses_location(&self) -> bool {
         ConstitutiveLaw::uses_location(self)
     }
+    #[cfg(feature = "programs")]
     fn is_in_lanes(&self) -> bool {
         ConstitutiveLaw::is_in_lanes(self)
     }

@@ -45,7 +45,7 @@ use law_forms::LawForms;
 use locations::Locations;
 use memory::Connectivity;
 use numbers::AlignedNumbers;
-use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates};
+use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates, Rest, StepTerms};
 use survey::Summary;
 use transfer::NodeScalar;
 
@@ -146,10 +146,15 @@ where
         &mut self,
         displacement: &[Quad<f64>],
         velocity: &[Quad<A>],
-        (step, damping, rests): (f64, f64, bool),
+        terms: StepTerms,
         sums: Option<&mut StepSums>,
         out: &mut [Quad<A>],
     ) -> bool {
+        let StepTerms {
+            step,
+            damping,
+            rests,
+        } = terms;
         let damped = damping != 0.0;
         let follows = self.law.is_stepping() && self.follows_flow();
         let needs_velocity = damped || follows || (sums.is_some() && !self.is_linear());
@@ -161,13 +166,8 @@ where
             } else {
                 Vec::new()
             };
-            let finite = self.write_forces::<f64>(
-                displacement,
-                &velocity,
-                (step, damping, rests),
-                sums,
-                &mut forces,
-            );
+            let finite =
+                self.write_forces::<f64>(displacement, &velocity, terms, sums, &mut forces);
             for (out, force) in out.iter_mut().zip(forces) {
                 *out = Quad::from_vector(&force.to_vector());
             }
@@ -226,8 +226,11 @@ where
                 still = Some(known.unwrap_or_else(|| nodes.to_vec()));
             }
             let access = HistoryAccess::Write(&mut history);
-            let start = still.as_deref();
-            let finite = self.material(nodes, (access, start, rests), rates, Some(out), None);
+            let rest = Rest {
+                still: still.as_deref(),
+                relaxes: rests,
+            };
+            let finite = self.material(nodes, (access, rest), rates, Some(out), None);
             self.committed_displacement = still;
             (self.account, self.history) = (account, history);
             finite
@@ -262,7 +265,7 @@ where
     fn material<A: BatchScalar>(
         &self,
         nodes: &[Quad<f64>],
-        (history, still, rests): (HistoryAccess<S>, Option<&[Quad<f64>]>, bool),
+        (history, rest): (HistoryAccess<S>, Rest),
         rates: Option<Rates<A, S>>,
         out: Option<&mut [Quad<A>]>,
         survey: Option<&mut [Summary]>,
@@ -284,8 +287,8 @@ where
             history,
             exchange: S::exchange(&mut exchanges),
             nodes,
-            still,
-            relaxes: writes && rests && self.kernel.own_history() > 0,
+            still: rest.still,
+            relaxes: writes && rest.relaxes && self.kernel.own_history() > 0,
             rates,
             out,
             survey,
@@ -314,7 +317,13 @@ where
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
         let access = HistoryAccess::Read(&self.history);
-        self.material::<f64>(nodes, (access, None, false), None, None, Some(&mut survey));
+        self.material::<f64>(
+            nodes,
+            (access, Rest::default()),
+            None,
+            None,
+            Some(&mut survey),
+        );
         survey
     }
 
@@ -339,7 +348,11 @@ where
         self.history.set_in_place(in_place && self.active.is_none());
         let mut sums = StepSums::default();
         let balanced = context.ledger.then_some(&mut sums);
-        let terms = (context.step, damping, context.rests);
+        let terms = StepTerms {
+            step: context.step,
+            damping,
+            rests: context.rests,
+        };
         let finite = self.write_forces(displacement, velocity, terms, balanced, out);
         if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
             return Err(fault);

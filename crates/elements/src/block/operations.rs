@@ -164,6 +164,23 @@ pub(super) enum Response<L, const P: usize> {
     LawWithEnergies(Option<[LawEnergy<L>; P]>),
 }
 
+/// What the forces of a step depend on beside the motion: length of the step and coefficient of stiffness damping (s), and
+/// whether the body rests.
+#[derive(Clone, Copy)]
+pub(super) struct StepTerms {
+    pub(super) step: f64,
+    pub(super) damping: f64,
+    pub(super) rests: bool,
+}
+
+/// Static state of elements with histories of their own: displacement of the last committed one, if it is known, and whether
+/// these histories are brought to equilibrium.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Rest<'a> {
+    pub(super) still: Option<&'a [Quad<f64>]>,
+    pub(super) relaxes: bool,
+}
+
 /// Changes of stress of a batch, their source, and the remaining stiffness if it is required.
 pub(super) struct BatchStress<L, const P: usize> {
     pub(super) changes: [Stress<L>; P],

@@ -117,7 +117,7 @@ fn what_cracked_at_rest_keeps_its_forces_in_motion() {
 }
 
 /// Bricks with strains of their own, cracked by little and by much, where these strains are hard to find: a body at rest has the
-/// same forces whatever the length of the step that tells whether its stress stays.
+/// same forces whatever the length of the step by which it is tested whether its stress stays.
 #[test]
 fn own_strains_at_rest_do_not_depend_on_the_step() {
     let fibres = LeeFenvesParameters {

@@ -3,6 +3,7 @@
 mod abaqus;
 mod base_motion;
 mod bending;
+mod cast_joints;
 mod crack_bands;
 mod damping;
 mod former_keys;
