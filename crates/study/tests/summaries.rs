@@ -91,8 +91,10 @@ fn a_missing_figure_is_an_error_by_its_name() {
         );
     }
     let mut diverged = sound.clone();
-    *diverged.pointer_mut("/peaks/0/value").unwrap() = Value::Null;
-    assert!(page_of(&out, &diverged).unwrap().contains(">NaN</td>"));
+    let peak = diverged.pointer_mut("/peaks/0").unwrap();
+    (peak["value"], peak["below_rounding"]) = (Value::Null, false.into());
+    let page = page_of(&out, &diverged).unwrap();
+    assert!(page.contains("NaN</td>"));
     let begun = serde_json::json!({
         "title": "block", "software": "powerhouse", "ended": "incomplete", "failure": "it goes on",
     });
