@@ -224,7 +224,7 @@ impl RunCheckpoints {
             Ok(found) => found,
             Err(CheckpointError::None { .. }) => return Ok(()),
             Err(source) => {
-                let folder = folder.into();
+                let (folder, source) = (folder.into(), Box::new(source));
                 return Err(StudyError::UnreadableCheckpoint { folder, source });
             }
         };

@@ -79,7 +79,7 @@ pub enum StudyError {
         /// Path of the folder.
         folder: PathBuf,
         /// Cause.
-        source: CheckpointError,
+        source: Box<CheckpointError>,
     },
     /// A result folder without a table of histories.
     #[error("{} has no histories: its scene needs at least one [[output.history]]", folder.display())]

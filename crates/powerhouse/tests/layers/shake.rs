@@ -130,7 +130,7 @@ fn shake(acceleration: &[f64], step: f64) -> ([f64; 2], f64) {
                 let impedance = (moduli[k] * soil.density).sqrt();
                 let next = match soils.get(k + 1) {
                     Some(next) => (moduli[k + 1] * next.density).sqrt(),
-                    None => Number::new((rock.0 * rock.1 as f64).sqrt(), 0.0),
+                    None => Number::new(f64::sqrt(rock.0 * rock.1), 0.0),
                 };
                 let ratio = impedance / next;
                 up = (above * (one + ratio) + below * (one - ratio)) * 0.5;

@@ -449,7 +449,7 @@ impl LayeredWave {
             };
             (damped, around)
         });
-        let places: Vec<(Option<usize>, Vec<(i64, f64)>)> = places.collect();
+        let places: Vec<Place> = places.collect();
         let all = places.iter().flat_map(|(damped, around)| {
             let used = around.iter().filter(|(_, weight)| *weight != 0.0);
             used.map(move |(key, _)| (*key, *damped))
@@ -496,6 +496,9 @@ impl LayeredWave {
         }))
     }
 }
+
+/// Damped layer of a point, and the heights around it with their weights.
+type Place = (Option<usize>, Vec<(i64, f64)>);
 
 /// Tables in the order of their first use.
 struct Known<K, F> {
