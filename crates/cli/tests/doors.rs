@@ -16,7 +16,7 @@ quantities = ["displacement"]
 name = "straight"
 wave = [{ kind = "sv", incidence = 0, pulse = { kind = "smooth", displacement = 0.02, duration = 0.25 } }]
 "#;
-/// A stage in which the block comes to rest under its weight.
+/// A stage in which the block reaches static equilibrium under its weight.
 const STAGE: &str = r#"
 [[load]]
 kind = "gravity"
