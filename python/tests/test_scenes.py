@@ -92,7 +92,9 @@ def test_results_of_a_run_without_a_folder(tmp_path: Path, monkeypatch: pytest.M
     assert results.energy_residual is not None and results.energy_residual.largest < 1e-9
     peak = results.peak("inside.ux")
     values = results.histories["inside.ux"]
-    assert peak.value == values[np.abs(values).argmax()]
+    # Of all steps, those between two rows included.
+    assert abs(peak.value) >= np.abs(values).max()
+    assert peak.value == pytest.approx(values[np.abs(values).argmax()], rel=0.01)
     assert str(peak.name) in results.peaks_text
     assert [round(shot.time, 1) for shot in results.snapshots] == [0.0, 0.1, 0.2, 0.3]
     last = results.snapshots[-1]
