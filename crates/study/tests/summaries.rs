@@ -7,37 +7,7 @@ use powerhouse_study::{SceneRun, StudyError, report_gaps, write_report};
 use serde_json::Value;
 
 use crate::block::Folder;
-
-const SCENE: &str = r#"
-title = "block"
-[mesh]
-file = "mesh.msh"
-[[material]]
-name = "rock"
-law = "elastic"
-young = 9e9
-poisson = 0.27
-density = 2750
-[[part]]
-set = "rock"
-material = "rock"
-[[wave]]
-kind = "p"
-incidence = 0
-pulse = { kind = "smooth", displacement = 0.02, duration = 0.25 }
-[boundary]
-kind = "viscous-spring"
-faces = ["left", "right", "front", "back", "bottom"]
-scatterer = [60, 60, 120]
-[time]
-duration = 0.1
-[output]
-every = 0.01
-[[output.history]]
-name = "inside"
-at = [60, 60, 60]
-quantities = ["displacement"]
-"#;
+use crate::trade::SCENE;
 
 /// The text of the report of a folder whose summary is replaced.
 fn page_of(out: &Path, summary: &Value) -> Result<String, StudyError> {

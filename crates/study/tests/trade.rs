@@ -14,7 +14,7 @@ use powerhouse_study::trade::{
 use crate::block::Folder;
 
 /// A block of ground under a wave.
-const SCENE: &str = r#"
+pub(crate) const SCENE: &str = r#"
 title = "block"
 [mesh]
 file = "mesh.msh"

@@ -17,6 +17,15 @@ const KERNELS: [SolidKernel; 4] = [
 /// Strain of the deformations over that at the strength.
 const STRAINS: [f64; 3] = [1.5, 4.0, 12.0];
 
+/// Concrete with steel fibres.
+fn fibres() -> LeeFenvesParameters {
+    LeeFenvesParameters {
+        tension_energy: 4000.0,
+        compression_energy: 8.0e5,
+        ..presets::eurocode_lee_fenves(30.0).unwrap()
+    }
+}
+
 /// A block that was deformed in static states beyond its strength, its displacement, and the last forces.
 fn deformed<M: ConstitutiveLaw>(
     kernel: SolidKernel,
@@ -87,11 +96,7 @@ fn holds_with_any_damping<M: ElasticInSeries>(kernel: SolidKernel, law: M, stren
 #[test]
 fn what_cracked_at_rest_keeps_its_forces_in_motion() {
     for kernel in KERNELS {
-        let fibres = LeeFenvesParameters {
-            tension_energy: 4000.0,
-            compression_energy: 8.0e5,
-            ..presets::eurocode_lee_fenves(30.0).unwrap()
-        };
+        let fibres = fibres();
         let tension = fibres.tension_strength / fibres.medium.young;
         holds_with_any_damping(kernel, LeeFenves::new(fibres).unwrap(), tension);
         let concrete = presets::eurocode_concrete(30.0).unwrap();
@@ -120,11 +125,7 @@ fn what_cracked_at_rest_keeps_its_forces_in_motion() {
 /// same forces whatever the length of the step by which it is tested whether its stress stays.
 #[test]
 fn own_strains_at_rest_do_not_depend_on_the_step() {
-    let fibres = LeeFenvesParameters {
-        tension_energy: 4000.0,
-        compression_energy: 8.0e5,
-        ..presets::eurocode_lee_fenves(30.0).unwrap()
-    };
+    let fibres = fibres();
     let tension = fibres.tension_strength / fibres.medium.young;
     let law = LeeFenves::new(fibres).unwrap();
     for strain in STRAINS.map(|strain| strain * tension) {
