@@ -379,7 +379,7 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
     let figure = |of: &str| format!("boundary_advice.{}.{of}", question.name());
     let default = Arc::new(powerhouse::boundary::ViscousSpring::default());
     let [mesh, wide] = question.meshes()?;
-    let scene = question.scene(mesh.clone(), default, None)?;
+    let scene = question.scene(mesh.clone(), default, None)?.into();
     let advice = advise_boundary(&scene, question.stated())?;
     println!("{advice}");
 

@@ -31,7 +31,7 @@ use powerhouse::wavefield::{
     Angle, BaselineCorrection, EndDisplacement, PlaneWave, PlaneWaveParameters, TimeHistory,
     WaveKind, first_hit_corner,
 };
-use powerhouse::{Boundary, Material, OutputPlan, Part, Results, RunHooks, Scene};
+use powerhouse::{Boundary, FileScene, Material, OutputPlan, Part, Results, RunHooks, Scene};
 use powerhouse_examples::Figures;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -101,7 +101,9 @@ fn figures() -> Outcome<Figures> {
     let from_rust = scene.prepare()?.run(RunHooks::default())?;
     print!("{}", from_rust.peaks(&mesh));
 
-    let scene = Scene::from_file(data.join("scenes/cavern_small.toml"))?.with_duration(DURATION);
+    let scene = FileScene::from_file(data.join("scenes/cavern_small.toml"))?
+        .into_scene()
+        .with_duration(DURATION);
     let from_file = scene.prepare()?.run(RunHooks::default())?;
     let (a, b) = (crown(&from_rust)?, crown(&from_file)?);
     let unequal = a

@@ -15,6 +15,7 @@
 //!
 //! Run from the top of the project: `cargo run --release --example cost_model`
 
+use powerhouse::{Boundary, FileScene, Material, Part, RunHooks, Scene};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -24,7 +25,6 @@ use powerhouse::engine::Precision;
 use powerhouse::io::peak_memory;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, MeshError, Vec3};
-use powerhouse::{Boundary, Material, Part, RunHooks, Scene};
 use powerhouse_examples::process::apart_from_this;
 use powerhouse_examples::{Figures, Outcome};
 
@@ -59,7 +59,8 @@ fn path(file: &str) -> PathBuf {
 }
 
 fn scene(file: &str, duration: f64) -> Outcome<Scene> {
-    Ok(Scene::from_file(path(file))?
+    Ok(FileScene::from_file(path(file))?
+        .into_scene()
         .with_duration(duration)
         .with_threads(1))
 }
@@ -143,8 +144,8 @@ fn staged(name: &str) -> Outcome<Scene> {
     if let Some(mesh) = mesh {
         text = text.replace("cavern_small.msh", mesh);
     }
-    let scene = Scene::from_toml(text, path, &powerhouse_wang_2019::registry())?;
-    Ok(scene.with_threads(1))
+    let scene = FileScene::from_toml(text, path, &powerhouse_wang_2019::registry())?;
+    Ok(scene.into_scene().with_threads(1))
 }
 
 /// Computes the stages of a scene; returns wall time and memory.

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use powerhouse::{Registry, Scene};
+use powerhouse::{Registry, Scene, FileScene};
 use powerhouse_fuzz::limited;
 
 /// Bytes of the largest mesh that a scene of the corpus names, which is an input, too.
@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/fuzzed.toml");
     let registry = Registry::default();
     let read = limited(bytes.len() + MESH, || {
-        Scene::from_toml(text, &scene, &registry)
+        FileScene::from_toml(text, &scene, &registry)
     });
     if let Err(error) = read {
         assert!(!error.to_string().is_empty());

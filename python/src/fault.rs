@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use powerhouse::Error;
+use powerhouse::{Error, RenderFault as _};
 use powerhouse_study::StudyError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;

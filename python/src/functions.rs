@@ -6,7 +6,7 @@ use numpy::{PyArray2, PyArrayMethods};
 use powerhouse::model::{
     ElasticMedium, FieldMotion, FieldSampler, IncidentField, ModelError, NodalLoad, Stress, Vec3,
 };
-use powerhouse::{Error, Scene};
+use powerhouse::{Error, FileScene};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -30,7 +30,7 @@ pub(crate) enum Function {
 
 impl Function {
     /// Adds the function to a scene.
-    pub(crate) fn add_to(&self, scene: Scene, alarm: &Arc<Alarm>) -> Result<Scene, Error> {
+    pub(crate) fn add_to(&self, scene: FileScene, alarm: &Arc<Alarm>) -> Result<FileScene, Error> {
         let alarm = alarm.clone();
         match self {
             Self::Load { set, function } => {
@@ -38,17 +38,21 @@ impl Function {
                 let nodes = mesh.nodes_of_set(set)?;
                 let at = nodes.iter().map(|node| mesh.positions()[*node as usize]);
                 let points = components(at);
-                Ok(scene.load(Load {
+                let load = Load {
                     name: format!("function on '{set}'"),
                     nodes,
                     calls: Calls::new(function.clone(), points, alarm),
-                }))
+                };
+                Ok(scene.map(|scene| scene.load(load)))
             }
-            Self::Field { medium, function } => Ok(scene.with_field(Field {
-                medium: *medium,
-                function: function.clone(),
-                alarm,
-            })),
+            Self::Field { medium, function } => {
+                let field = Field {
+                    medium: *medium,
+                    function: function.clone(),
+                    alarm,
+                };
+                Ok(scene.map(|scene| scene.with_field(field)))
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use numpy::PyReadonlyArray1;
 use powerhouse::model::ElasticMedium;
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Error, Registry, ResultFolder, Scene as Composed};
+use powerhouse::{Error, FileScene as Composed, Registry, ResultFolder};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -116,7 +116,7 @@ impl Scene {
         Self {
             title: composed.title().to_owned(),
             duration: composed.duration(),
-            folder: composed.result_folder().path().to_owned(),
+            folder: composed.result_folder(),
             cases: composed.case_names().to_vec(),
             threads: composed.threads(),
             mesh: composed.mesh().clone(),

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use powerhouse::Scene;
+use powerhouse::FileScene;
 
 use super::manifests::workspace;
 use super::sources::files_below;
@@ -132,5 +132,5 @@ fn the_scene_of_the_readme_can_be_run() {
         "README.md shows another scene than {}",
         path.display()
     );
-    Scene::from_file(path).unwrap().prepare().unwrap();
+    FileScene::from_file(path).unwrap().prepare().unwrap();
 }

@@ -13,7 +13,7 @@ pub(crate) fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The engine that the facade chooses.
+/// The engine that scenes choose.
 const ENGINE: &str = "powerhouse-explicit-core";
 
 /// The crate of programs, which the elements use to record theirs.
@@ -24,6 +24,11 @@ const DEVICE: &str = "powerhouse-device";
 
 /// The crate of materials, in which laws are compiled for elements.
 const LAWS: &str = "powerhouse-laws";
+
+/// The crates of scenes, of their files, and of the files of results: what the facade composes.
+const SCENE: &str = "powerhouse-scene";
+const RESULTS: &str = "powerhouse-results";
+const SCENE_FILE: &str = "powerhouse-scene-file";
 
 /// The crates around the model; none knows another, but elements record programs, and a device compiles them.
 const AROUND_MODEL: [&str; 11] = [
@@ -68,7 +73,13 @@ fn permitted(package: &str) -> Vec<&'static str> {
     let model = "powerhouse-model";
     match package {
         "powerhouse-model" | TEST_SUPPORT => vec![],
-        "powerhouse" => [&[model, LAWS][..], &AROUND_MODEL].concat(),
+        "powerhouse" => [
+            &[model, LAWS, SCENE, RESULTS, SCENE_FILE][..],
+            &AROUND_MODEL,
+        ]
+        .concat(),
+        SCENE => [&[model, LAWS][..], &AROUND_MODEL].concat(),
+        RESULTS | SCENE_FILE => [&[model, LAWS, SCENE][..], &AROUND_MODEL].concat(),
         LAWS => vec![model, "powerhouse-elements", "powerhouse-material-damage"],
         "powerhouse-study" => vec!["powerhouse"],
         "powerhouse-wang-2019" => vec!["powerhouse", "powerhouse-study"],
@@ -265,7 +276,8 @@ fn packages_have_one_program_of_tests() {
     assert!(count > 12, "{count}");
 }
 
-/// One file chooses the engine, the facade's: no other one outside the engine's crate names it, but tests and examples of devices.
+/// One file chooses the engine, and the facade re-exports it: no other one outside the engine's crate names it, but tests and examples of
+/// devices.
 #[test]
 fn one_file_chooses_the_engine() {
     let name = ENGINE.replace('-', "_");
@@ -279,5 +291,7 @@ fn one_file_chooses_the_engine() {
             !path.starts_with(&own) && !of_devices.iter().any(|folder| path.starts_with(folder))
         })
         .collect();
-    assert_eq!(naming, [Path::new("crates/powerhouse/src/engine.rs")]);
+    let [facade, chooser] =
+        ["powerhouse", "scene"].map(|name| format!("crates/{name}/src/engine.rs"));
+    assert_eq!(naming, [Path::new(&facade), Path::new(&chooser)]);
 }

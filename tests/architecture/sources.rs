@@ -198,7 +198,7 @@ fn the_calendar_is_read_in_one_file() {
         .map(|(path, _)| path.strip_prefix(workspace()).unwrap().to_path_buf())
         .filter(|path| !is_test(path))
         .collect();
-    assert_eq!(readers, [Path::new("crates/powerhouse/src/output/lock.rs")]);
+    assert_eq!(readers, [Path::new("crates/results/src/lock.rs")]);
 }
 
 /// Nothing is announced and not done: no trait and no function has a body that says so.

@@ -8,7 +8,7 @@ use core::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-use powerhouse::{Error, Registry, Scene};
+use powerhouse::{Error, FileScene, Registry};
 
 /// Scenes on the small mesh, and one on the larger.
 const SCENES: [&str; 5] = [
@@ -399,7 +399,7 @@ fn is_in_list_of_texts(text: &str, value: &Value) -> bool {
 /// Composes a scene and prepares it if it is valid.
 fn outcome(text: &str) -> Result<(), Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/mutation.toml");
-    let scene = Scene::from_toml(text, path, &Registry::default())?;
+    let scene = FileScene::from_toml(text, path, &Registry::default())?;
     scene.prepare().map(|_| ())
 }
 

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use powerhouse::{Results, RunHooks, Scene, TimeStep};
+use powerhouse::{FileScene, Results, RunHooks, TimeStep};
 
 /// A scene of the data for two seconds, at a step that is stable for both meshes.
 fn run(file: &str) -> Results {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../data/scenes")
         .join(file);
-    let scene = Scene::from_file(path).unwrap();
+    let scene = FileScene::from_file(path).unwrap().into_scene();
     let scene = scene
         .with_duration(2.0)
         .with_step(TimeStep::Seconds(4.5e-4));

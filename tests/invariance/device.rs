@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use powerhouse::engine::{Engine, Explicit, ExplicitOnDevice};
-use powerhouse::{OutputPlan, ResidualLimit, Results, RunHooks, Scene};
+use powerhouse::{FileScene, OutputPlan, ResidualLimit, Results, RunHooks};
 use powerhouse_device::{EmulatedDevice, EmulatedDevices};
 use powerhouse_model::Precision;
 
 /// A lined cavern of the data on an engine, without the balance of energies, which devices do not compute.
 fn run(engine: Arc<dyn Engine>, precision: Precision) -> Results {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/cavern_small.toml");
-    let scene = Scene::from_file(file).unwrap();
+    let scene = FileScene::from_file(file).unwrap().into_scene();
     let mut plan: OutputPlan = scene.output().clone();
     plan.energies = None;
     let scene = scene

@@ -10,7 +10,7 @@ use powerhouse::engine::{
     CheckpointSink, Explicit, ExplicitOnRanks, ModelSpec, Progress, SavedRun,
 };
 use powerhouse::{
-    EquilibratedBody, Error, Registry, ResultFolder, RunHooks, RunNotes, Scene, TimeStep,
+    EquilibratedBody, Error, FileScene, Registry, ResultFolder, RunHooks, RunNotes, Scene, TimeStep,
 };
 use powerhouse_model::{Engine, EngineModel, ModelError, Precision, ThreadRanks};
 use powerhouse_observe::{Snapshot, SnapshotSink};
@@ -57,7 +57,9 @@ impl CheckpointSink for First {
 /// A scene of the data by its text, with a duration (s) and a precision.
 fn scene(text: &str, name: &str, duration: f64, precision: Precision) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes");
-    let scene = Scene::from_toml(text, file.join(name), &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, file.join(name), &Registry::default())
+        .unwrap()
+        .into_scene();
     let scene = scene.with_duration(duration).with_precision(precision);
     scene.with_step(TimeStep::OfStable(0.97))
 }

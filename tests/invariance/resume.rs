@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::engine::{CheckpointSink, Progress, SavedRun};
-use powerhouse::{EquilibratedBody, Error, Registry, Results, RunHooks, Scene};
+use powerhouse::{EquilibratedBody, Error, FileScene, Registry, Results, RunHooks, Scene};
 use powerhouse_model::{Bond, ContactState, ModelError, StateError};
 use powerhouse_observe::{Snapshot, SnapshotSink};
 use powerhouse_test_support::EVERYTHING;
@@ -119,7 +119,8 @@ impl Case {
 
     fn scene(&self, threads: usize) -> Scene {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/everything.toml");
-        let scene = Scene::from_toml(&self.text, file, &Registry::default());
+        let scene =
+            FileScene::from_toml(&self.text, file, &Registry::default()).map(FileScene::into_scene);
         let scene = scene.unwrap().with_duration(self.duration);
         scene.with_threads(threads).allow_magnitudes()
     }

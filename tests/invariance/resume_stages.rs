@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use powerhouse::engine::Progress;
-use powerhouse::{EquilibratedBody, Registry, RunHooks, Scene, StageCheckpointSink, StageSolution};
+use powerhouse::{
+    EquilibratedBody, FileScene, Registry, RunHooks, Scene, StageCheckpointSink, StageSolution,
+};
 use powerhouse_model::{ModelError, encode};
 use powerhouse_test_support::EVERYTHING;
 
@@ -48,7 +50,9 @@ fn scene(changes: &[(&str, &str)], threads: usize) -> Scene {
         text = text.replace(from, to);
     }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/everything.toml");
-    let scene = Scene::from_toml(&text, file, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(&text, file, &Registry::default())
+        .unwrap()
+        .into_scene();
     scene.with_threads(threads)
 }
 

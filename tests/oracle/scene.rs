@@ -6,7 +6,7 @@ use powerhouse::boundary::ViscousSpring;
 use powerhouse::prelude::{
     LinearElastic, Material, Mesh, Motion, OutputPlan, Part, Scene, Vec3, media,
 };
-use powerhouse::{Boundary, Registry, ResidualLimit, Results, RunHooks, TimeStep};
+use powerhouse::{Boundary, FileScene, Registry, ResidualLimit, Results, RunHooks, TimeStep};
 use powerhouse_model::Engine;
 use powerhouse_tests::oblique_waves;
 use powerhouse_wavefield::WaveKind;
@@ -78,6 +78,6 @@ fn a_registry_gives_its_engine_to_scenes() {
         env!("CARGO_MANIFEST_DIR"),
         "/../data/scenes/cavern_small.toml"
     );
-    let scene = Scene::from_file_with(path, &registry).unwrap();
+    let scene = FileScene::from_file_with(path, &registry).unwrap();
     assert_eq!(scene.engine().name(), "naive");
 }

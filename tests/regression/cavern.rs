@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use powerhouse::{Results, RunHooks, Scene};
+use powerhouse::{FileScene, Results, RunHooks};
 
 /// Duration of the run (s); the strong motion begins after 1.5 s.
 const DURATION: f64 = 3.0;
@@ -21,7 +21,10 @@ fn shelf() -> PathBuf {
 
 fn run() -> Results {
     let scene = shelf().join("../../data/scenes/cavern_small.toml");
-    let scene = Scene::from_file(scene).unwrap().with_duration(DURATION);
+    let scene = FileScene::from_file(scene)
+        .unwrap()
+        .into_scene()
+        .with_duration(DURATION);
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 

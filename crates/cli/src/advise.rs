@@ -39,7 +39,8 @@ pub(crate) fn boundary(path: &Path, case: Option<String>, error: f64) -> Outcome
 
 /// Prints the smallest box of ground; the exit status is 1 if the present one already exceeds the permitted error.
 pub(crate) fn ground(path: &Path, case: Option<String>, error: f64) -> Outcome {
-    let advice = advise_box(&read_case(path, case)?, error)?;
+    let scene = read_case(path, case)?;
+    let advice = advise_box(&scene, error)?;
     say_on!("{advice}");
     Ok(match advice.unchanged <= advice.error {
         true => ExitCode::SUCCESS,

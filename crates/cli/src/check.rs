@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use powerhouse::io::is_packed_mesh;
-use powerhouse::{KeyChange, RunHooks, Scene, SceneChoice};
+use powerhouse::{FileScene, KeyChange, RunHooks, SceneChoice};
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
 use crate::progress::Display;
@@ -41,7 +41,7 @@ pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsi
 
 /// Checks the keys and values of a scene file and of its cases, without mesh and records.
 pub(crate) fn keys(path: &Path, changes: &[KeyChange]) -> Outcome {
-    let cases = Scene::check_keys(path, changes, &powerhouse_wang_2019::registry())?;
+    let cases = FileScene::check_keys(path, changes, &powerhouse_wang_2019::registry())?;
     let cases = match cases {
         0 => String::new(),
         1 => " and its case".into(),

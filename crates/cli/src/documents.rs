@@ -7,7 +7,7 @@ use std::fs;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use powerhouse::{Error, PointPath, Problem, Scene};
+use powerhouse::{Error, FileScene, PointPath, Problem};
 use powerhouse_test_support::{EVERYTHING, TestFolder};
 use toml::{Table, Value};
 
@@ -97,7 +97,7 @@ fn parts_of_scenes_in_the_pages_have_known_keys() {
                 let mut scene: Table = EVERYTHING.parse()?;
                 merge(&mut scene, &part);
                 fs::write(&file, toml::to_string(&scene)?)?;
-                match Scene::check_keys(&file, &[], &powerhouse_wang_2019::registry()) {
+                match FileScene::check_keys(&file, &[], &powerhouse_wang_2019::registry()) {
                     // A part may name what other parts of a scene have.
                     Err(Error::Scene(fault)) if names_another_part(fault.problem()) => Ok(()),
                     checked => Ok(checked.map(drop)?),

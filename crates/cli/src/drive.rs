@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use powerhouse::model::HistoryKind;
-use powerhouse::{Error, PointPath, Registry};
+use powerhouse::{Error, PointError, PointPath, Registry};
 
 use crate::Outcome;
 use crate::terminal::{say, say_warning};
@@ -20,8 +20,8 @@ pub(crate) fn drive(
     // Of a test that fails on its way the steps before are written, and then the error.
     let (test, failure) = match PointPath::from_file(path)?.drive(&material) {
         Ok(test) => (test, None),
-        Err(Error::Leg { fault, test }) if test.records.len() > 1 => (*test, Some(fault)),
-        Err(Error::Leg { fault, .. }) => return Err(Error::Scene(fault).into()),
+        Err(PointError::Leg { fault, test }) if test.records.len() > 1 => (*test, Some(fault)),
+        Err(PointError::Leg { fault, .. }) => return Err(Error::Scene(fault).into()),
         Err(error) => return Err(error.into()),
     };
     say!("{}: {} steps", test.law, test.records.len() - 1);

@@ -40,7 +40,7 @@ use std::process::ExitCode;
 
 use changes::Changes;
 use clap::{Parser, Subcommand};
-use powerhouse::{CheckpointInterval, Error, Scene, SceneChoice};
+use powerhouse::{CheckpointInterval, Error, FileScene, RenderFault as _, SceneChoice};
 use powerhouse_study::StudyError;
 use terminal::{say, warn_aside};
 
@@ -460,8 +460,8 @@ fn check_ending(file: &Path, (kind, ending): (&str, &str)) -> Result<(), String>
 }
 
 /// Reads a scene, or a case of it, with changed keys.
-fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
-    let scene = Scene::from_file_as(path, of_file, &powerhouse_wang_2019::registry());
+fn read(path: &Path, of_file: &SceneChoice) -> Result<FileScene, Error> {
+    let scene = FileScene::from_file_as(path, of_file, &powerhouse_wang_2019::registry());
     if matches!(scene, Err(Error::Scene(_))) && !of_file.changes.is_empty() {
         let changes: Vec<String> = of_file.changes.iter().map(ToString::to_string).collect();
         warn_aside!(
@@ -473,7 +473,7 @@ fn read(path: &Path, of_file: &SceneChoice) -> Result<Scene, Error> {
 }
 
 /// Reads a scene, or a case of it, as it is in its file.
-fn read_case(path: &Path, case: Option<String>) -> Result<Scene, Error> {
+fn read_case(path: &Path, case: Option<String>) -> Result<FileScene, Error> {
     let changes = Vec::new();
     read(path, &SceneChoice { case, changes })
 }

@@ -10,8 +10,8 @@ use indicatif::MultiProgress;
 use powerhouse::engine::{Ended, StaticProgress};
 use powerhouse::io::peak_memory;
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, CompletedStage, Error, KeyChange, Message, ProgressHook,
-    ResultFolder, RunHooks, RunInputs, RunNotes, Scene, SceneChoice, Simulation, StageSink,
+    CheckpointFiles, CheckpointInterval, CompletedStage, Error, FileScene, KeyChange, Message,
+    ProgressHook, ResultFolder, RunHooks, RunInputs, RunNotes, SceneChoice, Simulation, StageSink,
 };
 use powerhouse_study::sweep::is_sweep;
 use powerhouse_study::{CheckpointEvent, FreeFieldReport, RunWatch, SceneRun, StudyError};
@@ -69,7 +69,7 @@ impl Choice {
             } => {
                 let path = scene;
                 let scene = read(&path, &of_file)?;
-                let folder = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                let folder = ResultFolder::new(out.unwrap_or_else(|| scene.result_folder()));
                 folder.keep_scene(&path)?;
                 warn_of_sweep(&folder);
                 let mut run = SceneRun::new(scene, folder.clone());
@@ -97,7 +97,7 @@ impl Choice {
                     );
                 }
                 let scene = read_as(scene, &kept.inputs, of_file.changes)?;
-                let results = out.map_or_else(|| scene.result_folder(), ResultFolder::new);
+                let results = ResultFolder::new(out.unwrap_or_else(|| scene.result_folder()));
                 let mut run = SceneRun::from_state(scene, results.clone(), kept)?;
                 run.restart = restart;
                 warn_of_sweep(&results);
@@ -129,7 +129,7 @@ fn read_as(
     path: Option<PathBuf>,
     inputs: &RunInputs,
     further: Vec<KeyChange>,
-) -> Result<Scene, Box<dyn std::error::Error>> {
+) -> Result<FileScene, Box<dyn std::error::Error>> {
     let path = path.or_else(|| inputs.scene.clone());
     let path = path.ok_or("the earlier run is that of a scene without a file")?;
     let changes: Result<Vec<KeyChange>, _> = inputs.changes.iter().map(|c| c.parse()).collect();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use powerhouse::{Message, ResultFolder, RunNotes, Scene};
+use powerhouse::{FileScene, Message, ResultFolder, RunNotes};
 use powerhouse_study::{RunWatch, SceneRun, StudyError};
 
 use crate::block::{Block, text};
@@ -137,7 +137,7 @@ fn all_doors_have_the_same_files_and_warnings() {
             text(&ended.stdout)
         });
         let registry = powerhouse_wang_2019::registry();
-        let own = Scene::case_from_file_with(&scene, CASE, &registry).unwrap();
+        let own = FileScene::case_from_file_with(&scene, CASE, &registry).unwrap();
         let mut heard = Heard::default();
         let ran = SceneRun::new(own, ResultFolder::new(folder("rust")));
         let ran = ran.run(&mut heard).unwrap();

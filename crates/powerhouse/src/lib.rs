@@ -44,79 +44,18 @@
 //! A program that needs one part, such as a law or a boundary, depends on the crate of the part, which is smaller still.
 //!
 //! # Why so
-//! *Schemas belong to scene files.* The registry takes the names of the keys of a boundary from its schema, and its
-//! functions ask for `JsonSchema`: a feature that removed this bound would change what other crates compile with.
-//! serde alone is always there, for `summary.json`.
+//! *The facade composes crates and has nothing of its own.* Scenes are `powerhouse-scene`, their files
+//! `powerhouse-scene-file`, results on disk `powerhouse-results`: a program that needs one of them alone depends on it.
 //!
 //! *One type.* A scene file is turned into the same [`Scene`] that programs compose: neither can do what the
-//! other cannot.
+//! other cannot. A [`FileScene`] has it together with what only the file knows.
 //!
-//! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are registered
-//! beside those that come with the software and named in scene files like them. A scene keeps the registry that
-//! it was read with, so that checks and advice know the same names.
-//!
-//! *A file is parsed once.* A [`SceneFile`] has the tables of the text with the byte range of every value; a
-//! [`SceneSpec`] has the scene or one of its cases as typed values, which studies and programs change before a [`Scene`] is
-//! made of it. Scene files get new keys, so that the types of [`spec`] are not exhaustive.
-//!
-//! *The surroundings of a body are checked when a scene is prepared*, by sampling the incident field at the nodes
-//! through which it enters: the body must start with the field's motion, the ground must be of one medium, free
-//! surfaces must be without traction. So scenes from files and from programs, and fields of a user's own, are
-//! checked alike.
-//!
-//! *Construction stages are checked when a scene is prepared and computed when it is run.* A check needs no
-//! static solution: masses, stiffness and the stable step are those of the elements that are present in the
-//! motion, wherever they have moved until then.
-//!
-//! *A fault has a position.* Every value of a scene file keeps the bytes that it was read from, so that a fault,
-//! found by the parser, in the mesh or by another crate, is shown at its line and column before the run.
+//! serde alone is always there, for `summary.json`.
 
-#![cfg_attr(
-    not(feature = "scene-files"),
-    allow(
-        dead_code,
-        unused_imports,
-        reason = "usual ranges, hints and places of keys that files alone have"
-    )
-)]
-
-mod acting;
-#[cfg(feature = "scene-files")]
-mod builtin;
-#[cfg(feature = "scene-files")]
-mod builtin_joints;
-#[cfg(feature = "scene-files")]
-mod builtin_laws;
-mod checkpoint;
-#[cfg(feature = "scene-files")]
-mod drive;
 pub mod engine;
-mod error;
-mod fault;
-mod in_use;
-mod joint;
-#[cfg(feature = "scene-files")]
-mod key_change;
-#[cfg(feature = "scene-files")]
-pub mod keys;
-mod magnitude;
-mod message;
-mod output;
-mod part;
 pub mod prelude;
-mod program_sources;
-mod reduction;
 #[cfg(feature = "scene-files")]
-mod registry;
-mod remark;
-#[cfg(feature = "scene-files")]
-mod resolve;
-mod scene;
-mod scene_remark;
-mod simulation;
-#[cfg(feature = "scene-files")]
-pub mod spec;
-mod stage;
+mod run_inputs;
 
 pub use powerhouse_boundary as boundary;
 pub use powerhouse_contact as contact;
@@ -129,54 +68,14 @@ pub use powerhouse_wavefield as wavefield;
 
 /// The crate of linear algebra whose types stand in public signatures, in the version in use.
 pub use powerhouse_model::nalgebra;
-/// The crate of JSON schemas whose types stand in public signatures, in the version in use.
-#[cfg(feature = "scene-files")]
-pub use schemars;
 
-pub use checkpoint::{
-    CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointPlan, CheckpointWriter,
-    IntervalError, KeptState, ResumedRun, RunInputs,
-};
-#[cfg(feature = "scene-files")]
-pub use drive::{PointPath, PointTest};
-pub use error::Error;
-pub use fault::{Fault, Problem, SceneFault, SceneText};
-pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
-#[cfg(feature = "scene-files")]
-pub use key_change::{KeyChange, KeyChangeError};
-pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
-pub use message::{Message, RunNotes, Topic, merge_messages};
-pub use output::summary;
-pub use output::{
-    BendingError, BoltForces, EnergyResidual, EnvelopeRequest, FolderError, FolderLock,
-    HistoryRequest, JointRequest, NameError, OutputPlan, RelativeRequest, ResultFolder, Results,
-    RingRequest, RunningTables, SampledRequest, SectionRequest, SectionUse, SnapshotRequest,
-    StateRequest, StressRequest, file_name,
-};
-pub use part::{Kernel, Part};
 pub use powerhouse_laws::{Damping, DampingCost, Material};
-pub use program_sources::{ProgramSource, ProgramSources};
-pub use reduction::reduction_layer;
+pub use powerhouse_results::*;
+pub use powerhouse_scene::*;
 #[cfg(feature = "scene-files")]
-pub use registry::Registry;
-pub use remark::{EquivalentLayer, Remark};
+pub use powerhouse_scene_file::*;
 #[cfg(feature = "scene-files")]
-pub use resolve::read_mesh;
-#[cfg(feature = "scene-files")]
-pub use scene::SceneChoice;
-pub use scene::{
-    Boundary, InitialMotion, InputOverview, LawMemory, LayerError, Mirror, MirrorError, Parity,
-    RegionError, ResidualLimit, Scene, ThroughError, TimeStep, WaveOverview,
-};
-pub use scene_remark::SceneRemark;
-pub use simulation::{ProgressHook, RunHooks, Simulation};
-#[cfg(feature = "scene-files")]
-pub use spec::{SceneFile, SceneSpec};
-pub use stage::{
-    BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
-    SceneStage, StageCheckpointSink, StageHook, StageOverview, StageSink, StageSolution,
-    StagingError, WeightLayer,
-};
+pub use run_inputs::run_inputs;
 
 /// Verification: accuracy and cost of modelling choices on problems with known solutions.
 #[cfg(doc)]

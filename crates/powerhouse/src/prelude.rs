@@ -39,4 +39,4 @@ pub use crate::{
 };
 
 #[cfg(feature = "scene-files")]
-pub use crate::Registry;
+pub use crate::{FileScene, Registry};

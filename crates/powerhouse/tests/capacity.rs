@@ -66,7 +66,7 @@ fn utilisation_is_that_of_the_recorded_forces() {
         };
         let folder = Folder::new(&format!("capacity-{is_beyond}"));
         let simulation = scene(block(), cut(), reinforcement).prepare().unwrap();
-        let announced = simulation.result_files();
+        let announced = powerhouse::result_files(&simulation);
         let notes = RunNotes::new(simulation.remarks().to_vec());
         let mesh = simulation.mesh().clone();
         let results = simulation.run(RunHooks::default()).unwrap();

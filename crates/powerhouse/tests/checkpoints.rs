@@ -36,7 +36,7 @@ fn state(done: u64) -> SavedRun {
 fn written(name: &str) -> (TestFolder, CheckpointFiles, RunInputs) {
     let folder = TestFolder::new(name);
     let files = CheckpointFiles::of(&*folder);
-    let inputs = RunInputs::of(&scene(4.0));
+    let inputs = RunInputs::of_composed(&scene(4.0));
     assert!(matches!(files.read(), Err(CheckpointError::None { .. })));
     for done in [10, 20] {
         files.write_run(&inputs, &state(done)).unwrap();
@@ -127,8 +127,10 @@ fn the_older_generation_is_used_where_the_last_is_damaged() {
 #[test]
 fn another_run_is_refused_and_a_failed_write_loses_nothing() {
     let (folder, files, inputs) = written("checkpoints-other");
-    files.check(&inputs, &RunInputs::of(&scene(4.0))).unwrap();
-    let other = files.check(&inputs, &RunInputs::of(&scene(5.0)));
+    files
+        .check(&inputs, &RunInputs::of_composed(&scene(4.0)))
+        .unwrap();
+    let other = files.check(&inputs, &RunInputs::of_composed(&scene(5.0)));
     let text = other.unwrap_err().to_string();
     assert!(text.contains("another run; changed since: mesh"), "{text}");
     // A folder with the name of the file is in its way.
@@ -189,7 +191,7 @@ fn what_differs_is_named() {
             "{refused}"
         );
     }
-    let mixed = RunInputs::of(&scene(4.0).with_precision(Precision::Mixed));
+    let mixed = RunInputs::of_composed(&scene(4.0).with_precision(Precision::Mixed));
     assert_eq!(inputs.differences(&mixed), ["precision"]);
 }
 

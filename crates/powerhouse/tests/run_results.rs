@@ -11,8 +11,8 @@ use powerhouse::model::{
 };
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, Error, FolderError, Material, OutputPlan, Part, Registry, Remark, ResidualLimit,
-    ResultFolder, Results, RunHooks, RunNotes, Scene, SnapshotRequest,
+    Boundary, Error, FileScene, FolderError, Material, OutputPlan, Part, Registry, Remark,
+    ResidualLimit, ResultFolder, Results, RunHooks, RunNotes, Scene, SnapshotRequest,
 };
 
 use powerhouse_test_support::TestFolder as Folder;
@@ -243,7 +243,9 @@ fn a_file_sets_the_limit_of_the_balance() {
             mesh.display()
         )
     };
-    let read = |limit: &str| Scene::from_toml(text(limit), "t.toml", &Registry::default());
+    let read = |limit: &str| {
+        FileScene::from_toml(text(limit), "t.toml", &Registry::default()).map(FileScene::into_scene)
+    };
     for limit in ["\"auto\"", "\"off\"", "1e-6"] {
         assert!(run(read(limit).unwrap()).is_ok(), "{limit}");
     }

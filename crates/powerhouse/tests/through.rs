@@ -13,8 +13,8 @@ use powerhouse::wavefield::{
     WaveKind,
 };
 use powerhouse::{
-    Boundary, Error, LayerError, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene,
-    ThroughError, TimeStep,
+    Boundary, Error, FileScene, LayerError, Material, OutputPlan, Part, Registry, Remark,
+    RenderFault as _, RunHooks, Scene, ThroughError, TimeStep,
 };
 use powerhouse_test_support::TestFolder;
 
@@ -300,7 +300,7 @@ fn a_scene_names_what_runs_through() {
     );
     let read = |text: &str| {
         let path = folder.join("seam.toml");
-        let scene = Scene::from_toml(text, path, &Registry::default());
+        let scene = FileScene::from_toml(text, path, &Registry::default());
         scene.map_err(|error| match error {
             Error::Scene(fault) => fault.render(false),
             error => error.to_string(),

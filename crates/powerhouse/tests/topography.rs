@@ -13,7 +13,7 @@ use powerhouse::wavefield::{
     Angle, Complex, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind,
 };
 use powerhouse::{
-    Boundary, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SceneRemark,
+    Boundary, FileScene, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SceneRemark,
 };
 use powerhouse_test_support::TestFolder;
 
@@ -299,7 +299,8 @@ at = [0, 0, 10]
 "#;
 
 fn read(folder: &TestFolder, text: &str) -> Result<Scene, String> {
-    let scene = Scene::from_toml(text, folder.join("hill.toml"), &Registry::default());
+    let scene = FileScene::from_toml(text, folder.join("hill.toml"), &Registry::default())
+        .map(FileScene::into_scene);
     scene.map_err(|error| error.to_string())
 }
 

@@ -6,7 +6,9 @@ use powerhouse::engine::StableStep;
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::io::available_memory;
 use powerhouse::model::{ElementKind, QualityReport, Vec3};
-use powerhouse::{Error, Message, Remark, Results, Scene, StageOverview, Topic};
+use powerhouse::{
+    Error, FileScene, Message, Remark, ResultFolder, Results, Scene, StageOverview, Topic,
+};
 
 use crate::StudyError;
 use crate::cost::{self, Cost, StepTimer};
@@ -284,13 +286,13 @@ pub struct CheckReport {
 /// # Errors
 /// Any error that would prevent the run; a stage that does not reach static equilibrium within the timed
 /// corrections.
-pub fn check(scene: Scene) -> Result<CheckReport, StudyError> {
-    check_within(scene, available_memory)
+pub fn check(scene: impl Into<FileScene>) -> Result<CheckReport, StudyError> {
+    check_within(scene.into(), available_memory)
 }
 
 /// The check with a source of the memory that the system can give (bytes).
 fn check_within(
-    scene: Scene,
+    scene: FileScene,
     available: impl Fn() -> Option<u64>,
 ) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
@@ -305,7 +307,7 @@ fn check_within(
         Some(_) => Some(FreeFieldCheck::of(&scene)?),
         None => None,
     };
-    if let Err(error) = scene.result_folder().check_writable() {
+    if let Err(error) = ResultFolder::new(scene.result_folder()).check_writable() {
         let reason = error.to_string();
         warnings.push(Warning::Folder { reason });
     }
@@ -478,7 +480,7 @@ mod tests {
         let file =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/cavern_small.toml");
         let text = format!("precision = \"mixed\"\n{text}");
-        let scene = || Scene::from_toml(&text, &file, &Registry::default()).unwrap();
+        let scene = || FileScene::from_toml(&text, &file, &Registry::default()).unwrap();
         let poor = check_within(scene(), || Some(1000)).unwrap();
         assert!(!poor.refused.is_empty());
         for change in &poor.refused {

@@ -8,7 +8,7 @@ use powerhouse::engine::SavedRun;
 use powerhouse::model::StateError;
 use powerhouse::{
     CheckpointError, CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody,
-    Error, KeptState, Remark, ResumedRun, RunInputs, Scene, StageSolution,
+    Error, FileScene, KeptState, Remark, ResumedRun, RunInputs, StageSolution,
 };
 
 use crate::StudyError;
@@ -138,7 +138,7 @@ impl RunCheckpoints {
     /// scene's; states that the scene wants to keep are, if it `keeps` them.
     pub(crate) fn new(
         files: CheckpointFiles,
-        (scene, inputs): (&Scene, RunInputs),
+        (scene, inputs): (&FileScene, RunInputs),
         (start, unused): (RunStart, Vec<String>),
         (interval, keeps): (Option<CheckpointInterval>, bool),
     ) -> Self {
@@ -149,7 +149,13 @@ impl RunCheckpoints {
             false => Some(f64::INFINITY),
         };
         Self {
-            writer: CheckpointWriter::new(scene, (files.clone(), inputs), interval, after),
+            writer: CheckpointWriter::new(
+                scene,
+                (files.clone(), inputs),
+                interval,
+                &scene.checkpoints().keep,
+                after,
+            ),
             files,
             start,
             unused,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::io::file_checksum;
 use powerhouse::model::{Checksum, ModelError, RankError};
-use powerhouse::{Error, RunInputs, Scene};
+use powerhouse::{Error, FileScene, RunInputs};
 
 use crate::StudyError;
 
@@ -47,7 +47,11 @@ impl RunRanks {
     ///
     /// # Errors
     /// Scenes, files that they name, or programs that differ between the ranks.
-    pub(crate) fn take(&self, scene: Scene, inputs: &RunInputs) -> Result<Scene, StudyError> {
+    pub(crate) fn take(
+        &self,
+        scene: FileScene,
+        inputs: &RunInputs,
+    ) -> Result<FileScene, StudyError> {
         let Some(engine) = self.0.as_ref().filter(|_| self.count() > 1) else {
             return Ok(scene);
         };
@@ -56,7 +60,7 @@ impl RunRanks {
         let program = std::env::current_exe().and_then(|program| file_checksum(&program));
         let program = program.map(|sum| sum.value());
         same("the program", program.unwrap_or_default())?;
-        Ok(scene.with_engine(engine.clone()))
+        Ok(scene.map(|scene| scene.with_engine(engine.clone())))
     }
 
     /// Checks that a text is the same on all ranks.

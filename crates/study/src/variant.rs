@@ -1,7 +1,7 @@
 //! Variants of a scene, the runs of sweeps, convergence studies and trades.
 
 use powerhouse::spec::Positive;
-use powerhouse::{Error, Registry, Scene, SceneSpec};
+use powerhouse::{Error, FileScene, Registry, SceneSpec};
 
 use crate::StudyError;
 use crate::mark::{Fingerprint, inputs};
@@ -61,7 +61,7 @@ impl Variant {
     ///
     /// # Errors
     /// A scene that is refused.
-    pub(crate) fn scene(&self, registry: &Registry) -> Result<Scene, Error> {
-        Scene::from_spec(self.spec.clone(), registry)
+    pub(crate) fn scene(&self, registry: &Registry) -> Result<FileScene, Error> {
+        FileScene::from_spec(self.spec.clone(), registry)
     }
 }

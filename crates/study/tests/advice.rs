@@ -10,7 +10,7 @@ use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
-use powerhouse::{Boundary, Material, OutputPlan, Part, Registry, RunHooks, Scene};
+use powerhouse::{Boundary, FileScene, Material, OutputPlan, Part, Registry, RunHooks, Scene};
 use powerhouse_study::advice::{BoundaryKind, BoundaryProblem, Excitation, Obstacle};
 use powerhouse_study::{BoundaryAdvice, OpeningSlice, StudyError, advise_boundary, advise_box};
 use powerhouse_test_support::TestFolder;
@@ -77,14 +77,14 @@ impl Folder {
         write_gmsh(folder.join("opening.msh"), mesh).unwrap();
         Self(folder)
     }
-    fn read(&self, boundary: &str) -> Scene {
+    fn read(&self, boundary: &str) -> FileScene {
         let text = format!("{TEXT}{boundary}");
         let path = self.0.join("scene.toml");
-        Scene::from_toml(text, path, &Registry::default()).unwrap()
+        FileScene::from_toml(text, path, &Registry::default()).unwrap()
     }
 }
 
-fn histories(scene: Scene) -> Vec<Vec<f64>> {
+fn histories(scene: FileScene) -> Vec<Vec<f64>> {
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let columns = results.histories.columns.into_iter();
     columns.map(|column| column.values).collect()
@@ -162,7 +162,7 @@ fn the_table_gives_the_recommended_boundary() {
     let mut scene = folder.read(BOUNDARY);
     let mut boundary = scene.boundary().unwrap().clone();
     boundary.condition = generous.condition(&named.kind).unwrap();
-    scene = scene.with_boundary(boundary);
+    scene = scene.map(|scene| scene.with_boundary(boundary));
     assert_eq!(pasted, histories(scene), "{table}");
     assert!(generous.to_string().contains(&table));
 
@@ -211,7 +211,7 @@ fn a_box_is_as_small_as_the_error_permits() {
             "incidence = 10\n",
             "incidence = 10\nreference = [-20, 0, -20]\n",
         );
-        Scene::from_toml(text, folder.0.join("scene.toml"), &Registry::default()).unwrap()
+        FileScene::from_toml(text, folder.0.join("scene.toml"), &Registry::default()).unwrap()
     };
     let small = read(key);
     assert_eq!(small.mesh().element_count(), far.elements);
@@ -241,7 +241,7 @@ fn a_box_is_as_small_as_the_error_permits() {
 /// A body without a scatterer needs no more than dashpots; the keys of each kind contain its parameters.
 #[test]
 fn without_a_scatterer_dashpots_suffice() {
-    let advice = advise_boundary(&cube(true), 0.05).unwrap();
+    let advice = advise_boundary(&cube(true).into(), 0.05).unwrap();
     assert_eq!(advice.problem.radius, None);
     assert_eq!(advice.recommended().unwrap().kind, BoundaryKind::Viscous);
     assert!(
@@ -266,17 +266,20 @@ fn without_a_scatterer_dashpots_suffice() {
 /// A scene without a prediction is an error with its reason.
 #[test]
 fn missing_input_of_a_prediction_is_an_error() {
-    let refused = |scene: &Scene| advise_boundary(scene, 0.05).unwrap_err();
-    assert!(matches!(refused(&cube(false)), StudyError::UnknownField));
+    let refused = |scene: FileScene| advise_boundary(&scene, 0.05).unwrap_err();
+    assert!(matches!(
+        refused(cube(false).into()),
+        StudyError::UnknownField
+    ));
     let mesh = || Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(3.0), [3; 3], "rock").unwrap();
     let rock = || Part::new("rock", Material::from(LinearElastic::new(ROCK)));
     let bare = Scene::new("bare", mesh()).part(rock());
-    assert!(matches!(refused(&bare), StudyError::NoBoundary));
+    assert!(matches!(refused(bare.into()), StudyError::NoBoundary));
     let still = Scene::new("still", mesh())
         .part(rock())
         .with_boundary(Boundary::new(ViscousSpring::default(), ["bottom"]))
         .with_output(OutputPlan::default().history("top", Vec3::repeat(3.0), Motion::ALL));
-    assert!(matches!(refused(&still), StudyError::NoExcitation));
+    assert!(matches!(refused(still.into()), StudyError::NoExcitation));
     let narrow = OpeningSlice {
         half_width: 4.4,
         fine: 0.25,
@@ -285,11 +288,14 @@ fn missing_input_of_a_prediction_is_an_error() {
     };
     let folder = Folder::new("narrow", &narrow.mesh().unwrap());
     assert!(matches!(
-        refused(&folder.read(BOUNDARY)),
+        refused(folder.read(BOUNDARY)),
         StudyError::NearFace { distance, least } if (distance - 4.4).abs() < 1e-9 && least > 4.0
     ));
     for wrong in [0.0, -0.1, 1.5, f64::NAN] {
-        assert!(advise_boundary(&cube(true), wrong).is_err(), "{wrong}");
+        assert!(
+            advise_boundary(&cube(true).into(), wrong).is_err(),
+            "{wrong}"
+        );
     }
 }
 
@@ -308,7 +314,7 @@ fn predictions_use_the_dashpots_of_the_scene() {
             let boundary = BOUNDARY.replace("-4]", &format!("-{depth}]\n{ratio}"));
             let text = format!("{TEXT}{boundary}").replace("incidence = 10", "incidence = 30");
             let path = folder.0.join("scene.toml");
-            Scene::from_toml(text, path, &Registry::default()).unwrap()
+            FileScene::from_toml(text, path, &Registry::default()).unwrap()
         };
         let advice = advise_boundary(&read(""), 0.9).unwrap();
         let error = |speed_ratio: f64| {
@@ -381,7 +387,7 @@ fn rounding_and_faces_at_the_bottom_are_distinguished() {
     let bottom = BOUNDARY.replace("[\"left\", \"right\", \"bottom\"]", "[\"bottom\"]");
     let text = format!("{TEXT}{bottom}").replace("incidence = 10", "incidence = 0");
     let path = folder.0.join("scene.toml");
-    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
     let refused = advise_boundary(&scene, 0.05).unwrap_err();
     assert!(
         matches!(&refused, StudyError::NoSides { faces } if faces == &["bottom"]),

@@ -4,7 +4,7 @@ use crate::block::Folder;
 use powerhouse::boundary::Viscous;
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Boundary, Material, Part, Scene};
+use powerhouse::{Boundary, FileScene, Material, Part, Scene};
 use powerhouse_study::{Warning, check, warnings};
 
 const GROUND: &str = r#"
@@ -55,7 +55,7 @@ fn a_check_finds_a_stress_out_of_balance() {
             text = text.replacen(old, new, 1);
         }
         let folder = Folder::new(name, &text, 3);
-        let report = check(Scene::from_file(folder.scene()).unwrap()).unwrap();
+        let report = check(FileScene::from_file(folder.scene()).unwrap()).unwrap();
         report.warnings.iter().find_map(|warning| match warning {
             Warning::Unbalanced { stage, share } => Some((stage.clone(), *share)),
             _ => None,
@@ -104,7 +104,7 @@ fn separate_parts_of_a_mesh_are_named() {
 #[test]
 fn a_check_lists_sets_and_tries_the_folder() {
     let folder = Folder::new("tried", GROUND, 3);
-    let scene = Scene::from_file(folder.scene()).unwrap();
+    let scene = FileScene::from_file(folder.scene()).unwrap();
     let report = check(scene.with_directory(folder.out())).unwrap();
     let unwritable = |warning: &Warning| matches!(warning, Warning::Folder { .. });
     assert!(!report.warnings.iter().any(unwritable) && !folder.out().exists());
@@ -118,7 +118,7 @@ fn a_check_lists_sets_and_tries_the_folder() {
         (Vec3::z() * 120.0, Vec3::repeat(120.0))
     );
     let in_file = folder.scene().join("results");
-    let scene = Scene::from_file(folder.scene()).unwrap();
+    let scene = FileScene::from_file(folder.scene()).unwrap();
     let report = check(scene.with_directory(&in_file)).unwrap();
     let named = in_file.display().to_string();
     assert!(

@@ -7,7 +7,9 @@ use powerhouse::engine::{StaticOptions, Support};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Axis, ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
-use powerhouse::{Boundary, Material, Mirror, Parity, Part, Registry, Scene, SceneStage, TimeStep};
+use powerhouse::{
+    Boundary, FileScene, Material, Mirror, Parity, Part, Registry, Scene, SceneStage, TimeStep,
+};
 use powerhouse_study::check;
 use powerhouse_study::saving::{Change, Saving};
 
@@ -255,7 +257,9 @@ fn changes_of_a_file_save_as_predicted() {
     let text = std::fs::read_to_string(path).unwrap();
     let damped = |damping: &str| {
         let text = text.replace("kernel = \"hex8-full\"", damping);
-        Scene::from_toml(text, path, &Registry::default()).unwrap()
+        FileScene::from_toml(text, path, &Registry::default())
+            .unwrap()
+            .into_scene()
     };
     let rayleigh =
         || damped("damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }");

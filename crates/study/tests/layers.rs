@@ -6,14 +6,14 @@ use powerhouse::boundary::{ReductionLayer, Viscous};
 use powerhouse::material::{LinearElastic, media};
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{StationField, StationParameters};
-use powerhouse::{Boundary, Material, Part, Registry, Remark, RunHooks, Scene};
+use powerhouse::{Boundary, FileScene, Material, Part, Registry, Remark, RunHooks, Scene};
 use powerhouse_study::sweep::{Sweep, SweepWatch};
 use powerhouse_study::{FreeFieldCheck, StudyError, check};
 use powerhouse_test_support::TestFolder;
 
 fn site() -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/layered_site.toml");
-    Scene::from_file(file).unwrap()
+    FileScene::from_file(file).unwrap().into_scene()
 }
 
 /// The box of a layered site has its layers, each with rows of its own, and moves like the layered field: within
@@ -126,7 +126,11 @@ fn cases_of_softened_layers_share_their_stages() {
     );
     std::fs::write(&path, text).unwrap();
     assert_eq!(run("own"), (4, 2));
-    let scene = |case: &str| Scene::case_from_file_with(&path, case, &Registry::default()).unwrap();
+    let scene = |case: &str| {
+        FileScene::case_from_file_with(&path, case, &Registry::default())
+            .unwrap()
+            .into_scene()
+    };
     let softens = |scene: &Scene| {
         let mut remarks = scene.remarks().iter();
         remarks.any(|remark| matches!(remark, Remark::EquivalentLinear { .. }))

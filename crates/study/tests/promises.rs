@@ -8,7 +8,7 @@ use std::time::Instant;
 use powerhouse::engine::observe::HistoryTable;
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Registry, RunHooks, Scene, TimeStep};
+use powerhouse::{FileScene, Registry, RunHooks, Scene, TimeStep};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::{OpeningSlice, check};
 use powerhouse_test_support::TestFolder;
@@ -231,13 +231,13 @@ impl Case {
     }
 }
 
-fn read(folder: &Path, precision: &str) -> Scene {
+fn read(folder: &Path, precision: &str) -> FileScene {
     let path = folder.join("scene.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let text = format!("precision = \"{precision}\"\n{text}");
-    Scene::from_toml(text, path, &Registry::default())
+    FileScene::from_toml(text, path, &Registry::default())
         .unwrap()
-        .with_threads(1)
+        .map(|scene| scene.with_threads(1))
 }
 
 /// Histories of a whole run, and what its steps take (s).

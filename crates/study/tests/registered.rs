@@ -8,7 +8,7 @@ use powerhouse::model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ElasticMedium, HistoryVariable, LawInput,
     ModelError, PointLaw, Stress,
 };
-use powerhouse::{Kernel, Material, Registry, Scene};
+use powerhouse::{FileScene, Kernel, Material, Registry};
 use powerhouse_study::saving::{Change, FormatError};
 use powerhouse_study::sweep::Sweep;
 use powerhouse_study::trade::{Goal, NoProgress, Trade};
@@ -120,8 +120,8 @@ quantities = ["displacement"]
 "#;
 
 impl Folder {
-    fn read(&self) -> Scene {
-        Scene::from_file_with(self.scene(), &own()).unwrap()
+    fn read(&self) -> FileScene {
+        FileScene::from_file_with(self.scene(), &own()).unwrap()
     }
 }
 
@@ -259,7 +259,7 @@ fn a_registered_boundary_is_a_candidate() {
         "hyperbolic\"\nreference_strain = 1e-2",
         "elastic\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750",
     );
-    let plain = Scene::from_toml(text, folder.scene(), &Registry::default()).unwrap();
+    let plain = FileScene::from_toml(text, folder.scene(), &Registry::default()).unwrap();
     let advice = advise_boundary(&plain, 0.05).unwrap();
     assert!(advice.left_out.is_empty());
     assert!(

@@ -12,7 +12,8 @@ use powerhouse::wavefield::{
     first_hit_corner,
 };
 use powerhouse::{
-    Boundary, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SnapshotRequest,
+    Boundary, FileScene, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene,
+    SnapshotRequest,
 };
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check, warnings};
 
@@ -336,7 +337,9 @@ fn a_check_warns() {
         "kernel = \"hex8-one-point\"",
         "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }",
     );
-    let scene = Scene::from_toml(text.as_str(), path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text.as_str(), path, &Registry::default())
+        .unwrap()
+        .into_scene();
     let warnings = check(scene).unwrap().warnings;
     assert!(warnings.iter().any(
         |warning| matches!(warning, Warning::Remark(Remark::DampedRim { set }) if set == "rock")
@@ -349,17 +352,23 @@ fn a_check_warns() {
         "record = \"el-centro-ns\"",
         "pulse = { kind = \"smooth\", displacement = 0.01, duration = 1 }",
     );
-    let scene = Scene::from_toml(text.as_str(), path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text.as_str(), path, &Registry::default())
+        .unwrap()
+        .into_scene();
     assert!(scene.remarks().contains(&unused));
     // A case may use it.
     let case = "[[case]]\nname = \"shaken\"\nwave = [{ kind = \"p\", incidence = 0, record = \"el-centro-ns\" }]\n";
-    let scene = Scene::from_toml(text + case, path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text + case, path, &Registry::default())
+        .unwrap()
+        .into_scene();
     assert!(!scene.remarks().contains(&unused));
     // A run that ends within the strong motion is warned of, unless it is given another duration.
     let is_short = |remark: &Remark| matches!(remark, Remark::TruncatedRecord { .. });
     let text = std::fs::read_to_string(path).unwrap();
     let text = text.replace("duration = 20", "duration = 2");
-    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, path, &Registry::default())
+        .unwrap()
+        .into_scene();
     assert!(scene.remarks().iter().any(is_short));
     let scene = scene.with_duration(20.0);
     assert!(!scene.remarks().iter().any(is_short));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use powerhouse::{ResultFolder, Scene};
+use powerhouse::{FileScene, ResultFolder};
 use powerhouse_study::{SceneRun, StudyError, report_gaps, write_report};
 use serde_json::Value;
 
@@ -21,7 +21,7 @@ fn page_of(out: &Path, summary: &Value) -> Result<String, StudyError> {
 fn a_missing_figure_is_an_error_by_its_name() {
     let folder = Folder::new("missing-figure", SCENE, 3);
     let out = folder.out();
-    let scene = Scene::from_file(folder.scene()).unwrap();
+    let scene = FileScene::from_file(folder.scene()).unwrap();
     let ran = SceneRun::new(scene, ResultFolder::new(&out))
         .run(&mut ())
         .unwrap();

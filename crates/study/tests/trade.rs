@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Registry, RunHooks, Scene};
+use powerhouse::{FileScene, Registry, RunHooks};
 use powerhouse_study::StudyError;
 use powerhouse_study::trade::{
     Factor, Goal, NoProgress, Quantity, Reference, Trade, TradeCase, TradeWatch,
@@ -75,7 +75,7 @@ impl TradeWatch for Counted {
 /// The relative L2 difference of the displacement of the point on top.
 fn difference(scene: &Path, reference: &Path) -> f64 {
     let motion = |path: &Path| {
-        let scene = Scene::from_file_with(path, &Registry::default()).unwrap();
+        let scene = FileScene::from_file_with(path, &Registry::default()).unwrap();
         scene
             .prepare()
             .unwrap()

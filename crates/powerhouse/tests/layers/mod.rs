@@ -17,8 +17,8 @@ use powerhouse::wavefield::{
     Ricker, RickerQuantity, WaveKind,
 };
 use powerhouse::{
-    Boundary, Damping, Error, LayerError, Material, OutputPlan, Part, Registry, Remark, RunHooks,
-    Scene,
+    Boundary, Damping, Error, FileScene, LayerError, Material, OutputPlan, Part, Registry, Remark,
+    RenderFault as _, RunHooks, Scene,
 };
 
 /// Names and lower ends (m) of the layers, the half-space last, and their media.
@@ -212,7 +212,7 @@ const SITE: &str = include_str!("../../../../data/scenes/layered_site.toml");
 
 fn read(text: &str) -> Result<Scene, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
-    Scene::from_toml(text, path, &Registry::default())
+    FileScene::from_toml(text, path, &Registry::default()).map(FileScene::into_scene)
 }
 
 /// Message of a scene with one passage replaced, from reading or preparing it.

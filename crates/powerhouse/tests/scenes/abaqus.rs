@@ -1,7 +1,7 @@
 //! Meshes of Abaqus input files in scenes.
 
 use powerhouse::model::{ElementKind, Vec3};
-use powerhouse::{Registry, Remark, Scene, SceneRemark};
+use powerhouse::{FileScene, Registry, Remark, SceneRemark};
 use powerhouse_test_support::TestFolder;
 
 /// A bar of two cubes of 1 m along x, with sets, surfaces and a material that is not read.
@@ -49,9 +49,9 @@ pressure = 1e5
 duration = 0.001
 "#;
 
-fn scene(folder: &TestFolder, file: &str, keys: &str) -> Result<Scene, powerhouse::Error> {
+fn scene(folder: &TestFolder, file: &str, keys: &str) -> Result<FileScene, powerhouse::Error> {
     let text = format!("title = \"bar\"\n[mesh]\nfile = \"{file}\"\n{keys}\n{REST}");
-    Scene::from_toml(&text, folder.join("scene.toml"), &Registry::default())
+    FileScene::from_toml(&text, folder.join("scene.toml"), &Registry::default())
 }
 
 /// The mesh of an input file is scaled, cut and refined as every other, its sets are those of parts and loads, a remark lists

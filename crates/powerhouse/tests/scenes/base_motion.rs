@@ -8,7 +8,8 @@ use powerhouse::wavefield::{
     BaselineCorrection, EndDisplacement, RecordSignal, Signal, TimeHistory,
 };
 use powerhouse::{
-    Error, Material, Part, Registry, Remark, Results, RunHooks, Scene, SceneRemark, SceneStage,
+    Error, FileScene, Material, Part, Registry, Remark, RenderFault as _, Results, RunHooks, Scene,
+    SceneRemark, SceneStage,
 };
 
 use super::support::{Folder, ROCK, Variants, WAVE};
@@ -74,7 +75,9 @@ fn column(records: &[(usize, f64, f64)], duration: f64) -> Scene {
              record = \"r{axis}\"\n"
         );
     }
-    Scene::from_toml(text, folder.join("column.toml"), &Registry::default()).unwrap()
+    FileScene::from_toml(text, folder.join("column.toml"), &Registry::default())
+        .unwrap()
+        .into_scene()
 }
 
 fn run(scene: Scene) -> (Vec<Remark>, Results) {

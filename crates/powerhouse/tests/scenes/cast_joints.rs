@@ -2,7 +2,7 @@
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Registry, RunHooks, Scene};
+use powerhouse::{FileScene, Registry, RunHooks};
 
 use super::support::Folder;
 
@@ -61,7 +61,7 @@ fn greatest(folder: &Folder, stages: &str) -> f64 {
         "{SCENE}[[stage]]\nname = \"rock\"\nsupport = [{}]\ntied = [\"joint\"]\n{stages}[time]\nduration = 0.002\n",
         rollers.join(", ")
     );
-    let scene = Scene::from_toml(text, folder.join("fill.toml"), &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, folder.join("fill.toml"), &Registry::default()).unwrap();
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let records = &results.joints[0].records;
     assert!(records.len() > 10);

@@ -2,7 +2,7 @@
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Error, Registry, Remark, Results, Scene};
+use powerhouse::{Error, FileScene, Registry, Remark, Results, Scene};
 
 use super::support::{Folder, run};
 
@@ -46,7 +46,8 @@ at = [0.5, 0.5, 0.1]
 quantities = ["stress", "state"]
 "#
     );
-    Scene::from_toml(text, folder.join("bar.toml"), &Registry::default())
+    FileScene::from_toml(text, folder.join("bar.toml"), &Registry::default())
+        .map(FileScene::into_scene)
 }
 
 const FULL: &str = "kernel = \"hex8-full\"";

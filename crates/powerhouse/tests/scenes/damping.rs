@@ -7,7 +7,7 @@ use powerhouse::material::{
     ReferenceFrequency, RelaxationSpectrum, presets,
 };
 use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress};
-use powerhouse::{Damping, Error, Material, Part, Registry, Remark, Scene};
+use powerhouse::{Damping, Error, FileScene, Material, Part, Registry, Remark, Scene};
 
 use super::support::*;
 
@@ -267,7 +267,7 @@ fn faults_have_their_place() {
         let text = CUBE
             .replace(ELASTIC, law)
             .replace(KERNEL, &format!("{KERNEL}{keys}\n"));
-        Scene::from_toml(text, folder.join("cube.toml"), &registry)
+        FileScene::from_toml(text, folder.join("cube.toml"), &registry)
     };
     for (keys, message) in [
         (
@@ -407,7 +407,7 @@ fn a_rim_without_elements_is_refused() {
         "set = \"rock\"\nmaterial = \"granite\"\n",
         &format!("{part}[[part]]\nset = \"inner\"\nmaterial = \"granite\"\nelastic_rim = 20\n"),
     );
-    let scene = Scene::from_toml(text, folder.join("cube.toml"), &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, folder.join("cube.toml"), &Registry::default()).unwrap();
     let Err(Error::Scene(fault)) = scene.prepare() else {
         panic!("an idle rim is accepted");
     };

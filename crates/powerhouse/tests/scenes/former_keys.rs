@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use powerhouse::boundary::Viscous;
 use powerhouse::model::AbsorbingBoundary;
-use powerhouse::{Problem, Registry, Remark, Scene, SceneRemark};
+use powerhouse::{FileScene, Problem, Registry, Remark, RenderFault as _, Scene, SceneRemark};
 
 use super::nonsense::fault;
 use super::support::*;
@@ -123,14 +123,14 @@ fn stages_and_cases_have_former_names() {
     let cases = "[[case]]\nname = \"soft\"\nboundary = { a = 0.5 }\npart = [{ set = \"rock\", rim = 60 }]\n[time]";
     let text = CUBE.replacen("[time]", cases, 1);
     let path = variants.0.join("cube.toml");
-    let scene = Scene::from_toml(&text, &path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(&text, &path, &Registry::default()).unwrap();
     let found = [
         ("part", ["rim", "elastic_rim"]),
         ("boundary", ["a", "amplitude_ratio"]),
     ];
     assert_eq!(remarks(&scene), found);
     std::fs::write(&path, &text).unwrap();
-    let case = Scene::case_from_file_with(&path, "soft", &Registry::default()).unwrap();
+    let case = FileScene::case_from_file_with(&path, "soft", &Registry::default()).unwrap();
     assert_eq!(case.parts()[0].rim, Some(60.0));
     let stage = "[[stage]]\nname = \"grout\"\nbonded = [\"seam\"]\n[time]";
     let fault = fault(&variants, "[time]", stage).to_string();
@@ -154,6 +154,6 @@ fn other_boundaries_keep_their_keys() {
         Ok(Arc::new(Viscous::default()) as Arc<dyn AbsorbingBoundary>)
     });
     let text = CUBE.replacen("kind = \"viscous-spring\"", "kind = \"own\"\na = 3.0", 1);
-    let scene = Scene::from_toml(text, variants.0.join("cube.toml"), &registry).unwrap();
+    let scene = FileScene::from_toml(text, variants.0.join("cube.toml"), &registry).unwrap();
     assert_eq!(remarks(&scene), []);
 }

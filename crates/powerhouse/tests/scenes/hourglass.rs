@@ -3,7 +3,7 @@
 use powerhouse::engine::HourglassShare;
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{FieldMotion, Mesh, Vec3};
-use powerhouse::{Registry, Remark, Results, Scene, Topic};
+use powerhouse::{FileScene, Registry, Remark, Results, Scene, Topic};
 
 use super::support::{Folder, run};
 
@@ -11,7 +11,9 @@ fn scene(mesh: &Mesh, text: String) -> Scene {
     let folder = Folder::new("hourglass");
     write_gmsh(folder.join("body.msh"), mesh).unwrap();
     let path = folder.join("body.toml");
-    Scene::from_toml(text, path, &Registry::default()).unwrap()
+    FileScene::from_toml(text, path, &Registry::default())
+        .unwrap()
+        .into_scene()
 }
 
 /// Shares of hourglass work in the warnings of a run, by set.

@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use powerhouse::{Error, FolderError, Registry, Remark, ResultFolder, Scene, SceneRemark};
+use powerhouse::{
+    Error, FileScene, FolderError, Registry, Remark, ResultFolder, Scene, SceneRemark,
+};
 
 use super::support::*;
 
@@ -113,7 +115,7 @@ fn waves_past_the_critical_angle_are_named() {
         .replace("kind = \"smooth\"", zero_mean)
         .replace("incidence = 20", "incidence = 42");
     let path = variants.0.join("past.toml");
-    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
     let told = scene.remarks().iter().find_map(|remark| match remark {
         Remark::PastCritical {
             critical, removed, ..
@@ -205,7 +207,7 @@ fn spherical_springs_of_long_bodies_are_warned_of() {
             .replace("at = [150, 150, 0]", "at = [150, 125, 0]")
             .replace("[time]", &format!("{supports}[time]"));
         let path = variants.0.join("long.toml");
-        let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+        let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
         let mut remarks = scene.remarks().iter().filter_map(|remark| match remark {
             Remark::Scene(SceneRemark::SphericalSpreading { ends }) => Some(*ends),
             _ => None,

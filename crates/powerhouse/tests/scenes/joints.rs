@@ -3,7 +3,9 @@
 use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{JointRecord, Mesh};
-use powerhouse::{Error, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint, SceneRemark};
+use powerhouse::{
+    Error, FileScene, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint, SceneRemark,
+};
 
 use super::support::*;
 
@@ -43,7 +45,8 @@ pub(crate) const PART: &str =
 pub(crate) fn read(folder: &Folder, joint: &str) -> Result<Scene, Error> {
     assert!(CUBE.contains(PART));
     let text = CUBE.replacen(PART, joint, 1);
-    Scene::from_toml(text, folder.join("cube.toml"), &Registry::default())
+    FileScene::from_toml(text, folder.join("cube.toml"), &Registry::default())
+        .map(FileScene::into_scene)
 }
 
 pub(crate) fn folder(name: &str) -> Folder {
@@ -231,7 +234,9 @@ fn large_slip_is_warned_of() {
             &format!("displacement = {displacement}"),
         );
         let path = folder.join("cube.toml");
-        let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+        let scene = FileScene::from_toml(text, path, &Registry::default())
+            .unwrap()
+            .into_scene();
         let mesh = scene.mesh().clone();
         (run(scene), mesh)
     };
@@ -268,7 +273,9 @@ fn a_joint_runs_through_periodic_sides() {
             assert!(text.contains(old), "{old}");
             text = text.replacen(old, new, 1);
         }
-        Scene::from_toml(text, folder.join("cube.toml"), &Registry::default()).unwrap()
+        FileScene::from_toml(text, folder.join("cube.toml"), &Registry::default())
+            .unwrap()
+            .into_scene()
     };
     let whole = run(scene(PART));
     let strong = JOINT.replace("cohesion = 2e4", "cohesion = 1e9");

@@ -1,6 +1,6 @@
 //! Changed keys of scene files: what they change, what they keep, refusals.
 
-use powerhouse::{Error, KeyChange, KeyChangeError, Registry, Scene, SceneChoice};
+use powerhouse::{Error, FileScene, KeyChange, KeyChangeError, Registry, SceneChoice};
 
 use super::support::*;
 
@@ -128,7 +128,7 @@ fn scenes_are_read_with_changed_keys() {
             case: None,
             changes,
         };
-        Scene::from_file_as(&path, &choice, &Registry::default())
+        FileScene::from_file_as(&path, &choice, &Registry::default())
     };
     let scene = read(&["wave.incidence=40", "time.duration=0.3"]).unwrap();
     assert_eq!(scene.changes(), ["wave.incidence=40", "time.duration=0.3"]);
@@ -142,7 +142,9 @@ fn scenes_are_read_with_changed_keys() {
     );
     let text = CUBE.replace("incidence = 20", "incidence = 40");
     let text = text.replace("duration = 0.6", "duration = 0.3");
-    let twin = Scene::from_toml(text, &path, &Registry::default()).unwrap();
+    let twin = FileScene::from_toml(text, &path, &Registry::default())
+        .unwrap()
+        .into_scene();
     let (own, twin) = (
         run(read(&["wave.incidence=40", "time.duration=0.3"]).unwrap()),
         run(twin),
@@ -175,7 +177,7 @@ fn keys_are_checked_without_the_mesh() {
     std::fs::write(&path, format!("{CUBE}{case}")).unwrap();
     let check = |changes: &[&str]| {
         let changes: Vec<KeyChange> = changes.iter().map(|text| text.parse().unwrap()).collect();
-        Scene::check_keys(&path, &changes, &Registry::default())
+        FileScene::check_keys(&path, &changes, &Registry::default())
     };
     assert!(!folder.join("cube.msh").exists());
     assert_eq!(check(&[]).unwrap(), 1);
@@ -198,7 +200,7 @@ fn another_law_of_a_case_has_keys_of_its_own() {
         let joint = "[[joint]]\nname = \"seam\"\nbetween = [\"rock\", \"top\"]\nlaw = \"cohesive\"\ntensile_strength = 1e6\ncohesion = 2e6\nopening_energy = 100\nstatic_friction = 0.8\ndynamic_friction = 0.7\n";
         let text = format!("{CUBE}{joint}[[case]]\nname = \"other\"\n{case}\n");
         std::fs::write(&path, text).unwrap();
-        Scene::check_keys(&path, &[], &Registry::default()).map_err(|error| error.to_string())
+        FileScene::check_keys(&path, &[], &Registry::default()).map_err(|error| error.to_string())
     };
     for accepted in [
         "material = [{ name = \"granite\", law = \"mohr-coulomb\", preset = \"paper-rock\" }]",

@@ -10,7 +10,7 @@ use powerhouse::wavefield::{
     PlaneWaveParameters, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse,
     Superposition, SurfaceComponent, TimeHistory, WaveKind, ZeroMeanPulse, first_hit_corner,
 };
-use powerhouse::{Error, Registry, Remark, Scene, keys};
+use powerhouse::{Error, Registry, Remark, RenderFault as _, Scene, keys};
 
 use super::support::*;
 

@@ -79,7 +79,8 @@ fn history_variables_are_recorded() {
     let text = undamped(keys)
         + "quantities = [\"displacement\", \"velocity\", \"acceleration\", \"state\"]\n[output.envelope]\nquantities = [\"state\"]\nevery = 0.05\n[output.snapshots]\nquantities = [\"displacement\", \"state\"]\nevery = 0.2\n";
     let path = variants.0.join("cube.toml");
-    let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();
+    let scene =
+        powerhouse::FileScene::from_toml(text, path, &powerhouse::Registry::default()).unwrap();
     let out = powerhouse::ResultFolder::new(variants.0.join("out"));
     let mesh = scene.mesh().clone();
     let simulation = scene.prepare().unwrap();
@@ -157,7 +158,7 @@ fn a_state_request_without_history_variables_is_reported() {
     let remarks = |law: &str| -> Vec<String> {
         let text = CUBE.replacen(ELASTIC, law, 1) + wanted;
         let path = variants.0.join("cube.toml");
-        let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default());
+        let scene = powerhouse::FileScene::from_toml(text, path, &powerhouse::Registry::default());
         let simulation = scene.unwrap().prepare().unwrap();
         let warnings = simulation
             .remarks()

@@ -399,7 +399,7 @@ fn elements_that_snap_back_are_refused() {
     let cut = "\n[[output.section]]\nname = \"wall\"\nset = \"rock\"\nat = [160, 150, -10]\nnormal = [1, 0, 0]\nalong = [0, 1, 0]\n";
     let text = undamped(keys) + cut;
     let path = variants.0.join("cube.toml");
-    let scene = powerhouse::Scene::from_toml(text, path, &powerhouse::Registry::default());
+    let scene = powerhouse::FileScene::from_toml(text, path, &powerhouse::Registry::default());
     let Err(Error::Scene(fault)) = scene.unwrap().prepare() else {
         panic!("a cut makes a cube of 50 m elements acceptable");
     };

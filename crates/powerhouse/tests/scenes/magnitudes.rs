@@ -2,7 +2,9 @@
 
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
-use powerhouse::{Error, Material, Part, Problem, Registry, Scene, SceneRemark};
+use powerhouse::{
+    Error, FileScene, Material, Part, Problem, Registry, RenderFault as _, Scene, SceneRemark,
+};
 
 use super::nonsense::{fault, warnings_of};
 use super::support::*;
@@ -73,7 +75,9 @@ fn magnitudes_beyond_the_usual_are_refused() {
     let folder = variants.0.join("cube.toml");
     let read = |old: &str, new: &str| {
         let text = text.replacen(old, new, 1);
-        Scene::from_toml(text, &folder, &Registry::default()).unwrap()
+        FileScene::from_toml(text, &folder, &Registry::default())
+            .unwrap()
+            .into_scene()
     };
     assert_eq!(warnings_of(read("0.27", "0.27")), []);
     let found = warnings_of(read("density = 2750", "density = 27"));
@@ -149,7 +153,8 @@ fn mistaken_units_are_named() {
     // The magnitude that is refused, if any is: its text, and its value in the probable unit.
     let refused = |keys: &str| {
         let text = CUBE.replacen("[time]", &format!("{keys}\n[time]"), 1);
-        let scene = Scene::from_toml(text, variants.0.join("cube.toml"), &registry);
+        let scene = FileScene::from_toml(text, variants.0.join("cube.toml"), &registry)
+            .map(FileScene::into_scene);
         match scene.map(|_| ()) {
             Err(Error::Scene(fault)) => match fault.problem() {
                 Problem::Magnitude(magnitude) => Some(magnitude.clone()),

@@ -1,7 +1,7 @@
 //! Records in memory, in place of files.
 
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Error, Registry, Scene};
+use powerhouse::{Error, FileScene, Registry, Scene};
 
 use super::support::*;
 
@@ -28,7 +28,7 @@ fn samples() -> Vec<f64> {
 
 fn read(folder: &Variants, keys: &str, registry: &Registry) -> Result<Scene, Error> {
     let text = CUBE.replacen(WAVE, &RECORD.replace("KEYS", keys), 1);
-    Scene::from_toml(text, folder.0.join("cube.toml"), registry)
+    FileScene::from_toml(text, folder.0.join("cube.toml"), registry).map(FileScene::into_scene)
 }
 
 /// A record in memory is that of a file with the same samples, to the bit; one that is registered under another path is not

@@ -2,7 +2,7 @@
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{ElementKind, Mesh, Vec3};
-use powerhouse::{Registry, Remark, Scene, SceneRemark};
+use powerhouse::{FileScene, Registry, Remark, Scene, SceneRemark};
 use powerhouse_test_support::TestFolder;
 
 const REST: &str = r#"
@@ -39,9 +39,9 @@ impl Files {
         write_gmsh(folder.join("bent.msh"), &bent.unwrap()).unwrap();
         Self(folder)
     }
-    fn scene(&self, file: &str, keys: &str) -> Result<Scene, powerhouse::Error> {
+    fn scene(&self, file: &str, keys: &str) -> Result<FileScene, powerhouse::Error> {
         let text = format!("title = \"orders\"\n[mesh]\nfile = \"{file}.msh\"\n{keys}\n{REST}");
-        Scene::from_toml(&text, self.0.join("scene.toml"), &Registry::default())
+        FileScene::from_toml(&text, self.0.join("scene.toml"), &Registry::default())
     }
 }
 

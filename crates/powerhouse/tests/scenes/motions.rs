@@ -3,7 +3,7 @@
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{FieldMotion, FieldSampler, IncidentField, Mesh, Vec3};
 use powerhouse::wavefield::WaveKind;
-use powerhouse::{Error, Registry, Remark, RunHooks, Scene};
+use powerhouse::{Error, FileScene, Registry, Remark, RenderFault as _, RunHooks, Scene};
 
 use super::support::{Folder, Variants, WAVE};
 
@@ -119,7 +119,7 @@ fn the_waves_of_a_motion_are_its_record() {
         (WaveKind::SH, 30.0),
     ];
     assert_eq!(kinds.collect::<Vec<_>>(), expected);
-    let simulation = scene.with_duration(1.6).prepare().unwrap();
+    let simulation = scene.into_scene().with_duration(1.6).prepare().unwrap();
     let mut remarks = simulation.remarks().iter();
     assert!(remarks.any(|r| matches!(r, Remark::Split { .. }) && !r.is_warning()));
     let results = simulation.run(RunHooks::default()).unwrap();
@@ -185,7 +185,8 @@ fn the_waves_of_a_motion_in_layers_are_its_record() {
         material("rock", 5e9),
         record("\"surface\"")
     );
-    let read = |text: &str| Scene::from_toml(text, folder.join("site.toml"), &Registry::default());
+    let read =
+        |text: &str| FileScene::from_toml(text, folder.join("site.toml"), &Registry::default());
     let scene = read(&text).unwrap();
     let waves: Vec<&dyn IncidentField> = scene
         .layered_waves()

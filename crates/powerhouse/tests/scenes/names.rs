@@ -5,8 +5,8 @@ use powerhouse::engine::BoltParameters;
 use powerhouse::engine::observe::{JointQuantities, Motion};
 use powerhouse::model::Vec3;
 use powerhouse::{
-    BoltLayout, Error, JointRequest, JointZone, NameError, OutputPlan, RunNotes, SceneBolts,
-    SceneJoint, SceneStage,
+    BoltLayout, Error, JointRequest, JointZone, NameError, OutputPlan, RenderFault as _, RunNotes,
+    SceneBolts, SceneJoint, SceneStage,
 };
 
 use super::nonsense::fault;

@@ -8,8 +8,8 @@ use powerhouse::io::write_gmsh;
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{
-    Boundary, Error, Material, Part, Problem, Registry, Remark, Scene, SceneFault, SceneRemark,
-    SceneStage,
+    Boundary, Error, FileScene, Material, Part, Problem, Registry, Remark, RenderFault as _, Scene,
+    SceneFault, SceneRemark, SceneStage,
 };
 
 use super::support::*;
@@ -31,8 +31,8 @@ fn warnings(remarks: &[Remark]) -> Vec<SceneRemark> {
     warnings.collect()
 }
 
-pub(crate) fn warnings_of(scene: Scene) -> Vec<SceneRemark> {
-    warnings(scene.prepare().unwrap().remarks())
+pub(crate) fn warnings_of(scene: impl Into<FileScene>) -> Vec<SceneRemark> {
+    warnings(scene.into().prepare().unwrap().remarks())
 }
 
 /// A name that is repeated in any list of names of a scene is an error at its second position, and so is a table that
@@ -299,7 +299,7 @@ fn slice(variants: &Variants, faces: &str, more: &str) -> Vec<Remark> {
         .replace("at = [150, 150, 0]", "at = [150, 25, 0]")
         .replace("[time]", &format!("{rollers}{more}[time]"));
     let path = variants.0.join("slice.toml");
-    let scene = Scene::from_toml(text, path, &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
     scene.prepare().unwrap().remarks().to_vec()
 }
 
@@ -375,7 +375,7 @@ fn an_absorbing_surface_is_warned_of() {
             .replace("[boundary]", ground)
             .replace("[150, 150, 0]\n[time]", "[150, 150, -150]\n[time]");
         let path = variants.0.join("top.toml");
-        let scene = Scene::from_toml(source, path, &Registry::default()).unwrap();
+        let scene = FileScene::from_toml(source, path, &Registry::default()).unwrap();
         warnings_of(scene)
     };
     assert_eq!(
@@ -467,7 +467,7 @@ fn files_are_text_and_have_an_end() {
     let path = variants.0.join("scene.toml");
     let refused = |bytes: &[u8]| {
         fs::write(&path, bytes).unwrap();
-        match Scene::from_file(&path) {
+        match FileScene::from_file(&path) {
             Err(Error::Scene(fault)) => fault,
             other => panic!("{:?}", other.map(|_| ())),
         }
@@ -485,7 +485,7 @@ fn files_are_text_and_have_an_end() {
     fault.render(false);
     let devices = ["/dev/zero", "/dev/urandom"];
     for device in devices.iter().filter(|device| fs::metadata(device).is_ok()) {
-        let told = Scene::from_file(device)
+        let told = FileScene::from_file(device)
             .map(|_| ())
             .unwrap_err()
             .to_string();
@@ -507,7 +507,8 @@ fn unused_nodes_of_a_mesh_are_reported() {
     let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"rock\"\n$EndPhysicalNames\n$Nodes\n6\n1 0 0 0\n2 9 0 0\n3 0 9 0\n4 0 0 9\n5 0 0 -9\n6 5 5 5\n$EndNodes\n$Elements\n3\n1 4 2 1 1 1 2 3 4\n2 4 2 0 2 1 3 2 5\n3 15 2 0 3 6\n$EndElements\n";
     fs::write(&path, file).unwrap();
     let text = "title = \"loose\"\n[mesh]\nfile = \"loose.msh\"\n[[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 9e9\npoisson = 0.25\ndensity = 2700\n[[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"ungrouped\"\nmaterial = \"m\"\n[time]\nduration = 0.1\n";
-    let scene = Scene::from_toml(text, variants.0.join("s.toml"), &Registry::default()).unwrap();
+    let scene =
+        FileScene::from_toml(text, variants.0.join("s.toml"), &Registry::default()).unwrap();
     let expected = SceneRemark::MeshFile {
         nodes: 1,
         dropped: 1,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use powerhouse::engine::observe::HistorySampler;
 use powerhouse::model::{ModelError, Reach, Selection, StepView};
 use powerhouse::schemars::JsonSchema;
-use powerhouse::{Error, Problem, Registry, RunHooks, Scene};
+use powerhouse::{Error, FileScene, Problem, Registry, RunHooks};
 use serde::Deserialize;
 
 use super::support::*;
@@ -74,7 +74,8 @@ fn a_registered_output_is_among_the_histories() {
     let folder = Folder::new("own-output");
     powerhouse::io::write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let of = |keys: &str| {
-        let scene = Scene::from_toml(with(keys), folder.join("scene.toml"), &registry()).unwrap();
+        let scene =
+            FileScene::from_toml(with(keys), folder.join("scene.toml"), &registry()).unwrap();
         let results = scene.prepare().unwrap().run(RunHooks::default());
         results.map(|results| results.histories)
     };
@@ -116,7 +117,7 @@ fn requests_of_own_outputs_are_checked() {
     let folder = Folder::new("own-output-faults");
     powerhouse::io::write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let refused = |text: String, registry: &Registry| {
-        let error = Scene::from_toml(text, folder.join("scene.toml"), registry)
+        let error = FileScene::from_toml(text, folder.join("scene.toml"), registry)
             .err()
             .unwrap();
         error.to_string()
@@ -141,7 +142,7 @@ fn requests_of_own_outputs_are_checked() {
     );
     let text = with(&format!("{fastest}spee = 1\n"));
     let line = text.lines().count();
-    let error = Scene::from_toml(text, folder.join("scene.toml"), &registry());
+    let error = FileScene::from_toml(text, folder.join("scene.toml"), &registry());
     let Some(Error::Scene(fault)) = error.err() else {
         panic!("an unknown key is permitted");
     };

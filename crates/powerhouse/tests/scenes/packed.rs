@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{MeshOptions, write_packed_mesh};
-use powerhouse::{Error, Registry, Remark, RunHooks, Scene, SceneRemark, read_mesh};
+use powerhouse::{Error, FileScene, Registry, Remark, RunHooks, Scene, SceneRemark, read_mesh};
 use powerhouse_test_support::TestFolder;
 
 fn data() -> PathBuf {
@@ -18,7 +18,7 @@ fn with_mesh(name: &str, (from, to): (&str, &Path), keys: &str) -> Result<Scene,
     let own = format!("file = \"../meshes/{from}\"");
     assert!(text.contains(&own), "{name}");
     let text = text.replacen(&own, &format!("file = '{}'\n{keys}", to.display()), 1);
-    Scene::from_toml(&text, path, &Registry::default())
+    FileScene::from_toml(&text, path, &Registry::default()).map(FileScene::into_scene)
 }
 
 /// A scene has the same mesh from a packed mesh as from the file of which it was made: with a joint, along which nodes are

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Registry, Scene};
+use powerhouse::{FileScene, Registry, Scene};
 
 use super::support::{Folder, run};
 
@@ -67,7 +67,9 @@ joint = [{{ name = "all", joint = "j" }}]
 "#
     );
     let path = folder.join("block.toml");
-    Scene::from_toml(text, path, &Registry::default()).unwrap()
+    FileScene::from_toml(text, path, &Registry::default())
+        .unwrap()
+        .into_scene()
 }
 
 /// Slow shear of a frictional block is that of an elastic, perfectly plastic one: `G u / h`, limited to friction times pressure, also on

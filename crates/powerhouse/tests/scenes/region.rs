@@ -3,7 +3,7 @@
 use powerhouse::boundary::{InputMode, Viscous, ViscousSpring};
 use powerhouse::engine::observe::Motion;
 use powerhouse::model::Vec3;
-use powerhouse::{Boundary, Error, OutputPlan, Remark, Scene};
+use powerhouse::{Boundary, Error, FileScene, OutputPlan, Remark, RenderFault as _, Scene};
 
 use super::support::*;
 
@@ -116,8 +116,8 @@ fn regions_without_a_layer_are_refused() {
             text = text.replacen(old, new, 1);
         }
         let path = variants.0.join("cube.toml");
-        let scene = Scene::from_toml(text, path, &powerhouse::Registry::default());
-        let Some(Error::Scene(fault)) = scene.and_then(Scene::prepare).err() else {
+        let scene = FileScene::from_toml(text, path, &powerhouse::Registry::default());
+        let Some(Error::Scene(fault)) = scene.and_then(FileScene::prepare).err() else {
             panic!("{wanted}: not refused in place")
         };
         let shown = fault.render(false);

@@ -2,7 +2,7 @@
 
 use powerhouse::io::{TableColumn, read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Error, ResultFolder, RunHooks, RunNotes, Scene};
+use powerhouse::{Error, FileScene, ResultFolder, RunHooks, RunNotes};
 
 use super::support::*;
 
@@ -80,8 +80,8 @@ fn forces_around_a_ring_under_pressure_are_those_of_lame() {
     let path = folder.join("ring.toml");
     let bars = "reinforcement = { concrete_strength = 30e6, bars = [2e-3, 2e-3], cover = 0.05, yield_stress = 435e6 }\n";
     std::fs::write(&path, format!("{SCENE}{bars}")).unwrap();
-    let simulation = Scene::from_file(&path).unwrap().prepare().unwrap();
-    let announced = simulation.result_files();
+    let simulation = FileScene::from_file(&path).unwrap().prepare().unwrap();
+    let announced = powerhouse::result_files(&simulation);
     let notes = RunNotes::new(simulation.remarks().to_vec());
     let mesh = simulation.mesh().clone();
     let results = simulation.run(RunHooks::default()).unwrap();
@@ -164,7 +164,7 @@ fn rings_that_meet_nothing_are_refused_at_their_key() {
     ] {
         assert!(SCENE.contains(old), "{old}");
         std::fs::write(&path, SCENE.replace(old, new)).unwrap();
-        let Err(Error::Scene(fault)) = Scene::from_file(&path) else {
+        let Err(Error::Scene(fault)) = FileScene::from_file(&path) else {
             panic!("{new} was accepted");
         };
         let text = fault.to_string();
@@ -192,7 +192,11 @@ fn a_reinforcement_that_does_not_fit_is_refused_at_its_key() {
         ),
     ] {
         std::fs::write(&path, &text).unwrap();
-        let error = Scene::from_file(&path).unwrap().prepare().err().unwrap();
+        let error = FileScene::from_file(&path)
+            .unwrap()
+            .prepare()
+            .err()
+            .unwrap();
         let Error::Scene(fault) = error else {
             panic!("{error}");
         };

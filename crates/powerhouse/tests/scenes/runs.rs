@@ -12,8 +12,8 @@ use powerhouse::model::{
     ElasticMedium, ElementKind, HistoryVariable, LawInput, Mesh, PointLaw, Stress, Vec3,
 };
 use powerhouse::{
-    Error, InitialMotion, Kernel, Material, OutputPlan, Part, Registry, ResultFolder, Results,
-    RunHooks, Scene, SnapshotRequest, TimeStep,
+    Error, FileScene, InitialMotion, Kernel, Material, OutputPlan, Part, Registry,
+    RenderFault as _, ResultFolder, Results, RunHooks, Scene, SnapshotRequest, TimeStep,
 };
 
 use super::support::*;
@@ -50,7 +50,7 @@ fn a_curve_names_an_edge() {
     let read = |scene: &str| {
         let path = folder.join("cube.toml");
         std::fs::write(&path, scene).unwrap();
-        Scene::from_file(&path).unwrap()
+        FileScene::from_file(&path).unwrap().into_scene()
     };
     let peak = |results: Results| {
         let column = results.histories.column("surface.ux").unwrap();
@@ -70,7 +70,8 @@ fn a_curve_names_an_edge() {
     // As a part it would need a kernel, and there is none for bars.
     let part = "[[part]]\nset = \"edge\"\nmaterial = \"granite\"\n[boundary]";
     let text = CUBE.replace("[boundary]", part);
-    let read = Scene::from_toml(text, folder.join("cube.toml"), &Registry::default());
+    let read = FileScene::from_toml(text, folder.join("cube.toml"), &Registry::default())
+        .map(FileScene::into_scene);
     let Err(Error::Scene(fault)) = read else {
         panic!("a part of bars was accepted")
     };
@@ -88,7 +89,7 @@ fn file_and_builder_are_equal() {
     write_gmsh(folder.join("cube.msh"), &cube()).unwrap();
     let path = folder.join("cube.toml");
     std::fs::write(&path, CUBE).unwrap();
-    let from_file = run(Scene::from_file(&path).unwrap());
+    let from_file = run(FileScene::from_file(&path).unwrap().into_scene());
     let from_rust = run(cube_scene());
     assert_eq!(from_file.run.steps, from_rust.run.steps);
     assert_eq!(from_file.histories, from_rust.histories);
@@ -150,7 +151,9 @@ fn registered_types_run_from_files() {
         )
         .replace("hex8-full", "my-brick")
         .replace("viscous-spring", "my-springs");
-    let scene = Scene::from_toml(text.clone(), folder.join("cube.toml"), &registry).unwrap();
+    let scene = FileScene::from_toml(text.clone(), folder.join("cube.toml"), &registry)
+        .unwrap()
+        .into_scene();
     let (own, built_in) = (run(scene), run(cube_scene()));
     for (own, built_in) in own
         .histories
@@ -168,7 +171,9 @@ fn registered_types_run_from_files() {
     }
     // A parameter that the law's check rejects is reported with its position.
     let wrong = text.replace("gigapascal = 9", "gigapascal = -9");
-    let Err(Error::Scene(fault)) = Scene::from_toml(wrong, "cube.toml", &registry) else {
+    let Err(Error::Scene(fault)) =
+        FileScene::from_toml(wrong, "cube.toml", &registry).map(FileScene::into_scene)
+    else {
         panic!("a negative modulus was accepted")
     };
     assert!(fault.to_string().contains("young = -9000000000"), "{fault}");
@@ -364,7 +369,9 @@ set = "front"
 name = "top"
 set = "top"
 "#;
-    let scene = Scene::from_toml(text, folder.join("s.toml"), &Registry::default()).unwrap();
+    let scene = FileScene::from_toml(text, folder.join("s.toml"), &Registry::default())
+        .unwrap()
+        .into_scene();
     let results = run(scene);
     let peak = |name: &str| {
         let column = results.histories.column(name).unwrap();

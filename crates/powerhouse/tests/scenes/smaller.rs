@@ -10,8 +10,8 @@ use powerhouse::material::{ElastoPlastic, LinearElastic, MohrCoulomb, presets};
 use powerhouse::model::{Axis, Mesh, Vec3};
 use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, Error, Material, Mirror, MirrorError, OutputPlan, Parity, Part, Registry, Remark,
-    Results, Scene, TimeStep,
+    Boundary, Error, FileScene, Material, Mirror, MirrorError, OutputPlan, Parity, Part, Registry,
+    Remark, RenderFault as _, Results, Scene, TimeStep,
 };
 
 use super::support::*;
@@ -188,7 +188,8 @@ fn read(variants: &Variants, changes: &[(&str, &str)]) -> Result<Scene, Error> {
         assert!(text.contains(old), "{old}");
         text = text.replacen(old, new, 1);
     }
-    Scene::from_toml(text, variants.0.join("cube.toml"), &Registry::default())
+    FileScene::from_toml(text, variants.0.join("cube.toml"), &Registry::default())
+        .map(FileScene::into_scene)
 }
 
 /// Symmetry planes in a file equal those of Rust, and a wave that is not symmetric is an error at them.

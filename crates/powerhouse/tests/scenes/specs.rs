@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use powerhouse::spec::{At, Finite, InitialMotion, Positive, Precision};
-use powerhouse::{RunInputs, Scene, SceneFile};
+use powerhouse::{FileScene, SceneFile, run_inputs};
 
 use super::support::*;
 
@@ -75,21 +75,21 @@ fn a_changed_specification_is_a_changed_file() {
     spec.waves[0].factor = Finite::new(3.0);
     spec.output.every = Positive::new(0.02).map(At::from);
     spec.parts[0].kernel = Some("hex8-eas".to_owned().into());
-    let changed = Scene::from_spec(spec, &registry).unwrap();
+    let changed = FileScene::from_spec(spec, &registry).unwrap();
     let text = format!("precision = \"mixed\"\n{CUBE}")
         .replace("duration = 0.6", "duration = 0.3\ninitial = \"field\"")
         .replace("azimuth = 30", "azimuth = 30\nfactor = 3")
         .replace("every = 0.01", "every = 0.02")
         .replace("hex8-full", "hex8-eas");
-    let expected = Scene::from_toml(text, &path, &registry).unwrap();
-    assert_eq!(RunInputs::of(&changed), RunInputs::of(&expected));
+    let expected = FileScene::from_toml(text, &path, &registry).unwrap();
+    assert_eq!(run_inputs(&changed), run_inputs(&expected));
     assert_eq!(changed.output(), expected.output());
     assert_eq!(
         changed.parts()[0].kernel.as_ref().unwrap().name(),
         "hex8-eas"
     );
-    let differ = RunInputs::of(&Scene::from_toml(CUBE, &path, &registry).unwrap());
-    let differ = differ.differences(&RunInputs::of(&expected));
+    let differ = run_inputs(&FileScene::from_toml(CUBE, &path, &registry).unwrap());
+    let differ = differ.differences(&run_inputs(&expected));
     let expected = [
         "duration",
         "key 'output.every'",
@@ -111,7 +111,7 @@ fn names_are_checked_with_the_keys() {
     let check = |text: &str| {
         std::fs::write(&path, text).unwrap();
         let registry = powerhouse::Registry::default();
-        let checked = Scene::check_keys(&path, &[], &registry);
+        let checked = FileScene::check_keys(&path, &[], &registry);
         checked.map_err(|error| error.to_string())
     };
     assert_eq!(check(CUBE), Ok(0));
@@ -149,7 +149,7 @@ fn a_fault_in_a_changed_value_is_where_the_value_was() {
         .spec(None)
         .unwrap();
     **spec.parts[0].kernel.as_mut().unwrap() = "hex9".to_owned();
-    let error = Scene::from_spec(spec, &powerhouse::Registry::default())
+    let error = FileScene::from_spec(spec, &powerhouse::Registry::default())
         .err()
         .unwrap()
         .to_string();

@@ -13,9 +13,9 @@ use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{Bond, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
-    BoltLayout, Boundary, CompletedStage, Error, InSituStress, Material, OutputPlan, Part, Preload,
-    Registry, ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts, SceneJoint, SceneStage,
-    StageSink, StagingError,
+    BoltLayout, Boundary, CompletedStage, Error, FileScene, InSituStress, Material, OutputPlan,
+    Part, Preload, Registry, ResultFolder, Results, RunHooks, RunNotes, Scene, SceneBolts,
+    SceneJoint, SceneStage, StageSink, StagingError,
 };
 
 use super::support::{Folder, SIDES, run};
@@ -161,7 +161,7 @@ pub(crate) fn folder(mesh: &Mesh) -> Folder {
 
 pub(crate) fn read(folder: &Folder, text: &str) -> Result<Scene, Error> {
     let path = folder.join("trench.toml");
-    Scene::from_toml(text, path, &Registry::default())
+    FileScene::from_toml(text, path, &Registry::default()).map(FileScene::into_scene)
 }
 
 /// The scene without bolts and stages, composed in Rust.
@@ -547,7 +547,10 @@ law = "tied"
     let text = [MATERIALS, BOLTS, seam, ROLLERS, TRENCH].concat();
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let out = ResultFolder::new(folder.join("out"));
-    let (mesh, planned) = (simulation.mesh().clone(), simulation.result_files());
+    let (mesh, planned) = (
+        simulation.mesh().clone(),
+        powerhouse::result_files(&simulation),
+    );
     let notes = RunNotes::new(simulation.remarks().to_vec());
     let hooks = RunHooks::default().with_stages(out.stages(&simulation).unwrap());
     let found: Results = simulation.run(hooks).unwrap();

@@ -11,7 +11,9 @@ use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
-use powerhouse::{Boundary, Error, Material, OutputPlan, Part, Registry, Results, RunHooks, Scene};
+use powerhouse::{
+    Boundary, Error, FileScene, Material, OutputPlan, Part, Registry, Results, RunHooks, Scene,
+};
 
 pub(crate) use powerhouse_test_support::TestFolder as Folder;
 
@@ -115,8 +117,13 @@ pub(crate) fn cube_scene_made_of(mesh: Mesh, sets: &[&str], material: &Material)
         .with_output(output)
 }
 
-pub(crate) fn run(scene: Scene) -> Results {
-    scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+pub(crate) fn run(scene: impl Into<FileScene>) -> Results {
+    scene
+        .into()
+        .prepare()
+        .unwrap()
+        .run(RunHooks::default())
+        .unwrap()
 }
 
 /// A folder with the cube's mesh in which variants of its scene are read.
@@ -129,10 +136,10 @@ impl Variants {
         Self(folder)
     }
     /// The cube's scene with a passage replaced.
-    pub(crate) fn read(&self, old: &str, new: &str) -> Result<Scene, Error> {
+    pub(crate) fn read(&self, old: &str, new: &str) -> Result<FileScene, Error> {
         assert!(CUBE.contains(old), "{old}");
         let text = CUBE.replacen(old, new, 1);
-        Scene::from_toml(text, self.0.join("cube.toml"), &Registry::default())
+        FileScene::from_toml(text, self.0.join("cube.toml"), &Registry::default())
     }
     /// Runs the variant and its counterpart in Rust, and compares the bits.
     pub(crate) fn equal(&self, (old, new): (&str, &str), twin: Scene) {

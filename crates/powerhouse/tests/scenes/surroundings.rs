@@ -12,7 +12,8 @@ use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, Site, SmoothPulse, WaveKind, ZeroMeanPulse,
 };
 use powerhouse::{
-    Boundary, Error, InitialMotion, Material, Part, Registry, Remark, Scene, SceneJoint, Simulation,
+    Boundary, Error, FileScene, InitialMotion, Material, Part, Registry, Remark, RenderFault as _,
+    Scene, SceneJoint, Simulation,
 };
 
 use super::support::*;
@@ -26,7 +27,8 @@ fn read(name: &str, changes: &[(&str, &str)]) -> Result<Scene, Error> {
         assert!(text.contains(old), "{old}");
         text = text.replacen(old, new, 1);
     }
-    Scene::from_toml(text, folder.join("cube.toml"), &Registry::default())
+    FileScene::from_toml(text, folder.join("cube.toml"), &Registry::default())
+        .map(FileScene::into_scene)
 }
 
 fn padding(scene: &Scene) -> Option<f64> {
@@ -135,7 +137,9 @@ fn what_precedes_a_record_is_waited_for() {
         };
         let wave = "[[wave]]\nkind = \"sv\"\nincidence = 20\nrecord = \"r\"\n";
         let text = CUBE.replace(WAVE, &[&record, wave].concat());
-        let scene = Scene::from_toml(text, folder.join("s.toml"), &Registry::default()).unwrap();
+        let scene = FileScene::from_toml(text, folder.join("s.toml"), &Registry::default())
+            .unwrap()
+            .into_scene();
         assert!(
             padding(&scene).unwrap() > 0.05,
             "{name}: {:?}",
@@ -348,7 +352,8 @@ fn loads_on_both_sides_are_refused() {
     ] {
         let load = format!("[[load]]\n{load}set = \"middle\"\n[time]");
         let text = CUBE.replace("[time]", &load);
-        let read = Scene::from_toml(text, folder.join("s.toml"), &Registry::default());
+        let read = FileScene::from_toml(text, folder.join("s.toml"), &Registry::default())
+            .map(FileScene::into_scene);
         let Err(Error::Scene(fault)) = read else {
             panic!("{load} was accepted")
         };

@@ -2,6 +2,7 @@
 
 use super::differences;
 use super::support::*;
+use powerhouse::RenderFault as _;
 
 fn path(name: &str) -> String {
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/motions");

@@ -1,8 +1,7 @@
 //! Files and scenes that are refused, by name and before the run.
 
-use powerhouse::Error;
 use powerhouse::boundary::ViscousSpring;
-use powerhouse::{Boundary, Scene};
+use powerhouse::{Boundary, Error, RenderFault as _, Scene};
 
 use super::support::*;
 

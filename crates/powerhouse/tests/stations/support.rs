@@ -9,7 +9,7 @@ use powerhouse::wavefield::{
     Angle, Ground, GroundLayer, LayeredWave, LayeredWaveParameters, Ricker, RickerQuantity,
     WaveKind,
 };
-use powerhouse::{Error, Registry, Results, RunHooks, Scene};
+use powerhouse::{Error, FileScene, Registry, Results, RunHooks, Scene};
 use powerhouse_test_support::TestFolder;
 
 pub(crate) const STEP: f64 = 0.01;
@@ -142,7 +142,8 @@ impl Site {
         let text = text.replace("{DURATION}", &duration.to_string());
         let text = text.replace("{YOUNG}", &soil().young.to_string());
         let text = change(text.replace("{POISSON}", &soil().poisson.to_string()));
-        Scene::from_toml(text, self.folder.join("site.toml"), &Registry::default())
+        FileScene::from_toml(text, self.folder.join("site.toml"), &Registry::default())
+            .map(FileScene::into_scene)
     }
 
     /// Compares runs by files with that by the wave: the first with the limit of cubics, the second with that of straight

@@ -51,7 +51,7 @@ use std::sync::Arc;
 
 use powerhouse::boundary::Spreading;
 use powerhouse::model::{AbsorbingBoundary, ModelError, ParameterError};
-use powerhouse::{Error, Scene};
+use powerhouse::{Error, FileScene, Scene};
 
 use crate::StudyError;
 use opening::{Opening, Source};
@@ -173,7 +173,7 @@ impl BoundaryAdvice {
 /// # Errors
 /// A scene without an absorbing boundary or without excitation; a field that is not declared as a sum of plane
 /// waves ([`Scene::with_plane_waves`]); faces too near to the scatterer for the substitute model.
-pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, StudyError> {
+pub fn advise_boundary(scene: &FileScene, error: f64) -> Result<BoundaryAdvice, StudyError> {
     ParameterError::check("error", error, f64::MIN_POSITIVE, 1.0)?;
     let problem = BoundaryProblem::of(scene)?;
     let faces = scene.boundary().map_or(Vec::new(), |b| b.faces.clone());
@@ -250,7 +250,7 @@ pub fn advise_boundary(scene: &Scene, error: f64) -> Result<BoundaryAdvice, Stud
 
 /// A registered boundary, and the error that it is predicted to make.
 fn registered(
-    scene: &Scene,
+    scene: &FileScene,
     name: &str,
     problem: &BoundaryProblem,
     surroundings: &Surroundings,

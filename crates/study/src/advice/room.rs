@@ -285,7 +285,7 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
 ///
 /// ```no_run
 /// use powerhouse::Scene;
-/// let scene = Scene::from_file("data/scenes/cavern_small.toml")?;
+/// let scene = FileScene::from_file("data/scenes/cavern_small.toml")?;
 /// let advice = powerhouse_study::advise_box(&scene, 0.05)?;
 /// println!("{}", advice.table().unwrap_or_default());
 /// # Ok::<(), powerhouse_study::StudyError>(())

@@ -40,7 +40,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use powerhouse::model::{Mesh, ParameterError};
-use powerhouse::{CheckpointInterval, Registry, Scene, SceneFile, SceneSpec};
+use powerhouse::{CheckpointInterval, FileScene, Registry, SceneFile, SceneSpec};
 
 use crate::StudyError;
 use crate::cost::StepTimer;
@@ -128,8 +128,8 @@ impl Convergence {
         registry: &Registry,
     ) -> Result<Self, StudyError> {
         let file = SceneFile::read(path)?;
-        let scene = Scene::of_case(&file, case, registry)?;
-        let folder = folder.unwrap_or_else(|| scene.result_folder().path().join(FOLDER));
+        let scene = FileScene::of_case(&file, case, registry)?;
+        let folder = folder.unwrap_or_else(|| scene.result_folder().join(FOLDER));
         Ok(Self {
             spec: file.spec(case)?,
             registry: registry.clone(),
@@ -257,8 +257,8 @@ impl Convergence {
         runs
     }
 
-    fn scene(&self, run: &LevelRun) -> Result<Scene, StudyError> {
-        Ok(Scene::from_spec(run.spec.clone(), &self.registry)?)
+    fn scene(&self, run: &LevelRun) -> Result<FileScene, StudyError> {
+        Ok(FileScene::from_spec(run.spec.clone(), &self.registry)?)
     }
 
     /// The meshes of the runs.
@@ -268,7 +268,7 @@ impl Convergence {
     fn levels(&self, runs: &[LevelRun]) -> Result<Vec<MeshLevel>, StudyError> {
         let plain = runs.iter().filter(|run| !run.perturbed);
         let mut levels: Vec<MeshLevel> = Vec::new();
-        let mut coarsest: Option<Scene> = None;
+        let mut coarsest: Option<FileScene> = None;
         for run in plain {
             let scene = self.scene(run)?;
             let mesh = scene.mesh();
@@ -304,7 +304,7 @@ impl PlannedRuns<'_> {
         let first = &self.levels[0];
         let scene = self.study.scene(&self.runs[0])?;
         let duration = self.study.duration.unwrap_or(scene.duration());
-        let scene = scene.with_duration(duration);
+        let scene = scene.map(|scene| scene.with_duration(duration));
         let mut simulation = scene.prepare()?;
         let steps = duration / simulation.step()?;
         let of_one = StepTimer::of(&mut simulation)?

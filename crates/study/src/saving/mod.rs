@@ -21,10 +21,10 @@ use core::f64::consts::TAU;
 use core::fmt;
 use std::time::Duration;
 
-use powerhouse::Scene;
 use powerhouse::engine::{Precision, StableStep};
 use powerhouse::io::available_memory;
 use powerhouse::model::{Axis, LimitingTerm};
+use powerhouse::{FileScene, Scene};
 
 use crate::StudyError;
 use crate::advice::Band;
@@ -223,7 +223,7 @@ impl FormatError {
     }
 
     /// Whether [`of`](Self::of) computes a part of the run of a scene in double precision, if there is the memory for it.
-    pub(crate) fn is_measured(scene: &Scene) -> bool {
+    pub(crate) fn is_measured(scene: &FileScene) -> bool {
         let has_file = scene.spec().is_some() && scene.case().is_none();
         scene.precision() != Precision::F64 && has_file && window::obstacle(scene).is_none()
     }
@@ -234,7 +234,7 @@ impl FormatError {
     ///
     /// # Errors
     /// Any error that would prevent the run.
-    pub fn of(scene: &Scene) -> Result<Option<Self>, StudyError> {
+    pub fn of(scene: &FileScene) -> Result<Option<Self>, StudyError> {
         let Some((format, documented)) = Self::documented(scene) else {
             return Ok(None);
         };
@@ -404,7 +404,7 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    pub(crate) fn of(scene: &Scene, resolution: &[Resolution]) -> Result<Self, StudyError> {
+    pub(crate) fn of(scene: &FileScene, resolution: &[Resolution]) -> Result<Self, StudyError> {
         let (low, high) = scene.mesh().bounding_box();
         let speeds = resolution.iter().map(|part| part.s_speed);
         // Without incident motion no frequency limits the size of elements.

@@ -1,7 +1,7 @@
 //! Changes of a scene, and the cost of the changed scene.
 
 use powerhouse::spec::Precision;
-use powerhouse::{Scene, SceneSpec};
+use powerhouse::{FileScene, Scene, SceneSpec};
 
 use super::window::{ErrorGrowth, Window, WindowScene};
 use super::{Change, PredictedError, RefusedChange, RunTiming, Saving};
@@ -46,7 +46,7 @@ pub(super) struct ChangedScene {
 
 impl Variants {
     /// The variants of a scene; `None` for a scene that was composed in Rust, and for a case.
-    pub(super) fn of(scene: &Scene) -> Option<Self> {
+    pub(super) fn of(scene: &FileScene) -> Option<Self> {
         let (Some(spec), None) = (scene.spec(), scene.case()) else {
             return None;
         };

@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
-use powerhouse::{Error, Registry, RunHooks, Scene, SceneSpec, Simulation, TimeStep};
+use powerhouse::{Error, FileScene, Registry, RunHooks, Scene, SceneSpec, Simulation, TimeStep};
 
 use super::RunTiming;
 use crate::trade::{Misfit, columns, misfits};
@@ -65,7 +65,7 @@ impl WindowScene {
     /// # Errors
     /// A scene that is refused.
     pub(crate) fn scene(&self, duration: f64) -> Result<Scene, Error> {
-        let scene = Scene::from_spec(self.spec.clone(), &self.registry)?;
+        let scene = FileScene::from_spec(self.spec.clone(), &self.registry)?.into_scene();
         let scene = scene.with_duration(duration);
         Ok(match self.threads {
             Some(threads) => scene.with_threads(threads),

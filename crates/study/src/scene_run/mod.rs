@@ -10,8 +10,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::engine::observe::{Snapshot, SnapshotSink};
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, EquilibratedBody, Error, FolderLock, KeptState, Message,
-    Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Scene, Simulation,
+    CheckpointFiles, CheckpointInterval, EquilibratedBody, Error, FileScene, FolderLock, KeptState,
+    Message, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Simulation,
+    run_inputs,
 };
 
 use crate::checkpoints::{RunCheckpoints, RunStart};
@@ -36,10 +37,10 @@ type BodySource<'a> =
 /// files can be written, a look for the checkpoint of an interrupted run, and the free-field check if the scene requests one.
 ///
 /// ```no_run
-/// use powerhouse::{ResultFolder, Scene};
+/// use powerhouse::{ResultFolder};
 /// use powerhouse_study::SceneRun;
 ///
-/// let scene = Scene::from_file("scene.toml")?;
+/// let scene = FileScene::from_file("scene.toml")?;
 /// let mut ran = SceneRun::new(scene, ResultFolder::new("results")).run(&mut ())?;
 /// let files = ran.write()?;
 /// ran.close()?;
@@ -62,7 +63,7 @@ pub struct SceneRun<'a> {
     /// Engine of this process among several that compute the run together, each of which makes the same one; rank 0 writes
     /// the files.
     pub engine: Option<Arc<ExplicitOnRanks>>,
-    scene: Scene,
+    scene: FileScene,
     inputs: RunInputs,
     /// Where the results are written; in memory alone without it.
     folder: Option<ResultFolder>,
@@ -78,9 +79,9 @@ pub struct SceneRun<'a> {
 }
 
 impl<'a> SceneRun<'a> {
-    fn of(scene: Scene, folder: Option<ResultFolder>) -> Self {
+    fn of(scene: FileScene, folder: Option<ResultFolder>) -> Self {
         Self {
-            inputs: RunInputs::of(&scene),
+            inputs: run_inputs(&scene),
             scene,
             threads: None,
             restart: false,
@@ -97,12 +98,12 @@ impl<'a> SceneRun<'a> {
         }
     }
     /// A new run with its results in a folder.
-    pub fn new(scene: Scene, folder: ResultFolder) -> Self {
-        Self::of(scene, Some(folder))
+    pub fn new(scene: impl Into<FileScene>, folder: ResultFolder) -> Self {
+        Self::of(scene.into(), Some(folder))
     }
     /// A new run that writes no files; snapshots go to a sink.
-    pub fn in_memory(scene: Scene, snapshots: Box<dyn SnapshotSink>) -> Self {
-        let mut run = Self::of(scene, None);
+    pub fn in_memory(scene: impl Into<FileScene>, snapshots: Box<dyn SnapshotSink>) -> Self {
+        let mut run = Self::of(scene.into(), None);
         run.hooks.snapshots = Some(snapshots);
         run
     }
@@ -111,7 +112,7 @@ impl<'a> SceneRun<'a> {
     /// # Errors
     /// [`CheckpointError::OtherRun`](powerhouse::CheckpointError::OtherRun).
     pub fn resumed(
-        scene: Scene,
+        scene: impl Into<FileScene>,
         folder: ResultFolder,
         mut from: ResumedRun,
     ) -> Result<Self, StudyError> {
@@ -129,18 +130,19 @@ impl<'a> SceneRun<'a> {
     /// # Errors
     /// As [`KeptState::variant`].
     pub fn from_state(
-        scene: Scene,
+        scene: impl Into<FileScene>,
         folder: ResultFolder,
         kept: KeptState,
     ) -> Result<Self, StudyError> {
         let mut run = Self::new(scene, folder);
-        run.inputs = kept.variant(&run.scene).map_err(Error::from)?;
+        let inputs = kept.variant(&run.scene, run.inputs);
+        run.inputs = inputs.map_err(Error::from)?;
         run.start.0 = RunStart::Kept(kept);
         Ok(run)
     }
     /// A run that goes on from the last checkpoint of the same inputs in its folder if there is one that can be used, and
     /// begins anew otherwise.
-    pub(crate) fn continued(scene: Scene, folder: ResultFolder) -> Self {
+    pub(crate) fn continued(scene: FileScene, folder: ResultFolder) -> Self {
         let mut run = Self::new(scene, folder);
         run.restart = true;
         run.start = RunStart::last(&run.files(), &run.inputs);
@@ -174,7 +176,7 @@ impl<'a> SceneRun<'a> {
         } = self;
         let ranks = RunRanks(self.engine);
         let scene = match self.threads {
-            Some(count) => scene.with_threads(count),
+            Some(count) => scene.map(|scene| scene.with_threads(count)),
             None => scene,
         };
         let (leads, stop) = (ranks.leads(), hooks.stop.clone());
@@ -285,7 +287,7 @@ impl<'a> SceneRun<'a> {
             }
             folder.begin(&title)?;
             hooks.snapshots = Some(folder.snapshots(&simulation)?);
-            hooks.tables = Some(folder.tables());
+            hooks.tables = Some(Box::new(folder.tables()));
             hooks.stages = watch.stages(Some(folder.stages(&simulation)?));
             let (reports, writer) = (completed.clone(), checkpoints.writer().clone());
             hooks.keep_stage = Some(Box::new(move |body| {
@@ -380,7 +382,7 @@ struct Foreseen {
 impl Foreseen {
     /// That of a scene, which resumes a run or not and writes files or not, on a number of ranks.
     fn of(
-        scene: &Scene,
+        scene: &FileScene,
         (resumes, writes): (bool, bool),
         ranks: usize,
     ) -> Result<Self, StudyError> {

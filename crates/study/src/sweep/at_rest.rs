@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use powerhouse::model::Checksum;
 use powerhouse::spec::InSituStress;
-use powerhouse::{Damping, EquilibratedBody, Registry, Scene};
+use powerhouse::{Damping, EquilibratedBody, FileScene, Registry};
 
 use super::locked;
 use super::processes::{SharedFolder, WorkLock};
@@ -91,7 +91,7 @@ impl<'s> BodyStore<'s> {
 /// It is the checksum of the software revision, the mesh, the supports, the joints, the start time, at which static
 /// loads are evaluated, the absorbing faces, along which rock is elastic, media and damping of the parts at rest, and all
 /// sections of the scene on which the stages depend.
-pub(super) fn key(scene: &Scene) -> String {
+pub(super) fn key(scene: &FileScene) -> String {
     let mut sum = Checksum::default();
     sum.add_whole(REVISION.as_bytes());
     let version = scene.registry().map_or("", Registry::version);

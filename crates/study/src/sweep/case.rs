@@ -10,8 +10,8 @@ use std::time::Instant;
 use powerhouse::engine::Ended;
 use powerhouse::io::write_summary;
 use powerhouse::{
-    CheckpointFiles, EquilibratedBody, Error, FolderError, FolderLock, Message, ProgressHook,
-    Remark, ResultFolder, RunHooks, RunNotes, Scene, SceneFile, Simulation, StageSink,
+    CheckpointFiles, EquilibratedBody, Error, FileScene, FolderError, FolderLock, Message,
+    ProgressHook, Remark, ResultFolder, RunHooks, RunNotes, SceneFile, Simulation, StageSink,
 };
 
 use super::at_rest::{self, BodyStore};
@@ -21,8 +21,7 @@ use super::{
     pictures,
 };
 use crate::checkpoints::is_of_state;
-use crate::store;
-use crate::{CheckpointEvent, FreeFieldReport, RunWatch, SceneRun, StudyError};
+use crate::{CheckpointEvent, FreeFieldReport, RunWatch, SceneRun, StudyError, store};
 
 /// Cancellation flag and progress callback of a case.
 pub(super) struct CaseControl<'h, 'w> {
@@ -50,7 +49,7 @@ pub(crate) fn of_stages(error: StudyError) -> StudyError {
 
 /// A case before its model is built.
 struct PlannedCase {
-    scene: Scene,
+    scene: FileScene,
     input: CaseInput,
     relative: Vec<String>,
     /// Key of the body after the stages.
@@ -196,7 +195,7 @@ impl Sweep {
     /// The run of the scene of a case into its folder.
     pub(super) fn run_of<'a>(
         &self,
-        (case, scene): (&str, Scene),
+        (case, scene): (&str, FileScene),
         control: &CaseControl,
     ) -> SceneRun<'a> {
         let folder = ResultFolder::new(self.folder.join(case));
@@ -223,7 +222,7 @@ impl Sweep {
     }
 
     /// The scene of a case with the settings of this sweep.
-    pub(super) fn scene_of(&self, case: &str) -> Result<Scene, StudyError> {
+    pub(super) fn scene_of(&self, case: &str) -> Result<FileScene, StudyError> {
         let file = self.file.path();
         let variant = self.variant(case).ok_or_else(|| Error::NoSuchCase {
             name: case.into(),
@@ -237,7 +236,7 @@ impl Sweep {
         let at_once = self.at_once.get().min(self.cases.len());
         if at_once > 1 && scene.threads().is_none() {
             let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-            scene = scene.with_threads((cores / at_once).max(1));
+            scene = scene.map(|scene| scene.with_threads((cores / at_once).max(1)));
         }
         Ok(scene)
     }

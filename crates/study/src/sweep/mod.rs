@@ -47,15 +47,14 @@ use powerhouse::io::{TableColumn, write_summary, write_table, write_whole};
 use powerhouse::model::ParameterError;
 use powerhouse::wavefield::TimeHistory;
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, Message, ProgressHook, Registry, RunNotes, Scene,
+    CheckpointFiles, CheckpointInterval, FileScene, Message, ProgressHook, Registry, RunNotes,
     SceneFile, SceneSpec, StageSink,
 };
 
 use crate::json::read_json;
 use crate::ranks::RunRanks;
-use crate::store;
 use crate::variant::Variant;
-use crate::{CheckpointEvent, StudyError};
+use crate::{CheckpointEvent, StudyError, store};
 use at_rest::BodyStore;
 pub(crate) use case::of_stages;
 use case::{CaseControl, Claim};
@@ -181,8 +180,8 @@ impl Sweep {
         registry: &Registry,
     ) -> Result<Self, StudyError> {
         let file = SceneFile::read(path)?;
-        let scene = Scene::of_case(&file, None, registry)?;
-        let own = scene.result_folder().path().to_path_buf();
+        let scene = FileScene::of_case(&file, None, registry)?;
+        let own = scene.result_folder();
         let names = scene.case_names().iter();
         let specs = names.map(|name| Ok(file.spec(Some(name))?));
         let specs: Vec<SceneSpec> = specs.collect::<Result<_, StudyError>>()?;
@@ -197,7 +196,7 @@ impl Sweep {
     /// # Errors
     /// [`StudyError::NoCases`]; a file of a variant that cannot be read.
     pub(crate) fn of_variants(
-        scene: &Scene,
+        scene: &FileScene,
         specs: Vec<SceneSpec>,
         folder: PathBuf,
     ) -> Result<Self, StudyError> {

@@ -10,8 +10,8 @@ use powerhouse::engine::{Ended, SavedRun};
 use powerhouse::io::{TableColumn, read_table, write_summary, write_table};
 use powerhouse::model::{CheckpointSink, ModelError, Progress};
 use powerhouse::{
-    CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, ResultFolder,
-    RunHooks, RunInputs, Scene, SceneSpec,
+    CheckpointFiles, CheckpointInterval, CheckpointWriter, EquilibratedBody, FileScene,
+    ResultFolder, RunHooks, SceneSpec, run_inputs,
 };
 use serde::{Deserialize, Serialize};
 
@@ -21,10 +21,9 @@ use crate::checkpoints::{RunCheckpoints, RunStart, is_of_state};
 use crate::cost::CostModel;
 use crate::json::read_json;
 use crate::mark::Fingerprint;
-use crate::store;
 use crate::sweep::of_stages;
 use crate::variant::Variant;
-use crate::{CheckpointEvent, StudyError};
+use crate::{CheckpointEvent, StudyError, store};
 
 const COST: &str = "cost.json";
 const HISTORIES: &str = "histories.csv";
@@ -184,15 +183,15 @@ impl TradeRunner<'_> {
     /// its folder.
     fn run(
         &mut self,
-        scene: Scene,
+        scene: FileScene,
         (folder, body): (&Path, &str),
         (watch, name): (&mut dyn TradeWatch, &str),
     ) -> Result<TradeRun, StudyError> {
         let started = Instant::now();
         let model = CostModel::of(&scene)?;
-        let scene = scene.with_duration(self.window);
+        let scene = scene.map(|scene| scene.with_duration(self.window));
         let files = CheckpointFiles::of(folder);
-        let inputs = RunInputs::of(&scene);
+        let inputs = run_inputs(&scene);
         let start = RunStart::last(&files, &inputs);
         let kept = (self.checkpoint_interval, false);
         let mut checkpoints = RunCheckpoints::new(files, (&scene, inputs), start, kept);

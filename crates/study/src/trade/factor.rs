@@ -7,7 +7,7 @@ use powerhouse::model::ElementKind;
 use powerhouse::spec::{
     At, Damping, Finite, Load, Part, Positive, Precision, Share, Stage, Step, Support, Time,
 };
-use powerhouse::{Scene, SceneSpec, keys};
+use powerhouse::{FileScene, Scene, SceneSpec, keys};
 use toml::Table;
 
 use crate::advice::Bounds;
@@ -203,7 +203,7 @@ impl Factor {
 }
 
 /// The factors of a scene, the most important first.
-pub(crate) fn factors(scene: &Scene, spec: &SceneSpec) -> Vec<Factor> {
+pub(crate) fn factors(scene: &FileScene, spec: &SceneSpec) -> Vec<Factor> {
     let found = [
         kernel(scene, &spec.parts),
         step(&spec.time),
@@ -233,7 +233,7 @@ pub(crate) fn one_point() -> &'static str {
 /// The kernels of hexahedra, those of a program after those of the software, for all
 /// parts that have hexahedra and no kernel of other elements; `None` without such
 /// parts.
-fn kernel(scene: &Scene, parts: &[Part]) -> Option<Factor> {
+fn kernel(scene: &FileScene, parts: &[Part]) -> Option<Factor> {
     let mesh = scene.mesh();
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     for part in scene.parts() {
@@ -304,7 +304,7 @@ fn step(time: &Time) -> Option<Factor> {
 }
 
 /// The scene's own boundary, dashpots alone, and the boundaries of a program that do without keys of their own.
-fn boundary(scene: &Scene, spec: &SceneSpec) -> Option<Factor> {
+fn boundary(scene: &FileScene, spec: &SceneSpec) -> Option<Factor> {
     let registry = scene.registry()?;
     let own = spec.boundary.as_ref()?.kind.as_str();
     let added = registry.added_boundary_names();
@@ -322,7 +322,7 @@ fn boundary(scene: &Scene, spec: &SceneSpec) -> Option<Factor> {
 }
 
 /// Input: the full field on every face, or only the incident wave at the bottom.
-fn input(scene: &Scene, spec: &SceneSpec) -> Option<Factor> {
+fn input(scene: &FileScene, spec: &SceneSpec) -> Option<Factor> {
     scene.field().filter(|field| field.carries_stress())?;
     let boundary = spec.boundary.as_ref()?;
     let takes = scene.registry()?.boundary_keys(&boundary.kind)?;
@@ -474,6 +474,7 @@ mod tests {
         for set in ["bricks", "wedges"] {
             scene = scene.part(Part::new(set, LinearElastic::new(media::ROCK).into()));
         }
+        let scene = FileScene::from(scene);
         let factor = kernel(&scene, &[]).unwrap();
         assert_eq!((factor.levels.len(), factor.own), (3, 1));
         let parts =

@@ -1,6 +1,6 @@
 //! Discretisation error of a scene's mesh, from a run on a refined mesh.
 
-use powerhouse::{Scene, SceneSpec};
+use powerhouse::{FileScene, Scene, SceneSpec};
 
 use super::case::TradeRunner;
 use super::misfit::misfit;
@@ -49,8 +49,9 @@ impl Trade {
         let design = vec![0; self.factors.len()];
         let mut spec = self.spec_of(&design);
         **spec.mesh.refine.get_or_insert_default() += 1;
-        let fine = Scene::from_spec(spec.clone(), &self.registry)?;
-        check_same_loads(&spec, &self.scene(&design)?, &fine)?;
+        let fine = FileScene::from_spec(spec.clone(), &self.registry)?;
+        let coarse = self.scene(&design)?;
+        check_same_loads(&spec, &coarse, &fine)?;
         Ok(spec)
     }
 

@@ -1,6 +1,6 @@
 //! The extent of the mesh as a factor of a trade study.
 
-use powerhouse::{Registry, Remark, Scene, SceneSpec, keys};
+use powerhouse::{FileScene, Registry, Remark, Scene, SceneSpec, keys};
 
 use super::factor::{Factor, Level, sets_acted_on};
 use crate::advice::BoxReduction;
@@ -58,7 +58,7 @@ pub(super) fn ground(scene: &Scene, spec: &SceneSpec, registry: &Registry) -> Op
 fn is_whole(scene: &Scene, level: &Level, spec: &SceneSpec, registry: &Registry) -> bool {
     let mut changed = spec.clone();
     level.apply(&mut changed);
-    let Ok(less) = Scene::from_spec(changed, registry) else {
+    let Ok(less) = FileScene::from_spec(changed, registry) else {
         return false;
     };
     let of_empty = |remark: &&Remark| matches!(remark, Remark::EmptySet { .. });

@@ -57,7 +57,7 @@ use std::time::Duration;
 
 use powerhouse::engine::StaticError;
 use powerhouse::io::TableColumn;
-use powerhouse::{CheckpointInterval, Registry, Scene, SceneFile, SceneSpec};
+use powerhouse::{CheckpointInterval, FileScene, Registry, SceneFile, SceneSpec};
 
 use crate::mark::inputs;
 use crate::perturbation::{PERTURBATION, is_path_dependent};
@@ -126,13 +126,13 @@ impl Trade {
     ) -> Result<Self, StudyError> {
         let path = path.as_ref();
         let file = SceneFile::read(path)?;
-        let scene = Scene::of_case(&file, None, registry)?;
+        let scene = FileScene::of_case(&file, None, registry)?;
         let spec = file.spec(None)?;
         let compared = Compared::of(&scene);
         if compared.quantities.is_empty() {
             return Err(StudyError::NoHistories);
         }
-        let own = scene.result_folder().path().join("trade");
+        let own = scene.result_folder().join("trade");
         let mut factors = factor::factors(&scene, &spec);
         let ground = ground::ground(&scene, &spec, registry);
         let after = [factor::KERNEL, factor::STEP, factor::BOUNDARY];
@@ -270,7 +270,8 @@ impl Trade {
         let alone = plan::alone(&self.factors);
         if self.reference == Reference::ClosedForm {
             // A missing closed form is an error before anything runs.
-            let known = closed_form::closed_form((&self.scene(&alone[0])?, &self.spec), &[])?;
+            let scene = self.scene(&alone[0])?;
+            let known = closed_form::closed_form((&scene, &self.spec), &[])?;
             if self.compared.among(known).len() < 2 {
                 let reason = "only displacements and velocities have closed forms";
                 return Err(StudyError::NoClosedForm { reason });
@@ -453,9 +454,8 @@ impl Trade {
 
     /// Reports the predicted cost of all runs, none of which takes longer than the finest.
     fn announce(&self, runs: usize, watch: &mut dyn TradeWatch) -> Result<(), StudyError> {
-        let finest = self
-            .scene(&vec![0; self.factors.len()])?
-            .with_duration(self.window);
+        let finest = self.scene(&vec![0; self.factors.len()])?;
+        let finest = finest.map(|scene| scene.with_duration(self.window));
         let mut simulation = finest.prepare()?;
         let steps = self.window / simulation.step()?;
         let of_one = cost::StepTimer::of(&mut simulation)?
@@ -478,8 +478,8 @@ impl Trade {
         spec
     }
 
-    fn scene(&self, design: &Design) -> Result<Scene, StudyError> {
-        Ok(Scene::from_spec(self.spec_of(design), &self.registry)?)
+    fn scene(&self, design: &Design) -> Result<FileScene, StudyError> {
+        Ok(FileScene::from_spec(self.spec_of(design), &self.registry)?)
     }
 
     /// The name of a design: the levels in which it differs from the reference.

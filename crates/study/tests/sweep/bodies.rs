@@ -1,13 +1,14 @@
 //! Equilibrated bodies that cases share.
 
 use super::*;
+use powerhouse::FileScene;
 
 /// An equilibrated body is read from its file bit by bit; a truncated, damaged or missing file is an error with its
 /// name.
 #[test]
 fn a_body_comes_back_from_its_file() {
     let folder = Folder::new("body");
-    let scene = Scene::case_from_file_with(folder.scene(), "steep", &registry()).unwrap();
+    let scene = FileScene::case_from_file_with(folder.scene(), "steep", &registry()).unwrap();
     let body = scene.prepare().unwrap().equilibrate(None, None);
     let body = body.unwrap().unwrap();
     let file = folder.0.join("rest.body");
@@ -41,9 +42,9 @@ fn a_shared_body_moves_as_one_of_its_own() {
         .unwrap()
         .run(None, &mut NoProgress)
         .unwrap();
-    let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
+    let scene = FileScene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
     assert_eq!(scene.case(), Some("slanted"));
-    let scene = scene.with_duration(0.02);
+    let scene = scene.map(|scene| scene.with_duration(0.02));
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
     for column in &results.histories.columns {
@@ -57,7 +58,7 @@ fn a_shared_body_moves_as_one_of_its_own() {
 fn a_body_of_another_scene_is_an_error() {
     let folder = Folder::new("foreign");
     let case = |name: &str| {
-        let scene = Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+        let scene = FileScene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
         scene.prepare().unwrap()
     };
     let body = case("continuous").equilibrate(None, None).unwrap();

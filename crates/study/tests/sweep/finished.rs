@@ -1,6 +1,7 @@
 //! Recognition of finished cases, and results of unfinished ones.
 
 use super::*;
+use powerhouse::FileScene;
 
 fn steep(folder: &Folder) -> Sweep {
     folder.sweep().only(&["steep".into()]).unwrap()
@@ -19,8 +20,8 @@ fn replaced_results_count_no_more() {
     sweep().run(None, &mut NoProgress).unwrap();
     assert_eq!(reported(&folder), ["steep", "slanted", "continuous"]);
     // As `powerhouse run` does it, for less time.
-    let scene = Scene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
-    let scene = scene.with_duration(0.005);
+    let scene = FileScene::case_from_file_with(folder.scene(), "slanted", &registry()).unwrap();
+    let scene = scene.map(|scene| scene.with_duration(0.005));
     let (title, text) = (
         scene.title().to_owned(),
         scene.source().unwrap().text.clone(),

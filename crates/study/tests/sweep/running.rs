@@ -1,6 +1,7 @@
 //! Runs of cases, shared stages and parallel execution.
 
 use super::*;
+use powerhouse::FileScene;
 
 /// Cases run sequentially; the stages are computed once for cases that share joints and faces; finished cases are not run
 /// again until an input changes.
@@ -121,7 +122,8 @@ time = { duration = 0.02, safety = 0.5 }
 "#;
     let text = format!("{SCENE}{case}");
     std::fs::write(folder.scene(), &text).unwrap();
-    let of = |name: &str| Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+    let of =
+        |name: &str| FileScene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
     let (own, scene) = (of("other"), of("steep"));
     let young = |scene: &Scene| scene.parts()[0].material.medium().young;
     assert_eq!((young(&own), young(&scene)), (8e9, 9e9));
@@ -143,13 +145,16 @@ time = { duration = 0.02, safety = 0.5 }
             "set = \"structure\"\nmaterial = \"rock\"\n\
              damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [2, 20] }",
         );
-    let run = |scene: Scene| scene.prepare().unwrap().run(RunHooks::default()).unwrap();
+    let run = |scene: FileScene| scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let changed = run(own);
     std::fs::write(folder.scene(), written_out).unwrap();
     let twin = run(of("steep"));
     assert_eq!(changed.histories, twin.histories);
     assert_eq!(changed.bolts, twin.bolts);
-    assert_ne!(changed.histories, run(scene.with_duration(0.02)).histories);
+    assert_ne!(
+        changed.histories,
+        run(scene.map(|scene| scene.with_duration(0.02))).histories
+    );
 
     let refused = |change: &dyn Fn(&str) -> String| {
         std::fs::write(folder.scene(), change(&text)).unwrap();
@@ -181,7 +186,7 @@ fn a_case_may_have_another_mesh_and_other_supports() {
          mesh = { generator = \"layers\", file = \"block.txt\" }\n\
          faces = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\n";
     std::fs::write(folder.scene(), format!("{}{case}", Folder::generated())).unwrap();
-    let of = |name| Scene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
+    let of = |name| FileScene::case_from_file_with(folder.scene(), name, &registry()).unwrap();
     let (slice, block) = (of("steep"), of("block"));
     let elements = |scene: &Scene| scene.mesh().element_count();
     assert_eq!(elements(&block) * 2, elements(&slice) * 3);
@@ -264,6 +269,6 @@ fn invalid_cases_are_errors() {
     assert_eq!(write(&|text| text.into()), None);
     let other = folder.sweep().only(&["flat".into()]).err().unwrap();
     assert!(other.to_string().contains("no case 'flat'"), "{other}");
-    let lost = Scene::case_from_file_with(Path::new("lost.toml"), "steep", &registry());
+    let lost = FileScene::case_from_file_with(Path::new("lost.toml"), "steep", &registry());
     assert!(matches!(lost, Err(Error::Read { .. })));
 }

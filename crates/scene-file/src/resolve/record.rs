@@ -1,0 +1,369 @@
+//! Ground motion records: reading and processing.
+
+use super::draft::Draft;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use powerhouse_io::{
+    AccelerationUnit, CountRule, LengthRule, RecordOptions, common_length, read_record,
+};
+use powerhouse_wavefield::{
+    BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport, RecordedAt,
+    SurfaceComponent, TimeHistory, WaveError,
+};
+
+use super::{one_of, ordered, unique};
+use crate::Registry;
+use crate::spec::{
+    At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
+    SceneSpec, Share, Units, WaveAxis,
+};
+use powerhouse_scene::{Fault, Problem, Remark, SceneText};
+
+/// Processed record, ready for waves and prescribed motions.
+pub(super) struct PreparedRecord {
+    pub(super) history: TimeHistory,
+    /// Permanent displacement at the end (m).
+    pub(super) end: f64,
+    pub(super) convention: At<Convention>,
+    /// Lead (s): extension by a filter before the original start, and at the end.
+    pub(super) lead: f64,
+    /// Byte range of its name in the scene file.
+    pub(super) name: core::ops::Range<usize>,
+    pub(super) report: RecordReport,
+    pub(super) baseline: Option<BaselineReport>,
+    /// Key that fixes a peak that is weak for a design motion.
+    pub(super) weak: Option<&'static str>,
+    /// Differences of the file from its declaration.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Peak ground acceleration (m/s2) of about 0.1 g below which a record is weak for a design motion, and its peak may be
+/// a number of g.
+const WEAK_PEAK: f64 = 1.0;
+/// Peak (m/s2) below which a record in cm/s2, of which there are many of weak motions, may be one in g.
+const WEAK_IN_CENTIMETRES: f64 = 0.02;
+/// Share of the largest peak of the components of a record from which on a component counts as the largest.
+const ALMOST_ALL: f64 = 0.999_999;
+
+/// Reads and processes all records, by name.
+pub(super) fn records(
+    text: &SceneText,
+    file: &SceneSpec,
+    registry: &Registry,
+) -> Result<BTreeMap<String, PreparedRecord>, Fault> {
+    let mut records = BTreeMap::new();
+    for table in &file.records {
+        for (name, record) in processed((text, registry), table)? {
+            unique(
+                "record",
+                &At::new(name, table.name.span()),
+                &mut records,
+                record,
+            )?;
+        }
+    }
+    Ok(records)
+}
+
+/// Processed record of a table, or its components, each with its name.
+fn processed(
+    source: (&SceneText, &Registry),
+    table: &Record,
+) -> Result<Vec<(String, PreparedRecord)>, Fault> {
+    let name = table.name.span();
+    let mut parts = Vec::new();
+    for (part, read) in files(source, table)? {
+        let history = TimeHistory::new(read.step, read.samples)
+            .map_err(|error| Fault::refused(part.file.span(), error))?;
+        let (history, baseline) = corrected(table, history)?;
+        parts.push((part.name, history, baseline, read.warnings));
+    }
+    let peak = |history: &TimeHistory| {
+        let samples = history.acceleration().into_iter();
+        samples.fold(0.0_f64, |most, a| most.max(a.abs()))
+    };
+    let present = parts.iter().map(|(_, history, ..)| peak(history));
+    let present = present.fold(0.0, f64::max);
+    let end = table.end_displacement.map_or(0.0, Finite::get);
+    let weak = match (table.peak, table.units) {
+        (Some(peak), _) => (peak.get() < WEAK_PEAK).then_some("peak"),
+        (None, Some(Units::MetrePerSecondSquared)) => (present < WEAK_PEAK).then_some("units"),
+        (None, Some(Units::CentimetrePerSecondSquared)) => {
+            (present < WEAK_IN_CENTIMETRES).then_some("units")
+        }
+        (None, _) => None,
+    };
+    let mut processed = Vec::new();
+    for (part, mut history, baseline, warnings) in parts {
+        let refused = |error: WaveError| Fault::refused(name.clone(), error);
+        if let Some(peak) = table.peak {
+            if present == 0.0 {
+                return Err(refused(WaveError::ZeroPeak));
+            }
+            history = history.scaled(peak.get() / present).map_err(refused)?;
+        }
+        // A record that does not end at rest is rejected here, at its name.
+        let signal = history.clone().into_signal(EndDisplacement::Declared(end));
+        let report = signal.map_err(refused)?.report();
+        let is_largest = peak(&history) >= table.peak.map_or(present, Positive::get) * ALMOST_ALL;
+        let record = PreparedRecord {
+            weak: weak.filter(|_| is_largest),
+            history,
+            name: name.clone(),
+            end,
+            convention: table.convention.clone(),
+            lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),
+            report,
+            baseline,
+            warnings,
+        };
+        processed.push((part, record));
+    }
+    Ok(processed)
+}
+
+/// File of a record.
+struct Part<'t> {
+    name: String,
+    file: &'t At<PathBuf>,
+}
+
+/// Samples of the files of a record, with a common length.
+fn files<'t>(
+    source: (&SceneText, &Registry),
+    table: &'t Record,
+) -> Result<Vec<(Part<'t>, powerhouse_io::Record)>, Fault> {
+    let name = table.name.to_string();
+    let parts: Vec<Part> = match (&table.file, &table.components) {
+        (Some(file), None) => {
+            if let Some(length) = &table.length {
+                let key = "components".into();
+                return Err(Fault::new(length.span(), Problem::MissingKey { key }));
+            }
+            vec![Part { name, file }]
+        }
+        (None, Some(components)) => {
+            let files = [&components.x, &components.y, &components.z];
+            let letters = [Component::X, Component::Y, Component::Z].map(Component::letter);
+            let given = letters.into_iter().zip(files);
+            let given = given.filter_map(|(letter, file)| Some((letter, file.as_ref()?)));
+            if files.iter().all(|file| file.is_none()) {
+                let key = "x".into();
+                return Err(Fault::new(components.span(), Problem::MissingKey { key }));
+            }
+            let part = |(letter, file)| Part {
+                name: format!("{name}.{letter}"),
+                file,
+            };
+            given.map(part).collect()
+        }
+        (file, components) => {
+            let given = [file.is_some(), components.is_some()];
+            return Err(one_of(table.name.span(), &["file", "components"], &given));
+        }
+    };
+    let read = parts.iter().map(|part| read(source, table, part.file));
+    let mut read: Vec<powerhouse_io::Record> = read.collect::<Result<_, _>>()?;
+    if let Some(components) = &table.components {
+        let rule = match table.length.as_deref() {
+            Some(Length::Cut) => LengthRule::Cut,
+            Some(Length::Pad) | None => LengthRule::Pad,
+        };
+        common_length(&mut read, rule).map_err(|e| Fault::refused(components.span(), e))?;
+    }
+    Ok(parts.into_iter().zip(read).collect())
+}
+
+/// Applies cut and baseline correction.
+fn corrected(
+    table: &Record,
+    mut history: TimeHistory,
+) -> Result<(TimeHistory, Option<BaselineReport>), Fault> {
+    match (&table.cut, &table.taper) {
+        (Some(cut), taper) => {
+            ordered(cut.span(), cut.map(NonNegative::get))?;
+            let (end, length) = (cut[1].get(), history.duration());
+            if end > length + 0.5 * history.step() {
+                let found = format!("a cut that ends at {end} s");
+                let expected = format!("at most {length} s, the end of the record");
+                return Err(Fault::new(cut.span(), Problem::Value { found, expected }));
+            }
+            let taper = taper.as_ref().map_or(0.0, |taper| taper.get());
+            history = cut_out(&history, cut.map(NonNegative::get), taper)
+                .map_err(|error| Fault::refused(cut.span(), error))?;
+        }
+        (None, Some(taper)) => {
+            let key = "cut".into();
+            return Err(Fault::new(taper.span(), Problem::MissingKey { key }));
+        }
+        (None, None) => {}
+    }
+    match correction(&table.baseline) {
+        BaselineCorrection::None => Ok((history, None)),
+        correction => {
+            let corrected = history.corrected(correction);
+            let (history, report) =
+                corrected.map_err(|error| Fault::refused(table.baseline.span(), error))?;
+            Ok((history, Some(report)))
+        }
+    }
+}
+
+/// Part of a history between two times (s).
+fn cut_out(
+    history: &TimeHistory,
+    [start, end]: [f64; 2],
+    taper: f64,
+) -> Result<TimeHistory, WaveError> {
+    let first = (start / history.step()).round() as usize;
+    let samples = history.acceleration();
+    let from_start = samples.get(first..).unwrap_or_default().to_vec();
+    TimeHistory::new(history.step(), from_start)?.truncated(end - start, taper)
+}
+
+fn correction(baseline: &Baseline) -> BaselineCorrection {
+    match *baseline {
+        Baseline::None => BaselineCorrection::None,
+        Baseline::Mean {} => BaselineCorrection::Mean,
+        Baseline::AccelerationPolynomial { order } => {
+            BaselineCorrection::AccelerationPolynomial { order }
+        }
+        Baseline::LeastVelocity { order } => BaselineCorrection::LeastVelocity { order },
+        Baseline::VelocityPolynomial { order } => BaselineCorrection::VelocityPolynomial { order },
+        Baseline::HighPass { corner, order } => BaselineCorrection::HighPass {
+            corner: corner.get(),
+            order,
+        },
+    }
+}
+
+/// Motion that a record of one component represents, for a wave.
+pub(super) fn of_component(convention: &At<Convention>) -> Result<InputConvention, Fault> {
+    let surface = InputConvention::SurfaceComponent;
+    Ok(match &**convention {
+        Convention::Incident => InputConvention::Incident,
+        Convention::Outcrop => InputConvention::Outcrop,
+        Convention::SurfaceAlong | Convention::SurfaceX => surface(SurfaceComponent::X),
+        Convention::SurfaceAcross | Convention::SurfaceY => surface(SurfaceComponent::Y),
+        Convention::SurfaceZ => surface(SurfaceComponent::Z),
+        Convention::Surface => {
+            let found = "all components of the surface for a wave".into();
+            let expected =
+                "`surface-along`, `surface-across` or `surface-z`, or a [[motion]] in place of the wave"
+                    .into();
+            return Err(Fault::new(
+                convention.span(),
+                Problem::Value { found, expected },
+            ));
+        }
+        Convention::Within(within) => InputConvention::Within {
+            depth: within.depth.get(),
+            component: match within.component {
+                Some(WaveAxis::Along | WaveAxis::X) => SurfaceComponent::X,
+                Some(WaveAxis::Across | WaveAxis::Y) => SurfaceComponent::Y,
+                Some(WaveAxis::Z) => SurfaceComponent::Z,
+                None => {
+                    let key = "component".into();
+                    return Err(Fault::new(convention.span(), Problem::MissingKey { key }));
+                }
+            },
+            regularisation: within.regularisation.map(Share::get),
+        },
+    })
+}
+
+/// Place of a record of three components, for a motion.
+pub(super) fn of_components(convention: &At<Convention>) -> Result<RecordedAt, Fault> {
+    let found = match &**convention {
+        Convention::Surface => return Ok(RecordedAt::Surface),
+        Convention::Outcrop => return Ok(RecordedAt::Outcrop),
+        Convention::Within(within) if within.component.is_none() => {
+            return Ok(RecordedAt::Within {
+                depth: within.depth.get(),
+                regularisation: within.regularisation.map_or(0.05, Share::get),
+            });
+        }
+        Convention::Incident => "an incident wave for a motion",
+        _ => "one component for a motion of all components",
+    };
+    let expected = "`surface`, `outcrop`, or `within` with a depth and without a component";
+    let (found, expected) = (found.into(), expected.into());
+    Err(Fault::new(
+        convention.span(),
+        Problem::Value { found, expected },
+    ))
+}
+
+/// Least share of a record's Arias intensity that a run should contain.
+const LEAST_SHARE: f64 = 0.95;
+
+/// Warning about a run that ends before most of the Arias intensity of a record has arrived; `arrival` is the time of
+/// the first sample (s).
+pub(super) fn cut_short(
+    name: &str,
+    record: &PreparedRecord,
+    arrival: f64,
+    scene: &Draft,
+) -> Option<Remark> {
+    let end = scene.start + scene.duration;
+    let history = &record.history;
+    let whole = history.arias_intensity();
+    let contained = (end - arrival).min(history.duration());
+    let part = match contained > history.step() {
+        true => history.truncated(contained, 0.0).ok()?.arias_intensity(),
+        false => 0.0,
+    };
+    (part < LEAST_SHARE * whole).then(|| Remark::TruncatedRecord {
+        name: name.into(),
+        share: part / whole,
+        run: end,
+        record: arrival + history.duration() - record.lead,
+    })
+}
+
+/// Reads a file of a record, or takes the record in memory that the registry has in its place.
+fn read(
+    (text, registry): (&SceneText, &Registry),
+    table: &Record,
+    file: &At<PathBuf>,
+) -> Result<powerhouse_io::Record, Fault> {
+    if let Some(history) = registry.record(file) {
+        return in_memory(table, file, history);
+    }
+    let path = text.folder().join(&**file);
+    let options = RecordOptions {
+        unit: table.units.map(|units| match units {
+            Units::MetrePerSecondSquared => AccelerationUnit::MetrePerSecondSquared,
+            Units::CentimetrePerSecondSquared => AccelerationUnit::Gal,
+            Units::Gravity => AccelerationUnit::Gravity,
+        }),
+        step: table.time_step.map(Positive::get),
+        count: match table.count {
+            Count::AsDeclared => CountRule::AsDeclared,
+            Count::AsFound => CountRule::AsFound,
+        },
+    };
+    read_record(&path, &options).map_err(|error| Fault::refused(file.span(), error))
+}
+
+/// A record in memory; keys about the form of a file are refused.
+fn in_memory(
+    table: &Record,
+    file: &At<PathBuf>,
+    history: &TimeHistory,
+) -> Result<powerhouse_io::Record, Fault> {
+    let refused = |text: &str| Err(Fault::refused(file.span(), text));
+    if table.time_step.is_some() {
+        return refused("`time_step` is about a file; the record is in memory and has its own");
+    }
+    if !matches!(table.units, None | Some(Units::MetrePerSecondSquared)) {
+        return refused("`units` is about a file; the record is in memory, in m/s2");
+    }
+    Ok(powerhouse_io::Record {
+        title: table.name.to_string(),
+        step: history.step(),
+        samples: history.acceleration(),
+        warnings: Vec::new(),
+    })
+}

@@ -1,0 +1,103 @@
+//! Scenes: the complete input of an analysis, composed in Rust, and its run.
+//!
+//! A [`Scene`] is a mesh with parts, joints, ground motion, boundary, construction stages and output requests.
+//! [`Scene::prepare`] checks it and gives a [`Simulation`], whose run gives [`Results`] in memory. Files of results are those
+//! of `powerhouse-results`, scenes in files those of `powerhouse-scene-file`; a program depends on `powerhouse`, which has all of
+//! them.
+//!
+//! # Why so
+//! *The surroundings of a body are checked when a scene is prepared*, by sampling the incident field at the nodes
+//! through which it enters: the body must start with the field's motion, the ground must be of one medium, free
+//! surfaces must be without traction. So scenes from files and from programs, and fields of a user's own, are
+//! checked alike.
+//!
+//! *Construction stages are checked when a scene is prepared and computed when it is run.* A check needs no
+//! static solution: masses, stiffness and the stable step are those of the elements that are present in the
+//! motion, wherever they have moved until then.
+//!
+//! *Where an error stands is known to what made the scene.* [`Places`] gives an error of a scene its place in a file;
+//! nothing else of a file is known here.
+
+mod acting;
+mod body;
+mod boundary;
+mod check_heights;
+mod engine;
+mod error;
+mod fault;
+mod held_field;
+mod in_use;
+mod joint;
+mod joints;
+mod layers;
+#[doc(hidden)]
+pub mod magnitude;
+mod medium;
+mod memory;
+mod message;
+mod mirror;
+mod output;
+mod part;
+mod places;
+mod prepare;
+mod program_sources;
+mod reduction;
+mod region;
+mod relief;
+mod remark;
+mod rim;
+mod scene;
+mod scene_remark;
+mod simulation;
+mod soundness;
+mod stage;
+mod surroundings;
+mod through;
+mod timing;
+
+pub(crate) use body::Piece;
+pub use boundary::Boundary;
+pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
+pub use fault::{Fault, Problem, SceneFault, SceneText};
+pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
+pub use layers::LayerError;
+pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
+pub use memory::LawMemory;
+pub use message::{Message, RunNotes, Topic, merge_messages};
+pub use mirror::{Mirror, MirrorError, Parity};
+pub use output::{
+    BendingError, BoltForces, EnergyResidual, EnvelopeRequest, HistoryRequest, JointRequest,
+    NameError, OutputPlan, RelativeRequest, Results, RingRequest, RunTable, SampledRequest,
+    SectionRequest, SectionUse, SnapshotRequest, StateRequest, StressRequest, TableSink, file_name,
+};
+pub use part::{Kernel, Part};
+pub use places::{Places, Subject};
+pub(crate) use prepare::field_motion;
+pub use program_sources::{ProgramSource, ProgramSources};
+pub use reduction::reduction_layer;
+pub use region::RegionError;
+pub use remark::{EquivalentLayer, Remark};
+pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
+pub use scene_remark::SceneRemark;
+pub use simulation::{ProgressHook, RunHooks, Simulation};
+pub use stage::{
+    BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
+    SceneStage, StageCheckpointSink, StageHook, StageOverview, StageSink, StageSolution,
+    StagingError, WeightLayer,
+};
+pub use through::ThroughError;
+
+/// Parts of scenes that crates of files and results need, and programs do not.
+#[doc(hidden)]
+pub mod internal {
+    pub use crate::acting::{GRAVITY, SharedFunction, SharedLoad, StagedLoad};
+    pub use crate::check_heights::CheckHeights;
+    pub use crate::engine::{ExplicitOnDevice, Leapfrog, OneSided, standard_engine};
+    pub use crate::in_use::InUse;
+    pub use crate::layers::damping_of_layer;
+    pub use crate::medium::sets_with;
+    pub use crate::output::{NamedThing, check_names, section_forces};
+    pub use crate::scene::PrescribedMotion;
+    pub use crate::stage::{Timeline, check_removal, surface_of};
+    pub use crate::surroundings::box_corners;
+}

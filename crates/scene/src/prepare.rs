@@ -1,0 +1,365 @@
+//! Building of the dynamic model of a scene.
+
+use std::sync::Arc;
+
+use powerhouse_boundary::DomainReduction;
+use powerhouse_model::{
+    AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, Facet, IncidentField, Mat3,
+    ModelSpec, NodalImpedance, State, Vec3,
+};
+
+use crate::engine::Leapfrog;
+use crate::joint::{Closing, NamedSurface};
+use crate::output::{Recordings, StateVariables, coarse_in_bending};
+use crate::places::placed;
+use crate::stage::{Staging, Timeline, last_renewal};
+use crate::through::FieldInGround;
+use crate::{
+    Error, InitialMotion, Piece, Remark, ResidualLimit, Scene, SceneRemark, Simulation, Subject,
+    TimeStep,
+};
+
+/// Tolerance of heights above a level, over the diagonal of the mesh.
+const ROUNDING_OF_PLACE: f64 = 1e-9;
+/// Error of the greatest force of bolts by the length of their segments from which a warning is given.
+const COARSE_BOLTS: f64 = 0.05;
+/// Instants of the run at which a prescribed displacement is evaluated, and the share of their interval over which it
+/// begins.
+const START_INSTANTS: usize = 2000;
+const START_SHARE: f64 = 1e-3;
+/// Displacement and velocity at the start, over the greatest of the run, above which a prescribed motion is sudden.
+const SUDDEN_DISPLACEMENT: f64 = 1e-3;
+const SUDDEN_VELOCITY: f64 = 0.1;
+
+/// Specification of a model with all components, and the joint surfaces by name.
+pub(crate) struct Moving<'a> {
+    pub(crate) spec: ModelSpec<'a>,
+    surfaces: Vec<NamedSurface>,
+}
+
+impl Scene {
+    /// Simulation of the scene: model built and checked, nodes renumbered, elements packed, boundary prepared.
+    /// Construction stages are checked here and computed by the run.
+    ///
+    /// # Errors
+    /// The first thing that does not fit, named by the user's sets and numbers.
+    pub fn prepare(self) -> Result<Simulation, Error> {
+        let places = self.places.clone();
+        self.build()
+            .map_err(|error| placed(places.as_ref(), Subject::OfError, error))
+    }
+
+    fn build(mut self) -> Result<Simulation, Error> {
+        let step = match self.step {
+            TimeStep::OfStable(share) => {
+                powerhouse_model::ParameterError::check("share", share, f64::MIN_POSITIVE, 1.0)?;
+                self.step
+            }
+            fixed => fixed,
+        };
+        if let ResidualLimit::Share(limit) = self.residual {
+            powerhouse_model::ParameterError::check(
+                "energy_residual",
+                limit,
+                f64::MIN_POSITIVE,
+                1.0,
+            )?;
+        }
+        self.mesh.check()?;
+        self.check_magnitudes()?;
+        self.check_names()?;
+        self.check_threads();
+        self.part_of_elements()?;
+        self.check_mirrors()?;
+        self.scatterer()?;
+        let rims = self.rims()?;
+        let (pieces, mut remarks) = self.pieces(&rims)?;
+        let timeline = Timeline::of(&self)?;
+        remarks.extend(self.above_ground(timeline.as_ref()));
+        remarks.extend(self.sudden_motions());
+        remarks.extend(self.joints.iter().filter_map(|joint| {
+            let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
+            Some(Remark::JointRenewed {
+                joint: joint.name.clone(),
+                stage: stage.map(str::to_owned),
+                renewal,
+            })
+        }));
+        remarks.extend(self.reduced_joints()?);
+        remarks.extend(self.undamped_friction()?);
+        let state_variables = StateVariables::of(&self, &rims)?;
+        let (mut recordings, mut observers) = Recordings::observe(
+            &self.output,
+            &self.mesh,
+            timeline.as_ref().and_then(Timeline::present),
+            &state_variables,
+            &mut remarks,
+        )?;
+        recordings.structure = match self.boundary {
+            Some(_) => self.structure()?,
+            None => None,
+        };
+        for (request, geometry) in (self.output.cuts.iter()).zip(recordings.section_geometry()) {
+            let coarse = coarse_in_bending(&self.mesh, request, geometry, &self.parts);
+            remarks.extend(coarse);
+        }
+        let own = core::mem::take(&mut self.constraints);
+        let mut model = {
+            let mut spec = ModelSpec::new(&self.mesh);
+            if let Some(timeline) = &timeline {
+                spec = spec.start(timeline.bare_state(self.mesh.node_count()));
+            }
+            for constraint in own {
+                spec = spec.constraint(constraint);
+            }
+            let Moving { spec, surfaces } =
+                self.moving(spec, &pieces, timeline.as_ref(), &mut remarks)?;
+            recordings.watch_joints(&self.output, &self.mesh, surfaces, &mut observers)?;
+            if let Some(timeline) = &timeline {
+                let bolts = timeline.bolts(self.stages.len());
+                let coarse = timeline.bolts(self.stages.len()).filter_map(|set| {
+                    let (bolts, error) = (set.name().to_owned(), set.segment_error());
+                    (error > COARSE_BOLTS)
+                        .then_some(Remark::Scene(SceneRemark::CoarseBolts { bolts, error }))
+                });
+                remarks.extend(coarse);
+                recordings.watch_bolts(&self.output, bolts, &mut observers)?;
+            }
+            self.engine.build(spec)?
+        };
+        self.remarks.append(&mut remarks);
+        self.tables_made();
+        if timeline.is_none() && self.start != 0.0 {
+            let mut state = State::at_rest(self.mesh.node_count());
+            state.time = self.start;
+            model.set_state(&state)?;
+        }
+        let initial = match (self.initial, &self.field) {
+            (InitialMotion::Rest, _) => None,
+            (InitialMotion::Field, Some(field)) => Some(field.clone()),
+            (InitialMotion::Field, None) => return Err(Error::NoField),
+        };
+        let integrator = core::mem::replace(&mut self.integrator, Box::new(Leapfrog));
+        Ok(Simulation {
+            title: self.title.clone(),
+            mesh: self.mesh.clone(),
+            model,
+            integrator,
+            step,
+            duration: self.duration,
+            residual: self.residual,
+            places: self.places.clone(),
+            initial,
+            plan: self.output.clone(),
+            recordings,
+            observers,
+            variables: state_variables.variables.clone(),
+            remarks: core::mem::take(&mut self.remarks),
+            in_use: self.in_use.clone(),
+            engine: self.engine.clone(),
+            staging: timeline.map(|timeline| Staging {
+                scene: self,
+                pieces,
+                timeline,
+                variables: state_variables.variables,
+            }),
+        })
+    }
+
+    /// Gives the remarks about waves in layers the memory and accuracy of their tables, which all exist now.
+    fn tables_made(&mut self) {
+        let remarks = self.remarks.iter_mut();
+        let of_layers = remarks.filter_map(|remark| match remark {
+            Remark::Layered { report, bytes, .. } => Some((report, bytes)),
+            _ => None,
+        });
+        for (wave, (report, bytes)) in self.layered.iter().zip(of_layers) {
+            *report = wave.report();
+            *bytes = report.bytes;
+        }
+    }
+
+    /// Warning about an in-situ stress that ends below the top of the body in the first stage.
+    fn above_ground(&self, timeline: Option<&Timeline>) -> Option<Remark> {
+        let level = self.in_situ_stress.as_ref()?.level()?;
+        let absent = &timeline?.absent;
+        let there = |element: &u32| absent.binary_search(element).is_err();
+        let elements = (0..self.mesh.element_count() as u32).filter(there);
+        let nodes = elements.flat_map(|element| self.mesh.nodes_of(element).iter());
+        let heights = nodes.map(|&node| self.mesh.positions()[node as usize].z);
+        let top = heights.fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = self.mesh.bounding_box();
+        let above = top - level > ROUNDING_OF_PLACE * (high - low).norm();
+        above.then_some(Remark::AboveGround { level, top })
+    }
+
+    /// Warnings about prescribed motions that do not begin at rest, where the body does.
+    fn sudden_motions(&self) -> Vec<Remark> {
+        let mut remarks = Vec::new();
+        if self.initial != InitialMotion::Rest {
+            return Vec::new();
+        }
+        let interval = self.duration / START_INSTANTS as f64;
+        for driven in self
+            .prescribed
+            .iter()
+            .filter(|driven| !driven.nodes.is_empty())
+        {
+            let at = |time: f64| driven.displacement.value(self.start + time);
+            let values: Vec<f64> = (0..=START_INSTANTS)
+                .map(|i| at(i as f64 * interval))
+                .collect();
+            let farthest = values
+                .iter()
+                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            let changes = values
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs() / interval);
+            let [nodes, first] = [driven.nodes.len(), driven.nodes[0] as usize];
+            let node = self.mesh.node_tags()[first];
+            // Stages hold their value at the start.
+            let displacement = if self.stages.is_empty() {
+                values[0]
+            } else {
+                0.0
+            };
+            if displacement.abs() > SUDDEN_DISPLACEMENT * farthest {
+                remarks.push(SceneRemark::PrescribedJump {
+                    nodes,
+                    node,
+                    displacement,
+                });
+            }
+            let velocity = (at(START_SHARE * interval) - values[0]) / (START_SHARE * interval);
+            let share = velocity.abs() / changes.fold(velocity.abs(), f64::max);
+            if share > SUDDEN_VELOCITY {
+                remarks.push(SceneRemark::PrescribedVelocity {
+                    nodes,
+                    node,
+                    velocity,
+                    share,
+                });
+            }
+        }
+        remarks.into_iter().map(Remark::Scene).collect()
+    }
+
+    /// Specification of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.
+    pub(crate) fn moving<'a>(
+        &self,
+        mut spec: ModelSpec<'a>,
+        pieces: &[Piece],
+        timeline: Option<&Timeline>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<Moving<'a>, Error> {
+        for piece in pieces {
+            let factory = piece.moving(&self.parts[piece.part], self.precision);
+            spec = spec.elements(piece.elements.clone(), factory);
+        }
+        let present = timeline.and_then(Timeline::present);
+        let parts = self.boundary_parts(present, remarks)?;
+        let warnings = self.gravity_warnings(parts.as_ref());
+        remarks.extend(warnings.into_iter().map(Remark::Scene));
+        if let Some(parts) = parts {
+            spec = spec.boundary(parts);
+        }
+        spec = self.acted_on(spec, None);
+        let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own)?;
+        for joint in joints {
+            spec = spec.constraint(Box::new(joint) as Box<dyn Constraint>);
+        }
+        if let Some(timeline) = timeline {
+            for bolts in timeline.bolts(self.stages.len()) {
+                spec = spec.embed(Box::new(bolts.clone()));
+            }
+        }
+        if let Some(threads) = self.threads_taken() {
+            spec = spec.threads(threads);
+        }
+        Ok(Moving { spec, surfaces })
+    }
+
+    /// Springs and dashpots of the absorbing boundary; `None` without a boundary. Faces of elements that are inactive in
+    /// the run do not absorb.
+    fn boundary_parts(
+        &self,
+        present: Option<&[bool]>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<Option<BoundaryParts>, Error> {
+        let Some(boundary) = &self.boundary else {
+            if let (Some(field), InitialMotion::Rest) = (&self.field, self.initial) {
+                return Err(Error::UnusedField {
+                    field: field.name().into(),
+                    reason: "there is no boundary through which it comes in",
+                });
+            }
+            return Ok(None);
+        };
+        let scatterer = self.scatterer()?;
+        let all = self.absorbing_facets()?;
+        self.check_faces(&all)?;
+        let there = |facet: &Facet| present.is_none_or(|present| present[facet.element as usize]);
+        let facets = all.iter().map(|(face, facets)| {
+            let facets = facets.iter().copied().filter(there);
+            (*face, facets.collect())
+        });
+        let facets: Vec<(&str, Vec<Facet>)> = facets.collect();
+        let facets = facets.iter().map(|(face, facets)| (*face, &facets[..]));
+        let facets: Vec<(&str, &[Facet])> = facets.collect();
+        let medium = self.medium_of_elements()?;
+        let field = self.field.as_deref();
+        self.check_through()?;
+        let in_ground = field.map(FieldInGround);
+        let field = match (&in_ground, &boundary.through[..]) {
+            (Some(in_ground), [_, ..]) => Some(in_ground as &dyn IncidentField),
+            _ => field,
+        };
+        let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
+        if let Some(field) = field {
+            self.check_field(field, (&facets, &site))?;
+        }
+        remarks.extend(self.boundary_remarks(&facets, &site)?);
+        let layer = self.region_layer(&site, present);
+        let layer = layer.map_err(|error| match error {
+            Error::Region(_) => self.placed(Subject::Region, error),
+            other => other,
+        })?;
+        let condition: Arc<dyn AbsorbingBoundary> = match layer {
+            None => boundary.condition.clone(),
+            Some((layer, remark)) => {
+                remarks.push(remark);
+                Arc::new(DomainReduction::new(layer, boundary.condition.clone()))
+            }
+        };
+        let parts = condition.build(&site);
+        let parts = parts.map_err(|error| self.placed(Subject::Boundary, error.into()))?;
+        let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();
+        if boundary.scatterer.is_none() && parts.impedance.iter().any(springs) {
+            let position = scatterer;
+            remarks.push(Remark::Scatterer { position });
+        }
+        if let (Some(field), []) = (field, &parts.loads[..]) {
+            return Err(Error::UnusedField {
+                field: field.name().into(),
+                reason: "the boundary lets no motion in",
+            });
+        }
+        Ok(Some(parts))
+    }
+}
+
+/// Motion of a field at the nodes: displacement at `time` (m) and velocity half a step before (m/s).
+pub(crate) fn field_motion(
+    field: &dyn IncidentField,
+    points: &[Vec3],
+    time: f64,
+    step: f64,
+) -> Result<(Vec<Vec3>, Vec<Vec3>), Error> {
+    let sampler = field.prepare(points)?;
+    let mut motion = vec![powerhouse_model::FieldMotion::default(); points.len()];
+    sampler.add_motion(time, &mut motion);
+    let displacement = motion.iter().map(|m| m.displacement).collect();
+    motion.fill(powerhouse_model::FieldMotion::default());
+    sampler.add_motion(time - 0.5 * step, &mut motion);
+    Ok((displacement, motion.iter().map(|m| m.velocity).collect()))
+}
