@@ -419,7 +419,7 @@ pub(crate) fn trade(
 /// Writes the report of a folder with results; returns its path.
 #[pyfunction]
 pub(crate) fn write_report(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
-    let written = py.detach(|| powerhouse_study::write_report_with(&folder, &[&Comparison]));
+    let written = py.detach(|| powerhouse_report::write_report_with(&folder, &[&Comparison]));
     match written {
         Ok(file) => Ok(text_of(&file)),
         Err(error) => Err(of_study(py, &error)),

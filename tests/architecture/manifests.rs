@@ -30,6 +30,9 @@ const SCENE: &str = "powerhouse-scene";
 const RESULTS: &str = "powerhouse-results";
 const SCENE_FILE: &str = "powerhouse-scene-file";
 
+/// The crate of reports, above the studies.
+const REPORT: &str = "powerhouse-report";
+
 /// The crates around the model; none knows another, but elements record programs, and a device compiles them.
 const AROUND_MODEL: [&str; 11] = [
     ENGINE,
@@ -61,6 +64,7 @@ fn permitted_in_tests(package: &str) -> &'static [&'static str] {
         DEVICE => &[ENGINE, "powerhouse-elements", "powerhouse-material-damage"],
         "powerhouse-elements" => &["powerhouse-material-damage"],
         "powerhouse-material-damage" => &[PROGRAM],
+        "powerhouse-study" => &[REPORT],
         _ => &[],
     }
 }
@@ -82,8 +86,14 @@ fn permitted(package: &str) -> Vec<&'static str> {
         RESULTS | SCENE_FILE => [&[model, LAWS, SCENE][..], &AROUND_MODEL].concat(),
         LAWS => vec![model, "powerhouse-elements", "powerhouse-material-damage"],
         "powerhouse-study" => vec!["powerhouse"],
-        "powerhouse-wang-2019" => vec!["powerhouse", "powerhouse-study"],
-        "powerhouse-cli" => vec!["powerhouse", "powerhouse-study", "powerhouse-wang-2019"],
+        REPORT => vec!["powerhouse", "powerhouse-study"],
+        "powerhouse-wang-2019" => vec!["powerhouse", "powerhouse-study", REPORT],
+        "powerhouse-cli" => vec![
+            "powerhouse",
+            "powerhouse-study",
+            REPORT,
+            "powerhouse-wang-2019",
+        ],
         "powerhouse-elements" | DEVICE => vec![model, PROGRAM],
         around if AROUND_MODEL.contains(&around) => vec![model],
         shelf if SHELVES.contains(&shelf) => {
@@ -91,6 +101,7 @@ fn permitted(package: &str) -> Vec<&'static str> {
                 &[
                     "powerhouse",
                     "powerhouse-study",
+                    REPORT,
                     "powerhouse-wang-2019",
                     model,
                 ][..],

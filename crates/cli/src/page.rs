@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use powerhouse_study::{read_outcomes, report_gaps, sensitivity, write_report_with};
+use powerhouse_report::{read_outcomes, report_gaps, sensitivity, write_report_with};
 use powerhouse_wang_2019::{Comparison, Conclusion, Verdict, conclusions};
 
 use crate::terminal::{say, say_warning};

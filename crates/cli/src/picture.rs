@@ -7,7 +7,7 @@ use clap::Args;
 use powerhouse::file_name;
 use powerhouse::io::{SectionPlane, shown_number};
 use powerhouse::model::Vec3;
-use powerhouse_study::fields::{
+use powerhouse_report::fields::{
     Animation, DeformationFactor, FieldPart, FieldPicture, RecordedFields,
 };
 

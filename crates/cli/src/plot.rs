@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use powerhouse::file_name;
 use powerhouse::io::{Plot, shown_number, write_noted_table, write_plot};
 use powerhouse::model::Vec3;
-use powerhouse_study::fields::{FieldLine, FieldQuantity, LineTable, RecordedFields};
-use powerhouse_study::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
+use powerhouse_report::fields::{FieldLine, FieldQuantity, LineTable, RecordedFields};
+use powerhouse_report::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::advise::number;
 use crate::picture::{finite, instant, numbers};

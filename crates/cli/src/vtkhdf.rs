@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use powerhouse_study::fields::RecordedFields;
+use powerhouse_report::fields::RecordedFields;
 
 use crate::terminal::say;
 use crate::{Outcome, check_ending};

@@ -9,13 +9,13 @@ use thiserror::Error;
 /// Wall time between two checkpoints of a run.
 ///
 /// ```
-/// use powerhouse::CheckpointInterval;
+/// use powerhouse_scene_file::CheckpointInterval;
 /// use std::time::Duration;
 /// let every: CheckpointInterval = "1.5 h".parse()?;
 /// assert_eq!(every, CheckpointInterval::Every(Duration::from_secs(5400)));
 /// assert_eq!("never".parse(), Ok(CheckpointInterval::Never));
 /// assert!("10".parse::<CheckpointInterval>().is_err());
-/// # Ok::<(), powerhouse::IntervalError>(())
+/// # Ok::<(), powerhouse_scene_file::IntervalError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CheckpointInterval {

@@ -15,11 +15,11 @@ use crate::spec::NAMED;
 /// value of TOML; texts need no quotes. A key that the file does not have is added.
 ///
 /// ```
-/// use powerhouse::KeyChange;
+/// use powerhouse_scene_file::KeyChange;
 /// let change: KeyChange = "wave.1.incidence=30".parse()?;
 /// assert_eq!(change.to_string(), "wave.1.incidence=30");
 /// assert!("duration".parse::<KeyChange>().is_err());
-/// # Ok::<(), powerhouse::KeyChangeError>(())
+/// # Ok::<(), powerhouse_scene::KeyChangeError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyChange {

@@ -26,9 +26,10 @@ use powerhouse_scene::{Fault, Kernel};
 /// same names; sweeps and trades of a file are given one. A clone shares what is registered.
 ///
 /// ```
-/// use powerhouse::{Material, Registry};
-/// use powerhouse::material::LinearElastic;
-/// use powerhouse::model::ElasticMedium;
+/// use powerhouse_laws::Material;
+/// use powerhouse_scene_file::Registry;
+/// use powerhouse_material_damage::LinearElastic;
+/// use powerhouse_model::ElasticMedium;
 ///
 /// /// Rock whose Young's modulus follows from its rating.
 /// #[derive(serde::Deserialize, schemars::JsonSchema)]
@@ -195,9 +196,9 @@ impl Registry {
     /// histories of a run, and so in its tables, plots, reports and checkpoints.
     ///
     /// ```
-    /// use powerhouse::engine::observe::HistorySampler;
-    /// use powerhouse::model::{ModelError, Reach, Selection, StepView};
-    /// use powerhouse::{Registry, schemars};
+    /// use powerhouse_observe::HistorySampler;
+    /// use powerhouse_model::{ModelError, Reach, Selection, StepView};
+    /// use powerhouse_scene_file::{Registry, schemars};
     /// use std::sync::Arc;
     /// #[derive(serde::Deserialize, schemars::JsonSchema)]
     /// #[serde(deny_unknown_fields)]

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-pub use powerhouse_explicit_core::{Explicit, ExplicitOnDevice, Leapfrog, OneSided};
+use powerhouse_explicit_core::Explicit;
+pub use powerhouse_explicit_core::{ExplicitOnDevice, Leapfrog, OneSided};
 use powerhouse_model::Engine;
 
 /// The engine of scenes to which none is given.

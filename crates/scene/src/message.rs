@@ -83,7 +83,7 @@ impl RunNotes {
 /// Merges messages that differ only in the first quoted name into one message with all names, and drops repetitions.
 ///
 /// ```
-/// use powerhouse::{Message, Topic, merge_messages};
+/// use powerhouse_scene::{Message, Topic, merge_messages};
 /// let message = |text: &str| Message { about: Topic::Run, text: text.into() };
 /// let found = merge_messages([
 ///     message("part 'rock' is damped"),

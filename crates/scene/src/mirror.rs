@@ -44,13 +44,13 @@ impl Parity {
 /// normal.
 ///
 /// ```
-/// use powerhouse::{Mirror, Parity};
-/// use powerhouse::model::{Mesh, Vec3};
+/// use powerhouse_scene::{Mirror, Parity};
+/// use powerhouse_model::{Mesh, Vec3};
 /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4; 3], "rock")?;
 /// let nodes = mesh.nodes_of_facets(mesh.facet_set("left")?);
 /// let mirror = Mirror { nodes, normal: Vec3::x(), parity: Parity::Symmetric };
 /// assert_eq!(mirror.nodes.len(), 25);
-/// # Ok::<(), powerhouse::model::MeshError>(())
+/// # Ok::<(), powerhouse_model::MeshError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {

@@ -79,10 +79,11 @@ pub enum InitialMotion {
 ///
 /// ```
 /// use powerhouse_boundary::ViscousSpring;
-/// use powerhouse::material::{LinearElastic, media};
-/// use powerhouse::model::{Mesh, Vec3};
-/// use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
-/// use powerhouse::{Boundary, Material, Part, Scene};
+/// use powerhouse_material_damage::{LinearElastic, media};
+/// use powerhouse_model::{Mesh, Vec3};
+/// use powerhouse_wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
+/// use powerhouse_scene::{Boundary, Part, Scene};
+/// use powerhouse_laws::Material;
 /// use std::sync::Arc;
 ///
 /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(400.0), [4, 4, 4], "rock")?;

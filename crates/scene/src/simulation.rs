@@ -33,7 +33,7 @@ pub type ProgressHook<'a> = Box<dyn FnMut(Progress) + Send + 'a>;
 /// Progress callback, cancellation flag, sinks and further observers of a run.
 ///
 /// ```
-/// use powerhouse::RunHooks;
+/// use powerhouse_scene::RunHooks;
 /// use std::sync::Arc;
 /// use std::sync::atomic::AtomicBool;
 /// let stop = Arc::new(AtomicBool::new(false));

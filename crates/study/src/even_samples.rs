@@ -4,7 +4,7 @@ use powerhouse::wavefield::TimeHistory;
 
 /// Resamples an acceleration (m/s2) at equal intervals, with the same number of samples, since a run samples at its
 /// steps. `None` for fewer than two samples or an invalid record.
-pub(crate) fn even_samples(times: &[f64], acceleration: &[f64]) -> Option<TimeHistory> {
+pub fn even_samples(times: &[f64], acceleration: &[f64]) -> Option<TimeHistory> {
     let ([first, _, ..], [.., last]) = (times, times) else {
         return None;
     };

@@ -10,7 +10,7 @@ use crate::StudyError;
 ///
 /// # Errors
 /// [`StudyError::Read`], [`StudyError::Outcome`].
-pub(crate) fn read_json<T: DeserializeOwned>(file: &Path) -> Result<T, StudyError> {
+pub fn read_json<T: DeserializeOwned>(file: &Path) -> Result<T, StudyError> {
     let text = std::fs::read(file).map_err(|source| StudyError::Read {
         file: file.into(),
         source,

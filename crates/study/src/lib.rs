@@ -1,13 +1,12 @@
 //! Studies of whole scenes: checks and cost predictions before a run, comparison of absorbing boundaries, the
-//! free-field check, parameter sweeps, trade studies of cost against accuracy, reports, and mesh generators.
+//! free-field check, parameter sweeps, trade studies of cost against accuracy, and mesh generators.
 //!
 //! - [`check`] assesses a scene before its run: mesh quality, resolved frequencies, stable step and the element that
 //!   limits it, predicted cost of stages and run, and the changes that save most ([`saving`]).
 //! - [`FreeFieldCheck`] runs the scene's box without the structure and compares it with the incident field. The
 //!   difference is the error of mesh, time step and boundary, a lower bound of the errors of the scene.
 //! - [`SceneRun`] runs a scene into a folder, with all that is checked before.
-//! - [`mod@sweep`] runs the cases of a scene, and [`write_report`] writes their results to one HTML page.
-//! - [`motion`] measures recorded motions, and [`fields`] draws what snapshots have, after a run.
+//! - [`mod@sweep`] runs the cases of a scene; `powerhouse-report` writes their results to one HTML page.
 //! - [`trade`] measures cost and error of a scene's numerical options and finds the Pareto front.
 //! - [`convergence`] runs a scene on several meshes and extrapolates its results to vanishing element size.
 //! - [`advise_boundary`] recommends an absorbing boundary for a permitted error, [`advise_box`] the extent of the
@@ -35,25 +34,21 @@ mod error;
 mod even_samples;
 mod excerpt;
 mod extent;
-pub mod fields;
 mod free_field;
 mod grown;
 mod joints;
 mod json;
 mod mark;
-pub mod motion;
 mod opening_slice;
 mod perturbation;
 mod price;
 mod ranks;
 mod recorded;
-mod report;
 mod resolution;
 mod rounded;
 mod run_summary;
 pub mod saving;
 mod scene_run;
-mod sensitivity;
 mod shell_octant;
 mod sides;
 pub mod starter;
@@ -76,12 +71,20 @@ pub use grown::grown;
 pub use joints::JointOverview;
 pub use opening_slice::OpeningSlice;
 pub use price::{ParetoPoint, draw_pareto_front, pareto_front};
-pub use report::{
-    ReportCase, ReportItem, ReportSection, ReportTable, read_outcomes, report_gaps, write_report,
-    write_report_with,
-};
 pub use resolution::Resolution;
 pub use scene_run::{RanScene, RunWatch, SceneRun};
-pub use sensitivity::{Variation, VariedFigure, sensitivity};
 pub use shell_octant::ShellOctant;
 pub use static_cost::StaticCost;
+
+/// Parts of studies that the crate of reports needs, and programs do not.
+#[doc(hidden)]
+pub mod internal {
+    pub use crate::convergence::read_report;
+    pub use crate::even_samples::even_samples;
+    pub use crate::json::read_json;
+    pub use crate::rounded::rounded;
+    pub use crate::run_summary::FoundSummary;
+    pub use crate::store::MARK;
+    pub use crate::sweep::{CASES, CaseEntry, OUTCOME, RECORD, write_text};
+    pub use crate::text::after_first_slip;
+}

@@ -12,7 +12,7 @@ use crate::json::read_json;
 const FILE: &str = "summary.json";
 
 /// Summary of a run that goes on, or has ended.
-pub(crate) enum FoundSummary {
+pub enum FoundSummary {
     /// That of a run with results.
     Whole(Box<RunSummary>),
     /// That of a run whose motion has not begun or has no results yet.
@@ -24,7 +24,7 @@ impl FoundSummary {
     ///
     /// # Errors
     /// [`StudyError::Outcome`], which names the file and a key that is missing or of another form.
-    pub(crate) fn read(folder: &Path) -> Result<Option<Self>, StudyError> {
+    pub fn read(folder: &Path) -> Result<Option<Self>, StudyError> {
         let file = folder.join(FILE);
         if !file.exists() {
             return Ok(None);
@@ -46,7 +46,7 @@ impl FoundSummary {
     ///
     /// # Errors
     /// As [`read`](Self::read); [`StudyError::NoResults`] without results.
-    pub(crate) fn of_results(folder: &Path) -> Result<RunSummary, StudyError> {
+    pub fn of_results(folder: &Path) -> Result<RunSummary, StudyError> {
         match Self::read(folder)? {
             Some(Self::Whole(whole)) => Ok(*whole),
             _ => Err(StudyError::NoResults {
@@ -56,35 +56,35 @@ impl FoundSummary {
     }
 
     /// The summary of a run with results.
-    pub(crate) fn whole(&self) -> Option<&RunSummary> {
+    pub fn whole(&self) -> Option<&RunSummary> {
         match self {
             Self::Whole(whole) => Some(whole),
             Self::Begun(_) => None,
         }
     }
     /// Title of the run.
-    pub(crate) fn title(&self) -> &str {
+    pub fn title(&self) -> &str {
         match self {
             Self::Whole(whole) => &whole.title,
             Self::Begun(begun) => &begun.title,
         }
     }
     /// How the run ended.
-    pub(crate) fn ended(&self) -> &str {
+    pub fn ended(&self) -> &str {
         match self {
             Self::Whole(whole) => &whole.ended,
             Self::Begun(begun) => &begun.ended,
         }
     }
     /// Why the run failed or is incomplete.
-    pub(crate) fn failure(&self) -> Option<&str> {
+    pub fn failure(&self) -> Option<&str> {
         match self {
             Self::Whole(whole) => whole.failure.as_deref(),
             Self::Begun(begun) => Some(&begun.failure),
         }
     }
     /// Paths of the files of the run, relative to its folder.
-    pub(crate) fn files(&self) -> &[String] {
+    pub fn files(&self) -> &[String] {
         match self {
             Self::Whole(whole) => &whole.files,
             Self::Begun(begun) => &begun.files,

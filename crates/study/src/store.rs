@@ -15,7 +15,7 @@ use crate::StudyError;
 use crate::mark::Fingerprint;
 
 /// Name of the fingerprint file in the folder of a run.
-pub(crate) const MARK: &str = "finished.json";
+pub const MARK: &str = "finished.json";
 /// Name of the summary file, which every run of a scene into a folder replaces.
 const SUMMARY: &str = "summary.json";
 

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
+use powerhouse_report::{read_outcomes, write_report};
+use powerhouse_study::StudyError;
 use powerhouse_study::convergence::{ComparedFigure, Convergence, ConvergenceReport, Trend};
 use powerhouse_study::sweep::{CaseOutcome, NoProgress, SweepWatch};
-use powerhouse_study::{StudyError, read_outcomes, write_report};
 use powerhouse_test_support::TestFolder;
 
 /// A block of ground under an oblique pulse.

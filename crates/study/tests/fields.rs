@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use powerhouse::io::{FieldPrecision, PvdCollection, VtuField, VtuNumbers, VtuWriter};
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse_study::StudyError;
-use powerhouse_study::fields::{
+use powerhouse_report::fields::{
     Animation, DeformationFactor, FieldLine, FieldPicture, FieldQuantity, RecordedFields,
 };
+use powerhouse_study::StudyError;
 use powerhouse_test_support::TestFolder;
 
 /// A bar of 10 by 4 by 4 m of two sets, `left` up to x = 5 m.

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use powerhouse::{FileScene, ResultFolder};
-use powerhouse_study::{SceneRun, StudyError, report_gaps, write_report};
+use powerhouse_report::{report_gaps, write_report};
+use powerhouse_study::{SceneRun, StudyError};
 use serde_json::Value;
 
 use crate::block::Folder;

@@ -1,8 +1,8 @@
 //! Comparison of the results of a sweep with those of Wang, Chen & Xiao (2019).
 
+use powerhouse_report::{ReportCase, ReportItem, ReportSection, ReportTable};
 use powerhouse_study::sweep::{CaseOutcome, Peak};
 use powerhouse_study::text::rounded;
-use powerhouse_study::{ReportCase, ReportItem, ReportSection, ReportTable};
 
 use crate::{Conclusion, Verdict, conclusions};
 

@@ -1,9 +1,9 @@
 //! The conclusions of the paper and the sensitivity of results, for artificial outcomes.
 
+use powerhouse_report::{ReportCase, ReportItem, ReportSection, ReportTable, sensitivity};
 use powerhouse_study::sweep::{
     CaseInput, CaseOutcome, CaseWave, Coverage, JointAndLining, JointCase, PartDamage, Peak,
 };
-use powerhouse_study::{ReportCase, ReportItem, ReportSection, ReportTable, sensitivity};
 use powerhouse_wang_2019::{Comparison, Conclusion, Verdict, conclusions};
 
 fn peak(name: &str, value: f64) -> Peak {

@@ -20,12 +20,12 @@ const LARGEST: u64 = 64 << 20;
 /// The text is parsed once; the scene and its cases are read from the tables.
 ///
 /// ```no_run
-/// use powerhouse::{Registry, Scene, SceneFile};
+/// use powerhouse_scene_file::{FileScene, Registry, SceneFile};
 /// let file = SceneFile::read("data/scenes/cavern_small.toml")?;
 /// let mut spec = file.spec(None)?;
-/// spec.precision = powerhouse::spec::Precision::Mixed;
-/// let scene = Scene::from_spec(spec, &Registry::default())?;
-/// # Ok::<(), powerhouse::Error>(())
+/// spec.precision = powerhouse_scene_file::spec::Precision::Mixed;
+/// let scene = FileScene::from_spec(spec, &Registry::default())?;
+/// # Ok::<(), powerhouse_scene::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct SceneFile {

@@ -35,9 +35,9 @@ pub enum InitialGap {
 /// Joint of a scene: sides that are meshed apart or were cut open, contact law and initial conditions.
 ///
 /// ```
-/// use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
-/// use powerhouse::model::{Mesh, Vec3};
-/// use powerhouse::{JointZone, Preload, SceneJoint};
+/// use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, SurfaceOptions};
+/// use powerhouse_model::{Mesh, Vec3};
+/// use powerhouse_scene::{JointZone, Preload, SceneJoint};
 /// let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 4.0, 2.0), [4, 4, 2], "rock")?;
 /// let (lower, upper): (Vec<u32>, Vec<u32>) = (0..32).partition(|&e| mesh.centroid(e).z < 1.0);
 /// let split = mesh.split_between(&lower, &upper)?;

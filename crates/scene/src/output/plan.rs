@@ -300,9 +300,9 @@ impl StateRequest {
 /// `with_x` sets the field `x`; [`history`](Self::history) and its kin add one request to a list.
 ///
 /// ```
-/// use powerhouse::engine::observe::Motion;
-/// use powerhouse::model::Vec3;
-/// use powerhouse::OutputPlan;
+/// use powerhouse_observe::Motion;
+/// use powerhouse_model::Vec3;
+/// use powerhouse_scene::OutputPlan;
 /// let (crown, floor) = (Vec3::new(0.0, 0.0, -60.0), Vec3::new(0.0, 0.0, -92.0));
 /// let plan = OutputPlan::default()
 ///     .with_every(0.01)

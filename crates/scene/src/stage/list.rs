@@ -17,9 +17,9 @@ use powerhouse_laws::Material;
 /// of the run.
 ///
 /// ```
-/// use powerhouse::SceneStage;
-/// use powerhouse::engine::{StaticOptions, Support};
-/// use powerhouse::model::Vec3;
+/// use powerhouse_scene::SceneStage;
+/// use powerhouse_model::{StaticOptions, Support};
+/// use powerhouse_model::Vec3;
 /// let bottom = vec![0, 1, 2, 3];
 /// let stages = [
 ///     SceneStage::new("ground").support(Support::roller(bottom, Vec3::z())),

@@ -49,7 +49,7 @@ use crate::sweep::{Sweep, SweepWatch};
 use crate::trade::check_same_loads;
 pub use estimate::{Estimate, Trend};
 use report::RunFigures;
-pub(crate) use report::read as read_report;
+pub use report::read as read_report;
 pub use report::{ComparedFigure, ConvergenceReport, MeshLevel};
 
 /// Formal orders of convergence of motions in linear scenes and of all other results.

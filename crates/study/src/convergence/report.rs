@@ -120,7 +120,7 @@ impl ConvergenceReport {
     }
 
     /// Cells of a result in a table: name, unit, values, extrapolated value, relative band, order, scatter, trend.
-    pub(crate) fn cells(figure: &ComparedFigure) -> Vec<String> {
+    pub fn cells(figure: &ComparedFigure) -> Vec<String> {
         let percent = |share: f64| match share.is_finite() {
             true => format!("{:.1} %", 100.0 * share),
             false => "unknown".into(),
@@ -139,7 +139,7 @@ impl ConvergenceReport {
     }
 
     /// Header of the table of results.
-    pub(crate) fn header(&self) -> Vec<String> {
+    pub fn header(&self) -> Vec<String> {
         let mut header = vec!["result".to_owned(), "unit".to_owned()];
         let meshes = self.meshes.iter();
         header.extend(meshes.map(|mesh| format!("{} elements", mesh.elements)));
@@ -192,7 +192,7 @@ impl ConvergenceReport {
 ///
 /// # Errors
 /// A file that cannot be read.
-pub(crate) fn read(folder: &Path) -> Result<Option<ConvergenceReport>, StudyError> {
+pub fn read(folder: &Path) -> Result<Option<ConvergenceReport>, StudyError> {
     let file = folder.join(JSON);
     if !file.exists() {
         return Ok(None);

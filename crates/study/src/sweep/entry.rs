@@ -9,7 +9,7 @@ use crate::store;
 
 /// Entry of the list of cases: name and fingerprint of the inputs.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct CaseEntry {
+pub struct CaseEntry {
     name: String,
     #[serde(rename = "mark")]
     fingerprint: Fingerprint,
@@ -22,7 +22,8 @@ impl CaseEntry {
             fingerprint: fingerprint.clone(),
         }
     }
-    pub(crate) fn name(&self) -> &str {
+    /// Name of the case.
+    pub fn name(&self) -> &str {
         &self.name
     }
     /// Whether the inputs have this fingerprint.
@@ -30,11 +31,11 @@ impl CaseEntry {
         self.fingerprint == *fingerprint
     }
     /// Whether the case folder contains complete results with this fingerprint.
-    pub(crate) fn is_finished(&self, sweep: &Path) -> bool {
+    pub fn is_finished(&self, sweep: &Path) -> bool {
         store::is_finished(&sweep.join(&self.name), &self.fingerprint)
     }
     /// Describes what is missing of the case; `None` if it is finished.
-    pub(crate) fn gap(&self, sweep: &Path) -> Option<String> {
+    pub fn gap(&self, sweep: &Path) -> Option<String> {
         if self.is_finished(sweep) {
             return None;
         }

@@ -21,7 +21,7 @@ pub struct CaseWave {
 
 impl CaseWave {
     /// Whether another wave has the same type and direction, with any motion.
-    pub(crate) fn arrives_as(&self, other: &Self) -> bool {
+    pub fn arrives_as(&self, other: &Self) -> bool {
         let of = |wave: &Self| (wave.kind.clone(), wave.incidence, wave.azimuth);
         of(self) == of(other)
     }

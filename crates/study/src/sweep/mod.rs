@@ -61,24 +61,24 @@ use case::{CaseControl, Claim};
 pub use contact::{JointAndLining, JointCase};
 pub use coverage::Coverage;
 pub use damage::PartDamage;
-pub(crate) use entry::CaseEntry;
+pub use entry::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 use processes::SharedFolder;
 pub use sections::{SectionExtremes, Utilisation};
 
 /// Name of the outcome file in the folder of a case.
-pub(crate) const OUTCOME: &str = "outcome.json";
+pub const OUTCOME: &str = "outcome.json";
 /// Name of the table of all cases in the folder of the sweep.
 pub(crate) const TABLE: &str = "sweep.csv";
 /// Name of the list of cases in their order, with the fingerprint that each must have.
-pub(crate) const CASES: &str = "cases.json";
+pub const CASES: &str = "cases.json";
 
 /// Wall time between two looks at what other processes compute.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Prefix of the names of record files.
-pub(crate) const RECORD: &str = "record-";
+pub const RECORD: &str = "record-";
 
 /// Progress callbacks of a sweep.
 ///
@@ -478,6 +478,6 @@ fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Writes a text file atomically.
-pub(crate) fn write_text(file: &Path, text: &str) -> Result<(), StudyError> {
+pub fn write_text(file: &Path, text: &str) -> Result<(), StudyError> {
     Ok(write_whole(file, text.as_bytes()).map_err(powerhouse::Error::from)?)
 }

@@ -18,11 +18,12 @@ use std::time::Duration;
 use powerhouse::io::{read_table, write_gmsh};
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{EquilibratedBody, Error, Registry, ResultFolder, RunHooks, RunNotes, Scene};
-use powerhouse_study::sweep::{CaseOutcome, NoProgress, Sweep, SweepWatch};
-use powerhouse_study::{
-    ReportCase, ReportItem, ReportSection, ReportTable, StudyError, read_outcomes, report_gaps,
-    sensitivity, write_report, write_report_with,
+use powerhouse_report::{
+    ReportCase, ReportItem, ReportSection, ReportTable, read_outcomes, report_gaps, sensitivity,
+    write_report, write_report_with,
 };
+use powerhouse_study::StudyError;
+use powerhouse_study::sweep::{CaseOutcome, NoProgress, Sweep, SweepWatch};
 use powerhouse_test_support::TestFolder;
 
 /// A slice of ground in a scene of its own folder: elastic, one stage, two cases and one without joint.

@@ -7,9 +7,9 @@ use powerhouse::io::TableColumn;
 use super::PLOTS;
 use super::ReportTable;
 use super::page::Page;
-use crate::StudyError;
 use crate::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
-use crate::rounded::rounded;
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::rounded;
 
 /// Columns with a peak below this share of the greatest of their history are left out: directions without motion.
 const STILL: f64 = 1e-2;

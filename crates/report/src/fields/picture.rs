@@ -9,7 +9,7 @@ use powerhouse::io::{
 use powerhouse::model::Vec3;
 
 use super::{FieldQuantity, RecordedFields, ScalarField};
-use crate::StudyError;
+use powerhouse_study::StudyError;
 
 /// Field of the displacements by which a body is drawn deformed.
 const DISPLACEMENT: &str = "displacement";

@@ -7,8 +7,8 @@ use powerhouse::io::{Plot, TableColumn, read_table, write_noted_table, write_plo
 use powerhouse::wavefield::{SpectralLine, TimeHistory};
 use serde_json::Value;
 
-use crate::StudyError;
-use crate::even_samples::even_samples;
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::even_samples;
 
 /// Damping ratios of the oscillators of response spectra.
 pub const DAMPINGS: [f64; 3] = [0.02, 0.05, 0.1];

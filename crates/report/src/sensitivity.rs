@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, Peak};
+use powerhouse_study::internal::rounded;
+use powerhouse_study::sweep::{CaseOutcome, Peak};
 
 /// Value of a main result in a varied case and in its base case.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,8 +14,8 @@ pub use line::{FieldLine, LineTable};
 pub use picture::{Animation, DeformationFactor, FieldPicture};
 pub use quantity::{FieldPart, FieldQuantity, ScalarField};
 
-use crate::StudyError;
-use crate::json::read_json;
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::read_json;
 
 /// Collection of the snapshots in a result folder.
 const SNAPSHOTS: &str = "snapshots.pvd";

@@ -8,10 +8,10 @@ use super::ReportTable;
 use super::page::Page;
 use super::run_warnings::RunWarnings;
 use super::{forces, motions, report_gaps, tables};
-use crate::StudyError;
-use crate::rounded::rounded;
-use crate::run_summary::FoundSummary;
-use crate::text::after_first_slip;
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::FoundSummary;
+use powerhouse_study::internal::after_first_slip;
+use powerhouse_study::internal::rounded;
 
 /// Greatest size of a picture on the page (bytes).
 const LARGEST: u64 = 4 << 20;

@@ -7,7 +7,7 @@ use powerhouse::engine::observe::principal_stresses;
 use powerhouse::io::{FieldNumbers, FieldOfFile, VtuGrid};
 use powerhouse::model::Stress;
 
-use crate::StudyError;
+use powerhouse_study::StudyError;
 
 /// Names of the components of vectors and of symmetric tensors.
 const VECTOR: [&str; 3] = ["x", "y", "z"];

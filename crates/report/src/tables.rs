@@ -4,9 +4,9 @@ use powerhouse::summary::{PeakSummary, RunSummary, StageSummary};
 
 use super::ReportCase;
 use super::ReportTable;
-use crate::rounded::rounded;
-use crate::sensitivity::Variation;
-use crate::sweep::{CaseOutcome, JointCase, Peak};
+use crate::Variation;
+use powerhouse_study::internal::rounded;
+use powerhouse_study::sweep::{CaseOutcome, JointCase, Peak};
 
 /// The header cells of a table.
 fn header(names: &[&str]) -> Vec<String> {

@@ -24,7 +24,7 @@ pub enum ReportItem {
 /// Section of the report of a sweep, beside those that every report has; for [`write_report_with`](super::write_report_with).
 ///
 /// ```
-/// use powerhouse_study::{ReportCase, ReportItem, ReportSection};
+/// use powerhouse_report::{ReportCase, ReportItem, ReportSection};
 /// /// The number of cases.
 /// struct Count;
 /// impl ReportSection for Count {

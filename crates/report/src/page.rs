@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::{ReportCase, ReportTable};
-use crate::StudyError;
-use crate::sweep::CaseOutcome;
+use powerhouse_study::StudyError;
+use powerhouse_study::sweep::CaseOutcome;
 
 /// Self-contained page.
 pub(super) struct Page {

@@ -7,10 +7,10 @@ use powerhouse::wavefield::TimeHistory;
 
 use super::ReportTable;
 use super::{ReportCase, column, kinds};
-use crate::StudyError;
-use crate::even_samples::even_samples;
 use crate::motion::{DAMPINGS, periods};
-use crate::rounded::rounded;
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::even_samples;
+use powerhouse_study::internal::rounded;
 
 /// Damping ratio at which cases are compared.
 const COMMON: f64 = 0.05;

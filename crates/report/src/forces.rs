@@ -7,9 +7,9 @@ use powerhouse::summary::UtilisationSummary;
 
 use super::ReportTable;
 use super::column;
-use crate::StudyError;
-use crate::rounded::rounded;
-use crate::sweep::{CaseOutcome, Utilisation};
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::rounded;
+use powerhouse_study::sweep::{CaseOutcome, Utilisation};
 
 /// Columns of a section (N/m and N m/m), their symbols and units in the table.
 const FORCES: [(&str, &str, &str); 3] = [

@@ -1,4 +1,8 @@
-//! Report of a sweep or a run as one self-contained HTML page.
+//! Reports and pictures of results: one HTML page of a sweep or a run, motions as engineers read them, fields of snapshots.
+//!
+//! - [`write_report`] writes the results of a sweep or of a run to one self-contained HTML page.
+//! - [`motion`] measures recorded motions, and [`fields`] draws what snapshots have, after a run.
+//! - [`sensitivity`](fn@sensitivity) compares the cases of a sweep that vary one parameter.
 //!
 //! # Why so
 //! *It reads only result files*, so that a report can be written again for old results and for incomplete ones, in
@@ -8,13 +12,16 @@
 //! follow the light or dark scheme of the reader.
 
 mod charts;
+pub mod fields;
 mod forces;
 mod fourier;
+pub mod motion;
 mod motions;
 mod page;
 mod repetition;
 mod run_warnings;
 mod section;
+mod sensitivity;
 mod single;
 mod spectra;
 mod sweep;
@@ -25,12 +32,14 @@ use std::path::{Path, PathBuf};
 use powerhouse::io::{TableColumn, read_table};
 use powerhouse::summary::RunSummary;
 
-use crate::run_summary::FoundSummary;
-use crate::store::MARK;
-use crate::sweep::{CASES, CaseEntry, CaseOutcome, OUTCOME, write_text};
-use crate::{StudyError, json};
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::{
+    CASES, CaseEntry, FoundSummary, MARK, OUTCOME, read_json, write_text,
+};
+use powerhouse_study::sweep::CaseOutcome;
 
 pub use section::{ReportItem, ReportSection, ReportTable};
+pub use sensitivity::{Variation, VariedFigure, sensitivity};
 
 /// Name of the page in the result folder.
 const FILE: &str = "report.html";
@@ -170,7 +179,7 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
                 false => Vec::new(),
             },
             summary: Some(FoundSummary::of_results(&folder)?),
-            fingerprint: read_json(&folder.join(MARK))?,
+            fingerprint: json_or_null(&folder.join(MARK))?,
             folder,
         })
     });
@@ -178,9 +187,9 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
 }
 
 /// The contents of a JSON file; null if there is none.
-fn read_json(file: &Path) -> Result<serde_json::Value, StudyError> {
+fn json_or_null(file: &Path) -> Result<serde_json::Value, StudyError> {
     match file.exists() {
-        true => json::read_json(file),
+        true => read_json(file),
         false => Ok(serde_json::Value::Null),
     }
 }

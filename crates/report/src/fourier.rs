@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, TableColumn, write_plot};
 use powerhouse::wavefield::{SpectralLine, TimeHistory};
 
-use crate::StudyError;
-use crate::even_samples::even_samples;
+use powerhouse_study::StudyError;
+use powerhouse_study::internal::even_samples;
 
 /// Highest drawn frequency (Hz).
 const HIGHEST: f64 = 15.0;

@@ -12,11 +12,13 @@ use super::{
     PLOTS, ReportCase, ReportItem, ReportSection, ReportTable, charts, forces, fourier, repetition,
     report_gaps, tables,
 };
-use crate::StudyError;
-use crate::convergence::{ConvergenceReport, read_report};
-use crate::rounded::rounded;
 use crate::sensitivity;
-use crate::sweep::{CaseOutcome, RECORD};
+use powerhouse_study::StudyError;
+use powerhouse_study::convergence::ConvergenceReport;
+use powerhouse_study::internal::RECORD;
+use powerhouse_study::internal::read_report;
+use powerhouse_study::internal::rounded;
+use powerhouse_study::sweep::CaseOutcome;
 
 /// Results of a sweep for its report.
 struct Sweep<'s> {

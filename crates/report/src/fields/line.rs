@@ -6,7 +6,7 @@ use powerhouse::io::{TableColumn, VtuGrid};
 use powerhouse::model::{Located, Vec3};
 
 use super::{FieldQuantity, ScalarField};
-use crate::StudyError;
+use powerhouse_study::StudyError;
 
 /// Distance of a point from the nearest element, over the size of the body, up to which it is in it (1).
 const NEAR: f64 = 1e-9;

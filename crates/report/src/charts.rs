@@ -6,8 +6,8 @@ use powerhouse::file_name;
 use powerhouse::io::{Plot, PlotCurve, PlotPanel, write_plot};
 
 use super::{ReportCase, column, kinds};
-use crate::StudyError;
-use crate::sweep::Peak;
+use powerhouse_study::StudyError;
+use powerhouse_study::sweep::Peak;
 
 /// Name of the point whose history is drawn for all cases.
 const POINT: &str = "A";
