@@ -19,7 +19,8 @@ pub(crate) fn files_below(directory: &Path) -> Vec<PathBuf> {
         for entry in fs::read_dir(&directory).unwrap() {
             let path = entry.unwrap().path();
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            let output = name.ends_with(".out") || ["target", "out", "results"].contains(&&*name);
+            let results = name == "results" && !directory.ends_with("crates");
+            let output = results || name.ends_with(".out") || ["target", "out"].contains(&&*name);
             let hidden = name.starts_with('.') && name != ".ci";
             if output || hidden {
                 continue;

@@ -196,6 +196,7 @@ impl FileScene {
             places: mut spans,
             self_check,
             checkpoints,
+            ..
         } = composed;
         spans.case.clone_from(&case);
         let changes = file.changes().to_vec();

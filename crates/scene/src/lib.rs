@@ -15,7 +15,7 @@
 //! static solution: masses, stiffness and the stable step are those of the elements that are present in the
 //! motion, wherever they have moved until then.
 //!
-//! *Where an error stands is known to what made the scene.* [`Places`] gives an error of a scene its place in a file;
+//! *What made a scene knows its places.* [`Places`] gives an error of a scene its line and column in a file;
 //! nothing else of a file is known here.
 
 mod acting;

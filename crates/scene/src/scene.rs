@@ -9,7 +9,7 @@ use powerhouse_model::{
     Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 
-use powerhouse_wavefield::{KnownLayeredWaves, LayeredWave, PlaneWave, TimeHistory};
+use powerhouse_wavefield::{LayeredWave, PlaneWave, TimeHistory};
 
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
@@ -116,9 +116,6 @@ pub struct Scene {
     /// The same of waves in layered ground.
     #[doc(hidden)]
     pub layered: Vec<LayeredWave>,
-    /// Waves of other scenes, whose tables waves in layered ground share.
-    #[doc(hidden)]
-    pub known_waves: KnownLayeredWaves,
     #[doc(hidden)]
     pub boundary: Option<Boundary>,
     #[doc(hidden)]
@@ -169,7 +166,7 @@ pub struct Scene {
     pub remarks: Vec<Remark>,
     #[doc(hidden)]
     pub records: BTreeMap<String, TimeHistory>,
-    /// Where its values stand in what the user wrote.
+    /// Places of its values in what the user wrote.
     #[doc(hidden)]
     pub places: Option<Arc<dyn Places>>,
     #[doc(hidden)]
@@ -187,7 +184,6 @@ impl Scene {
             field: None,
             waves: Vec::new(),
             layered: Vec::new(),
-            known_waves: KnownLayeredWaves::default(),
             boundary: None,
             supports: Vec::new(),
             mirrors: Vec::new(),
@@ -468,7 +464,7 @@ impl Scene {
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
     }
-    /// Sets where the values of the scene stand in what its user wrote, which its errors show.
+    /// Sets the places of the values of the scene in what its user wrote, which its errors show.
     #[must_use]
     pub fn with_places(mut self, places: Arc<dyn Places>) -> Self {
         self.places = Some(places);

@@ -181,7 +181,7 @@ pub struct Simulation {
     pub(crate) step: TimeStep,
     pub(crate) duration: f64,
     pub(crate) residual: ResidualLimit,
-    /// Where the values of the scene stand in what its user wrote, if its errors are to be shown there.
+    /// Places of the values of the scene in what its user wrote, if its errors are to be shown there.
     pub(crate) places: Option<Arc<dyn Places>>,
     /// The field whose motion the body starts with.
     pub(crate) initial: Option<Arc<dyn IncidentField>>,

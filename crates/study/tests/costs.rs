@@ -49,7 +49,8 @@ fn scene(mesh: Mesh, faces: &[&str]) -> Scene {
 }
 
 /// Steps and elements of a run.
-fn counts(scene: Scene) -> [f64; 2] {
+fn counts(scene: impl Into<FileScene>) -> [f64; 2] {
+    let scene = scene.into();
     let duration = scene.duration();
     let mut simulation = scene.prepare().unwrap();
     let step = simulation.step().unwrap();
@@ -257,9 +258,7 @@ fn changes_of_a_file_save_as_predicted() {
     let text = std::fs::read_to_string(path).unwrap();
     let damped = |damping: &str| {
         let text = text.replace("kernel = \"hex8-full\"", damping);
-        FileScene::from_toml(text, path, &Registry::default())
-            .unwrap()
-            .into_scene()
+        FileScene::from_toml(text, path, &Registry::default()).unwrap()
     };
     let rayleigh =
         || damped("damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }");

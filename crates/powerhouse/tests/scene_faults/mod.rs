@@ -4,9 +4,7 @@ mod stages;
 
 use std::path::PathBuf;
 
-use powerhouse::{
-    Error, FileScene, Problem, Registry, RenderFault as _, Scene, SceneFault, SceneFile,
-};
+use powerhouse::{Error, FileScene, Problem, Registry, RenderFault as _, SceneFault, SceneFile};
 
 /// A scene without fault; the mesh and the record are those of the coarse cavern.
 const SOUND: &str = r#"title = "test"
@@ -56,9 +54,9 @@ name = "crown"
 at = [0, 0, -60]
 "#;
 
-fn read(text: &str) -> Result<Scene, Error> {
+fn read(text: &str) -> Result<FileScene, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
-    FileScene::from_toml(text, path, &Registry::default()).map(FileScene::into_scene)
+    FileScene::from_toml(text, path, &Registry::default())
 }
 
 /// Fault of the sound scene with one passage replaced. `new` has a `§` at the expected position of the fault.
@@ -746,9 +744,7 @@ fn a_case_may_name_another_kind_of_boundary() {
         read(&text).unwrap();
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
         let file = SceneFile::parse(text, path).unwrap();
-        FileScene::of_case(&file, Some("other"), &Registry::default())
-            .unwrap()
-            .into_scene();
+        FileScene::of_case(&file, Some("other"), &Registry::default()).unwrap();
         let boundary = file.spec(Some("other")).unwrap().boundary.unwrap();
         assert_eq!((boundary.kind.as_str(), boundary.faces.len()), (kind, 5));
         let x = boundary.scatterer.unwrap()[0].get();
@@ -780,9 +776,8 @@ fn faults_of_cases_name_the_case() {
     ] {
         let text = format!("{SOUND}\n[[case]]\nname = \"changed\"\n{keys}\n");
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/test.toml");
-        let error = FileScene::case_from_toml(&text, path, "changed", &registry)
-            .err()
-            .unwrap();
+        let read = FileScene::case_from_toml(&text, path, "changed", &registry);
+        let error = read.err().unwrap();
         let message = error.to_string();
         assert!(
             message.contains("in the case 'changed': "),

@@ -3,6 +3,7 @@
 use core::ops::{Deref, DerefMut};
 
 use powerhouse_scene::Scene;
+use powerhouse_wavefield::KnownLayeredWaves;
 
 use crate::CheckpointPlan;
 use crate::spans::SceneSpans;
@@ -13,15 +14,18 @@ pub(crate) struct Draft {
     pub(crate) places: SceneSpans,
     pub(crate) self_check: Option<f64>,
     pub(crate) checkpoints: CheckpointPlan,
+    /// Waves of other scenes, whose tables waves in layered ground share.
+    pub(crate) known_waves: KnownLayeredWaves,
 }
 
 impl Draft {
-    pub(crate) fn new(scene: Scene) -> Self {
+    pub(crate) fn new(scene: Scene, known_waves: KnownLayeredWaves) -> Self {
         Self {
             scene,
             places: SceneSpans::default(),
             self_check: None,
             checkpoints: CheckpointPlan::default(),
+            known_waves,
         }
     }
     /// The draft with another scene, made of its own.
@@ -29,18 +33,8 @@ impl Draft {
         self,
         change: impl FnOnce(Scene) -> Result<Scene, E>,
     ) -> Result<Self, E> {
-        let Self {
-            scene,
-            places,
-            self_check,
-            checkpoints,
-        } = self;
-        Ok(Self {
-            scene: change(scene)?,
-            places,
-            self_check,
-            checkpoints,
-        })
+        let scene = change(self.scene)?;
+        Ok(Self { scene, ..self })
     }
 }
 

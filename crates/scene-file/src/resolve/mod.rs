@@ -53,8 +53,8 @@ pub(crate) fn compose(
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
 
-    let mut scene = Draft::new(Scene::new(file.title.clone(), mesh.clone()));
-    scene.known_waves = registry.known_waves.clone();
+    let scene = Scene::new(file.title.clone(), mesh.clone());
+    let mut scene = Draft::new(scene, registry.known_waves.clone());
     scene.parts = parts;
     scene.magnitudes_allowed = (file.allow.iter()).any(|a| **a == Allowance::Magnitudes);
     scene.places.mesh = file.mesh.file.span();

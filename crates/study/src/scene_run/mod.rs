@@ -37,7 +37,7 @@ type BodySource<'a> =
 /// files can be written, a look for the checkpoint of an interrupted run, and the free-field check if the scene requests one.
 ///
 /// ```no_run
-/// use powerhouse::{ResultFolder};
+/// use powerhouse::{FileScene, ResultFolder};
 /// use powerhouse_study::SceneRun;
 ///
 /// let scene = FileScene::from_file("scene.toml")?;
