@@ -182,6 +182,11 @@ pub struct JointRecord {
     /// Tangential displacement of the second side at which the pair sticks (m, along both tangents); none
     /// before its first step.
     pub anchor: Option<[f64; 2]>,
+    /// Slip of the step that begins at the time of the displacement (m), which the [state](Self::state) includes.
+    pub coming_slip: f64,
+    /// Work in the last step (J) on a bond that fails gradually, from the time of the displacement on; the energies of the
+    /// bond, which are those at that time, include it from the next step on.
+    pub late_work: f64,
     /// Time at the start of the first step in which the pair slipped (s); `None` if it never did. In a run after
     /// construction stages the time at which the run starts, if the pair slipped in a stage.
     pub first_slip: Option<f64>,
@@ -228,6 +233,10 @@ impl JointRecord {
             ..self
         }
     }
+    /// Accumulated slip at the time of the displacement (m).
+    pub fn slip(&self) -> f64 {
+        self.state.slip - self.coming_slip
+    }
     /// Relative displacement (m: normal and two tangents) from which opening and slip count: that at which
     /// the pair was [closed anew](Self::closed_at), else zero.
     pub fn origin(&self) -> Vec3 {
@@ -252,6 +261,8 @@ pub struct JointView<'a> {
     pub name: &'a str,
     /// Name of its contact law, such as `bonded-coulomb`.
     pub law: &'a str,
+    /// Whether the law has [no shear strength](crate::ContactLaw::is_smooth).
+    pub smooth: bool,
     /// Nodes, local axes and areas of the pairs.
     pub pairs: &'a [JointPair],
     /// Contact states, tractions, peak values and energies of the pairs.
@@ -277,6 +288,7 @@ impl<'a> JointView<'a> {
         Self {
             name,
             law,
+            smooth: false,
             pairs,
             records,
             variables: &[],
@@ -284,6 +296,11 @@ impl<'a> JointView<'a> {
             most_sweeps: 0,
             worst_residual: 0.0,
         }
+    }
+    /// Sets whether the law has no shear strength.
+    #[must_use]
+    pub fn with_smooth(self, smooth: bool) -> Self {
+        Self { smooth, ..self }
     }
     /// Sets the history variables of the law and their values, those of a pair side by side.
     #[must_use]

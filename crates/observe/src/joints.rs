@@ -331,7 +331,7 @@ impl JointWatch {
             let values = indexed().map(|(index, (_, record))| (value(record), index));
             values.fold(none, |most, next| if next.0 > most.0 { next } else { most })
         };
-        let (slip, peak_opening) = (most(&|r| r.state.slip), most(&|r| r.peak_opening));
+        let (slip, peak_opening) = (most(&JointRecord::slip), most(&|r| r.peak_opening));
         let friction = sum(&|r| r.friction);
         let bond = sum(&|r| r.bond_energy);
         let impact = sum(&|r| r.impact);

@@ -122,11 +122,25 @@ pub(super) fn update<const HISTORY: bool>(
     let fails = old.bond == Bond::Intact && step.state.bond == Bond::Broken;
     let gradual = step.bond.filter(|_| softens || fails);
     if let Some(bond) = gradual {
-        let rest = step.across + step.along - bond.stored - bond.dissipated - bond.friction;
+        // Work is that between the middles of steps, energies of the bond are those at its displacement.
+        let on_bond = step.along - bond.friction
+            + if closed(&step.state) {
+                0.0
+            } else {
+                step.across
+            };
+        let late = if step.state.bond == Bond::Softening {
+            0.5 * on_bond
+        } else {
+            0.0
+        };
+        let stored = bond.stored + late - record.late_work;
+        record.late_work = late;
+        let rest = step.across + step.along - stored - bond.dissipated - bond.friction;
         record.bond_energy += bond.dissipated;
         record.friction += bond.friction;
         record.impact += rest;
-        work.stored += bond.stored;
+        work.stored += stored;
         work.bond += bond.dissipated;
         work.friction += bond.friction;
         work.impact += rest;
@@ -142,18 +156,18 @@ pub(super) fn update<const HISTORY: bool>(
         work.impact += step.across;
         work.friction += step.along;
     }
-    let mut slip = old.slip;
+    record.coming_slip = 0.0;
     match step.state.contact {
         ContactState::Slide => {
-            slip += step.path;
+            record.coming_slip = step.path;
             record.first_slip.get_or_insert(step.time);
         }
         ContactState::Open => {
             record.first_crack.get_or_insert(step.time);
             // The sides of a bond that softens slip past each other whether they touch or not.
             if softens {
-                slip += step.path;
-                if slip > ROUNDED_SLIP * step.offset.x.abs() {
+                record.coming_slip = step.path;
+                if old.slip + step.path > ROUNDED_SLIP * step.offset.x.abs() {
                     record.first_slip.get_or_insert(step.time);
                 }
             }
@@ -164,7 +178,7 @@ pub(super) fn update<const HISTORY: bool>(
             }
         }
     }
-    record.state = step.state.with_slip(slip);
+    record.state = step.state.with_slip(old.slip + record.coming_slip);
     record.traction = step.traction;
     record.opening = step.offset.x;
     record.peak_opening = record.peak_opening.max(step.offset.x);

@@ -2,9 +2,9 @@
 
 use core::f64::consts::PI;
 
-use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
+use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Frictionless, Joint};
 use powerhouse_model::{
-    Bond, Constraint, ContactState, JointPair, Mat3, PredictedMotion, StepTime, Vec3,
+    Bond, Constraint, ContactLaw, ContactState, JointPair, Mat3, PredictedMotion, StepTime, Vec3,
 };
 
 use super::{Bodies, Noise, oblique};
@@ -265,5 +265,38 @@ fn supports_take_their_share_of_what_a_dipping_joint_carries() {
             (ContactState::Stick, Bond::Intact)
         );
         assert!(velocity.iter().all(|v| v.norm() < 1e-18), "{velocity:?}");
+    }
+}
+
+/// The slip of a record is that at the time of its displacement, in every step, without friction and with it; the state includes the
+/// step that begins there.
+#[test]
+fn slip_is_that_of_the_displacement() {
+    let laws: [Box<dyn ContactLaw>; 2] = [
+        Box::new(Frictionless),
+        Box::new(BondedCoulomb::unbonded(0.3, 0.3).unwrap()),
+    ];
+    for law in laws {
+        for normal in [Vec3::z(), Vec3::new(0.48, 0.6, 0.64)] {
+            let pair = JointPair::new([0, 1], normal, 2.0);
+            let along = pair.tangent * 0.6 + normal.cross(&pair.tangent) * 0.8;
+            let mut joint = Joint::new("base", vec![pair], &law).unwrap();
+            let mut bodies = Bodies::at_rest(&[1.0, 4.0], 1e-2);
+            bodies.fixed[0] = true;
+            bodies.velocity[1] = along;
+            for _ in 0..30 {
+                let displacement = bodies.displacement[1];
+                let pressed = |body: usize| normal * if body == 0 { 0.0 } else { -1.0 };
+                bodies.step(&mut joint, pressed).unwrap();
+                let record = joint.records()[0];
+                let (now, next) = (displacement.dot(&along), bodies.displacement[1].dot(&along));
+                assert!((record.slip() - now).abs() < 1e-12, "{record:?} {now}");
+                assert!(
+                    (record.state.slip - next).abs() < 1e-12,
+                    "{record:?} {next}"
+                );
+                assert!(next > now);
+            }
+        }
     }
 }
