@@ -188,6 +188,16 @@ pub trait Constraint: Send {
     fn restore(&mut self, _history: &JointHistory) -> bool {
         false
     }
+    /// Begins an increment of a dynamic relaxation from given states of its joints, to its [end](Self::end_relaxation): its
+    /// steps are no motion in time, so that damage of bonds, slip and peaks count from these states to the present displacement and
+    /// not along the way. By default they count as in time.
+    fn begin_relaxation(&mut self, _start: &[JointHistory]) {}
+    /// Sets the share (1) of the damage since the beginning that the following steps of the relaxation take back: all in steps from rest,
+    /// and in motion what damping takes off the velocity, so that sides that bounce do not find their bond again. By default nothing
+    /// changes.
+    fn take_back(&mut self, _share: f64) {}
+    /// Ends an increment of a dynamic relaxation. By default nothing changes.
+    fn end_relaxation(&mut self) {}
     /// Starts a joint anew, by name, at a displacement (m, in the order of [`nodes`](Self::nodes)) from
     /// which its opening and slip count from then on; returns whether it has a joint of that name. Has
     /// none by default.

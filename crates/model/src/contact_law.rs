@@ -461,10 +461,27 @@ pub trait ContactLaw: Send + Sync {
     fn bond_energies(&self, _history: &[f64]) -> Option<BondEnergies> {
         None
     }
+    /// Takes back a share (1) of what a bond that fails gradually has lost since a former state and its history variables, in the
+    /// present ones; by default nothing. A dynamic relaxation calls it before every step with the state at the start of its
+    /// increment, in the end with a share of one, so that the damage of a static equilibrium is that of its displacement, whatever the
+    /// pseudo-motion on the way. A bond that is back where it was intact is intact again.
+    fn undo_damage(
+        &self,
+        _former: (&JointState, &[f64]),
+        _share: f64,
+        _state: &mut JointState,
+        _history: &mut [f64],
+    ) {
+    }
     /// Whether the tractions of a pair in a state follow from its displacement while it slides or opens, so that
     /// [`sliding_strength`](Self::sliding_strength) does not give them, as with a bond that fails gradually; false by
     /// default. Pairs that are solved together then evaluate [`admissible`](Self::admissible) in every sweep.
     fn follows_displacement(&self, _state: &JointState) -> bool {
+        false
+    }
+    /// Whether the law has no shear strength in any state, so that the sides of a closed pair slide on each other freely; false by
+    /// default. Static solutions connect the nodes of such pairs along their normals alone.
+    fn is_smooth(&self) -> bool {
         false
     }
     /// Whether the law admits tension in every state, across an open pair without a bond too, as a tie
@@ -516,8 +533,20 @@ macro_rules! law_behind {
                 fn bond_energies(&self, history: &[f64]) -> Option<BondEnergies> {
                     (**self).bond_energies(history)
                 }
+                fn undo_damage(
+                    &self,
+                    former: (&JointState, &[f64]),
+                    share: f64,
+                    state: &mut JointState,
+                    history: &mut [f64],
+                ) {
+                    (**self).undo_damage(former, share, state, history)
+                }
                 fn follows_displacement(&self, state: &JointState) -> bool {
                     (**self).follows_displacement(state)
+                }
+                fn is_smooth(&self) -> bool {
+                    (**self).is_smooth()
                 }
                 fn bears_tension(&self) -> bool {
                     (**self).bears_tension()

@@ -6,6 +6,7 @@ mod history;
 mod initial;
 mod isolated;
 mod matrices;
+mod relaxation;
 mod saved;
 mod solve;
 mod strips;
@@ -24,6 +25,7 @@ use crate::connected::connected_pairs;
 use group::Group;
 use history::{PairHistories, initial_history, restored_history};
 use isolated::{IsolatedPair, isotropic_masses};
+use relaxation::Start;
 use solve::Effort;
 use strips::Strip;
 
@@ -154,6 +156,8 @@ pub struct Joint<L> {
     prepared: Option<f64>,
     /// Name of the joint whose softening the step does not resolve, with its [ratio](ContactLaw::softening_ratio).
     unresolved: Option<(String, f64)>,
+    /// State at the start of an increment of a dynamic relaxation, during it.
+    start: Option<Start>,
 }
 
 /// Largest [ratio](ContactLaw::softening_ratio) of softening that a step resolves.
@@ -241,6 +245,7 @@ impl<L: ContactLaw> Joint<L> {
             effort: Effort::default(),
             prepared: None,
             unresolved: None,
+            start: None,
         }
     }
 
@@ -426,6 +431,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 ),
             });
         }
+        self.undo_pseudo_motion(motion.displacement);
         for member in &mut self.members {
             let state = (&mut self.records[..], &mut self.work[..]);
             let history = PairHistories {
@@ -491,6 +497,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         let views = self.members.iter().map(|member| {
             let (pairs, records) = (&self.pairs[member.pairs()], &self.records[member.pairs()]);
             JointView::new(&member.name, member.law.name(), pairs, records)
+                .with_smooth(member.law.is_smooth())
                 .with_history(member.law.history(), &self.history[member.history()])
                 .with_effort(sweeps, residual)
         });
@@ -519,6 +526,21 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         }
         self.history[member.history()].copy_from_slice(&values);
         true
+    }
+
+    fn begin_relaxation(&mut self, start: &[JointHistory]) {
+        self.start = Some(self.start_from(start));
+    }
+
+    fn take_back(&mut self, share: f64) {
+        if let Some(start) = &mut self.start {
+            start.share = share;
+        }
+    }
+
+    fn end_relaxation(&mut self) {
+        self.close_bonds();
+        self.start = None;
     }
 
     fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {

@@ -111,6 +111,8 @@ const ANCHOR: usize = 5;
 const RESOLVED: f64 = 0.42;
 /// Least separation of a bond that softens, as a share of that at failure: its secant stiffness is finite.
 const ONSET: f64 = 1e-12;
+/// Damage up to which a bond whose damage is taken back is where it was intact, but for rounding.
+const CLOSED: f64 = 1e-9;
 
 /// Strengths of a pair (Pa), and the separation at failure in opening (m) is from them.
 #[derive(Clone, Copy, Debug)]
@@ -574,6 +576,40 @@ impl ContactLaw for Cohesive {
             history[DISSIPATED],
             history[FRICTION],
         ))
+    }
+    fn undo_damage(
+        &self,
+        (former, old): (&JointState, &[f64]),
+        share: f64,
+        state: &mut JointState,
+        history: &mut [f64],
+    ) {
+        let law = &self.0;
+        let was_failed = old[DAMAGE] >= 1.0 || matches!(former.bond, Bond::Never | Bond::Broken);
+        if was_failed || state.bond == Bond::Intact || share <= 0.0 {
+            return;
+        }
+        if former.bond == Bond::Intact && history[DAMAGE] <= CLOSED {
+            history.copy_from_slice(old);
+            *state = state
+                .with_contact(ContactState::Stick)
+                .with_bond(Bond::Intact);
+            return;
+        }
+        let now = history[DAMAGE];
+        for kept in [DAMAGE, DISSIPATED] {
+            history[kept] = old[kept] + (1.0 - share) * (history[kept] - old[kept]);
+        }
+        // The secant compliance is in proportion to d / (1 - d) for a damage d, and not known at d = 1.
+        let kept = history[DAMAGE];
+        let onset = ONSET * 2.0 * law.opening_energy / law.tensile_strength.powi(2);
+        if now < 1.0 {
+            history[COMPLIANCE] *= kept / (1.0 - kept) * (1.0 - now) / now;
+        } else if share >= 1.0 {
+            history[COMPLIANCE] = 0.0;
+        }
+        history[COMPLIANCE] = history[COMPLIANCE].max(old[COMPLIANCE]).max(onset);
+        *state = state.with_bond(Bond::Softening);
     }
     fn follows_displacement(&self, state: &JointState) -> bool {
         matches!(state.bond, Bond::Intact | Bond::Softening)

@@ -34,4 +34,7 @@ impl ContactLaw for Frictionless {
     fn sliding_strength(&self, _normal: f64, _input: &JointInput) -> f64 {
         0.0
     }
+    fn is_smooth(&self) -> bool {
+        true
+    }
 }

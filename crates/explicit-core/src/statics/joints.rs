@@ -1,10 +1,10 @@
-//! Joints and ties in static solutions: pairs that stick are tied, as long as their law admits the tractions.
+//! Joints and ties in static solutions: closed pairs are tied, as long as their law admits the tractions.
 
 use std::collections::HashSet;
 
 use powerhouse_model::{
-    ContactState, DisjointSets, JointHistory, JointRecord, Mat3, PredictedMotion, StaticError,
-    StepTime, Vec3,
+    ContactState, DisjointSets, JointHistory, JointPair, JointView, Mat3, PredictedMotion,
+    StaticError, StepTime, Vec3,
 };
 
 use crate::Model;
@@ -14,48 +14,67 @@ use crate::groups::NodeGroup;
 /// depend on it.
 const SOME_STEP: f64 = 1.0e-4;
 
-/// Attempt to find tractions that the laws admit: any division of the forces that they admit is in equilibrium.
-#[derive(Clone, Copy, Debug)]
-enum Attempt {
-    /// Nearest to those of the stress beside the joint.
-    AsStressed,
-    /// The same, but the least ones at the nodes of pairs that do not bear these.
-    WithoutThose,
-    /// The least ones of all pairs.
-    Least,
-}
+/// Share of the greatest force that is left at a pair below which a pair has moved by rounding.
+const MOVED: f64 = 1.0e-6;
 
-/// Node pairs of joints that count as connected, in addition to ties.
+/// Treatment of closed pairs whose law has no shear strength.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ConnectedPairs {
-    /// Pairs that stick.
-    Sticking,
-    /// Pairs that stick or slide.
-    Closed,
+pub(super) enum Smooth {
+    /// As one node.
+    Tied,
+    /// Connected along their normals alone.
+    Sliding,
 }
 
 impl Model {
-    /// Engine nodes of the connected pairs of all constraints.
-    fn connected_pairs(&self, which: ConnectedPairs) -> Vec<[u32; 2]> {
-        let together = |state: ContactState| match which {
-            ConnectedPairs::Sticking => state == ContactState::Stick,
-            ConnectedPairs::Closed => state != ContactState::Open,
-        };
-        let mut pairs = Vec::new();
+    /// Engine nodes of the pairs that static solutions take for one node: ties, closed pairs, and pairs one side of which has no
+    /// elements and follows the other; smooth pairs among them unless their sides are to slide on each other.
+    fn connected_pairs(&self, smooth: Smooth) -> Vec<[u32; 2]> {
+        let engine = |pair: [u32; 2]| pair.map(|node| self.engine(node) as u32);
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
         for bound in &self.constraints {
-            pairs.extend(bound.constraint.ties());
+            pairs.extend(bound.constraint.ties().into_iter().map(engine));
             for joint in bound.constraint.joints() {
                 let known = joint.pairs.iter().zip(joint.records);
-                let known = known.filter(|(_, record)| together(record.state.contact));
-                pairs.extend(known.map(|(pair, _)| pair.nodes));
+                let is_tied = !joint.smooth || smooth == Smooth::Tied;
+                let connected = known.filter(|(pair, record)| {
+                    let closed = record.state.contact != ContactState::Open;
+                    closed && is_tied || self.lacks_a_side(pair)
+                });
+                pairs.extend(connected.map(|(pair, _)| engine(pair.nodes)));
             }
         }
-        let engine = |pair: [u32; 2]| pair.map(|node| self.engine(node) as u32);
-        pairs.into_iter().map(engine).collect()
+        pairs
     }
 
-    /// Refuses constraints without ties and joints, and sliding pairs in methods that treat sticking pairs as tied.
-    pub(super) fn check_joints(&self, which: ConnectedPairs) -> Result<(), StaticError> {
+    /// Engine nodes and normals of the closed pairs whose sides slide on each other without friction.
+    pub(super) fn smooth_pairs(&self) -> Vec<([u32; 2], Vec3)> {
+        let mut smooth = Vec::new();
+        for joint in self.joints().filter(|joint| joint.smooth) {
+            for (pair, record) in joint.pairs.iter().zip(joint.records) {
+                if record.state.contact != ContactState::Open && !self.lacks_a_side(pair) {
+                    let nodes = pair.nodes.map(|node| self.engine(node) as u32);
+                    smooth.push((nodes, pair.normal));
+                }
+            }
+        }
+        smooth
+    }
+
+    /// Whether a pair has a node without elements, of a side that is not there yet or no longer.
+    fn lacks_a_side(&self, pair: &JointPair) -> bool {
+        let mut nodes = pair.nodes.iter().map(|&node| self.engine(node));
+        nodes.any(|node| self.is_orphan(node))
+    }
+
+    /// Whether an engine node and those that move with it have no elements.
+    fn is_orphan(&self, node: usize) -> bool {
+        let group = self.group_of[node].map(|group| &self.groups.groups[group as usize]);
+        group.is_some_and(|group| group.mass <= 0.0)
+    }
+
+    /// Refuses constraints without ties and joints.
+    pub(super) fn check_constraints(&self) -> Result<(), StaticError> {
         for bound in &self.constraints {
             let joints = bound.constraint.joints();
             if joints.is_empty() && bound.constraint.ties().is_empty() {
@@ -63,38 +82,23 @@ impl Model {
                     name: bound.constraint.name().into(),
                 });
             }
-            for joint in joints {
-                let states = joint.records.iter().map(|record| record.state.contact);
-                let sliding = states.filter(|state| *state == ContactState::Slide).count();
-                if sliding > 0 && which == ConnectedPairs::Sticking {
-                    return Err(StaticError::JointMoves {
-                        joint: joint.name.into(),
-                        pairs: sliding,
-                        of: joint.pairs.len(),
-                    });
-                }
-            }
         }
         Ok(())
     }
 
     /// Calls `join` with the mesh nodes of every connected pair.
-    pub(super) fn each_connected_pair(
-        &self,
-        which: ConnectedPairs,
-        mut join: impl FnMut(u32, u32),
-    ) {
-        for pair in self.connected_pairs(which) {
+    pub(super) fn each_connected_pair(&self, mut join: impl FnMut(u32, u32)) {
+        for pair in self.connected_pairs(Smooth::Tied) {
             let [a, b] = pair.map(|node| self.subdomain.numbering.mesh_of[node as usize]);
             join(a, b);
         }
     }
 
-    /// The groups of the model, with groups connected by sticking pairs merged.
-    pub(super) fn merged_groups(&self) -> Result<Vec<NodeGroup>, StaticError> {
+    /// The groups of the model, with groups connected by pairs merged.
+    pub(super) fn merged_groups(&self, smooth: Smooth) -> Result<Vec<NodeGroup>, StaticError> {
         let groups = &self.groups.groups;
         let mut sets = DisjointSets::new(groups.len());
-        for [a, b] in self.connected_pairs(ConnectedPairs::Sticking) {
+        for [a, b] in self.connected_pairs(smooth) {
             // Nodes of constraints always have groups.
             if let (Some(a), Some(b)) = (self.group_of[a as usize], self.group_of[b as usize]) {
                 sets.join(a, b);
@@ -207,35 +211,54 @@ impl Model {
         }
     }
 
-    /// Sets the references that an attempt does without to zero.
+    /// Sets references to zero at pairs that have moved and at pairs beside released ones, whose nodes are added to `released`;
+    /// returns whether there were more to release.
     fn release_references(
         &self,
-        attempt: Attempt,
-        before: &[JointHistory],
+        moved: &[Vec<usize>],
         references: &mut [JointHistory],
-    ) {
-        let mut nodes = HashSet::new();
-        for (joint, before) in self.joints().zip(before) {
-            let records = joint.records.iter().zip(&before.records);
-            for ((now, before), pair) in records.zip(joint.pairs) {
-                let sticks = |record: &JointRecord| record.state.contact == ContactState::Stick;
-                if sticks(before) && !sticks(now) {
-                    nodes.extend(pair.nodes);
-                }
-            }
+        released: &mut HashSet<u32>,
+    ) -> bool {
+        let count = released.len();
+        for (joint, moved) in references.iter().zip(moved) {
+            released.extend(moved.iter().flat_map(|&pair| joint.nodes[pair]));
         }
+        let near = released.clone();
         for joint in references {
             for (record, pair) in joint.records.iter_mut().zip(&joint.nodes) {
-                let released = match attempt {
-                    Attempt::AsStressed => false,
-                    Attempt::WithoutThose => pair.iter().any(|node| nodes.contains(node)),
-                    Attempt::Least => true,
-                };
-                if released && record.reference.is_some() {
+                if record.reference.is_some() && pair.iter().any(|node| near.contains(node)) {
                     record.reference = Some([0.0; 3]);
+                    released.extend(pair);
                 }
             }
         }
+        released.len() > count
+    }
+
+    /// The pairs of each joint, by their numbers in it, that are in another contact or bond than before, or slide.
+    fn moved_pairs(&self, before: &[JointHistory]) -> Vec<Vec<usize>> {
+        let of_joint = |(joint, before): (JointView, &JointHistory)| {
+            let records = joint.records.iter().zip(&before.records).enumerate();
+            let moved = records.filter(|(_, (now, before))| {
+                let (now, before) = (&now.state, &before.state);
+                let same = now.contact == before.contact && now.bond == before.bond;
+                now.contact == ContactState::Slide || !same
+            });
+            moved.map(|(pair, _)| pair).collect()
+        };
+        self.joints().zip(before).map(of_joint).collect()
+    }
+
+    /// Gives pairs that have moved by rounding alone the state that they had, with their present tractions.
+    fn undo_moves(&mut self, before: &[JointHistory], moved: &[Vec<usize>]) {
+        let mut histories = self.joint_histories();
+        for ((joint, before), moved) in histories.iter_mut().zip(before).zip(moved) {
+            for &pair in moved {
+                let traction = joint.records[pair].traction;
+                joint.records[pair] = before.records[pair].with_traction(traction);
+            }
+        }
+        self.restore_joints(&histories);
     }
 
     /// Lets joints take their present tractions for references, to which those that later equilibrium leaves open are nearest.
@@ -247,19 +270,58 @@ impl Model {
         self.restore_joints(&histories);
     }
 
+    /// Lets joints count what their bonds lose, and their slip, from states at the start of an increment of a relaxation.
+    pub(super) fn begin_relaxation(&mut self, start: &[JointHistory]) {
+        for bound in &mut self.constraints {
+            bound.constraint.begin_relaxation(start);
+        }
+    }
+
+    /// Sets the share of the damage since the start of the increment that joints take back in the next step.
+    pub(super) fn take_back(&mut self, share: f64) {
+        for bound in &mut self.constraints {
+            bound.constraint.take_back(share);
+        }
+    }
+
+    /// Ends an increment of a relaxation.
+    pub(super) fn end_relaxation(&mut self) {
+        for bound in &mut self.constraints {
+            bound.constraint.end_relaxation();
+        }
+    }
+
     /// Makes sliding pairs stick in static equilibrium at a displacement (m, engine numbering), and discards the impact
-    /// losses of the relaxation, whose masses are fictitious.
-    pub(super) fn stick_joints(&mut self, before: &[JointHistory], u: &[Vec3]) {
+    /// losses and the last step of the relaxation, whose masses are fictitious. Nodes without elements follow their partners from a displacement at
+    /// the start, with the state that their pairs had.
+    pub(super) fn stick_joints(
+        &mut self,
+        before: &[JointHistory],
+        (start, u): (&[Vec3], &mut [Vec3]),
+    ) {
         let mut histories = Vec::new();
         for (joint, before) in self.joints().zip(before) {
             let mut history = JointHistory::from(&joint);
             let records = history.records.iter_mut().zip(&before.records);
             for ((record, before), pair) in records.zip(joint.pairs) {
+                let [first, second] = pair.nodes.map(|node| self.engine(node));
+                if self.lacks_a_side(pair) {
+                    let (orphan, other) = match self.is_orphan(first) {
+                        true => (first, second),
+                        false => (second, first),
+                    };
+                    let moved = u[other] - start[other];
+                    for member in self.members(&(orphan as u32)) {
+                        u[*member as usize] = start[*member as usize] + moved;
+                    }
+                    *record = before.with_traction(Vec3::zeros());
+                    continue;
+                }
                 record.impact = before.impact;
+                (record.coming_slip, record.late_work) = (0.0, 0.0);
                 if record.state.contact == ContactState::Slide {
                     record.state.contact = ContactState::Stick;
-                    let [first, second] = pair.nodes.map(|node| u[self.engine(node)]);
-                    let offset = pair.to_local(&(second - first)) - record.origin();
+                    let offset = pair.to_local(&(u[second] - u[first])) - record.origin();
                     record.anchor = Some([offset.y, offset.z]);
                 }
             }
@@ -268,8 +330,12 @@ impl Model {
         self.restore_joints(&histories);
     }
 
-    /// Computes the tractions of joints in static equilibrium, and refuses joints whose law does not admit them.
-    pub(super) fn load_joints(&mut self) -> Result<(), StaticError> {
+    /// Computes the tractions of joints in static equilibrium, and refuses joints whose law does not admit them: those without
+    /// which the forces (N) that are left are more than negligible.
+    ///
+    /// Any division of the forces that the laws admit is in equilibrium. That nearest to the stress beside the joint comes first;
+    /// around pairs that do not bear it the least one is taken instead.
+    pub(super) fn load_joints(&mut self, negligible: f64) -> Result<(), StaticError> {
         if self.on_all_ranks(self.constraints.is_empty()) {
             return Ok(());
         }
@@ -301,35 +367,62 @@ impl Model {
             .collect();
         let displacement = self.displacements();
         let still = vec![Vec3::zeros(); displacement.len()];
-        let connected = self.connected_pairs(ConnectedPairs::Sticking).len();
+        let mass = |node: usize| match self.group_of[node].map(|g| &groups[g as usize]) {
+            Some(group) => group.mass.max(0.0),
+            None => self.mass[node],
+        };
+        let masses: Vec<f64> = (0..self.mass.len()).map(mass).collect();
         let before = self.joint_histories();
-        let mut references = before.clone();
-        let mut holds = false;
-        for attempt in [Attempt::AsStressed, Attempt::WithoutThose, Attempt::Least] {
-            self.release_references(attempt, &before, &mut references);
+        let (mut references, mut released) = (before.clone(), HashSet::new());
+        loop {
             self.restore_joints(&references);
             self.prepare_joints(SOME_STEP, &inverse);
-            let mut velocity = velocity.clone();
+            let mut left = velocity.clone();
             let motion = (&displacement[..], &still[..]);
-            self.correct_joints(SOME_STEP, motion, &mut velocity, &inverse)?;
-            holds = self.connected_pairs(ConnectedPairs::Sticking).len() == connected;
-            if self.on_all_ranks(holds) {
+            self.correct_joints(SOME_STEP, motion, &mut left, &inverse)?;
+            let moved = self.moved_pairs(&before);
+            let count: usize = moved.iter().map(Vec::len).sum();
+            let forces: Vec<Vec3> = left.iter().zip(&masses).map(|(v, m)| v * *m).collect();
+            if self.node_sums().norm(&forces) / SOME_STEP <= negligible {
+                self.undo_moves(&before, &moved);
                 return Ok(());
             }
-        }
-        self.agreed(self.check_joints(ConnectedPairs::Sticking))?;
-        if holds {
-            return self.agreed(Ok(()));
-        }
-        let mut moved = (String::new(), 0, 0);
-        for joint in self.joints() {
-            let states = joint.records.iter().map(|record| record.state.contact);
-            let open = states.filter(|state| *state == ContactState::Open).count();
-            if open > moved.1 {
-                moved = (joint.name.into(), open, joint.pairs.len());
+            let goes_on = self.release_references(&moved, &mut references, &mut released);
+            if self.on_all_ranks(count == 0) {
+                return Ok(());
+            }
+            if self.on_all_ranks(!goes_on) {
+                return self.agreed(self.refuse_moved(&moved, &forces));
             }
         }
-        let (joint, pairs, of) = moved;
-        self.agreed(Err(StaticError::JointMoves { joint, pairs, of }))
+    }
+
+    /// Refuses the joint of which most pairs have moved, by the forces (N, engine numbering) that are left at their nodes.
+    fn refuse_moved(&self, moved: &[Vec<usize>], left: &[Vec3]) -> Result<(), StaticError> {
+        let at = |joint: &JointView, pair: usize| {
+            let nodes = joint.pairs[pair].nodes.map(|node| self.engine(node) as u32);
+            nodes
+                .map(|node| left[self.lead(node)].norm())
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        let all = self.joints().zip(moved);
+        let forces = all.flat_map(|(joint, moved)| moved.iter().map(move |&pair| at(&joint, pair)));
+        let least = MOVED * forces.fold(0.0, f64::max);
+        let counted = self.joints().zip(moved).map(|(joint, moved)| {
+            let pairs = moved
+                .iter()
+                .filter(|&&pair| at(&joint, pair) > least)
+                .count();
+            (joint, pairs)
+        });
+        match counted.max_by_key(|(_, pairs)| *pairs) {
+            Some((joint, pairs)) if pairs > 0 => Err(StaticError::JointMoves {
+                joint: joint.name.into(),
+                pairs,
+                of: joint.pairs.len(),
+            }),
+            _ => Ok(()),
+        }
     }
 }

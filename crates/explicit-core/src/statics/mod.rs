@@ -14,6 +14,7 @@ mod mixing;
 mod recovery;
 mod relaxation;
 mod saved;
+mod sliding;
 mod support_check;
 mod system;
 
@@ -23,7 +24,7 @@ use powerhouse_model::{
 
 use crate::Model;
 use corrector::Corrector;
-use joints::ConnectedPairs;
+use joints::Smooth;
 use mixing::Mixing;
 use relaxation::{Relaxation, Start};
 use saved::{Checkpoints, Position, SavedStatics};
@@ -56,10 +57,11 @@ impl Model {
     /// have, and prescribed motions have their value at the present
     /// time. Time-dependent laws are evaluated in their static form.
     ///
-    /// Ties and sticking pairs of joints are treated as one node; at the end the tractions of the joints are computed,
-    /// which their laws must admit. Open pairs stay open. Otherwise use
+    /// Ties and closed pairs of joints are treated as one node, without friction they are connected along their normals alone (but in
+    /// methods that factor a matrix); at the end the tractions of the joints are computed,
+    /// which their laws must admit but for forces below the tolerance. Open pairs stay open. Otherwise use
     /// [`StaticMethod::DynamicRelaxation`], in which joints slide, open and close; pairs that
-    /// slid stick at the equilibrium position.
+    /// slid stick at the equilibrium position. The nodes of a side without elements follow the other side.
     ///
     /// At the end velocities are zero, and the forces that balance the body in addition to its loads
     /// (reactions of the initial stress and the residual below the tolerance) are stored as carried forces: a dynamic run
@@ -101,16 +103,17 @@ impl Model {
     ) -> Result<StaticReport, StaticError> {
         let relaxes = options.method == StaticMethod::DynamicRelaxation;
         self.check_options(options)?;
-        self.check_static(if relaxes {
-            ConnectedPairs::Closed
-        } else {
-            ConnectedPairs::Sticking
-        })?;
+        self.check_static()?;
         self.complete_kick();
         self.commit();
         let (sink, resumed) = (self.static_checkpoints.clone(), self.static_resume.take());
         let mut report = StaticReport::default();
-        let mut system = System::new(self)?;
+        let smooth = match options.method {
+            StaticMethod::ConjugateGradients | StaticMethod::DynamicRelaxation => Smooth::Sliding,
+            // Factored without conditions between nodes.
+            _ => Smooth::Tied,
+        };
+        let mut system = System::new(self, smooth)?;
         let mut solver = match options.method {
             StaticMethod::DynamicRelaxation => {
                 system.separate_joints()?;
@@ -132,17 +135,20 @@ impl Model {
             first = relaxation.without_joint_forces(&mut system, &first, &u)?;
         }
         let prescribed = system.prescribed_change(&u);
+        let still = prescribed
+            .iter()
+            .all(|(_, change)| *change == Vec3::zeros());
+        let moves = !system.model().on_all_ranks(still);
+        let rounded = |force: f64| force <= ROUNDED * borne;
         report.load = size.max(system.norm(&first));
-        if report.load <= ROUNDED * borne {
-            // Forces that cancel, as of a uniform stress in a body that is held all around.
+        if rounded(report.load) || moves && rounded(size) {
+            // Forces that cancel, as of a uniform stress in a body that is held all around, or what an earlier solution has
+            // left beside prescribed motions alone.
             report.load = 0.0;
         }
         if report.load > 0.0 {
             report.unbalanced = system.norm(&first) / report.load;
         }
-        let moves = prescribed
-            .iter()
-            .any(|(_, change)| *change != Vec3::zeros());
         let end = options.release;
         let (mut done, mut share) = (0.0, end / f64::from(options.increments));
         if report.load == 0.0 && !moves {
@@ -221,9 +227,12 @@ impl Model {
             }
         }
         system.finish(&u);
+        // Forces that the solution leaves, as much again, and rounding.
+        let negligible =
+            2.0 * options.tolerance * report.load + ROUNDED * borne.max(system.internal());
         // A dynamic relaxation has evaluated the joints already.
         if !relaxes {
-            self.load_joints()?;
+            self.load_joints(negligible)?;
         }
         self.keep_tractions();
         self.store_carried_forces()?;

@@ -82,6 +82,7 @@ impl Model {
                 record.reference = None;
             }
         }
+        let mut strongest = 0.0_f64;
         for pair in &pairs {
             let sides = pair.sides.iter();
             let stresses: Vec<(usize, Stress)> =
@@ -89,6 +90,8 @@ impl Model {
             let Some(last) = stresses.iter().map(|(cast, _)| *cast).max() else {
                 continue;
             };
+            let components = stresses.iter().flat_map(|(_, stress)| stress.0);
+            strongest = components.fold(strongest, |most, component| most.max(component.abs()));
             let record = &mut joints[pair.joint].records[pair.pair];
             if !self.began_with(last, &pair.geometry, record) {
                 continue;
@@ -101,7 +104,7 @@ impl Model {
             let mean = tractions.iter().sum::<Vec3>() / tractions.len() as f64;
             record.reference = Some(pair.geometry.to_local(&mean).into());
         }
-        self.put_references(joints)
+        self.put_references(joints, strongest)
     }
 
     /// Whether a pair was closed when the elements of a cast came, or from the start for those that were always there.
@@ -117,8 +120,12 @@ impl Model {
     }
 
     /// Restores the joints with new references, rid of what is negligible; returns their greatest change over the greatest
-    /// of all joints.
-    fn put_references(&mut self, mut joints: Vec<JointHistory>) -> Result<f64, StaticError> {
+    /// of all joints, or over what is negligible beside the strongest stress (Pa) there.
+    fn put_references(
+        &mut self,
+        mut joints: Vec<JointHistory>,
+        strongest: f64,
+    ) -> Result<f64, StaticError> {
         let largest = |joint: &JointHistory| {
             let components = joint.records.iter().filter_map(|record| record.reference);
             components
@@ -152,6 +159,7 @@ impl Model {
             }
         }
         self.restore_joints(&joints);
+        let greatest = greatest.max(NEGLIGIBLE * self.ranks.team.most_of(strongest));
         let relative = if change > 0.0 { change / greatest } else { 0.0 };
         Ok(self.ranks.team.most_of(relative))
     }

@@ -150,15 +150,20 @@ impl Relaxation {
         };
         let before = motion.before.clone();
         let context = (increment, checkpoints);
-        let found = self.relax(system, context, motion, report, progress);
-        match &found {
-            Ok(u) => system.model().stick_joints(&before, u),
+        system.model().begin_relaxation(&before);
+        let mut found = self.relax(system, context, motion, report, progress);
+        system.model().end_relaxation();
+        match &mut found {
+            Ok(u) => {
+                let start = &checkpoints.position.u;
+                system.model().stick_joints(&before, (start, u));
+            }
             Err(_) => system.model().restore_joints(&before),
         }
         found
     }
 
-    /// Predicts the displacement with elastic laws and all sticking pairs tied.
+    /// Predicts the displacement with elastic laws and all closed pairs tied.
     fn predict_sticking(
         &self,
         system: &mut System,
@@ -218,9 +223,9 @@ impl Relaxation {
             let mut next: Vec<Vec3> = (velocity.par_iter().zip(&self.inverse).zip(&out))
                 .map(|((v, inverse), force)| v * kept + inverse * (force * STEP))
                 .collect();
-            system
-                .model()
-                .correct_joints(STEP, (u, velocity), &mut next, &self.inverse)?;
+            let model = system.model();
+            model.take_back(if *is_still { 1.0 } else { *damping });
+            model.correct_joints(STEP, (u, velocity), &mut next, &self.inverse)?;
             let net: Vec<Vec3> = (next.par_iter().zip(&*velocity).zip(&self.effective))
                 .map(|((next, v), mass)| mass * ((next - v * kept) / STEP))
                 .collect();

@@ -4,7 +4,6 @@ use nalgebra::{Matrix3x6, Matrix6, Vector6};
 use powerhouse_model::{DisjointSets, Mat3, StaticError, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::joints::ConnectedPairs;
 use crate::Model;
 
 /// Share of the greatest resistance below which a rigid motion counts as unrestrained.
@@ -24,8 +23,8 @@ fn rigid(position: &Vec3) -> Matrix3x6<f64> {
 impl Model {
     /// Refuses constraints without a static form, and connected parts with a rigid motion that supports, springs and ties
     /// do not restrain.
-    pub(super) fn check_static(&self, connected: ConnectedPairs) -> Result<(), StaticError> {
-        self.agreed(self.check_joints(connected))?;
+    pub(super) fn check_static(&self) -> Result<(), StaticError> {
+        self.agreed(self.check_constraints())?;
         let count = self.mesh.node_count();
         let mut parts = DisjointSets::new(count);
         let partition = self.partition();
@@ -33,7 +32,7 @@ impl Model {
             let nodes = self.mesh.nodes_of(element);
             nodes.iter().for_each(|&node| parts.join(nodes[0], node));
         }
-        let restraints = self.restraints(connected);
+        let restraints = self.restraints();
         let sent = self.ranks.team.all(&restraints);
         let restraints = sent.map_err(|error| StaticError::OnRank {
             rank: self.ranks.team.rank(),
@@ -91,13 +90,13 @@ struct Restraints {
 
 impl Model {
     /// Connections of the nodes of this rank, and the resistances of the groups that it owns.
-    fn restraints(&self, connected: ConnectedPairs) -> Restraints {
+    fn restraints(&self) -> Restraints {
         let count = self.mesh.node_count();
         let mut restraints = Restraints {
             connected: Vec::new(),
             resistances: Vec::new(),
         };
-        self.each_connected_pair(connected, |a, b| restraints.connected.push([a, b]));
+        self.each_connected_pair(|a, b| restraints.connected.push([a, b]));
         let (low, high) = self.mesh.bounding_box();
         let (middle, size) = (
             0.5 * (low + high),

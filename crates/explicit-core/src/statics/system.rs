@@ -6,6 +6,8 @@ use rayon::prelude::*;
 use super::Increment;
 #[cfg(feature = "direct")]
 use super::freedoms::DegreesOfFreedom;
+use super::joints::Smooth;
+use super::sliding::Sliding;
 use crate::Model;
 use crate::groups::NodeGroup;
 use crate::model::ElementAt;
@@ -20,8 +22,11 @@ use crate::subdomain::Subdomain;
 /// holds the free components of the group, and the entries of the other members are zero.
 pub(super) struct System<'a> {
     model: &'a mut Model,
-    /// The model's groups, with groups connected by ties and sticking joints merged.
+    /// The model's groups, with groups connected by ties and closed joints merged.
     groups: Vec<NodeGroup>,
+    /// Closed pairs without friction, while joints are merged.
+    sliding: Sliding,
+    smooth: Smooth,
     /// Nodal 3 x 3 diagonals of the elastic operator (N/m).
     diagonal: Vec<Mat3>,
     /// Inverses of the diagonals, zero at fixed nodes (m/N).
@@ -31,7 +36,7 @@ pub(super) struct System<'a> {
 
 impl<'a> System<'a> {
     /// The equations of a model, whose velocities are set to zero.
-    pub(super) fn new(model: &'a mut Model) -> Result<Self, StaticError> {
+    pub(super) fn new(model: &'a mut Model, smooth: Smooth) -> Result<Self, StaticError> {
         model.groups.motion.invalidate();
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
         let of_blocks = model.blocks.par_iter().enumerate().map(|(index, block)| {
@@ -48,6 +53,8 @@ impl<'a> System<'a> {
         let mut system = Self {
             model,
             groups: Vec::new(),
+            sliding: Sliding::default(),
+            smooth,
             diagonal,
             inverse: Vec::new(),
             linear,
@@ -56,15 +63,20 @@ impl<'a> System<'a> {
         Ok(system)
     }
 
-    /// Treats sticking pairs of joints and ties as one node each.
+    /// Treats closed pairs of joints and ties as one node each.
     pub(super) fn merge_joints(&mut self) -> Result<(), StaticError> {
-        let groups = self.model.agreed(self.model.merged_groups())?;
+        let groups = self.model.agreed(self.model.merged_groups(self.smooth))?;
         let regrouped = self.regroup(groups);
-        self.model.agreed(regrouped)
+        self.model.agreed(regrouped)?;
+        if self.smooth == Smooth::Sliding {
+            self.sliding = Sliding::new(&self.model.smooth_pairs(), &self.groups);
+        }
+        Ok(())
     }
 
     /// Treats the nodes of all pairs of constraints as separate.
     pub(super) fn separate_joints(&mut self) -> Result<(), StaticError> {
+        self.sliding = Sliding::default();
         let regrouped = self.regroup(self.model.groups.groups.clone());
         self.model.agreed(regrouped)
     }
@@ -211,7 +223,9 @@ impl<'a> System<'a> {
     /// Product of the inverse nodal diagonals with a reduced vector.
     pub(super) fn precondition(&self, vector: &[Vec3]) -> Vec<Vec3> {
         let pairs = self.inverse.par_iter().zip(vector);
-        pairs.map(|(inverse, x)| inverse * x).collect()
+        let mut product: Vec<Vec3> = pairs.map(|(inverse, x)| inverse * x).collect();
+        self.sliding.project(&mut product);
+        product
     }
 
     /// Copies the entry of each group's lead node to the other members.
@@ -223,8 +237,8 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Reduces a vector: sums the members of each group into its lead node, restricts the sum to the free directions,
-    /// and sets the entries of orphan nodes to zero.
+    /// Reduces a vector: sums the members of each group into its lead node, restricts the sum to the free directions
+    /// and to those in which pairs without friction slide, and sets the entries of orphan nodes to zero.
     fn reduce(&self, vector: &mut [Vec3]) {
         for &orphan in &self.model.subdomain.orphans {
             vector[orphan as usize] = Vec3::zeros();
@@ -237,6 +251,7 @@ impl<'a> System<'a> {
             }
             vector[group.members[0] as usize] = group.condition.free(sum);
         }
+        self.sliding.project(vector);
     }
 
     /// Sums over the nodes.

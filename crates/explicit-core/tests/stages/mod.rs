@@ -8,6 +8,7 @@ mod excavation;
 mod hand_over;
 mod incompressible;
 mod initial_stress;
+mod joints;
 mod kirsch;
 mod refused;
 mod relaxation;

@@ -72,15 +72,15 @@ pub enum StaticError {
         /// Name of the constraint.
         name: String,
     },
-    /// A joint that slides or opens in a method that treats sticking pairs as tied.
+    /// A joint that slides, opens or closes in a method that treats closed pairs as tied.
     #[error(
-        "joint '{joint}' slides or opens at {pairs} of {of} pairs: this method treats sticking pairs as \
-        tied; dynamic relaxation lets them slide and open"
+        "joint '{joint}' slides, opens or closes at {pairs} of {of} pairs: this method treats closed pairs as \
+        tied, and open ones as free; dynamic relaxation lets them slide, open and close"
     )]
     JointMoves {
         /// Name of the joint.
         joint: String,
-        /// Number of its pairs that slide or open.
+        /// Number of its pairs that slide, open or close.
         pairs: usize,
         /// Number of its pairs.
         of: usize,
