@@ -163,7 +163,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
         assert_eq!(of("sliding"), is(state.contact == ContactState::Slide));
         assert_eq!(of("open"), is(state.contact == ContactState::Open));
         assert_eq!(of("broken"), is(state.bond == Bond::Broken));
-        assert_eq!((of("slip"), of("opening")), (state.slip, r.opening));
+        assert_eq!((of("slip"), of("opening")), (r.slip(), r.opening));
         assert_eq!(
             (of("peak_opening"), of("impact")),
             (r.peak_opening, r.impact)
@@ -242,7 +242,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
     let east = outcome("east");
     let (slip, pair) = east.slip;
     assert_eq!(
-        (table.records[pair].state.slip, slip),
+        (table.records[pair].slip(), slip),
         (slip, last("east.slip"))
     );
     let (opening, pair) = east.peak_opening;
