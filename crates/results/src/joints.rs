@@ -18,7 +18,7 @@ use crate::vtu;
 ///
 /// Facets share no points, so that each shows the pair of its own side of an edge. Fields: `state`
 /// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
-/// 1 intact, 2 broken, 3 softening), normal and shear traction, opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
+/// 1 intact, 2 broken, 3 softening), normal and shear traction and the components of both along the axes, opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
 /// energies of friction, bond and impact per area, history variables of the law by their names; where a
 /// stage closed the joint anew, `opening counted from` too, the distance of the sides then. Tips, where
 /// both sides share the node, have zeros. Facets of which a side is absent, beside an excavated room or a
@@ -257,7 +257,7 @@ const CLOSED_AT: (&str, Value) = ("opening counted from", |_, record| record.ori
 
 type Value = fn(&JointPair, &JointRecord) -> f64;
 
-const FIELDS: [(&str, Value); 13] = [
+const FIELDS: [(&str, Value); 16] = [
     ("state", |_, record| match record.state.contact {
         ContactState::Stick => 0.0,
         ContactState::Slide => 1.0,
@@ -277,9 +277,18 @@ const FIELDS: [(&str, Value); 13] = [
     ("shear traction", |_, record| {
         record.traction.y.hypot(record.traction.z)
     }),
+    ("x traction", |pair, record| {
+        pair.to_global(&record.traction).x
+    }),
+    ("y traction", |pair, record| {
+        pair.to_global(&record.traction).y
+    }),
+    ("z traction", |pair, record| {
+        pair.to_global(&record.traction).z
+    }),
     ("opening", |_, record| record.opening),
     ("peak opening", |_, record| record.peak_opening),
-    ("slip", |_, record| record.state.slip),
+    ("slip", |_, record| record.slip()),
     ("time of first slip", |_, record| {
         record.first_slip.unwrap_or(-1.0)
     }),
