@@ -4,10 +4,11 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use powerhouse_contact::Joint;
+use powerhouse_elements::{BoltSegment, BoltSet};
 use powerhouse_model::{ContactLaw, ElasticMedium, JointInput, PeriodicPairs, Vec3};
 
 use crate::joint::{Closing, NamedJoint, NamedSurface};
-use crate::{Error, Remark, Scene, SceneJoint, SceneRemark};
+use crate::{Error, Remark, Scene, SceneBolts, SceneJoint, SceneRemark};
 use powerhouse_laws::Damping;
 
 /// Group of joints with common nodes, and their nodes.
@@ -111,6 +112,37 @@ impl Scene {
             }
         }
         Ok(remarks)
+    }
+
+    /// Joints that bolts without grout cross: nodes of two elements one after the other along a bolt are a pair of the joint.
+    pub(crate) fn cut_bolts(&self, bolts: &BoltSet) -> Vec<Remark> {
+        let is_own = |own: &&SceneBolts| own.name == bolts.name();
+        let grouted = |own: &SceneBolts| own.parameters.grout.is_some();
+        if self.bolts.iter().find(is_own).is_some_and(grouted) {
+            return Vec::new();
+        }
+        let may_move = self.joints.iter().filter(|j| !j.law.bears_tension());
+        let remarks = may_move.filter_map(|joint| {
+            let pairs = joint.surface.pairs.iter().map(|pair| pair.nodes);
+            let pairs: BTreeSet<[u32; 2]> = pairs.flat_map(|[a, b]| [[a, b], [b, a]]).collect();
+            let nodes = |segment: BoltSegment| self.mesh.nodes_of(segment.element);
+            let crosses = |bolt: &usize| {
+                let (these, next) = (bolts.segments(*bolt), bolts.segments(*bolt).skip(1));
+                these.zip(next).any(|(this, next)| {
+                    let of = |a: u32| nodes(next).iter().any(|&b| pairs.contains(&[a, b]));
+                    nodes(this).iter().any(|&a| of(a))
+                })
+            };
+            let crossing = (0..bolts.len()).filter(crosses).count();
+            (crossing > 0).then(|| {
+                Remark::Scene(SceneRemark::CutBolts {
+                    bolts: bolts.name().into(),
+                    joint: joint.name.clone(),
+                    crossing,
+                })
+            })
+        });
+        remarks.collect()
     }
 
     /// Joints whose strength is reduced where the mesh does not resolve the failure of their bonds.

@@ -123,6 +123,9 @@ impl Scene {
                         .then_some(Remark::Scene(SceneRemark::CoarseBolts { bolts, error }))
                 });
                 remarks.extend(coarse);
+                for set in timeline.bolts(self.stages.len()) {
+                    remarks.extend(self.cut_bolts(set));
+                }
                 recordings.watch_bolts(&self.output, bolts, &mut observers)?;
             }
             self.engine.build(spec)?

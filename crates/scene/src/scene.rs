@@ -456,13 +456,16 @@ impl Scene {
     pub fn stages(&self) -> &[SceneStage] {
         &self.stages
     }
-    /// Whether an incident field, a load that no stage removes, a weight or a prescribed motion of the scene itself acts on
-    /// the body; loads of stages do not count.
+    /// Whether an incident field, a load that no stage removes, a weight or a prescribed motion acts on the body in the
+    /// run, of the scene itself or of a stage.
     pub fn is_driven(&self) -> bool {
+        let stays = |loads: &[StagedLoad]| loads.iter().any(|load| load.removed_in.is_none());
+        let of_stage = |stage: &SceneStage| stays(&stage.loads) || !stage.weights.is_empty();
         self.field.is_some()
-            || self.loads.iter().any(|load| load.removed_in.is_none())
+            || stays(&self.loads)
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
+            || self.stages.iter().any(of_stage)
     }
     /// Sets the places of the values of the scene in what its user wrote, which its errors show.
     #[must_use]

@@ -99,6 +99,15 @@ pub enum SceneRemark {
         /// Relative error of the greatest force in ground that is stretched uniformly (1).
         error: f64,
     },
+    /// Warning: bolts without grout cross a joint, whose opening and slip do not stretch them.
+    CutBolts {
+        /// Name of the bolts.
+        bolts: String,
+        /// Name of the joint.
+        joint: String,
+        /// Number of bolts that cross it.
+        crossing: usize,
+    },
     /// Scatterer above the body.
     ScattererAbove {
         /// Height z of the scatterer (m).
@@ -319,6 +328,14 @@ impl fmt::Display for SceneRemark {
                 f,
                 "the segments of the bolts '{bolts}' are too long for their grout: in ground that is stretched uniformly their greatest force errs by {:.0} %; leave `longest_segment` out, or give a shorter one",
                 100.0 * error
+            ),
+            Self::CutBolts {
+                bolts,
+                joint,
+                crossing,
+            } => write!(
+                f,
+                "{crossing} of the bolts '{bolts}' cross the joint '{joint}' without grout: its opening and slip do not stretch them, and they bear nothing from one side to the other; give the bolts a `grout`"
             ),
             Self::ScattererAbove { height, top } => write!(
                 f,

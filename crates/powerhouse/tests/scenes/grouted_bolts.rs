@@ -1,12 +1,16 @@
 //! Bolts in grout with the segments that come by default, and with too few.
 
+use std::sync::Arc;
+
+use powerhouse::contact::{BondedCoulomb, JointSurface, SurfaceOptions, Tied};
 use powerhouse::engine::{
     BoltEnd, BoltLine, BoltParameters, FaceTraction, Grout, Profile, Support,
 };
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{ElasticMedium, Mesh, Vec3};
+use powerhouse::model::{ContactLaw, ElasticMedium, Mesh, Vec3};
 use powerhouse::{
-    BoltLayout, Material, Part, Remark, RunHooks, Scene, SceneBolts, SceneRemark, SceneStage,
+    BoltLayout, Material, Part, Remark, RunHooks, Scene, SceneBolts, SceneJoint, SceneRemark,
+    SceneStage,
 };
 
 const ROCK: ElasticMedium = ElasticMedium {
@@ -122,4 +126,72 @@ fn too_few_segments_are_warned_of() {
         );
     }
     assert_eq!(stretched(1, (4.0, 0.1), [BoltEnd::Free; 2]).1, None);
+}
+
+/// Bolts without grout that cross a joint which may move are warned of, with their number, at any height and inclination of the
+/// bolts; those in grout, beside the joint or across a tie are not.
+#[test]
+fn bolts_that_a_joint_cuts_are_warned_of() {
+    let (size, counts) = (Vec3::new(2.0, 1.0, 4.0), [4, 2, 8]);
+    let warned = |height: f64, law: Arc<dyn ContactLaw>, grouted: bool| {
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, counts, "rock").unwrap();
+        let all = 0..mesh.element_count() as u32;
+        let (lower, upper): (Vec<u32>, Vec<u32>) =
+            all.partition(|&element| mesh.centroid(element).z < height);
+        let split = mesh.split_between(&lower, &upper).unwrap();
+        let options = SurfaceOptions::within(1e-6).unwrap();
+        let surface = JointSurface::between(&split.mesh, &split.first, &split.second, &options);
+        let nodes = |name: &str| {
+            split
+                .mesh
+                .nodes_of_facets(split.mesh.facet_set(name).unwrap())
+        };
+        let line = |head: [f64; 3], toe: [f64; 3]| BoltLine {
+            head: head.into(),
+            toe: toe.into(),
+        };
+        let grout = Grout {
+            stiffness: 1e7,
+            strength: f64::INFINITY,
+            head: BoltEnd::Free,
+            toe: BoltEnd::Free,
+        };
+        let bolts = SceneBolts {
+            name: "bolts".into(),
+            layout: BoltLayout::Lines(vec![
+                line([0.3, 0.4, 4.0], [0.3, 0.4, 0.6]),
+                line([0.2, 0.3, 3.9], [1.7, 0.8, 0.6]),
+                line([0.3, 0.4, 4.0], [1.1, 0.6, 3.2]),
+            ]),
+            parameters: BoltParameters {
+                grout: grouted.then_some(grout),
+                ..BoltParameters::steel(0.025).unwrap()
+            },
+        };
+        let scene = Scene::new("cut", split.mesh.clone())
+            .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
+            .support(Support::fixed(nodes("bottom")))
+            .with_duration(1e-5)
+            .with_bolts(bolts)
+            .joint(SceneJoint::new("seam", surface.unwrap(), law))
+            .stage(SceneStage::new("bolts").install("bolts"));
+        let simulation = scene.prepare().unwrap();
+        simulation.remarks().iter().find_map(|remark| match remark {
+            Remark::Scene(SceneRemark::CutBolts {
+                bolts,
+                joint,
+                crossing,
+            }) => {
+                assert_eq!((bolts.as_str(), joint.as_str()), ("bolts", "seam"));
+                Some(*crossing)
+            }
+            _ => None,
+        })
+    };
+    let friction = || Arc::new(BondedCoulomb::unbonded(0.5, 0.5).unwrap());
+    assert_eq!(warned(2.0, friction(), false), Some(2));
+    assert_eq!(warned(3.5, friction(), false), Some(3));
+    assert_eq!(warned(2.0, friction(), true), None);
+    assert_eq!(warned(0.5, friction(), false), None);
+    assert_eq!(warned(2.0, Arc::new(Tied), false), None);
 }

@@ -157,6 +157,21 @@ fn stages_tell_what_they_take_off() {
     assert!(read(&folder, &text).unwrap().is_driven());
 }
 
+/// A weight or a load that a stage brings acts in the run, unless a later stage removes it.
+#[test]
+fn what_a_stage_brings_drives_the_run() {
+    let jack = || NodalForce::new(vec![0], Vec3::x(), Box::new(|_: f64| 1.0));
+    let driven = |stage: SceneStage| {
+        let scene = Scene::new("staged", mesh()).stage(stage);
+        scene.stage(SceneStage::new("off")).is_driven()
+    };
+    let stage = || SceneStage::new("first");
+    assert!(!driven(stage()));
+    assert!(driven(stage().gravity(Vec3::z() * -9.81, |_: f64| 1.0)));
+    assert!(driven(stage().load(jack())));
+    assert!(!driven(stage().temporary_load(jack(), "off")));
+}
+
 /// A load composed in Rust that an unknown stage, its own or an earlier one should remove is an error with the name.
 #[test]
 fn loads_need_a_later_stage_that_takes_them_off() {
