@@ -1,8 +1,9 @@
 //! History variables of the pairs of a joint.
 
 use core::ops::Range;
+use std::collections::{HashMap, VecDeque};
 
-use powerhouse_model::{ContactLaw, JointHistory};
+use powerhouse_model::{ContactLaw, JointHistory, JointPair};
 
 /// History variables of the pairs of one law, those of a pair side by side.
 pub(super) struct PairHistories<'a> {
@@ -77,4 +78,15 @@ pub(super) fn restored_history<L: ContactLaw>(
         }
     }
     Some(values)
+}
+
+/// Indices in an earlier run of some pairs; none if it did not have the same pairs.
+pub(super) fn in_order_of(pairs: &[JointPair], history: &JointHistory) -> Option<Vec<usize>> {
+    let mut of_nodes: HashMap<[u32; 2], VecDeque<usize>> = HashMap::new();
+    for (index, (nodes, _)) in history.nodes.iter().zip(&history.records).enumerate() {
+        of_nodes.entry(*nodes).or_default().push_back(index);
+    }
+    let next = |pair: &JointPair| of_nodes.get_mut(&pair.nodes)?.pop_front();
+    let found: Option<Vec<usize>> = pairs.iter().map(next).collect();
+    found.filter(|found| found.len() == history.records.len())
 }

@@ -12,7 +12,7 @@ mod solve;
 mod strips;
 
 use core::ops::Range;
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::{HashMap, HashSet};
 
 use powerhouse_model::{
     Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, DividedWork,
@@ -23,7 +23,7 @@ use powerhouse_model::{
 use crate::ContactError;
 use crate::connected::connected_pairs;
 use group::Group;
-use history::{PairHistories, initial_history, restored_history};
+use history::{PairHistories, in_order_of, initial_history, restored_history};
 use isolated::{IsolatedPair, isotropic_masses};
 use relaxation::Start;
 use solve::Effort;
@@ -588,15 +588,4 @@ fn of_kept<T: Copy>(values: &[T], kept: &[bool]) -> Vec<T> {
         .filter(|(_, kept)| **kept)
         .map(|(value, _)| *value)
         .collect()
-}
-
-/// Indices in an earlier run of some pairs; none if it did not have the same pairs.
-fn in_order_of(pairs: &[JointPair], history: &JointHistory) -> Option<Vec<usize>> {
-    let mut of_nodes: HashMap<[u32; 2], VecDeque<usize>> = HashMap::new();
-    for (index, (nodes, _)) in history.nodes.iter().zip(&history.records).enumerate() {
-        of_nodes.entry(*nodes).or_default().push_back(index);
-    }
-    let next = |pair: &JointPair| of_nodes.get_mut(&pair.nodes)?.pop_front();
-    let found: Option<Vec<usize>> = pairs.iter().map(next).collect();
-    found.filter(|found| found.len() == history.records.len())
 }

@@ -2,8 +2,8 @@
 
 use powerhouse_model::{Bond, ContactLaw, ContactState, JointHistory, JointRecord, Vec3};
 
-use super::history::restored_history;
-use super::{Joint, in_order_of};
+use super::Joint;
+use super::history::{in_order_of, restored_history};
 
 /// State of the pairs of a joint at the start of an increment of a dynamic relaxation.
 #[derive(Clone, Debug)]

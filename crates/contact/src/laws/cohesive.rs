@@ -7,7 +7,7 @@ use powerhouse_model::{
     JointResponse, JointState, ParameterError, Vec3,
 };
 
-use super::{check_friction, opened, shear, with_shear};
+use super::{bisected, check_friction, opened, shear, with_shear};
 
 /// Parameters of [`Cohesive`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -474,42 +474,6 @@ impl BondChange {
         new[DISSIPATED] += self.dissipated;
         new[STORED] = self.stored;
     }
-}
-
-/// Root in 0 to a bound of a function that falls, positive at 0 and not at the bound; 0 if it is not positive there.
-fn bisected(function: impl Fn(f64) -> f64, bound: f64) -> f64 {
-    let (mut low, mut high) = (0.0, bound);
-    if function(low) <= 0.0 {
-        return 0.0;
-    }
-    // Secants with halving where they do not shrink the interval (Illinois), to the last bits.
-    let (mut at_low, mut at_high) = (function(low), function(high));
-    for _ in 0..100 {
-        if high - low <= f64::EPSILON * high || at_high == 0.0 {
-            break;
-        }
-        let finite = at_low.is_finite() && at_low > at_high;
-        let mut next = if finite {
-            (low * -at_high + high * at_low) / (at_low - at_high)
-        } else {
-            0.5 * (low + high)
-        };
-        if !(next > low && next < high) {
-            next = 0.5 * (low + high);
-        }
-        let value = function(next);
-        if value > 0.0 {
-            (low, at_low) = (next, value);
-            at_high *= 0.5;
-        } else {
-            (high, at_high) = (next, value);
-            at_low *= 0.5;
-        }
-        if value == 0.0 {
-            break;
-        }
-    }
-    high
 }
 
 impl ContactLaw for Cohesive {

@@ -74,3 +74,39 @@ fn check_friction(resting: f64, sliding: f64) -> Result<(), ParameterError> {
     ParameterError::check("static_friction", resting, 0.0, f64::MAX)?;
     ParameterError::check("dynamic_friction", sliding, 0.0, resting)
 }
+
+/// Root in 0 to a bound of a function that falls, positive at 0 and not at the bound; 0 if it is not positive there.
+fn bisected(function: impl Fn(f64) -> f64, bound: f64) -> f64 {
+    let (mut low, mut high) = (0.0, bound);
+    if function(low) <= 0.0 {
+        return 0.0;
+    }
+    // Secants with halving where they do not shrink the interval (Illinois), to the last bits.
+    let (mut at_low, mut at_high) = (function(low), function(high));
+    for _ in 0..100 {
+        if high - low <= f64::EPSILON * high || at_high == 0.0 {
+            break;
+        }
+        let finite = at_low.is_finite() && at_low > at_high;
+        let mut next = if finite {
+            (low * -at_high + high * at_low) / (at_low - at_high)
+        } else {
+            0.5 * (low + high)
+        };
+        if !(next > low && next < high) {
+            next = 0.5 * (low + high);
+        }
+        let value = function(next);
+        if value > 0.0 {
+            (low, at_low) = (next, value);
+            at_high *= 0.5;
+        } else {
+            (high, at_high) = (next, value);
+            at_low *= 0.5;
+        }
+        if value == 0.0 {
+            break;
+        }
+    }
+    high
+}
