@@ -55,11 +55,15 @@ const SHELVES: [&str; 3] = [
     "powerhouse-benches",
 ];
 
-/// Crates around the model that tests of another one may use besides: an engine is tested with elements and
+/// Crates around the model that tests of another one may use besides: an engine is tested with elements, joints and
 /// observers, observers with elements, programs of elements with laws, programs of laws, and a device with all that it takes over.
 fn permitted_in_tests(package: &str) -> &'static [&'static str] {
     match package {
-        "powerhouse-explicit-core" => &["powerhouse-elements", "powerhouse-observe"],
+        "powerhouse-explicit-core" => &[
+            "powerhouse-contact",
+            "powerhouse-elements",
+            "powerhouse-observe",
+        ],
         "powerhouse-observe" => &["powerhouse-elements"],
         DEVICE => &[ENGINE, "powerhouse-elements", "powerhouse-material-damage"],
         "powerhouse-elements" => &["powerhouse-material-damage"],

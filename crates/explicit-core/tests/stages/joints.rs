@@ -233,11 +233,11 @@ fn sides_without_friction_slide_in_equilibrium() {
     }
 }
 
-/// A body that is cast on another one with a joint between stands on it with its weight, whatever the method in the stage in
+/// A body that is cast on another one with a joint between rests on it with its weight, whatever the method in the stage in
 /// which it was not there and whether the joint was tied there: stress and joint are those of a body that was cast on one that
 /// had settled.
 #[test]
-fn what_is_cast_on_a_joint_stands_on_it() {
+fn what_is_cast_on_a_joint_rests_on_it() {
     for cut in Cut::several() {
         let gravity = cut.turn * Vec3::z() * -9.81;
         for law in 0..2 {
