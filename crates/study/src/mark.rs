@@ -10,7 +10,7 @@ use crate::StudyError;
 
 /// Version of the software, with a revision that is raised whenever the same inputs give other results within a
 /// version.
-pub(crate) const REVISION: &str = concat!("powerhouse ", env!("CARGO_PKG_VERSION"), " revision 6");
+pub(crate) const REVISION: &str = concat!("powerhouse ", env!("CARGO_PKG_VERSION"), " revision 7");
 
 /// Fingerprint of the inputs of a case: software revision, checksum of scene and files, duration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

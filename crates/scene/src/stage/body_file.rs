@@ -9,7 +9,7 @@ use super::EquilibratedBody;
 use crate::Error;
 
 /// Kind and version of the file; the version changes with the fields.
-const KIND: (&str, u32) = ("equilibrated body", 2);
+const KIND: (&str, u32) = ("equilibrated body", 3);
 const STATE: &str = "state";
 const STAGES: &str = "stages";
 
