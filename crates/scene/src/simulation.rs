@@ -48,7 +48,7 @@ pub struct RunHooks<'a> {
     /// Progress callback, called after every time step of the dynamic run; stages report to [`stages`](Self::stages).
     pub progress: Option<ProgressHook<'a>>,
     /// Cancellation flag, raised from outside. During the dynamic run it ends the run after one more step, with
-    /// complete results up to there ([`Ended::Stopped`](crate::engine::Ended::Stopped)); during a construction stage it
+    /// complete results up to there ([`Ended::Stopped`](powerhouse_model::Ended::Stopped)); during a construction stage it
     /// ends the run with [`Error::Interrupted`], without results.
     pub stop: Option<Arc<AtomicBool>>,
     /// Receiver of the snapshots that the scene requests; without it none is taken. An error of it ends the run.

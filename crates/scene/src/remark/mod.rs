@@ -93,7 +93,7 @@ pub enum Remark {
     },
     /// Fact: the run started from a state of another run.
     StartedFrom {
-        /// The [origin](crate::RunInputs::origin), in words.
+        /// The origin of the run, in words.
         origin: String,
     },
     /// Warning: rays of a ring of sections meet no element.
@@ -455,7 +455,7 @@ pub enum Remark {
         /// Number of elements of the part.
         of: usize,
     },
-    /// Warning: parameters of a material are inconsistent ([`Material::warnings`](crate::Material::warnings)).
+    /// Warning: parameters of a material are inconsistent ([`Material::warnings`](powerhouse_laws::Material::warnings)).
     Material {
         /// Element set of the part.
         set: String,
