@@ -1,8 +1,8 @@
-//! Accelerograms: AT2 and columns of text. The first byte selects what the caller declares.
+//! Accelerograms of all formats. The first byte selects what the caller declares.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use powerhouse::io::{AccelerationUnit, RecordOptions, parse_record};
+use powerhouse::io::{AccelerationUnit, RecordColumns, RecordOptions, parse_record};
 use powerhouse_fuzz::limited;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -15,6 +15,13 @@ fuzz_target!(|bytes: &[u8]| {
     }
     if choice & 2 != 0 {
         options.step = Some(0.01);
+    }
+    options.channel = (choice & 4 != 0).then(|| "1".into());
+    options.skip = (choice & 8 != 0).then_some(1);
+    options.values_in_a_row = (choice & 16 != 0).then_some(2);
+    if choice & 32 != 0 {
+        let (time, acceleration) = (Some(1), 2);
+        options.columns = Some(RecordColumns { time, acceleration });
     }
     match limited(text.len(), || parse_record(text, &options)) {
         Ok(record) => {

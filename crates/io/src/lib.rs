@@ -67,6 +67,7 @@ mod error;
 pub mod gmsh;
 #[cfg(feature = "inp")]
 pub mod inp;
+mod known_format;
 mod memory;
 #[cfg(feature = "packed")]
 mod packed;
@@ -102,6 +103,7 @@ pub use gmsh::{
 };
 #[cfg(feature = "inp")]
 pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_with};
+pub use known_format::known_format;
 pub use memory::{available_memory, peak_memory};
 #[cfg(feature = "packed")]
 pub use packed::{
@@ -117,8 +119,8 @@ pub use picture::{
 pub use plot::{Plot, PlotCurve, PlotPanel, write_plot};
 #[cfg(feature = "records")]
 pub use records::{
-    AccelerationUnit, CountRule, LengthRule, Record, RecordError, RecordFault, RecordOptions,
-    common_length, parse_record, read_record,
+    AccelerationUnit, CountRule, LengthRule, Record, RecordColumns, RecordError, RecordFault,
+    RecordOptions, common_length, parse_record, read_record,
 };
 #[cfg(any(feature = "gmsh", feature = "inp"))]
 pub use second_order::MeshOptions;

@@ -1,5 +1,7 @@
 //! Reading and writing of files.
 
+#[cfg(feature = "records")]
+mod agencies;
 #[cfg(all(feature = "pictures", feature = "plots"))]
 mod drawings;
 #[cfg(feature = "gmsh")]
@@ -14,6 +16,8 @@ mod packed;
 mod records;
 #[cfg(feature = "records")]
 mod records_layouts;
+#[cfg(feature = "records")]
+mod records_text;
 mod stations;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;

@@ -171,15 +171,15 @@ fn damaged_columns() {
         line_of("0 1\n0.5\n"),
         (
             2,
-            RecordFault::Columns {
+            RecordFault::RowLength {
                 found: 1,
-                expected: "two"
+                expected: 2
             }
         )
     ));
     assert!(matches!(
         line_of("0 1 2\n"),
-        (1, RecordFault::Columns { found: 3, .. })
+        (1, RecordFault::Layout { width: 3, .. })
     ));
     assert!(matches!(
         line_of("0 1\n0.5 1.0-2.0\n"),
@@ -238,10 +238,9 @@ fn a_missing_file_is_named() {
 #[test]
 fn components_of_unequal_length() {
     let record = |count: usize, step: f64| Record {
-        title: String::new(),
         step,
         samples: vec![1.0; count],
-        warnings: Vec::new(),
+        ..Record::default()
     };
     let mut cut = [record(5, 0.01), record(3, 0.01), record(4, 0.01)];
     common_length(&mut cut, LengthRule::Cut).unwrap();

@@ -4,11 +4,12 @@ use powerhouse_io::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, parse_record,
 };
 
-const SI: RecordOptions = RecordOptions {
-    unit: Some(AccelerationUnit::MetrePerSecondSquared),
-    step: None,
-    count: CountRule::AsDeclared,
-};
+fn si() -> RecordOptions {
+    RecordOptions {
+        unit: Some(AccelerationUnit::MetrePerSecondSquared),
+        ..RecordOptions::default()
+    }
+}
 
 fn at2(unit_line: &str, rows: &str) -> String {
     format!("A COLLECTION\nA QUAKE, A STATION\n{unit_line}\nNPTS= 4, DT= .01 SEC\n{rows}")
@@ -48,7 +49,7 @@ fn units_are_read_as_headers_spell_them() {
 #[test]
 fn a_file_of_velocities_is_refused() {
     let text = at2("VELOCITY TIME SERIES IN UNITS OF CM/S", "1 2 3 4\n");
-    for options in [RecordOptions::default(), SI] {
+    for options in [RecordOptions::default(), si()] {
         let (line, _, fault) = place(parse_record(text.as_bytes(), &options));
         assert_eq!(line, 3, "{fault}");
         assert!(fault.to_string().contains("CM/S"), "{fault}");
@@ -110,7 +111,7 @@ fn encodings_of_text_change_nothing() {
         format!("{columns}\u{1a}\n"),
         columns.replace('\n', "\r"),
     ] {
-        let record = parse_record(text.as_bytes(), &SI);
+        let record = parse_record(text.as_bytes(), &si());
         assert_eq!(record.unwrap().samples, [1.0, 2.0, 3.0], "{text:?}");
     }
 }
@@ -123,7 +124,7 @@ fn a_gap_is_named_where_it_is() {
         let text: String = rows
             .map(|row| format!("{:.2} 1.0\n", 0.02 * f64::from(row)))
             .collect();
-        let (at, column, fault) = place(parse_record(text.as_bytes(), &SI));
+        let (at, column, fault) = place(parse_record(text.as_bytes(), &si()));
         assert_eq!((at, column), (line, 1), "{fault}");
         assert!(matches!(fault, RecordFault::NotUniform { .. }), "{fault}");
     }
@@ -138,7 +139,7 @@ fn a_declared_step_fits_the_whole_time_column() {
     for (step, fits) in [(0.02, true), (0.019_9, false), (0.020_001, false)] {
         let options = RecordOptions {
             step: Some(step),
-            ..SI
+            ..si()
         };
         match parse_record(text.as_bytes(), &options) {
             Ok(record) => assert!(fits && record.step == step),
@@ -147,18 +148,26 @@ fn a_declared_step_fits_the_whole_time_column() {
     }
 }
 
-/// A file with decimal commas is refused, never read as other numbers.
+/// A single column of decimal commas is not read as two columns.
 #[test]
-fn decimal_commas_are_refused() {
-    for text in ["0,00;0,10\n0,02;0,20\n0,04;0,30\n", "0,10\n0,20\n0,30\n"] {
-        assert!(parse_record(text.as_bytes(), &SI).is_err(), "{text:?}");
-    }
+fn decimal_commas_are_not_separators() {
+    let text = "0,10\n0,20\n0,30\n";
+    assert!(parse_record(text.as_bytes(), &si()).is_err());
+    let options = RecordOptions {
+        step: Some(0.5),
+        ..si()
+    };
+    let record = parse_record(text.as_bytes(), &options).unwrap();
+    assert_eq!(record.samples, [0.1, 0.2, 0.3]);
+    // Whole seconds and whole accelerations are two columns.
+    let record = parse_record(b"0,10\n1,20\n2,30\n", &si()).unwrap();
+    assert_eq!((record.samples, record.step), (vec![10.0, 20.0, 30.0], 1.0));
 }
 
 /// An empty cell is a missing sample, not a doubled separator.
 #[test]
 fn an_empty_cell_is_refused() {
     for text in ["0.0,1.0\n0.1,\n0.2,3.0\n", "0.0;1.0\n;2.0\n0.2;3.0\n"] {
-        assert_eq!(place(parse_record(text.as_bytes(), &SI)).0, 2, "{text:?}");
+        assert_eq!(place(parse_record(text.as_bytes(), &si())).0, 2, "{text:?}");
     }
 }

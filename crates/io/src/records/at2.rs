@@ -1,5 +1,6 @@
 //! PEER's AT2 format, whose header has several layouts.
 
+use super::channel::sample;
 use super::number::{fixed_width, number};
 use super::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, check_step,
@@ -105,6 +106,18 @@ fn is_last(text: &str, line: usize) -> bool {
     !text.lines().skip(line).any(starts_with_number)
 }
 
+/// Refuses a second header in the lines behind the samples.
+fn check_trailer(text: &str, line: usize) -> Result<(), RecordError> {
+    let is_header = |content: &str| content.to_ascii_uppercase().contains("NPTS");
+    match text.lines().skip(line).position(is_header) {
+        Some(offset) => {
+            let second = RecordFault::SecondRecord { last: line };
+            Err(RecordError::content(line + offset + 1, 0, second))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Reads the samples after the header.
 pub(super) fn read(
     text: &str,
@@ -135,10 +148,13 @@ pub(super) fn read(
     let mut samples = Vec::new();
     'lines: for (line, content) in text.lines().enumerate().skip(header.line + 1) {
         for (column, word) in fixed_width(content) {
-            match number(word, line + 1, column) {
+            match sample(word, line + 1, column) {
                 Ok(value) => samples.push(value * unit.factor()),
                 // Words after the last sample are a trailer.
-                Err(_) if samples.len() as u64 >= header.count => break 'lines,
+                Err(_) if samples.len() as u64 >= header.count => {
+                    check_trailer(text, line)?;
+                    break 'lines;
+                }
                 Err(_) if options.count == CountRule::AsFound && is_last(text, line) => {
                     break 'lines;
                 }
@@ -158,9 +174,12 @@ pub(super) fn read(
         }
     }
     Ok(Record {
+        format: "PEER AT2",
         title: header.title.clone(),
+        unit,
         step: header.step,
         samples,
         warnings,
+        ..Record::default()
     })
 }

@@ -50,24 +50,108 @@ pub enum RecordFault {
     #[error("the file is empty")]
     Empty,
     /// The file has another known format, not that of an accelerogram.
-    #[error("this is {found}, not an accelerogram: PEER AT2, or one or two columns of numbers")]
+    #[error("this is {found}, not an accelerogram that is read: {way}")]
     Foreign {
         /// Probable format of the file.
         found: &'static str,
+        /// How to get to an accelerogram.
+        way: &'static str,
     },
-    /// The file has neither a PEER AT2 header nor a row of numbers.
+    /// The file has neither the header of a known format nor a row of numbers.
     #[error(
-        "no PEER AT2 header with NPTS and DT and no columns of numbers are found; the first line is {text:?}"
+        "no header of a known format (for PEER AT2 a line with NPTS and DT) and no columns of numbers are found; the first line is {text:?}"
     )]
     NoNumbers {
         /// First line of the file.
         text: String,
     },
-    /// The header of a PEER AT2 file has no number of samples or no time step.
+    /// The header of the format lacks what the samples need.
     #[error("the header declares no {what}")]
     Header {
-        /// Missing quantity, `NPTS` or `DT`.
+        /// Missing quantity, such as `NPTS` or `DT`.
         what: &'static str,
+    },
+    /// The samples are of another quantity than acceleration.
+    #[error("the file has {found:?}, not accelerations, which alone are read")]
+    Quantity {
+        /// Quantity as the file names it.
+        found: String,
+    },
+    /// A number stands for a missing sample.
+    #[error("{text} stands for a missing sample: the record has a gap or is damaged here")]
+    Filler {
+        /// Text of the file.
+        text: String,
+    },
+    /// The samples exceed the peak that the header declares, or do not reach it.
+    #[error("the header declares a peak of {declared} {unit}, the samples have {found:.6} {unit}")]
+    Peak {
+        /// Peak of the header.
+        declared: f64,
+        /// Peak of the samples.
+        found: f64,
+        /// Unit of both.
+        unit: &'static str,
+    },
+    /// Another record starts behind the samples of a format of one component.
+    #[error(
+        "another record starts here, behind the samples that end in line {last}: keep each in a file of its own"
+    )]
+    SecondRecord {
+        /// Number of the last line of samples before it, from 1.
+        last: usize,
+    },
+    /// The file has several channels, and the caller names none.
+    #[error(
+        "the file has the channels {channels}: the key `channel` chooses one by its number or name"
+    )]
+    Channels {
+        /// Numbers and names.
+        channels: String,
+    },
+    /// The file has no channel of the name or number that the caller gives.
+    #[error("there is no one channel {wanted:?}; the channels are {channels}")]
+    NoSuchChannel {
+        /// Name or number of the caller.
+        wanted: String,
+        /// Numbers and names.
+        channels: String,
+    },
+    /// Rows have more than two numbers, and no names tell what they are.
+    #[error(
+        "rows of {width} numbers: `values_in_a_row = {width}` reads them as successive samples, `columns = {{ time = 1, acceleration = 2 }}` one of them; the file starts with{lines}"
+    )]
+    Layout {
+        /// Numbers of a row.
+        width: usize,
+        /// First lines of the file.
+        lines: String,
+    },
+    /// What stands in front of the samples may be a count or a step, or a sample.
+    #[error(
+        "{found} in front of the samples may be their number or step: `skip` leaves out that many first lines of the file (0 takes it as a sample), `time_step` declares the step; the file starts with{lines}"
+    )]
+    Leader {
+        /// The numbers.
+        found: String,
+        /// First lines of the file.
+        lines: String,
+    },
+    /// A line of words starts with a number.
+    #[error(
+        "{text:?} follows a number: `skip` leaves out that many first lines of the file, if this is a title"
+    )]
+    TitleRow {
+        /// Text of the file.
+        text: String,
+    },
+    /// The caller chooses a column that the file does not have.
+    #[error("there is no column {column}; the rows have {width} numbers")]
+    NoSuchColumn {
+        /// Number of the column, from 1.
+        column: usize,
+        /// Numbers of a row.
+        width: usize,
     },
     /// The number of samples differs from the declared one, under [`CountRule::AsDeclared`](super::CountRule::AsDeclared).
     #[error("the header declares {declared} samples, the file has {found}")]
@@ -83,8 +167,10 @@ pub enum RecordFault {
         /// Step (s).
         value: f64,
     },
-    /// Neither the file, which has one column, nor the caller declares the time step.
-    #[error("one column of numbers needs a declared time step")]
+    /// Neither the file nor the caller declares the time step.
+    #[error(
+        "neither the file nor the caller declares the time step: the key `time_step` of the record does"
+    )]
     NoStep,
     /// The time steps of the file and of the caller differ by more than rounding.
     #[error("the file's time step is {found} s, the declared one {declared} s")]
@@ -95,7 +181,9 @@ pub enum RecordFault {
         declared: f64,
     },
     /// Neither the file nor the caller declares the unit.
-    #[error("neither the file nor the caller declares the unit of acceleration")]
+    #[error(
+        "neither the file nor the caller declares the unit of acceleration: the key `units` of the record does"
+    )]
     NoUnit,
     /// The unit of the file is not one of acceleration, but for example of velocity.
     #[error("the file's unit {found:?} is not a unit of acceleration (m/s2, cm/s2 or gal, g)")]
@@ -111,13 +199,13 @@ pub enum RecordFault {
         /// Unit declared by the caller.
         declared: &'static str,
     },
-    /// A row has another number of columns than the first, or more than two.
-    #[error("{found} columns instead of {expected}")]
-    Columns {
-        /// Number of columns of the row.
+    /// A row has another number of values than the ones before it, or than declared.
+    #[error("the row has {found} numbers, not {expected}")]
+    RowLength {
+        /// Numbers of the row.
         found: usize,
-        /// Expected number in words.
-        expected: &'static str,
+        /// Expected number.
+        expected: usize,
     },
     /// The times of the first column are not uniform to 1 % of a step.
     #[error("time {time} s is not the expected {expected} s: the samples are not uniform")]

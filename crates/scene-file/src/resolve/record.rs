@@ -343,6 +343,7 @@ fn read(
             Count::AsDeclared => CountRule::AsDeclared,
             Count::AsFound => CountRule::AsFound,
         },
+        ..RecordOptions::default()
     };
     read_record(&path, &options).map_err(|error| Fault::refused(file.span(), error))
 }
@@ -364,6 +365,6 @@ fn in_memory(
         title: table.name.to_string(),
         step: history.step(),
         samples: history.acceleration(),
-        warnings: Vec::new(),
+        ..powerhouse_io::Record::default()
     })
 }

@@ -1,0 +1,61 @@
+//! Names of formats of other programs, by their content.
+
+/// Bytes that are searched for marks.
+const HEAD: usize = 4096;
+
+/// Name of a format of another program that a file has, if its first bytes tell.
+///
+/// ```
+/// assert_eq!(powerhouse_io::known_format(b"CDF\x02\x00"), Some("a NetCDF file, such as Exodus"));
+/// assert_eq!(powerhouse_io::known_format(b"1 2 3"), None);
+/// ```
+pub fn known_format(bytes: &[u8]) -> Option<&'static str> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let starts = |mark: &[u8]| bytes.starts_with(mark);
+    let head = &bytes[..bytes.len().min(HEAD)];
+    let has = |mark: &str| head.windows(mark.len()).any(|part| part == mark.as_bytes());
+    if starts(b"CDF\x01") || starts(b"CDF\x02") || starts(b"CDF\x05") {
+        return Some("a NetCDF file, such as Exodus");
+    }
+    if starts(b"\x89HDF\r\n\x1a\n") {
+        return Some(match has("INFOS_GENERALES") || has("ENS_MAA") {
+            true => "a MED file (HDF5)",
+            false => "an HDF5 file, such as MED, Exodus or H5DRM",
+        });
+    }
+    for (mark, name) in [
+        (&b"PK\x03\x04"[..], "a ZIP archive"),
+        (b"\x1f\x8b", "a file compressed by gzip"),
+        (b"%PDF", "a PDF"),
+        (b"$MeshFormat", "a Gmsh mesh"),
+        (b"# vtk DataFile", "a VTK file"),
+        (b"MeshVersionFormatted", "a Medit mesh"),
+        (b"* FLAC3D", "a FLAC3D grid"),
+        (b"*FLAC3D", "a FLAC3D grid"),
+        (b"/COM,ANSYS", "an ANSYS archive (cdb)"),
+        (b"/PREP7", "an ANSYS archive (cdb)"),
+        (b"    -1\n", "a universal file (UNV)"),
+        (b"    -1\r\n", "a universal file (UNV)"),
+    ] {
+        if starts(mark) {
+            return Some(name);
+        }
+    }
+    for (mark, name) in [
+        ("<VTKFile", "a VTK file of XML, such as VTU"),
+        ("* GRIDPOINTS", "a FLAC3D grid"),
+        ("*KEYWORD", "an LS-DYNA file (k)"),
+        ("\nNBLOCK,", "an ANSYS archive (cdb)"),
+        ("nblock,", "an ANSYS archive (cdb)"),
+        ("\nBEGIN BULK", "a Nastran file (bdf)"),
+        ("\nGRID*", "a Nastran file (bdf)"),
+        ("\nGRID,", "a Nastran file (bdf)"),
+        ("\nGRID  ", "a Nastran file (bdf)"),
+        ("MeshVersionFormatted", "a Medit mesh"),
+    ] {
+        if has(mark) {
+            return Some(name);
+        }
+    }
+    None
+}
