@@ -62,6 +62,8 @@
 
 mod atomic;
 mod date;
+#[cfg(any(feature = "gmsh", feature = "inp"))]
+mod degenerate;
 mod error;
 #[cfg(feature = "gmsh")]
 pub mod gmsh;

@@ -1,20 +1,23 @@
-//! Elements of second order, in every format of meshes that has them.
+//! Options of reading meshes, and elements of second order in every format that has them.
 
 use std::collections::HashSet;
 
 use powerhouse_model::{Mesh, Vec3};
 
-/// Options of reading elements of second order.
+/// Options of reading a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct MeshOptions {
+pub struct MeshOptions<'n> {
     /// Whether all elements of second order are read as those with the same corners; false by default.
     pub first_order: bool,
     /// Whether nodes at the middle of curved edges are moved to the midpoints; false by default: curved edges are an error.
     pub straighten: bool,
+    /// Names of the groups of lines of a Gmsh file that are bars; other lines are left out. By default every line of a group is a
+    /// bar that can be one.
+    pub bars: Option<&'n [&'n str]>,
 }
 
-impl MeshOptions {
+impl<'n> MeshOptions<'n> {
     /// Elements of second order are read as those with the same corners.
     #[must_use]
     pub fn with_first_order(mut self) -> Self {
@@ -25,6 +28,12 @@ impl MeshOptions {
     #[must_use]
     pub fn with_straight_edges(mut self) -> Self {
         self.straighten = true;
+        self
+    }
+    /// Lines of the groups of these names alone are bars.
+    #[must_use]
+    pub fn with_bars(mut self, names: &'n [&'n str]) -> Self {
+        self.bars = Some(names);
         self
     }
 }

@@ -1,5 +1,6 @@
 //! Conversion of the content of a file into a mesh with its sets.
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use powerhouse_model::{Mesh, MeshBuilder, MeshError, Vec3};
@@ -24,6 +25,23 @@ enum ElementUse {
     Facet,
     Point,
     Dropped,
+    /// Line of a group that is no bar.
+    Curve,
+}
+
+/// Name of a physical group.
+fn group_name(raw: &RawMesh, dimension: usize, group: i32) -> String {
+    match raw.names.get(&(dimension, group)) {
+        Some(name) if !name.is_empty() => name.clone(),
+        _ => format!("physical_{dimension}_{group}"),
+    }
+}
+
+/// Whether a group of an element is one of these bars.
+fn is_named(raw: &RawMesh, bars: Option<&[&str]>, element: &RawElement) -> bool {
+    let groups = raw.lists.groups(element.groups).iter();
+    let mut names = groups.map(|group| group_name(raw, element.shape.dimension(), *group));
+    bars.is_some_and(|bars| names.any(|name| bars.contains(&name.as_str())))
 }
 
 struct Assembly<'a> {
@@ -35,7 +53,7 @@ struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    fn new(raw: &'a RawMesh) -> Self {
+    fn new(raw: &'a RawMesh, bars: Option<&[&str]>) -> Self {
         let elements = &raw.elements.elements;
         let top = elements.iter().map(|e| e.shape.dimension()).max();
         let top = top.unwrap_or(0);
@@ -45,6 +63,10 @@ impl<'a> Assembly<'a> {
         } else {
             ALL
         };
+        let is_bar = |e: &RawElement| match bars {
+            None => e.shape.element().is_some(),
+            Some(_) => is_named(raw, bars, e),
+        };
         let element_use = |e: &RawElement| match (e.shape.dimension(), e.groups.is_none()) {
             (dimension, true) if dimension == top && e.shape.element().is_some() => {
                 ElementUse::Element(Some(beside))
@@ -52,6 +74,7 @@ impl<'a> Assembly<'a> {
             (_, true) => ElementUse::Dropped,
             (2, false) => ElementUse::Facet,
             (0, false) => ElementUse::Point,
+            (1, false) if !is_bar(e) => ElementUse::Curve,
             (_, false) => ElementUse::Element(None),
         };
         let uses: Vec<ElementUse> = elements.iter().map(element_use).collect();
@@ -80,7 +103,10 @@ impl<'a> Assembly<'a> {
     fn check_order(&self) -> Result<(), Located> {
         let elements = self.raw.elements.elements.iter();
         let top = elements.clone().map(|e| e.shape.dimension()).max();
-        for element in elements.filter(|element| element.shape.is_only_lowered()) {
+        for (element, element_use) in elements.zip(&self.uses) {
+            if !element.shape.is_only_lowered() || *element_use == ElementUse::Curve {
+                continue;
+            }
             let is_top = Some(element.shape.dimension()) == top;
             if is_top || !element.groups.is_none() {
                 let fault = GmshFault::SecondOrder {
@@ -93,20 +119,19 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    fn group_name(&self, dimension: usize, group: i32) -> String {
-        match self.raw.names.get(&(dimension, group)) {
-            Some(name) if !name.is_empty() => name.clone(),
-            _ => format!("physical_{dimension}_{group}"),
-        }
-    }
-
     fn build(&self) -> Result<Mesh, Located> {
         let raw = self.raw;
-        if !self
+        let has_elements = self
             .uses
             .iter()
-            .any(|f| matches!(f, ElementUse::Element(_)))
-        {
+            .any(|f| matches!(f, ElementUse::Element(_)));
+        let has_only_facets = self.uses.contains(&ElementUse::Facet)
+            && raw
+                .elements
+                .elements
+                .iter()
+                .all(|e| e.shape.dimension() < 3);
+        if !has_elements || has_only_facets {
             let of = |dimension: usize| {
                 let elements = raw.elements.elements.iter();
                 elements
@@ -122,7 +147,7 @@ impl<'a> Assembly<'a> {
             return Err(Located::new("$Elements", raw.elements.start, fault));
         }
         let names: BTreeMap<(usize, i32), String> = (self.groups.keys())
-            .map(|&(dimension, group)| ((dimension, group), self.group_name(dimension, group)))
+            .map(|&(dimension, group)| ((dimension, group), group_name(self.raw, dimension, group)))
             .collect();
         let mut builder = Mesh::builder();
         for (tag, position) in raw.nodes.tags.iter().zip(&raw.nodes.positions) {
@@ -228,16 +253,55 @@ fn lower(raw: &mut RawMesh, first_order: bool) -> (usize, CurvedNodes) {
     (lowered, curved)
 }
 
+/// Makes one line of those of several groups that have the same nodes; returns the number of the others.
+fn merge_lines(raw: &mut RawMesh) -> usize {
+    let mut first_of: HashMap<[u64; 2], usize> = HashMap::new();
+    let mut others: HashSet<usize> = HashSet::new();
+    for at in 0..raw.elements.elements.len() {
+        let element = raw.elements.elements[at];
+        if element.shape.dimension() != 1 || element.groups.is_none() {
+            continue;
+        }
+        let nodes = raw.elements.nodes_of(&element);
+        let (a, b) = (nodes[0].min(nodes[1]), nodes[0].max(nodes[1]));
+        match first_of.entry([a, b]) {
+            Entry::Vacant(vacant) => {
+                vacant.insert(at);
+            }
+            Entry::Occupied(occupied) => {
+                let first = *occupied.get();
+                let old = raw.lists.groups(raw.elements.elements[first].groups);
+                let new = raw.lists.groups(element.groups);
+                // A second line of one group is reported as a duplicate.
+                if new.iter().all(|group| old.contains(group)) {
+                    continue;
+                }
+                let both: Vec<i32> = old.iter().chain(new).copied().collect();
+                raw.elements.elements[first].groups = raw.lists.intern(both);
+                others.insert(at);
+            }
+        }
+    }
+    if !others.is_empty() {
+        let mut at = 0..;
+        raw.elements
+            .elements
+            .retain(|_| at.next().is_none_or(|at| !others.contains(&at)));
+    }
+    others.len()
+}
+
 /// Builds the mesh and checks the shapes of its elements.
 pub(super) fn assemble(
     mut raw: RawMesh,
     version: GmshVersion,
     encoding: Encoding,
-    options: MeshOptions,
+    options: MeshOptions<'_>,
 ) -> Result<(Mesh, GmshReport), Located> {
     let (lowered_elements, curved) = lower(&mut raw, options.first_order);
+    raw.merged += merge_lines(&mut raw);
     let raw = &raw;
-    let assembly = Assembly::new(raw);
+    let assembly = Assembly::new(raw, options.bars);
     assembly.check_order()?;
     let mesh = assembly.build()?;
     let mesh = match options.straighten {
@@ -253,6 +317,8 @@ pub(super) fn assemble(
         elements: raw.elements.elements.len() + raw.merged,
         merged_elements: raw.merged,
         dropped_elements: uses(|element_use| *element_use == ElementUse::Dropped),
+        curve_elements: uses(|element_use| *element_use == ElementUse::Curve),
+        collapsed_elements: raw.collapsed,
         ungrouped_elements: uses(|element_use| matches!(element_use, ElementUse::Element(Some(_)))),
         dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
         lowered_elements,
@@ -260,7 +326,7 @@ pub(super) fn assemble(
         largest_curve: curved.largest(),
         groups: (assembly.groups.iter())
             .map(|(&(dimension, number), &elements)| GmshGroup {
-                name: assembly.group_name(dimension, number),
+                name: group_name(raw, dimension, number),
                 dimension,
                 number,
                 elements,

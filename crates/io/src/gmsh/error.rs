@@ -89,17 +89,16 @@ pub enum GmshFault {
     #[error("the file is empty")]
     Empty,
     /// The first section is not `$MeshFormat`.
-    #[error(
-        "a Gmsh file starts with $MeshFormat, but this file starts with '{found}'{}",
-        if found.starts_with("powerhouse mesh") { ", as a packed mesh does, whose name ends with .phm" } else { "" }
-    )]
+    #[error("{}", not_gmsh(found, *known))]
     NotGmsh {
         /// Start of the file.
         found: String,
+        /// Name of the format that the file has, if it is known.
+        known: Option<&'static str>,
     },
-    /// The format version is neither 2.2 nor 4.1.
+    /// The format version is neither 2 to 2.2 nor 4.1.
     #[error(
-        "format version {version} is not supported; 2.2 and 4.1 are (gmsh -save -format msh41)"
+        "format version {version} is not supported; 2 to 2.2 and 4.1 are (gmsh -save -format msh41)"
     )]
     Version {
         /// Version as written in the file.
@@ -276,14 +275,20 @@ pub enum GmshFault {
         /// Type as written in the file.
         number: i64,
     },
-    /// The file has neither solids nor bars; bars are lines in a physical group.
+    /// The file has neither solids nor bars, or facets without a solid; bars are lines in a physical group.
     #[error(
-        "the file has no solids and no bars, only {facets} facets, {lines} lines and {points} points"
+        "the file has no solids, only {facets} facets, {lines} lines and {points} points{}",
+        if *facets > 0 {
+            ": in Gmsh `Extrude {0, 0, 1} { Surface{:}; Layers{1}; Recombine; }` with a Physical Volume makes a slice of a plane mesh, and \
+             `gmsh FILE.geo -3` its solids"
+        } else {
+            ""
+        }
     )]
     NoSolids {
         /// Number of triangles and quadrilaterals.
         facets: usize,
-        /// Number of lines without a physical group.
+        /// Number of lines.
         lines: usize,
         /// Number of points.
         points: usize,
@@ -312,6 +317,26 @@ pub enum GmshFault {
         /// Kind of record.
         what: &'static str,
     },
+}
+
+fn not_gmsh(found: &str, known: Option<&str>) -> String {
+    const CONVERTED: [&str; 4] = ["MED", "universal", "Nastran", "Medit"];
+    if let Some(known) = known {
+        let is_converted = CONVERTED.iter().any(|name| known.contains(name));
+        let way = match is_converted {
+            true => "`gmsh FILE -save -format msh41 -o mesh.msh` writes it as one, with its groups",
+            false => "meshio and `Mesh.from_meshio` of the Python package read many formats",
+        };
+        return format!("this is {known}, not a Gmsh mesh: {way}");
+    }
+    let more = match found {
+        _ if found.starts_with("powerhouse mesh") => {
+            ", as a packed mesh does, whose name ends with .phm"
+        }
+        _ if found.starts_with('*') => ", as an Abaqus input file does",
+        _ => "",
+    };
+    format!("a Gmsh file starts with $MeshFormat, but this file starts with '{found}'{more}")
 }
 
 /// Fault with its position, before the name of the file and the line are known.

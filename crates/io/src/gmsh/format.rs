@@ -7,7 +7,7 @@ use super::error::{GmshFault, Located, snippet};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GmshVersion {
-    /// Version MSH 2.2.
+    /// Versions MSH 2 to 2.2.
     Two,
     /// Version MSH 4.1.
     Four,
@@ -69,11 +69,15 @@ pub(super) fn read(bytes: &[u8], at: usize) -> Result<(Format, usize), Located> 
     let data_size = number(data_size)
         .and_then(|size| u64::try_from(size).ok())
         .ok_or_else(expected)?;
-    let version = match version {
-        b"2.2" => GmshVersion::Two,
-        b"4.1" => GmshVersion::Four,
-        other => {
-            let version = snippet(other);
+    // Files of versions 2 and 2.1 have the same content; some programs write the version with more digits.
+    let value = std::str::from_utf8(version)
+        .ok()
+        .and_then(|word| word.parse::<f64>().ok());
+    let version = match value {
+        Some(2.0..=2.2) => GmshVersion::Two,
+        Some(4.1) => GmshVersion::Four,
+        _ => {
+            let version = snippet(version);
             return Err(fault(at, GmshFault::Version { version }));
         }
     };

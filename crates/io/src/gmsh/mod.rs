@@ -1,10 +1,11 @@
-//! Gmsh mesh files: reading of MSH 4.1 and 2.2, text and binary of either byte order, writing of 4.1 text.
+//! Gmsh mesh files: reading of MSH 4.1 and 2 to 2.2, text and binary of either byte order, writing of 4.1 text.
 //!
 //! | in the file | in the mesh |
 //! |---|---|
 //! | hexahedra (8 nodes), tetrahedra (4), prisms (6), pyramids (5) | solids `hex8`, `tet4`, `wedge6`, `pyramid5` |
 //! | tetrahedra (10) with straight edges | solids `tet10` |
-//! | lines (2) in a physical group | bars `bar2` |
+//! | solids with repeated nodes | the wedges, pyramids and tetrahedra that they are |
+//! | lines (2) in a physical group | bars `bar2`; with [`MeshOptions::bars`] only of the groups that it names, other lines are left out |
 //! | triangles (3 or 6), quadrilaterals (4) in a physical group | facets: the sides of the solids on the same nodes, both sides of an interior face |
 //! | points in a physical group | nodes |
 //! | physical groups of dimension 3 and 1, 2, 0 | element sets, facet sets, node sets |
@@ -38,7 +39,10 @@
 //! with nothing at which it panics; its blocks, counts and element numbers are compared with the
 //! scanner's. Memory is in proportion to the file.
 //!
-//! *Version 2.2* is still written by many programs. It is read in one pass.
+//! *Version 2.2* is still written by many programs. It is read in one pass, and so are 2 and 2.1, whose content is the same.
+//!
+//! *Curves are named for many reasons*, to be refined or as the edge of a load, and are bars only where somebody wants bars. Lines
+//! that cannot be bars, of three nodes, are no fault of a mesh of solids; those of two curves on the same nodes are one bar.
 //!
 //! *The header of a section is checked.* A total or a range of numbers that disagrees with the
 //! records is an error: the file was truncated or edited.
@@ -82,7 +86,7 @@ pub struct GmshMesh {
     pub report: GmshReport,
 }
 
-/// Reads a Gmsh file of version 4.1 or 2.2, text or binary.
+/// Reads a Gmsh file of version 4.1 or 2 to 2.2, text or binary.
 ///
 /// # Errors
 /// [`GmshError::File`] if it cannot be opened, [`GmshError::Content`] with the line or byte, the
@@ -95,7 +99,10 @@ pub fn read_gmsh(path: impl AsRef<Path>) -> Result<GmshMesh, GmshError> {
 ///
 /// # Errors
 /// As [`read_gmsh`].
-pub fn read_gmsh_with(path: impl AsRef<Path>, options: MeshOptions) -> Result<GmshMesh, GmshError> {
+pub fn read_gmsh_with(
+    path: impl AsRef<Path>,
+    options: MeshOptions<'_>,
+) -> Result<GmshMesh, GmshError> {
     let path = path.as_ref();
     let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
     parse(&bytes, Some(path.into()), options)
@@ -146,11 +153,15 @@ pub fn parse_gmsh(bytes: &[u8]) -> Result<GmshMesh, GmshError> {
 ///
 /// # Errors
 /// As [`parse_gmsh`].
-pub fn parse_gmsh_with(bytes: &[u8], options: MeshOptions) -> Result<GmshMesh, GmshError> {
+pub fn parse_gmsh_with(bytes: &[u8], options: MeshOptions<'_>) -> Result<GmshMesh, GmshError> {
     parse(bytes, None, options)
 }
 
-fn parse(bytes: &[u8], file: Option<PathBuf>, options: MeshOptions) -> Result<GmshMesh, GmshError> {
+fn parse(
+    bytes: &[u8],
+    file: Option<PathBuf>,
+    options: MeshOptions<'_>,
+) -> Result<GmshMesh, GmshError> {
     let (format, start) = match read::head(bytes) {
         Ok(head) => head,
         Err(located) => return Err(located.complete(bytes, true, file)),

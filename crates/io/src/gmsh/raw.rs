@@ -6,6 +6,7 @@ use powerhouse_model::{MeshError, Vec3};
 
 use super::error::{GmshFault, Located};
 use super::shape::Shape;
+use crate::degenerate::collapsed;
 
 /// Nodes in the order of the file.
 #[derive(Debug, Default)]
@@ -111,11 +112,41 @@ pub(super) struct RawMesh {
     pub(super) names: GroupNames,
     /// Number of elements that repeat another one in a second group.
     pub(super) merged: usize,
+    /// Number of solids with repeated nodes that were replaced by what they are.
+    pub(super) collapsed: usize,
     /// Names of the skipped sections.
     pub(super) skipped: Vec<String>,
 }
 
 impl RawMesh {
+    /// Makes wedges, pyramids and tetrahedra of solids with repeated nodes, and triangles of such quadrilaterals.
+    pub(super) fn collapse(&mut self) {
+        for element in &mut self.elements.elements {
+            let nodes = &mut self.elements.nodes[element.first..][..element.shape.node_count()];
+            if (1..nodes.len()).all(|at| !nodes[..at].contains(&nodes[at])) {
+                continue;
+            }
+            if let Some(solid) = element
+                .shape
+                .element()
+                .and_then(|kind| collapsed(kind, nodes))
+                && let Some(shape) = Shape::of_element(solid.kind)
+            {
+                let own = solid.nodes();
+                nodes[..own.len()].copy_from_slice(own);
+                element.shape = shape;
+                self.collapsed += 1;
+            } else if element.shape == Shape::Quadrilateral4 {
+                let next = (0..4).find(|&at| nodes[at] == nodes[(at + 1) % 4]);
+                if let Some(at) = next {
+                    nodes.rotate_left(at);
+                    nodes.copy_within(2.., 1);
+                    element.shape = Shape::Triangle3;
+                }
+            }
+        }
+    }
+
     /// Checks numbers and positions as far as they do not depend on the use of the elements.
     pub(super) fn validate(&self) -> Result<(), Located> {
         let known = self.validate_nodes()?;

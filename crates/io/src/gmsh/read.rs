@@ -27,11 +27,18 @@ pub(super) fn head(bytes: &[u8]) -> Result<(Format, usize), Located> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Located::new("", 0, GmshFault::Empty));
     }
-    let not_gmsh = || {
-        let found = snippet(bytes.trim_ascii_start());
-        Located::new("", 0, GmshFault::NotGmsh { found })
+    // A byte order mark of UTF-8 is no text.
+    let start = if bytes.starts_with(b"\xef\xbb\xbf") {
+        3
+    } else {
+        0
     };
-    let marker = section::next(bytes, 0).map_err(|_| not_gmsh())?;
+    let not_gmsh = || {
+        let found = snippet(bytes[start..].trim_ascii_start());
+        let known = crate::known_format(bytes);
+        Located::new("", 0, GmshFault::NotGmsh { found, known })
+    };
+    let marker = section::next(bytes, start).map_err(|_| not_gmsh())?;
     let marker = marker.ok_or_else(not_gmsh)?;
     match marker.name {
         b"$MeshFormat" => {}
@@ -166,6 +173,7 @@ impl Sections {
                 self.raw.elements = self.elements.ok_or_else(missing("$Elements"))?;
             }
         }
+        self.raw.collapse();
         self.raw.validate()?;
         if format.version == GmshVersion::Two {
             self.raw.merged = msh2::merge(&mut self.raw.elements, &mut self.raw.lists);

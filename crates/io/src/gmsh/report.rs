@@ -29,10 +29,14 @@ pub struct GmshReport {
     pub nodes: usize,
     /// Number of elements of every dimension in the file.
     pub elements: usize,
-    /// Number of elements that repeat another one in a second group (version 2.2).
+    /// Number of elements that repeat another one in a second group (version 2.2, and lines of several groups).
     pub merged_elements: usize,
     /// Number of lines, facets and points without a physical group, which are dropped.
     pub dropped_elements: usize,
+    /// Number of lines of physical groups that are no bars, which are dropped.
+    pub curve_elements: usize,
+    /// Number of solids with repeated nodes that were read as the wedges, pyramids and tetrahedra that they are.
+    pub collapsed_elements: usize,
     /// Number of elements of the mesh without a physical group: those of the set `all` or
     /// `ungrouped`.
     pub ungrouped_elements: usize,

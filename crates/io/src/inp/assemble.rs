@@ -21,7 +21,7 @@ const UNUSED: u32 = u32::MAX;
 pub(super) fn assemble(
     bytes: &[u8],
     raw: &RawMesh,
-    options: MeshOptions,
+    options: MeshOptions<'_>,
 ) -> Result<(Mesh, InpReport), Located> {
     check_nodes(raw)?;
     let curved = curved(raw);
@@ -88,7 +88,7 @@ fn curved(raw: &RawMesh) -> CurvedNodes {
 }
 
 /// The mesh without sets, and the index in it of each node of the file.
-fn build(raw: &RawMesh, options: MeshOptions) -> Result<(Mesh, Vec<u32>), Located> {
+fn build(raw: &RawMesh, options: MeshOptions<'_>) -> Result<(Mesh, Vec<u32>), Located> {
     let mut index = vec![UNUSED; raw.nodes.tags.len()];
     let mut builder = Mesh::builder();
     let no_sets: [&str; 0] = [];

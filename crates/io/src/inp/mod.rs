@@ -83,7 +83,10 @@ pub fn read_inp(path: impl AsRef<Path>) -> Result<InpMesh, InpError> {
 ///
 /// # Errors
 /// As [`read_inp`].
-pub fn read_inp_with(path: impl AsRef<Path>, options: MeshOptions) -> Result<InpMesh, InpError> {
+pub fn read_inp_with(
+    path: impl AsRef<Path>,
+    options: MeshOptions<'_>,
+) -> Result<InpMesh, InpError> {
     let path = path.as_ref();
     let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
     parse(&bytes, Some(path.into()), options)
@@ -124,11 +127,15 @@ pub fn parse_inp(bytes: &[u8]) -> Result<InpMesh, InpError> {
 ///
 /// # Errors
 /// As [`parse_inp`].
-pub fn parse_inp_with(bytes: &[u8], options: MeshOptions) -> Result<InpMesh, InpError> {
+pub fn parse_inp_with(bytes: &[u8], options: MeshOptions<'_>) -> Result<InpMesh, InpError> {
     parse(bytes, None, options)
 }
 
-fn parse(bytes: &[u8], file: Option<PathBuf>, options: MeshOptions) -> Result<InpMesh, InpError> {
+fn parse(
+    bytes: &[u8],
+    file: Option<PathBuf>,
+    options: MeshOptions<'_>,
+) -> Result<InpMesh, InpError> {
     let content = read::read(bytes, options)
         .and_then(|raw| assemble::assemble(bytes, &raw, options))
         .map_err(|located| located.complete(bytes, file));

@@ -40,13 +40,13 @@ const REFUSED: [(&str, &str); 11] = [
 
 struct Reader<'a> {
     lines: Lines<'a>,
-    options: MeshOptions,
+    options: MeshOptions<'a>,
     parts: Parts,
     raw: RawMesh,
 }
 
 /// Reads nodes, elements and the places of sets.
-pub(super) fn read(bytes: &[u8], options: MeshOptions) -> Result<RawMesh, Located> {
+pub(super) fn read(bytes: &[u8], options: MeshOptions<'_>) -> Result<RawMesh, Located> {
     let mut reader = Reader {
         lines: Lines::new(bytes, 0),
         options,

@@ -1,5 +1,6 @@
 //! Reading and writing Gmsh files.
 
+mod curves;
 mod files;
 mod malformed;
 mod meaning;

@@ -201,7 +201,8 @@ fn curved_edges_are_refused_or_straightened() {
     );
 }
 
-/// Lines of three nodes are bars of first order alone; without a group they are dropped beside solids.
+/// Lines of three nodes are no bars but those of first order: beside solids they are left out, and refused where they are
+/// named as bars.
 #[test]
 fn lines_of_three_nodes_are_bars_of_first_order() {
     let corners = ElementKind::Tet4.natural_corners();
@@ -221,7 +222,15 @@ fn lines_of_three_nodes_are_bars_of_first_order() {
         ),
         (1, 1)
     );
-    let error = parse_gmsh(with_line(3).as_bytes()).unwrap_err().to_string();
+    let curve = parse_gmsh(with_line(3).as_bytes()).unwrap();
+    assert_eq!(
+        (curve.mesh.element_count(), curve.report.curve_elements),
+        (1, 1)
+    );
+    let named = MeshOptions::default().with_bars(&["physical_1_3"]);
+    let error = parse_gmsh_with(with_line(3).as_bytes(), named)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("element 7 is a line3"), "{error}");
     let options = MeshOptions::default().with_first_order();
     let bars = parse_gmsh_with(with_line(3).as_bytes(), options)

@@ -27,7 +27,9 @@ fn faults_of_the_head() {
             "{other}"
         );
     }
-    for version in ["1.0", "2.0", "2.1", "3.0", "4.0", "4.2", "x", "41"] {
+    for version in [
+        "1.0", "1.9", "2.3", "3.0", "4.0", "4", "4.2", "x", "41", "nan",
+    ] {
         let head = format!("$MeshFormat\n{version} 0 8\n$EndMeshFormat\n");
         let wanted = GmshFault::Version {
             version: version.into(),
