@@ -262,8 +262,8 @@ mod tests {
         ] {
             assert!(kinds.contains(&kind), "{kind:?}");
         }
-        // A wedge and a pyramid with a collapsed edge.
-        let wedge = collapsed(ElementKind::Wedge6, &[11, 12, 14, 15, 16, 15]).unwrap();
+        // A wedge whose triangles share a corner, and a pyramid with a collapsed edge.
+        let wedge = collapsed(ElementKind::Wedge6, &[11, 12, 14, 11, 16, 18]).unwrap();
         assert_eq!(wedge.kind, ElementKind::Pyramid5);
         let tet = collapsed(ElementKind::Pyramid5, &[11, 12, 13, 13, 15]).unwrap();
         assert_eq!(tet.kind, ElementKind::Tet4);
@@ -283,5 +283,7 @@ mod tests {
             assert_eq!(collapsed(ElementKind::Hex8, &nodes), None, "{nodes:?}");
         }
         assert_eq!(collapsed(ElementKind::Tet4, &[1, 2, 3, 3]), None);
+        // Two triangles and two quadrilaterals.
+        assert_eq!(collapsed(ElementKind::Wedge6, &[1, 2, 3, 4, 5, 4]), None);
     }
 }

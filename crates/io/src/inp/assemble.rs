@@ -1,12 +1,14 @@
 //! Conversion of the content of a file into a mesh with its sets.
 
-use powerhouse_model::{Mesh, MeshError};
+use powerhouse_model::{Facet, Mesh, MeshError};
 
-use super::blocks::RawMesh;
+use super::blocks::{RawElement, RawMesh};
 use super::error::{InpFault, Located};
 use super::report::InpReport;
 use super::sets::{self, AllSets, Set};
+use super::shape::Shape;
 use crate::MeshOptions;
+use crate::degenerate::collapsed;
 use crate::second_order::CurvedNodes;
 
 /// Name of the set of all elements, if none of the file belongs to a set.
@@ -20,27 +22,32 @@ const UNUSED: u32 = u32::MAX;
 /// Builds the mesh and checks the shapes of its elements.
 pub(super) fn assemble(
     bytes: &[u8],
-    raw: &RawMesh,
+    mut raw: RawMesh,
     options: MeshOptions<'_>,
 ) -> Result<(Mesh, InpReport), Located> {
+    collapse(&mut raw, options.first_order);
+    let raw = &raw;
     check_nodes(raw)?;
     let curved = curved(raw);
     let sets = sets::read(bytes, raw)?;
-    let (mut mesh, index) = build(raw, options)?;
+    let places = places(raw);
+    let (mut mesh, index) = build(raw, &sets, options)?;
     let at_start = |error: MeshError| Located::new("", 0, error);
     let (ungrouped_elements, has_element_sets) =
-        element_sets(&mut mesh, &sets).map_err(at_start)?;
-    let empty_sets = other_sets(&mut mesh, sets, &index).map_err(at_start)?;
+        element_sets(&mut mesh, raw, &sets, &places).map_err(at_start)?;
+    let empty_sets = other_sets(&mut mesh, raw, sets, &index, &places).map_err(at_start)?;
     let mesh = match options.straighten {
         true => mesh.with_straight_edges(),
         false => mesh,
     };
     let quality = mesh.check().map_err(|error| locate(raw, error))?;
-    let second_order = |e: &&super::blocks::RawElement| !e.shape.edges.is_empty();
+    let second_order = |e: &&RawElement| !e.shape.edges.is_empty();
     let elements = &raw.elements.elements;
+    let counts = &raw.counts;
     let report = InpReport {
         nodes: raw.nodes.tags.len(),
         elements: elements.len(),
+        facet_elements: elements.len() - mesh.element_count(),
         has_element_sets,
         ungrouped_elements,
         dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
@@ -50,11 +57,55 @@ pub(super) fn assemble(
         },
         curved_nodes: curved.count(),
         largest_curve: curved.largest(),
+        collapsed_elements: raw.elements.collapsed.len(),
+        coupled_elements: counts.coupled,
+        omitted_coordinates: counts.omitted,
+        left_out: counts
+            .left_out
+            .iter()
+            .map(|(name, count)| (name.clone(), *count))
+            .collect(),
+        instances: match &raw.instances[..] {
+            [] | [_] => Vec::new(),
+            instances => {
+                let shifts = instances
+                    .iter()
+                    .map(|own| (own.name.text.clone(), own.shift));
+                shifts.collect()
+            }
+        },
         empty_sets,
-        skipped_keywords: raw.skipped.iter().cloned().collect(),
+        skipped_keywords: counts.skipped.iter().cloned().collect(),
         quality,
     };
     Ok((mesh, report))
+}
+
+/// Makes wedges, pyramids and tetrahedra of solids with repeated corners.
+fn collapse(raw: &mut RawMesh, first_order: bool) {
+    let elements = &mut raw.elements;
+    for (element, index) in elements.elements.iter_mut().zip(0..) {
+        let corners = element.shape.corners();
+        let nodes = &mut elements.nodes[element.first..][..corners];
+        if (1..corners).all(|at| !nodes[..at].contains(&nodes[at])) {
+            continue;
+        }
+        let Some(kind) = element
+            .shape
+            .kind(first_order)
+            .filter(|kind| kind.node_count() == corners)
+        else {
+            continue;
+        };
+        let found = collapsed(kind, nodes).and_then(|own| Some((own, Shape::of_kind(own.kind)?)));
+        if let Some((own, shape)) = found {
+            let mut was = [0; 8];
+            was[..corners].copy_from_slice(nodes);
+            nodes[..own.nodes().len()].copy_from_slice(own.nodes());
+            element.shape = shape;
+            elements.collapsed.insert(index, (own, kind, was));
+        }
+    }
 }
 
 /// Refuses elements with nodes that do not exist or occur twice.
@@ -67,7 +118,7 @@ fn check_nodes(raw: &RawMesh) -> Result<(), Located> {
             if !raw.nodes.index.contains_key(&node) {
                 return Err(fault(MeshError::DanglingNode { element, node }));
             }
-            if nodes[..local].contains(&node) {
+            if nodes[..local].contains(&node) && !raw_element.shape.is_facet() {
                 return Err(fault(MeshError::RepeatedNode { element, node }));
             }
         }
@@ -80,26 +131,73 @@ fn curved(raw: &RawMesh) -> CurvedNodes {
     let mut curved = CurvedNodes::default();
     let position = |node: u64| raw.nodes.positions[raw.nodes.index[&node] as usize];
     for element in &raw.elements.elements {
-        let corners = element.shape.corners.node_count();
-        let edges = (corners, element.shape.edges);
+        let edges = (element.shape.corners(), element.shape.edges);
         curved.add(raw.elements.nodes_of(element), edges, position);
     }
     curved
 }
 
-/// The mesh without sets, and the index in it of each node of the file.
-fn build(raw: &RawMesh, options: MeshOptions<'_>) -> Result<(Mesh, Vec<u32>), Located> {
+/// Index in the mesh of each element of the file, [`UNUSED`] of a facet; none if all are elements of the mesh.
+fn places(raw: &RawMesh) -> Option<Vec<u32>> {
+    let elements = &raw.elements.elements;
+    if !elements.iter().any(|element| element.shape.is_facet()) {
+        return None;
+    }
+    let mut next = 0..;
+    let place = |element: &RawElement| match element.shape.is_facet() {
+        true => UNUSED,
+        false => next.next().unwrap_or(UNUSED),
+    };
+    Some(elements.iter().map(place).collect())
+}
+
+/// Index in the mesh of an element of the file, if it is one there.
+fn place(places: &Option<Vec<u32>>, element: u32) -> Option<u32> {
+    let found = places
+        .as_ref()
+        .map_or(element, |places| places[element as usize]);
+    (found != UNUSED).then_some(found)
+}
+
+/// The mesh with the facet sets of shells alone, and the index in it of each node of the file.
+fn build(
+    raw: &RawMesh,
+    sets: &AllSets,
+    options: MeshOptions<'_>,
+) -> Result<(Mesh, Vec<u32>), Located> {
     let mut index = vec![UNUSED; raw.nodes.tags.len()];
     let mut builder = Mesh::builder();
     let no_sets: [&str; 0] = [];
+    let mut nodes = Vec::new();
     for element in &raw.elements.elements {
-        let nodes = raw.elements.nodes_of(element);
-        let nodes = element.shape.in_mesh_order(nodes, options.first_order);
+        let Some(kind) = element.shape.kind(options.first_order) else {
+            continue;
+        };
+        nodes.clear();
+        let own = raw.elements.nodes_of(element);
+        element
+            .shape
+            .in_mesh_order(own, options.first_order, &mut nodes);
         for node in &nodes {
             index[raw.nodes.index[node] as usize] = 0;
         }
-        let kind = element.shape.kind(options.first_order);
         builder.element(element.tag, kind, &nodes, &no_sets);
+    }
+    for set in &sets.elements.list {
+        for &member in &set.members {
+            let element = &raw.elements.elements[member as usize];
+            if element.shape.is_facet() {
+                builder.facet(&set.name, &facet_nodes(raw, element, options.first_order));
+            }
+        }
+    }
+    for set in &sets.faces.list {
+        for facet in &set.members {
+            let element = &raw.elements.elements[facet.element as usize];
+            if element.shape.is_facet() {
+                builder.facet(&set.name, &facet_nodes(raw, element, options.first_order));
+            }
+        }
     }
     let nodes = raw.nodes.tags.iter().zip(&raw.nodes.positions);
     let used = index.iter_mut().zip(nodes);
@@ -111,15 +209,58 @@ fn build(raw: &RawMesh, options: MeshOptions<'_>) -> Result<(Mesh, Vec<u32>), Lo
     Ok((mesh, index))
 }
 
+/// Nodes of a shell or plane element, each once.
+fn facet_nodes(raw: &RawMesh, element: &RawElement, first_order: bool) -> Vec<u64> {
+    let nodes = raw.elements.nodes_of(element);
+    let count = if first_order {
+        element.shape.corners()
+    } else {
+        nodes.len()
+    };
+    let mut own: Vec<u64> = Vec::with_capacity(count);
+    for node in &nodes[..count] {
+        if !own.contains(node) {
+            own.push(*node);
+        }
+    }
+    own
+}
+
 /// Gives the mesh its element sets; returns the number of elements in no set that is not internal, and whether there are others.
-fn element_sets(mesh: &mut Mesh, sets: &AllSets) -> Result<(usize, bool), MeshError> {
+fn element_sets(
+    mesh: &mut Mesh,
+    raw: &RawMesh,
+    sets: &AllSets,
+    places: &Option<Vec<u32>>,
+) -> Result<(usize, bool), MeshError> {
     let mut grouped = vec![false; mesh.element_count()];
+    let own = |members: &[u32]| -> Vec<u32> {
+        members
+            .iter()
+            .filter_map(|&element| place(places, element))
+            .collect()
+    };
     for set in &sets.elements.list {
-        for &element in &set.members {
+        let members = own(&set.members);
+        for &element in &members {
             grouped[element as usize] |= !set.internal;
         }
-        if !set.members.is_empty() {
-            mesh.set_element_set(&set.name, set.members.clone())?;
+        if !members.is_empty() {
+            mesh.set_element_set(&set.name, members)?;
+        }
+    }
+    // Of several instances each is a set of its name, unless the file has another one.
+    if raw.instances.len() > 1 {
+        for instance in &raw.instances {
+            let members = own(&instance.elements.clone().collect::<Vec<u32>>());
+            let name = &instance.name.text;
+            if members.is_empty() || mesh.element_set(name).is_ok() {
+                continue;
+            }
+            members
+                .iter()
+                .for_each(|&element| grouped[element as usize] = true);
+            mesh.set_element_set(name, members)?;
         }
     }
     let ungrouped = (0..mesh.element_count() as u32).filter(|&e| !grouped[e as usize]);
@@ -137,7 +278,13 @@ fn element_sets(mesh: &mut Mesh, sets: &AllSets) -> Result<(usize, bool), MeshEr
 }
 
 /// Gives the mesh its node and facet sets; returns the names of all sets without a member.
-fn other_sets(mesh: &mut Mesh, sets: AllSets, index: &[u32]) -> Result<Vec<String>, MeshError> {
+fn other_sets(
+    mesh: &mut Mesh,
+    raw: &RawMesh,
+    sets: AllSets,
+    index: &[u32],
+    places: &Option<Vec<u32>>,
+) -> Result<Vec<String>, MeshError> {
     let mut empty: Vec<String> = Vec::new();
     fn name_if_empty<T>(set: &Set<T>) -> Option<String> {
         set.members.is_empty().then(|| set.name.clone())
@@ -152,16 +299,48 @@ fn other_sets(mesh: &mut Mesh, sets: AllSets, index: &[u32]) -> Result<Vec<Strin
         }
     }
     for set in sets.faces.list {
-        match set.members.is_empty() {
-            true => empty.push(set.name),
-            false => mesh.set_facet_set(&set.name, set.members)?,
+        if set.members.is_empty() {
+            empty.push(set.name);
+            continue;
         }
+        // Those of shells are in the mesh.
+        let of_solid = |facet: Facet| {
+            let is_facet = raw.elements.elements[facet.element as usize]
+                .shape
+                .is_facet();
+            let element = place(places, facet.element).filter(|_| !is_facet)?;
+            Some(Facet { element, ..facet })
+        };
+        let mut facets: Vec<Facet> = set.members.into_iter().filter_map(of_solid).collect();
+        if let Ok(own) = mesh.facet_set(&set.name) {
+            facets.extend_from_slice(own);
+        }
+        mesh.set_facet_set(&set.name, facets)?;
     }
     Ok(empty)
 }
 
 /// Adds the position in the file to an error of the mesh.
 fn locate(raw: &RawMesh, error: MeshError) -> Located {
+    if let MeshError::FacetWithoutElement { nodes, .. } = &error {
+        let mut facets = raw
+            .elements
+            .elements
+            .iter()
+            .filter(|element| element.shape.is_facet());
+        let own = |element: &&RawElement| {
+            let own = raw.elements.nodes_of(element);
+            nodes.iter().all(|node| own.contains(node))
+        };
+        if let Some(element) = facets.find(own) {
+            let name = element.shape.name;
+            let fault = InpFault::Shell {
+                element: element.tag,
+                name,
+            };
+            return Located::new("*ELEMENT", element.offset, fault);
+        }
+    }
     let element = match &error {
         MeshError::CoincidentElements { second: tag, .. }
         | MeshError::Inverted { element: tag, .. }

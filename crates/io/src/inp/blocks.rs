@@ -1,11 +1,12 @@
 //! Content of a file after the first pass: nodes, elements, and where the lines of each set are.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
-use powerhouse_model::Vec3;
+use powerhouse_model::{ElementKind, Vec3};
 
 use super::shape::Shape;
+use crate::degenerate::Collapsed;
 
 /// Name of a set, which is the same in capitals and small letters unless it is in quotation marks.
 #[derive(Clone, Debug)]
@@ -33,7 +34,7 @@ impl Name {
 }
 
 /// Nodes in the order of the file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct RawNodes {
     pub(super) tags: Vec<u64>,
     pub(super) positions: Vec<Vec3>,
@@ -52,13 +53,17 @@ pub(super) struct RawElement {
 }
 
 /// Elements in the order of the file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct RawElements {
     pub(super) elements: Vec<RawElement>,
     /// Nodes by their numbers, in the order of the file.
     pub(super) nodes: Vec<u64>,
     /// Index of each number.
     pub(super) index: HashMap<u64, u32>,
+    /// Numbers of elements that are left out, such as springs.
+    pub(super) outside: HashSet<u64>,
+    /// Solids with repeated nodes, by index: what they are, and the kind and nodes that they have in the file.
+    pub(super) collapsed: HashMap<u32, (Collapsed, ElementKind, [u64; 8])>,
 }
 
 impl RawElements {
@@ -90,10 +95,10 @@ pub(super) struct SetBlock {
     pub(super) kind: SetKind,
     pub(super) name: Name,
     pub(super) source: Source,
-    /// Whether it belongs to the assembly, not to the part or to a flat input.
-    pub(super) in_assembly: bool,
-    /// Whether numbers are those of the instance; always true outside of the assembly.
-    pub(super) of_instance: bool,
+    /// The instance to which the set belongs, by index; none of a set of the assembly or a flat input.
+    pub(super) scope: Option<u32>,
+    /// The instance whose numbers a set of the assembly has, by index; none if it has none, or of another set.
+    pub(super) instance: Option<u32>,
     /// Whether the file calls it internal.
     pub(super) internal: bool,
     /// Name and offset (bytes) of the keyword line.
@@ -101,14 +106,55 @@ pub(super) struct SetBlock {
     pub(super) offset: usize,
 }
 
-/// Content of a file after the first pass.
+/// Nodes, elements and sets of a part, of an instance, or of the file itself.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RawPart {
+    pub(super) nodes: RawNodes,
+    pub(super) elements: RawElements,
+    pub(super) sets: Vec<SetBlock>,
+}
+
+impl RawPart {
+    pub(super) fn is_empty(&self) -> bool {
+        self.nodes.tags.is_empty() && self.elements.elements.is_empty() && self.sets.is_empty()
+    }
+}
+
+/// Instance in the mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub(super) name: Name,
+    /// What is added to the numbers of its nodes and elements.
+    pub(super) shift: u64,
+    /// Its elements, by index.
+    pub(super) elements: Range<u32>,
+}
+
+/// What is counted while the file is read.
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    /// Elements that are left out, by type.
+    pub(super) left_out: BTreeMap<String, usize>,
+    /// Elements with temperatures or pore pressures as further unknowns.
+    pub(super) coupled: usize,
+    /// Nodes with fewer than three coordinates.
+    pub(super) omitted: usize,
+    /// Names of the skipped keywords.
+    pub(super) skipped: BTreeSet<String>,
+}
+
+/// Content of a file after the first pass, with all instances at their places.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
     pub(super) nodes: RawNodes,
     pub(super) elements: RawElements,
     pub(super) sets: Vec<SetBlock>,
-    /// Name of the instance.
-    pub(super) instance: Option<Name>,
-    /// Names of the skipped keywords.
-    pub(super) skipped: BTreeSet<String>,
+    pub(super) instances: Vec<Placed>,
+    /// Least shift of an instance but the first: no number is as large.
+    pub(super) numbers: u64,
+    /// Nodes of the assembly itself, of which no element is made.
+    pub(super) points: HashSet<u64>,
+    /// Elements of the assembly itself that are left out.
+    pub(super) outside: HashSet<u64>,
+    pub(super) counts: Counts,
 }

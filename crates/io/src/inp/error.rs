@@ -63,10 +63,15 @@ pub enum InpFault {
     #[error("the file is empty")]
     Empty,
     /// There is data before the first keyword line.
-    #[error("an Abaqus input file starts with a keyword line, such as *NODE, not with '{found}'")]
+    #[error(
+        "an Abaqus input file starts with a keyword line, such as *NODE, not with '{found}'{}",
+        known.map_or(String::new(), |known| format!(": this is {known}"))
+    )]
     NotInp {
         /// Start of the file.
         found: String,
+        /// Name of the format that the file has, if it is known.
+        known: Option<&'static str>,
     },
     /// A word or number of the file is not what the format has there.
     #[error("{what} is expected here, not '{found}'")]
@@ -220,21 +225,70 @@ pub enum InpFault {
         /// Where it is permitted.
         place: &'static str,
     },
-    /// The file has several parts or several instances.
-    #[error(
-        "a second {keyword} is not read, only one part with one instance: write the model as a flat input, without parts and assemblies"
-    )]
+    /// The file has several assemblies.
+    #[error("a second {keyword} is not read: a file has one")]
     Second {
         /// Name of the keyword.
         keyword: &'static str,
     },
-    /// An instance is translated or rotated.
+    /// The file has several parts and no instance of one.
+    #[error("the file has {parts} parts and no *INSTANCE that says where they are")]
+    NoInstances {
+        /// Number of parts.
+        parts: usize,
+    },
+    /// An instance that is moved has nodes or elements of its own.
     #[error(
-        "the instance is moved by '{found}', which is not read: write the model as a flat input, without parts and assemblies"
+        "the instance '{name}' is moved and has nodes or elements of its own: put them into its part"
     )]
-    Moved {
-        /// Start of the line.
-        found: String,
+    MovedContent {
+        /// Name of the instance.
+        name: String,
+    },
+    /// The numbers of nodes and elements of several instances are too large to be told apart.
+    #[error("{most} is too large a number of a node or element in a file of several instances")]
+    Numbers {
+        /// Largest number.
+        most: u64,
+    },
+    /// A file that is included is not in the folder of the file or below it.
+    #[error(
+        "the file '{name}' is not in the folder of this file or below it, where alone files are included"
+    )]
+    IncludedElsewhere {
+        /// Name as it is written.
+        name: String,
+    },
+    /// Files include each other, or too many of them.
+    #[error("files are included within files {most} times, as where a file includes itself")]
+    IncludedTooDeep {
+        /// Largest permitted depth.
+        most: usize,
+    },
+    /// The files that are included are too large together.
+    #[error("the file and those that it includes have more than {most} bytes")]
+    IncludedTooMuch {
+        /// Largest permitted size (bytes).
+        most: u64,
+    },
+    /// A shell or plane element is not on a side of a solid.
+    #[error(
+        "element {element} of type {name} lies on no side of a solid: shells and plane elements are read as facets of solids alone"
+    )]
+    Shell {
+        /// Number of the element.
+        element: u64,
+        /// Name of its type.
+        name: &'static str,
+    },
+    /// The file has shells or plane elements and no solid.
+    #[error(
+        "the file has no solids, only {facets} shells or plane elements: extrude them (in Gmsh `Extrude {{0, 0, 1}} {{ Surface{{:}}; Layers{{1}}; Recombine; }}`, \
+         with a Physical Volume)"
+    )]
+    NoSolids {
+        /// Number of shells and plane elements.
+        facets: usize,
     },
     /// A name is not that of the part or instance of the file.
     #[error("there is no {what} '{name}' before this line")]
@@ -252,12 +306,10 @@ pub enum InpFault {
         /// The number.
         number: u64,
     },
-    /// A set or surface of the assembly has the name of one of the part.
-    #[error(
-        "the {what} '{name}' of the assembly has the name of one of the part: rename one of them, or write the model as a flat input"
-    )]
+    /// Two parts or two instances have one name.
+    #[error("there are two {what}s '{name}': rename one of them")]
     SameName {
-        /// `node set`, `element set` or `surface`.
+        /// `part` or `instance`.
         what: &'static str,
         /// The name.
         name: String,
@@ -307,10 +359,12 @@ impl Located {
             fault: Box::new(fault.into()),
         }
     }
+    /// Offset in the content (bytes).
+    pub(super) fn offset(&self) -> usize {
+        self.offset
+    }
     /// Error with the name of the file and the number of the line, which is counted only now.
-    pub(super) fn complete(self, bytes: &[u8], file: Option<PathBuf>) -> InpError {
-        let before = &bytes[..self.offset.min(bytes.len())];
-        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+    pub(super) fn complete(self, file: Option<PathBuf>, line: usize) -> InpError {
         InpError::Content {
             file,
             place: InpPlace {

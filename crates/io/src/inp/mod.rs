@@ -7,6 +7,10 @@
 //! | `C3D10`, `C3D10M` with straight edges | solids `tet10` |
 //! | `T3D2` | bars `bar2` |
 //! | `C3D20`, `C3D20R`, `C3D15` | with [`MeshOptions::first_order`] those with the same corners, else an error |
+//! | these with other letters behind them, as `C3D8H`, `C3D8T`, `C3D8RP` | the same solids; those with temperatures or pore pressures are counted |
+//! | solids with repeated nodes | the wedges, pyramids and tetrahedra that they are |
+//! | shells, membranes and plane elements (`S4`, `M3D4`, `CPS3` ...) on sides of solids | facet sets of their element sets |
+//! | springs, dashpots, masses, connectors | left out, and counted |
 //! | any other type | an error with the line and the types that are read |
 //! | `ELSET` of `*ELEMENT`, `*ELSET` | element sets |
 //! | `NSET` of `*NODE`, `*NSET` | node sets |
@@ -21,9 +25,13 @@
 //! [report](InpReport) counts them, and lists sets that are empty and keywords that were skipped: all that
 //! do not describe the mesh, such as `*MATERIAL` and `*STEP`, and surfaces of another type.
 //!
-//! One `*PART` with one `*INSTANCE` at its own place is read as the same mesh without them. More parts or instances, an
-//! instance that is moved, nodes and elements of the assembly, further files (`*INCLUDE`) and generation of nodes and
-//! elements (`*NGEN`, `*ELGEN` ...) are errors with the line and a way out, and so is every parameter without a meaning here.
+//! Each `*INSTANCE` of a `*PART` is at its place, translated and then turned. The first keeps the numbers of its nodes and
+//! elements; those of the second, third and so on are larger by one, two and so on times a power of ten that no number reaches
+//! ([`InpReport::instances`]), and each of several instances is an element set of its name. A set has its name, unless
+//! another instance or the assembly has one of that name: then the name of the instance stands before it, as in
+//! `Part-1-1.Set-1`. Nodes of the assembly itself, which are reference points, are dropped. Files that the file includes (`*INCLUDE`) are read from its folder
+//! and below it. Generation of nodes and elements (`*NGEN`, `*ELGEN` ...) and elements of the assembly itself are errors with
+//! the line and a way out, and so is every parameter without a meaning here.
 //! The shapes are [checked](powerhouse_model::Mesh::check): an inverted element is an error with its line.
 //!
 //! The format: Abaqus 2016 documentation, "Input syntax rules", "Node definition", "Element definition", "Surface
@@ -36,25 +44,32 @@
 //! *Sets have a largest size.* A line with `GENERATE` and a set of sets have many members in a few bytes. The members of all
 //! sets together are limited, in proportion to the nodes and elements; each number is looked up before it is kept.
 //!
-//! *Strict where the format is lenient.* Omitted coordinates are not zero, a member that does not exist is not ignored, and a
-//! second definition of a node does not replace the first: a file that has any of these was probably cut off or edited.
+//! *Strict where the format is lenient.* A member that does not exist is not ignored, and a second definition of a node does not
+//! replace the first: a file that has any of these was probably cut off or edited. Omitted coordinates are zero, as the format
+//! has it, but counted.
+//!
+//! *Numbers of instances are told apart by a power of ten*, so that 2000017 is the node 17 of the third instance in every message.
 
 mod assemble;
 mod blocks;
 mod error;
+mod include;
 mod keyword;
 mod line;
 mod parts;
+mod placed;
 mod read;
 mod report;
 mod sets;
 mod shape;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use powerhouse_model::Mesh;
 
 use crate::{IoError, MeshOptions};
+
+use include::Content;
 
 pub use error::{InpError, InpFault, InpPlace};
 pub use report::InpReport;
@@ -89,7 +104,8 @@ pub fn read_inp_with(
 ) -> Result<InpMesh, InpError> {
     let path = path.as_ref();
     let bytes = crate::read_whole(path, LARGEST).map_err(IoError::file(path))?;
-    parse(&bytes, Some(path.into()), options)
+    let content = Content::read(&bytes, path, LARGEST)?;
+    parse(&content, options)
 }
 
 /// Reads the mesh of an Abaqus input file from memory, as [`read_inp`].
@@ -120,7 +136,7 @@ pub fn read_inp_with(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn parse_inp(bytes: &[u8]) -> Result<InpMesh, InpError> {
-    parse(bytes, None, MeshOptions::default())
+    parse_inp_with(bytes, MeshOptions::default())
 }
 
 /// Reads the mesh of an Abaqus input file from memory, as [`read_inp_with`].
@@ -128,17 +144,12 @@ pub fn parse_inp(bytes: &[u8]) -> Result<InpMesh, InpError> {
 /// # Errors
 /// As [`parse_inp`].
 pub fn parse_inp_with(bytes: &[u8], options: MeshOptions<'_>) -> Result<InpMesh, InpError> {
-    parse(bytes, None, options)
+    parse(&Content::of_bytes(bytes, None), options)
 }
 
-fn parse(
-    bytes: &[u8],
-    file: Option<PathBuf>,
-    options: MeshOptions<'_>,
-) -> Result<InpMesh, InpError> {
-    let content = read::read(bytes, options)
-        .and_then(|raw| assemble::assemble(bytes, &raw, options))
-        .map_err(|located| located.complete(bytes, file));
-    let (mesh, report) = content?;
+fn parse(content: &Content<'_>, options: MeshOptions<'_>) -> Result<InpMesh, InpError> {
+    let bytes = &content.bytes[..];
+    let read = read::read(bytes, options).and_then(|raw| assemble::assemble(bytes, raw, options));
+    let (mesh, report) = read.map_err(|located| content.complete(located))?;
     Ok(InpMesh { mesh, report })
 }

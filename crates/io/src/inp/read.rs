@@ -1,13 +1,17 @@
 //! First pass: nodes, elements, and where the lines of each set are.
 
+use std::collections::HashSet;
+
 use powerhouse_model::{MeshError, Vec3};
 
-use super::blocks::{Name, RawElement, RawMesh, SetBlock, SetKind, Source};
+use super::blocks::{Counts, Name, RawElement, RawMesh, RawPart, SetBlock, SetKind, Source};
 use super::error::{InpFault, Located, snippet};
+use super::include::INCLUDE;
 use super::keyword::{Keyword, Parameters};
 use super::line::{Line, Lines};
 use super::parts::Parts;
-use super::shape::Shape;
+use super::placed;
+use super::shape::{Shape, TypeOfName};
 use crate::MeshOptions;
 
 const NODE: &str = "*NODE";
@@ -20,7 +24,7 @@ const ONE_BY_ONE: &str = "write the nodes and elements one by one";
 /// Keywords that describe the mesh and are not read, with what to do instead.
 const REFUSED: [(&str, &str); 11] = [
     (
-        "*INCLUDE",
+        INCLUDE,
         "put the content of the other file in the place of this line",
     ),
     ("*NGEN", ONE_BY_ONE),
@@ -42,7 +46,12 @@ struct Reader<'a> {
     lines: Lines<'a>,
     options: MeshOptions<'a>,
     parts: Parts,
-    raw: RawMesh,
+    /// Content of the file itself, then of each part and instance.
+    contents: Vec<RawPart>,
+    /// Nodes of the assembly itself, and elements of it that are left out.
+    points: HashSet<u64>,
+    outside: HashSet<u64>,
+    counts: Counts,
 }
 
 /// Reads nodes, elements and the places of sets.
@@ -51,14 +60,21 @@ pub(super) fn read(bytes: &[u8], options: MeshOptions<'_>) -> Result<RawMesh, Lo
         lines: Lines::new(bytes, 0),
         options,
         parts: Parts::default(),
-        raw: RawMesh::default(),
+        contents: vec![RawPart::default()],
+        points: HashSet::new(),
+        outside: HashSet::new(),
+        counts: Counts::default(),
     };
     let mut is_empty = true;
     while let Some(line) = reader.lines.next() {
         is_empty = false;
         if !line.is_keyword() {
-            let found = snippet(line.text);
-            return Err(Located::new("", line.offset, InpFault::NotInp { found }));
+            let (found, known) = (snippet(line.text), crate::known_format(bytes));
+            return Err(Located::new(
+                "",
+                line.offset,
+                InpFault::NotInp { found, known },
+            ));
         }
         let keyword = Keyword::read(line, &mut reader.lines);
         reader.take(&keyword)?;
@@ -66,20 +82,37 @@ pub(super) fn read(bytes: &[u8], options: MeshOptions<'_>) -> Result<RawMesh, Lo
     if is_empty {
         return Err(Located::new("", 0, InpFault::Empty));
     }
-    if reader.raw.elements.elements.is_empty() {
+    reader.parts.finish()?;
+    let mut raw = placed::all(&reader.parts, reader.contents)?;
+    (raw.points, raw.counts) = (reader.points, reader.counts);
+    raw.outside = reader.outside;
+    let elements = &raw.elements.elements;
+    if elements.is_empty() {
         return Err(Located::new("", bytes.len(), InpFault::NoElements));
     }
-    reader.raw.instance = reader.parts.finish()?;
-    Ok(reader.raw)
+    let facets = elements
+        .iter()
+        .filter(|element| element.shape.is_facet())
+        .count();
+    if facets == elements.len() {
+        return Err(Located::new(
+            "",
+            elements[0].offset,
+            InpFault::NoSolids { facets },
+        ));
+    }
+    Ok(raw)
 }
 
 impl Reader<'_> {
     /// Reads one keyword with its data.
     fn take(&mut self, keyword: &Keyword<'_>) -> Result<(), Located> {
-        let raw = &self.raw;
-        let is_flat =
-            !(raw.nodes.tags.is_empty() && raw.elements.elements.is_empty() && raw.sets.is_empty());
+        let is_flat = !self.contents[0].is_empty();
         if self.parts.take(keyword, &mut self.lines, is_flat)? {
+            self.contents.resize_with(
+                self.parts.content().max(self.contents.len() - 1) + 1,
+                RawPart::default,
+            );
             return self.nothing_follows();
         }
         match keyword.name.as_str() {
@@ -104,7 +137,7 @@ impl Reader<'_> {
 
     fn skip(&mut self, name: String) {
         while self.lines.data().is_some() {}
-        self.raw.skipped.insert(name);
+        self.counts.skipped.insert(name);
     }
 
     /// Refuses data after a keyword that has none.
@@ -119,26 +152,41 @@ impl Reader<'_> {
         }
     }
 
-    /// Refuses nodes and elements of the assembly itself, such as reference points.
+    /// Content to which what is read belongs.
+    fn content(&mut self) -> &mut RawPart {
+        let index = self.parts.content();
+        &mut self.contents[index]
+    }
+
+    /// Refuses elements of the assembly itself.
     fn not_of_the_assembly(&self, keyword: &Keyword<'_>) -> Result<(), Located> {
         if !self.parts.in_assembly() {
             return Ok(());
         }
         let fault = InpFault::Misplaced {
             keyword: keyword.name.clone(),
-            place: "in the part or its instance, not in the assembly: leave reference points out, or write the model as a flat input",
+            place: "in a part or an instance, not in the assembly: put these elements into a part",
         };
         Err(keyword.fault(fault))
     }
 
     fn nodes(&mut self, keyword: &Keyword<'_>) -> Result<(), Located> {
-        self.not_of_the_assembly(keyword)?;
         let parameters = keyword.only(&["NSET"])?;
         let set = parameters.name_if_any("NSET")?;
-        let nodes = &mut self.raw.nodes;
+        if self.parts.in_assembly() {
+            // Reference points are nodes of no element.
+            while let Some(line) = self.lines.data() {
+                let (tag, ..) = node(&line)?;
+                self.points.insert(tag);
+            }
+            return Ok(());
+        }
+        let content = self.parts.content();
+        let nodes = &mut self.contents[content].nodes;
         let first = nodes.tags.len() as u32;
         while let Some(line) = self.lines.data() {
-            let (tag, position) = node(&line)?;
+            let (tag, position, is_whole) = node(&line)?;
+            self.counts.omitted += usize::from(!is_whole);
             let index = nodes.tags.len() as u32;
             if nodes.index.insert(tag, index).is_some() {
                 let fault = MeshError::DuplicateNode { node: tag };
@@ -153,17 +201,23 @@ impl Reader<'_> {
     }
 
     fn elements(&mut self, keyword: &Keyword<'_>) -> Result<(), Located> {
-        self.not_of_the_assembly(keyword)?;
         let parameters = keyword.only(&["TYPE", "ELSET"])?;
         let name = parameters.required("TYPE")?;
-        let shape = Shape::of_name(name)
-            .ok_or_else(|| keyword.fault(InpFault::ElementType { name: name.into() }))?;
-        if shape.element.is_none() && !self.options.first_order {
+        let (shape, is_coupled) = match Shape::of_name(name) {
+            TypeOfName::Read(shape, is_coupled) => (shape, is_coupled),
+            TypeOfName::LeftOut => return self.left_out(name),
+            TypeOfName::Unknown => {
+                return Err(keyword.fault(InpFault::ElementType { name: name.into() }));
+            }
+        };
+        self.not_of_the_assembly(keyword)?;
+        if shape.kind(false) != shape.element && !self.options.first_order {
             let name = shape.name;
             return Err(keyword.fault(InpFault::SecondOrder { name }));
         }
         let set = parameters.name_if_any("ELSET")?;
-        let elements = &mut self.raw.elements;
+        let content = self.parts.content();
+        let elements = &mut self.contents[content].elements;
         let first = elements.elements.len() as u32;
         while let Some(line) = self.lines.data() {
             let start = elements.nodes.len();
@@ -180,8 +234,30 @@ impl Reader<'_> {
                 offset: line.offset,
             });
         }
-        let source = Source::Defined(first..elements.elements.len() as u32);
+        let end = elements.elements.len() as u32;
+        if is_coupled {
+            self.counts.coupled += (end - first) as usize;
+        }
+        let source = Source::Defined(first..end);
         self.defined(SetKind::Elements, set, source, ELEMENT, keyword.offset);
+        Ok(())
+    }
+
+    /// Counts elements that are left out, such as springs; sets may name them.
+    fn left_out(&mut self, name: &str) -> Result<(), Located> {
+        let mut count = 0;
+        while let Some(line) = self.lines.data() {
+            if let Some(field) = line.fields().next() {
+                let number = field.number(ELEMENT, "an element number")?;
+                let is_assembly = self.parts.in_assembly();
+                match is_assembly {
+                    true => self.outside.insert(number),
+                    false => self.content().elements.outside.insert(number),
+                };
+            }
+            count += 1;
+        }
+        *self.counts.left_out.entry(name.to_uppercase()).or_default() += count;
         Ok(())
     }
 
@@ -194,16 +270,17 @@ impl Reader<'_> {
         keyword: &'static str,
         offset: usize,
     ) {
-        self.raw.sets.extend(name.map(|name| SetBlock {
+        let set = name.map(|name| SetBlock {
             kind,
             name,
             source,
-            in_assembly: false,
-            of_instance: true,
+            scope: None,
+            instance: None,
             internal: false,
             keyword,
             offset,
-        }));
+        });
+        self.content().sets.extend(set);
     }
 
     fn set(
@@ -245,33 +322,35 @@ impl Reader<'_> {
         set: Name,
         generate: bool,
     ) -> Result<(), Located> {
-        let in_assembly = self.parts.in_assembly();
-        let instance = parameters.name_if_any("INSTANCE")?;
-        if let Some(instance) = &instance {
-            let own = self.parts.instance.as_ref();
-            if own.is_none_or(|own| own.key != instance.key) {
-                let (what, name) = ("instance", instance.text.clone());
-                return Err(keyword.fault(InpFault::NoSuchPart { what, name }));
-            }
-        }
+        let instance = match parameters.name_if_any("INSTANCE")? {
+            None => None,
+            Some(name) => match self.parts.instance(&name) {
+                Some(index) => Some(index),
+                None => {
+                    let (what, name) = ("instance", name.text);
+                    return Err(keyword.fault(InpFault::NoSuchPart { what, name }));
+                }
+            },
+        };
         let at = self.lines.offset();
         while self.lines.data().is_some() {}
-        self.raw.sets.push(SetBlock {
+        let block = SetBlock {
             kind,
             name: set,
             source: Source::Lines { at, generate },
-            in_assembly,
-            of_instance: !in_assembly || instance.is_some(),
+            scope: None,
+            instance,
             internal: parameters.has("INTERNAL"),
             keyword: name,
             offset: keyword.offset,
-        });
+        };
+        self.content().sets.push(block);
         Ok(())
     }
 }
 
-/// Number and position of a node.
-fn node(line: &Line<'_>) -> Result<(u64, Vec3), Located> {
+/// Number and position of a node, and whether it has all coordinates; omitted ones are zero.
+fn node(line: &Line<'_>) -> Result<(u64, Vec3, bool), Located> {
     let mut fields = line.fields();
     let missing = |what| {
         let found = snippet(line.text);
@@ -283,18 +362,24 @@ fn node(line: &Line<'_>) -> Result<(u64, Vec3), Located> {
         .ok_or_else(|| missing(what))?
         .number(NODE, what)?;
     let mut position = Vec3::zeros();
-    let what = "a node number with three coordinates";
+    let mut given = 0;
     for (axis, value) in ['x', 'y', 'z'].into_iter().zip(position.iter_mut()) {
-        let field = fields.next().ok_or_else(|| missing(what))?;
+        let Some(field) = fields.next().filter(|field| !field.text.is_empty()) else {
+            continue;
+        };
         *value = field.real(NODE, "a coordinate")?;
         if !value.is_finite() {
             let (node, value) = (tag, *value);
             let fault = MeshError::CoordinateNotFinite { node, axis, value };
             return Err(Located::new(NODE, field.offset, fault));
         }
+        given += 1;
+    }
+    if given == 0 {
+        return Err(missing("a node number with coordinates"));
     }
     match fields.next() {
-        None => Ok((tag, position)),
+        None => Ok((tag, position, given == 3)),
         Some(field) => {
             let (what, found) = ("the third coordinate", snippet(field.text));
             let fault = InpFault::Surplus { what, found };
@@ -303,7 +388,8 @@ fn node(line: &Line<'_>) -> Result<(u64, Vec3), Located> {
     }
 }
 
-/// Number of an element, whose nodes are appended; lines that end with a comma go on in the next one.
+/// Number of an element, whose nodes are appended; they go on in the next line where they are too few, with a comma at the end
+/// of the line or without one.
 fn element<'a>(
     line: &Line<'a>,
     lines: &mut Lines<'a>,
@@ -317,7 +403,7 @@ fn element<'a>(
     loop {
         let Some(field) = fields.next() else {
             let found = nodes.len() - first;
-            let next = match line.is_continued() && found < shape.nodes {
+            let next = match found < shape.nodes {
                 true => lines.data(),
                 false => None,
             };

@@ -8,8 +8,10 @@ use powerhouse_model::QualityReport;
 pub struct InpReport {
     /// Number of nodes in the file.
     pub nodes: usize,
-    /// Number of elements in the file, all of which are in the mesh.
+    /// Number of solids, bars, shells and plane elements in the file.
     pub elements: usize,
+    /// Number of the shells and plane elements among them, which are facets of the mesh.
+    pub facet_elements: usize,
     /// Whether an element belongs to a set of the file that is not internal.
     pub has_element_sets: bool,
     /// Number of elements that belong to no such set: those of the set `all` or `ungrouped`.
@@ -22,6 +24,16 @@ pub struct InpReport {
     pub curved_nodes: usize,
     /// Largest distance of such a node from the midpoint (m).
     pub largest_curve: f64,
+    /// Number of solids with repeated nodes that were read as the wedges, pyramids and tetrahedra that they are.
+    pub collapsed_elements: usize,
+    /// Number of elements with temperatures or pore pressures as further unknowns, of which the shapes alone were read.
+    pub coupled_elements: usize,
+    /// Number of nodes with fewer than three coordinates, the others of which are zero.
+    pub omitted_coordinates: usize,
+    /// Elements that are left out, such as springs, dashpots and masses: type and number.
+    pub left_out: Vec<(String, usize)>,
+    /// Name of each of several instances, and what was added to its numbers of nodes and elements.
+    pub instances: Vec<(String, u64)>,
     /// Names of the sets and surfaces without a member in the mesh, which are left out.
     pub empty_sets: Vec<String>,
     /// Names of the skipped keywords, such as `*MATERIAL`, in alphabetical order.

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use powerhouse_model::Facet;
 
-use super::blocks::{Name, RawMesh, SetBlock, SetKind, Source};
+use super::blocks::{Name, Placed, RawMesh, SetBlock, SetKind, Source};
 use super::error::{InpFault, Located, snippet};
 use super::line::{Field, Lines};
 
@@ -23,15 +23,19 @@ pub(super) struct Set<T> {
     pub(super) members: Vec<T>,
     /// Whether all passages that add to it call it internal.
     pub(super) internal: bool,
-    in_assembly: bool,
+    /// The instance to which it belongs, by index; none of a set of the assembly or a flat input.
+    scope: Option<u32>,
 }
+
+/// Instance, if any, and name of a set as it is compared.
+type Key = (Option<u32>, String);
 
 /// Sets of one kind, in the order of the file.
 #[derive(Debug)]
 pub(super) struct Sets<T> {
     pub(super) list: Vec<Set<T>>,
-    index: HashMap<String, usize>,
-    names: HashSet<String>,
+    index: HashMap<Key, usize>,
+    names: HashSet<Key>,
 }
 
 impl<T: Copy> Sets<T> {
@@ -42,8 +46,33 @@ impl<T: Copy> Sets<T> {
             names: HashSet::new(),
         }
     }
-    fn get(&self, name: &Name) -> Option<&Set<T>> {
-        self.index.get(&name.key).map(|&index| &self.list[index])
+    /// The set of an instance, or of the assembly or a flat input.
+    fn get(&self, scope: Option<u32>, name: &Name) -> Option<&Set<T>> {
+        let index = self.index.get(&(scope, name.key.clone()));
+        index.map(|&index| &self.list[index])
+    }
+    /// Puts the name of the instance before names that several of the instances and the assembly have.
+    fn tell_apart(&mut self, instances: &[Placed]) {
+        let mut scopes: HashMap<&str, (Option<u32>, bool)> = HashMap::new();
+        for set in &self.list {
+            let entry = scopes.entry(&set.name).or_insert((set.scope, false));
+            entry.1 |= entry.0 != set.scope;
+        }
+        let of_several = |name: &String| scopes.get(name.as_str()).is_some_and(|found| found.1);
+        let mut own: Vec<bool> = self.list.iter().map(|set| of_several(&set.name)).collect();
+        // Names that differ in capitals alone are the same.
+        let mut first_of: HashMap<&str, usize> = HashMap::new();
+        for ((scope, key), &at) in &self.index {
+            let first = *first_of.entry(key).or_insert(at);
+            if self.list[first].scope != *scope {
+                (own[first], own[at]) = (true, true);
+            }
+        }
+        for (set, own) in self.list.iter_mut().zip(own) {
+            if let (true, Some(scope)) = (own, set.scope) {
+                set.name = format!("{}.{}", instances[scope as usize].name.text, set.name);
+            }
+        }
     }
     /// Adds members to the set of a block, which is made if there is none.
     fn add(
@@ -53,10 +82,11 @@ impl<T: Copy> Sets<T> {
         members: Vec<T>,
     ) -> Result<(), Located> {
         let next = self.list.len();
-        let index = *self.index.entry(block.name.key.clone()).or_insert(next);
+        let key = (block.scope, block.name.key.clone());
+        let index = *self.index.entry(key).or_insert(next);
         let fault = |fault: InpFault| Located::new(block.keyword, block.offset, fault);
         match self.list.get_mut(index) {
-            None if !self.names.insert(block.name.text.clone()) => {
+            None if !self.names.insert((block.scope, block.name.text.clone())) => {
                 let name = block.name.text.clone();
                 return Err(fault(InpFault::AlikeNames { what, name }));
             }
@@ -64,12 +94,8 @@ impl<T: Copy> Sets<T> {
                 name: block.name.text.clone(),
                 members,
                 internal: block.internal,
-                in_assembly: block.in_assembly,
+                scope: block.scope,
             }),
-            Some(set) if set.in_assembly != block.in_assembly => {
-                let name = block.name.text.clone();
-                return Err(fault(InpFault::SameName { what, name }));
-            }
             Some(set) => {
                 set.members.extend(members);
                 set.internal &= block.internal;
@@ -109,7 +135,11 @@ pub(super) fn read(bytes: &[u8], raw: &RawMesh) -> Result<AllSets, Located> {
             }
         }
     }
-    Ok(reader.sets)
+    let mut sets = reader.sets;
+    sets.nodes.tell_apart(&raw.instances);
+    sets.elements.tell_apart(&raw.instances);
+    sets.faces.tell_apart(&raw.instances);
+    Ok(sets)
 }
 
 struct Reader<'a> {
@@ -120,10 +150,10 @@ struct Reader<'a> {
     sets: AllSets,
 }
 
-/// Member of a set in the file.
+/// Member of a set in the file, and the instance that is written before it, by index.
 enum Member {
-    Number(u64),
-    Name(Name),
+    Number(Option<u32>, u64),
+    Name(Option<u32>, Name),
 }
 
 impl Reader<'_> {
@@ -182,62 +212,99 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Index of a number; a surface and an element set have elements.
-    fn index(&self, block: &SetBlock, number: u64, offset: usize) -> Result<u32, Located> {
-        let (what, index) = match block.kind {
-            SetKind::Nodes => ("node", &self.raw.nodes.index),
-            _ => ("element", &self.raw.elements.index),
+    /// Index of a number of an instance; none of what is left out. A surface and an element set have elements.
+    fn index(
+        &self,
+        block: &SetBlock,
+        (instance, number): (Option<u32>, u64),
+        offset: usize,
+    ) -> Result<Option<u32>, Located> {
+        let raw = self.raw;
+        let fault = |fault| Err(Located::new(block.keyword, offset, fault));
+        let is_node = block.kind == SetKind::Nodes;
+        let (what, index, outside) = match is_node {
+            true => ("node", &raw.nodes.index, &raw.points),
+            false => ("element", &raw.elements.index, &raw.outside),
         };
-        index.get(&number).copied().ok_or_else(|| {
-            let set = block.name.text.clone();
-            let fault = InpFault::NoSuchMember { set, what, number };
-            Located::new(block.keyword, offset, fault)
-        })
+        let instance = instance.or(block.scope).or(block.instance);
+        let placed = instance.map(|index| &raw.instances[index as usize]);
+        let found = match placed {
+            // Numbers of the assembly itself are those of its own nodes and elements.
+            None if outside.contains(&number) => return Ok(None),
+            None if !raw.instances.is_empty() => return fault(InpFault::NoInstance { number }),
+            None => Some(number),
+            Some(_) if number >= raw.numbers => None,
+            Some(placed) => Some(number + placed.shift),
+        };
+        if let Some(index) = found.and_then(|number| index.get(&number)) {
+            return Ok(Some(*index));
+        }
+        if !is_node && found.is_some_and(|number| raw.elements.outside.contains(&number)) {
+            return Ok(None);
+        }
+        let set = block.name.text.clone();
+        fault(InpFault::NoSuchMember { set, what, number })
     }
 
-    /// Number or name in a field, without the instance before it.
+    /// Number or name in a field, and the instance before it.
     fn named(&self, block: &SetBlock, field: &Field<'_>) -> Result<Member, Located> {
         let what = match block.kind {
             SetKind::Nodes => "a node number or the name of a node set",
             _ => "an element number or the name of an element set",
         };
         let word = field.word(block.keyword, what)?;
-        let instance = self.raw.instance.as_ref().filter(|_| block.in_assembly);
-        let inner = instance.and_then(|instance| {
-            let (before, inner) = word.split_at_checked(instance.text.len())?;
+        let instances = self
+            .raw
+            .instances
+            .iter()
+            .zip(0..)
+            .filter(|_| block.scope.is_none());
+        let inner = instances.filter_map(|(instance, index)| {
+            let quoted = format!("\"{}\"", instance.name.text);
+            let (before, inner) = match word.strip_prefix(quoted.as_str()) {
+                Some(inner) => (instance.name.text.as_str(), inner),
+                None => word.split_at_checked(instance.name.text.len())?,
+            };
             let inner = inner.strip_prefix('.')?;
-            (Name::new(before).key == instance.key).then_some(inner)
+            let is_own = Name::new(before).key == instance.name.key || before == instance.name.text;
+            is_own.then_some((index, inner))
         });
+        // The longest name before a point, as `a.b` of the instances `a` and `a.b`.
+        let inner = inner.min_by_key(|(_, inner)| inner.len());
+        let (instance, inner) = inner.unzip();
         let mut rest = *field;
         if let Some(inner) = inner {
             rest.offset += word.len() - inner.len();
             rest.text = &field.text[word.len() - inner.len()..];
         }
         if !rest.is_numeric() {
-            return Ok(Member::Name(Name::new(inner.unwrap_or(word))));
+            return Ok(Member::Name(instance, Name::new(inner.unwrap_or(word))));
         }
-        let number = rest.number(block.keyword, what)?;
-        match block.of_instance || inner.is_some() {
-            true => Ok(Member::Number(number)),
-            false => {
-                let fault = InpFault::NoInstance { number };
-                Err(Located::new(block.keyword, field.offset, fault))
-            }
-        }
+        Ok(Member::Number(instance, rest.number(block.keyword, what)?))
     }
 
     /// Members of a set that is defined before.
     fn set<'s>(
         &'s self,
         block: &SetBlock,
-        name: &Name,
+        (instance, name): (Option<u32>, &Name),
         offset: usize,
     ) -> Result<&'s [u32], Located> {
         let (what, sets) = match block.kind {
             SetKind::Nodes => ("node", &self.sets.nodes),
             _ => ("element", &self.sets.elements),
         };
-        match sets.get(name) {
+        // A set of the only instance may be named without it.
+        let only = (self.raw.instances.len() == 1).then_some(0);
+        let scopes = match instance {
+            Some(_) => [instance, instance],
+            None => [
+                block.scope,
+                block.instance.or(only.filter(|_| block.scope.is_none())),
+            ],
+        };
+        let found = scopes.into_iter().find_map(|scope| sets.get(scope, name));
+        match found {
             Some(set) => Ok(&set.members),
             None => {
                 let names = sets.list.iter().map(|set| set.name.clone());
@@ -259,14 +326,15 @@ impl Reader<'_> {
         members: &mut Vec<u32>,
     ) -> Result<(), Located> {
         match self.named(block, field)? {
-            Member::Number(number) => {
+            Member::Number(instance, number) => {
                 self.spend(block, field.offset, 1)?;
-                members.push(self.index(block, number, field.offset)?);
+                members.extend(self.index(block, (instance, number), field.offset)?);
             }
-            Member::Name(name) => {
-                let count = self.set(block, &name, field.offset)?.len();
+            Member::Name(instance, name) => {
+                let name = (instance, &name);
+                let count = self.set(block, name, field.offset)?.len();
                 self.spend(block, field.offset, count)?;
-                members.extend_from_slice(self.set(block, &name, field.offset)?);
+                members.extend_from_slice(self.set(block, name, field.offset)?);
             }
         }
         Ok(())
@@ -290,10 +358,6 @@ impl Reader<'_> {
         for (value, field) in values.iter_mut().zip(fields) {
             *value = field.number(block.keyword, what)?;
         }
-        if !block.of_instance {
-            let fault = InpFault::NoInstance { number: values[0] };
-            return Err(Located::new(block.keyword, offset, fault));
-        }
         let [first, last, increment] = values;
         if last < first || (last - first) % increment != 0 {
             let fault = InpFault::Generated {
@@ -306,7 +370,7 @@ impl Reader<'_> {
         // The first number that does not exist ends this.
         for i in 0..=(last - first) / increment {
             self.spend(block, offset, 1)?;
-            members.push(self.index(block, first + i * increment, offset)?);
+            members.extend(self.index(block, (None, first + i * increment), offset)?);
         }
         Ok(())
     }
@@ -319,21 +383,36 @@ impl Reader<'_> {
         face: &Field<'_>,
         facets: &mut Vec<Facet>,
     ) -> Result<(), Located> {
+        // A side of a shell is that of the solid on which it lies.
+        let of_shell = [&b"SPOS"[..], b"SNEG"]
+            .iter()
+            .any(|name| face.text.eq_ignore_ascii_case(name));
         let number = match face.text {
+            _ if of_shell => 1,
             [b'S' | b's', digit @ b'1'..=b'6'] => digit - b'0',
             _ => return Err(no_face(block, face.offset, face.text)),
         };
         let one;
         let elements = match self.named(block, member)? {
-            Member::Number(number) => {
-                one = [self.index(block, number, member.offset)?];
-                &one[..]
+            Member::Number(instance, number) => {
+                one = self.index(block, (instance, number), member.offset)?;
+                one.as_slice()
             }
-            Member::Name(name) => self.set(block, &name, member.offset)?,
+            Member::Name(instance, name) => self.set(block, (instance, &name), member.offset)?,
         };
         for &element in elements {
             let raw = &self.raw.elements.elements[element as usize];
-            let sides = raw.shape.corners.sides().len();
+            let kind = self
+                .raw
+                .elements
+                .collapsed
+                .get(&element)
+                .map(|collapsed| collapsed.1);
+            let kind = kind.or(raw.shape.solid);
+            if of_shell != kind.is_none() {
+                return Err(no_face(block, face.offset, face.text));
+            }
+            let sides = kind.map_or(1, |kind| kind.sides().len());
             if usize::from(number) > sides {
                 let fault = InpFault::NoSuchFace {
                     element: raw.tag,
@@ -347,7 +426,17 @@ impl Reader<'_> {
         let count = elements.len();
         // Faces of the format have the order of the sides of the kinds.
         let side = number - 1;
-        let all = elements.iter().map(|&element| Facet { element, side });
+        // Of a solid with repeated nodes a side may have vanished.
+        let collapsed = &self.raw.elements.collapsed;
+        let all = elements.iter().filter_map(|&element| {
+            let side = match collapsed.get(&element) {
+                Some((solid, kind, nodes)) => {
+                    solid.side((*kind, &nodes[..kind.node_count()]), side.into())?
+                }
+                None => side,
+            };
+            Some(Facet { element, side })
+        });
         let added: Vec<Facet> = match count <= self.room {
             true => all.collect(),
             false => Vec::new(),

@@ -39,13 +39,8 @@ fn faults_of_nodes() {
             "9,",
             &["a coordinate", "'x'"],
         ),
-        (
-            "9, 0.5, 0., 1.5",
-            "9, 0.5, 0.",
-            "9,",
-            &["three coordinates"],
-        ),
-        ("9, 0.5, 0., 1.5", "9, 0.5,, 1.5", "9,", &["a coordinate"]),
+        ("9, 0.5, 0., 1.5", "9,", "9,", &["with coordinates"]),
+        ("9, 0.5, 0., 1.5", "9, , ,", "9,", &["with coordinates"]),
         (
             "9, 0.5, 0., 1.5",
             "9, 0.5, 0., 1.5, 3",
@@ -153,7 +148,7 @@ fn faults_of_elements() {
             "1, 1",
             &["a node number is 1 or more"],
         ),
-        ("TYPE=C3D8R", "TYPE=S4R", "*ELEMENT", types),
+        ("TYPE=C3D8R", "TYPE=S8R", "*ELEMENT", types),
         ("TYPE=C3D8R", "TYPE=B31", "*ELEMENT", types),
         (
             "TYPE=C3D8R",

@@ -26,7 +26,18 @@ impl Random {
 fn damage_never_panics() {
     let mut random = Random(1);
     let mut read = 0;
-    for file in [HOUSE.to_owned(), house_of_parts()] {
+    let second =
+        "*End Instance\n*Instance, name=b, part=Part-1\n0, 0, 7\n0,0,0, 1,1,1, 120\n*End Instance";
+    let several = house_of_parts().replacen("*End Instance", second, 1);
+    let shells = HOUSE.replacen(
+        "*NSET",
+        "*ELEMENT, TYPE=CPS4, ELSET=s\n11, 1, 2, 3, 4\n*ELEMENT, TYPE=MASS\n12, 1\n*NSET",
+        1,
+    );
+    let wedge = HOUSE
+        .replacen("2, 5, 9, 6, 8, 10, 7", "2, 5, 5, 6, 6, 8, 8, 7, 10", 1)
+        .replacen("TYPE=C3D6", "TYPE=C3D8", 1);
+    for file in [HOUSE.to_owned(), house_of_parts(), several, shells, wedge] {
         let lines = file.lines().count();
         for round in 0..6_000 {
             let mut changed = file.clone().into_bytes();
