@@ -14,6 +14,10 @@ from .errors import InputError
 _UNITS = {"m/s2": 1.0, "cm/s2": 0.01, "g": 9.80665}
 
 
+#: Acceleration that no accelerogram reaches (m/s2).
+_LARGEST = 50.0
+
+
 class Record:
     """A uniformly sampled accelerogram in memory.
 
@@ -44,8 +48,16 @@ class Record:
     def from_trace(cls, trace: Any, units: str = "m/s2") -> Record:
         """The record of a trace of ObsPy, or of anything with ``data`` and ``stats.delta`` (s).
 
-        Traces do not know the unit of their data: remove the instrument response first (``output="ACC"``).
+        Traces do not know the unit of their data: remove the instrument response first (``output="ACC"``), or read formats
+        of counts with ``apply_calib=True``.
         """
+        calibration = float(getattr(trace.stats, "calib", 1.0) or 1.0)
+        peak = float(np.abs(trace.data).max(initial=0.0)) if np.ma.count(trace.data) else 0.0
+        if calibration != 1.0 and peak * _UNITS.get(units, 1.0) > _LARGEST:
+            raise InputError(
+                f"the trace has a peak of {peak:g} {units} and `stats.calib` = {calibration:g}: these are probably counts; "
+                "read it with `obspy.read(FILE, apply_calib=True)`"
+            )
         return cls(trace.stats.delta, trace.data, units)
 
     def __repr__(self) -> str:

@@ -150,3 +150,13 @@ def test_records_are_checked() -> None:
     ]:
         with pytest.raises(ph.InputError, match=text):
             make()
+
+
+def test_counts_of_a_trace_are_named() -> None:
+    """A trace of counts, with a calibration that was not applied, is refused with the way to accelerations."""
+    values = 1e4 * pulse()
+    trace = lambda data, calib: SimpleNamespace(data=data, stats=SimpleNamespace(delta=0.01, calib=calib))  # noqa: E731
+    with pytest.raises(ph.InputError, match="apply_calib=True"):
+        ph.Record.from_trace(trace(values, 9.5e-6), "cm/s2")
+    for data, calib in [(9.5e-6 * values, 9.5e-6), (values, 1.0)]:
+        assert len(ph.Record.from_trace(trace(data, calib), "cm/s2").values) == len(values)

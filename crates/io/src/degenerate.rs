@@ -1,5 +1,5 @@
-//! Solids with repeated nodes, in every format of meshes that has them: how programs write wedges, pyramids and tetrahedra where
-//! they have bricks alone.
+//! Solids with repeated nodes, in every format of meshes that has them: how programs write wedges, pyramids and
+//! tetrahedra where they have bricks alone.
 
 use powerhouse_model::ElementKind;
 
@@ -63,8 +63,8 @@ fn side_of((kind, nodes): (ElementKind, &[u64]), side: usize) -> Corners {
 
 /// The solid of a brick, wedge or pyramid with repeated nodes; none if its sides bound no solid of a kind.
 ///
-/// The sides, without those that have fewer than three corners, are those of the solid: two triangles and three quadrilaterals
-/// of a wedge, four triangles and a quadrilateral of a pyramid, four triangles of a tetrahedron.
+/// The sides, without those that have fewer than three corners, are those of the solid: two triangles and three
+/// quadrilaterals of a wedge, four triangles and a quadrilateral of a pyramid, four triangles of a tetrahedron.
 pub(crate) fn collapsed(kind: ElementKind, nodes: &[u64]) -> Option<Collapsed> {
     let mut sides = [Corners::default(); 6];
     let mut count = 0;
@@ -166,8 +166,8 @@ mod tests {
         each.sum()
     }
 
-    /// Whatever edge or side of a brick, wedge or pyramid with plane sides is collapsed, the solid has the volume of the brick within its sides, and
-    /// its sides are found again.
+    /// Whatever edge or side of a brick, wedge or pyramid with plane sides is collapsed, the solid has the volume of
+    /// the brick within its sides, and its sides are found again.
     #[test]
     fn volumes_and_sides_remain() {
         let cube = [

@@ -1,5 +1,7 @@
 //! Names of formats of other programs, by their content.
 
+use std::io::Read;
+
 /// Bytes that are searched for marks.
 const HEAD: usize = 4096;
 
@@ -30,6 +32,7 @@ pub fn known_format(bytes: &[u8]) -> Option<&'static str> {
         (b"$MeshFormat", "a Gmsh mesh"),
         (b"# vtk DataFile", "a VTK file"),
         (b"MeshVersionFormatted", "a Medit mesh"),
+        (b"*KEYWORD", "an LS-DYNA file (k)"),
         (b"* FLAC3D", "a FLAC3D grid"),
         (b"*FLAC3D", "a FLAC3D grid"),
         (b"/COM,ANSYS", "an ANSYS archive (cdb)"),
@@ -44,7 +47,8 @@ pub fn known_format(bytes: &[u8]) -> Option<&'static str> {
     for (mark, name) in [
         ("<VTKFile", "a VTK file of XML, such as VTU"),
         ("* GRIDPOINTS", "a FLAC3D grid"),
-        ("*KEYWORD", "an LS-DYNA file (k)"),
+        ("\n*KEYWORD\n", "an LS-DYNA file (k)"),
+        ("\n*KEYWORD\r", "an LS-DYNA file (k)"),
         ("\nNBLOCK,", "an ANSYS archive (cdb)"),
         ("nblock,", "an ANSYS archive (cdb)"),
         ("\nBEGIN BULK", "a Nastran file (bdf)"),
@@ -58,4 +62,29 @@ pub fn known_format(bytes: &[u8]) -> Option<&'static str> {
         }
     }
     None
+}
+
+/// Whether a file is an Abaqus input file: by its content, or by its extension `.inp` if the content has no mark.
+///
+/// A file that cannot be opened counts by its extension.
+pub fn is_inp(file: &std::path::Path) -> bool {
+    let by_name = || {
+        file.extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("inp"))
+    };
+    let mut head = Vec::new();
+    let read =
+        std::fs::File::open(file).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head));
+    if read.is_err() || known_format(&head).is_some() {
+        return read.is_err() && by_name();
+    }
+    let start = head
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(&head)
+        .trim_ascii_start();
+    match start.first() {
+        Some(b'*') => true,
+        Some(b'$') => false,
+        _ => by_name(),
+    }
 }

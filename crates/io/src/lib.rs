@@ -105,7 +105,7 @@ pub use gmsh::{
 };
 #[cfg(feature = "inp")]
 pub use inp::{InpError, InpMesh, parse_inp, parse_inp_with, read_inp, read_inp_with};
-pub use known_format::known_format;
+pub use known_format::{is_inp, known_format};
 pub use memory::{available_memory, peak_memory};
 #[cfg(feature = "packed")]
 pub use packed::{

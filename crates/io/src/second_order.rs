@@ -12,8 +12,8 @@ pub struct MeshOptions<'n> {
     pub first_order: bool,
     /// Whether nodes at the middle of curved edges are moved to the midpoints; false by default: curved edges are an error.
     pub straighten: bool,
-    /// Names of the groups of lines of a Gmsh file that are bars; other lines are left out. By default every line of a group is a
-    /// bar that can be one.
+    /// Names of the groups of lines of a Gmsh file that are bars; other lines are left out. By default every line of
+    /// a group is a bar that can be one.
     pub bars: Option<&'n [&'n str]>,
 }
 

@@ -86,6 +86,14 @@ fn another_writers_file_is_read() {
     }
 }
 
+/// An HDF5 file of another program is named as one.
+#[test]
+fn a_file_of_another_program_is_named() {
+    let other = changed(b"DRM_Data", b"SW4_Data");
+    let error = read_bytes("other", &other).unwrap_err().to_string();
+    assert!(error.contains("no H5DRM file"), "{error}");
+}
+
 /// Numbers out of their ranges are errors with their object.
 #[test]
 fn numbers_out_of_range_are_named() {

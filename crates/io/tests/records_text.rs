@@ -51,8 +51,8 @@ fn check(
     }
 }
 
-/// A header that names another unit than the caller, or another quantity, is refused at its line, however it spells it; the same
-/// unit is accepted, and alone it is taken.
+/// A header that names another unit than the caller, or another quantity, is refused at its line, however it spells
+/// it; the same unit is accepted, and alone it is taken.
 #[test]
 fn headers_that_contradict_the_caller_are_refused() {
     let g = AccelerationUnit::Gravity.factor();
@@ -133,8 +133,8 @@ fn headers_that_contradict_the_caller_are_refused() {
     );
 }
 
-/// A number of samples or a step in front of the samples is recognised where it is certain, and else refused with the key
-/// that answers; it never becomes a sample.
+/// A number of samples or a step in front of the samples is recognised where it is certain, and else refused with the
+/// key that answers; it never becomes a sample.
 #[test]
 fn a_count_or_step_in_front_is_no_sample() {
     let g = AccelerationUnit::Gravity.factor();

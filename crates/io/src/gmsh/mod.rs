@@ -39,10 +39,12 @@
 //! with nothing at which it panics; its blocks, counts and element numbers are compared with the
 //! scanner's. Memory is in proportion to the file.
 //!
-//! *Version 2.2* is still written by many programs. It is read in one pass, and so are 2 and 2.1, whose content is the same.
+//! *Version 2.2* is still written by many programs. It is read in one pass, and so are 2 and 2.1, whose content is
+//! the same.
 //!
-//! *Curves are named for many reasons*, to be refined or as the edge of a load, and are bars only where somebody wants bars. Lines
-//! that cannot be bars, of three nodes, are no fault of a mesh of solids; those of two curves on the same nodes are one bar.
+//! *Curves are named for many reasons*, to be refined or as the edge of a load, and are bars only where somebody
+//! wants bars. Lines that cannot be bars, of three nodes, are no fault of a mesh of solids; those of two curves on
+//! the same nodes are one bar.
 //!
 //! *The header of a section is checked.* A total or a range of numbers that disagrees with the
 //! records is an error: the file was truncated or edited.

@@ -46,8 +46,8 @@ impl<'b> Content<'b> {
         }
     }
 
-    /// The content of a file with all files that it includes, which are in its folder or below it; `largest` is the greatest
-    /// size of all (bytes).
+    /// The content of a file with all files that it includes, which are in its folder or below it; `largest` is the
+    /// greatest size of all (bytes).
     pub(super) fn read(bytes: &'b [u8], file: &Path, largest: u64) -> Result<Self, InpError> {
         let own = Self::of_bytes(bytes, Some(file.into()));
         if next_include(&own.bytes, 0).is_none() {

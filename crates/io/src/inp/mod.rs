@@ -25,14 +25,16 @@
 //! [report](InpReport) counts them, and lists sets that are empty and keywords that were skipped: all that
 //! do not describe the mesh, such as `*MATERIAL` and `*STEP`, and surfaces of another type.
 //!
-//! Each `*INSTANCE` of a `*PART` is at its place, translated and then turned. The first keeps the numbers of its nodes and
-//! elements; those of the second, third and so on are larger by one, two and so on times a power of ten that no number reaches
-//! ([`InpReport::instances`]), and each of several instances is an element set of its name. A set has its name, unless
-//! another instance or the assembly has one of that name: then the name of the instance stands before it, as in
-//! `Part-1-1.Set-1`. Nodes of the assembly itself, which are reference points, are dropped. Files that the file includes (`*INCLUDE`) are read from its folder
-//! and below it. Generation of nodes and elements (`*NGEN`, `*ELGEN` ...) and elements of the assembly itself are errors with
-//! the line and a way out, and so is every parameter without a meaning here.
-//! The shapes are [checked](powerhouse_model::Mesh::check): an inverted element is an error with its line.
+//! Each `*INSTANCE` of a `*PART` is at its place, translated and then turned. The first keeps the numbers of its
+//! nodes and elements; those of the second, third and so on are larger by one, two and so on times a power of ten
+//! that no number reaches ([`InpReport::instances`]), and each of several instances is an element set of its name. A
+//! set has its name, unless another instance or the assembly has one of that name: then the name of the instance
+//! stands before it, as in
+//! `Part-1-1.Set-1`. Nodes of the assembly itself, which are reference points, are dropped. Files that the file
+//! includes (`*INCLUDE`) are read from its folder and below it. Generation of nodes and elements (`*NGEN`, `*ELGEN`
+//! ...) and elements of the assembly itself are errors with the line and a way out, and so is every parameter without
+//! a meaning here. The shapes are [checked](powerhouse_model::Mesh::check): an inverted element is an error with its
+//! line.
 //!
 //! The format: Abaqus 2016 documentation, "Input syntax rules", "Node definition", "Element definition", "Surface
 //! definition" and "Three-dimensional solid element library" (Dassault Systemes, 2015).
@@ -44,11 +46,12 @@
 //! *Sets have a largest size.* A line with `GENERATE` and a set of sets have many members in a few bytes. The members of all
 //! sets together are limited, in proportion to the nodes and elements; each number is looked up before it is kept.
 //!
-//! *Strict where the format is lenient.* A member that does not exist is not ignored, and a second definition of a node does not
-//! replace the first: a file that has any of these was probably cut off or edited. Omitted coordinates are zero, as the format
-//! has it, but counted.
+//! *Strict where the format is lenient.* A member that does not exist is not ignored, and a second definition of a
+//! node does not replace the first: a file that has any of these was probably cut off or edited. Omitted coordinates
+//! are zero, as the format has it, but counted.
 //!
-//! *Numbers of instances are told apart by a power of ten*, so that 2000017 is the node 17 of the third instance in every message.
+//! *Numbers of instances are told apart by a power of ten*, so that 2000017 is the node 17 of the third instance in
+//! every message.
 
 mod assemble;
 mod blocks;

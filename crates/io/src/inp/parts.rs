@@ -48,7 +48,8 @@ pub(super) struct Instance {
     pub(super) offset: usize,
 }
 
-/// Parts, instances and assembly of the file, and those in which the reading is. The content of the file itself has the index 0.
+/// Parts, instances and assembly of the file, and those in which the reading is. The content of the file itself has
+/// the index 0.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     /// Names of the parts with the index of their content.
@@ -97,8 +98,8 @@ impl Parts {
         self.open.last().map(|open| open.0)
     }
 
-    /// Begins or ends one, if the keyword is about that; `is_flat` says whether the file has nodes, elements or sets so far
-    /// that belong to none.
+    /// Begins or ends one, if the keyword is about that; `is_flat` says whether the file has nodes, elements or sets
+    /// so far that belong to none.
     pub(super) fn take(
         &mut self,
         keyword: &Keyword<'_>,

@@ -6,8 +6,9 @@ use super::blocks::{Placed, RawElement, RawMesh, RawPart, SetKind, Source};
 use super::error::{InpFault, Located};
 use super::parts::{Instance, Parts};
 
-/// Puts the parts together: the file itself, or the instances of the assembly. The numbers of the nodes and elements of the
-/// second instance, the third and so on are larger by one, two and so on times a power of ten that no number reaches.
+/// Puts the parts together: the file itself, or the instances of the assembly. The numbers of the nodes and elements
+/// of the second instance, the third and so on are larger by one, two and so on times a power of ten that no number
+/// reaches.
 pub(super) fn all(parts: &Parts, mut contents: Vec<RawPart>) -> Result<RawMesh, Located> {
     let mut raw = RawMesh::default();
     let instances = &parts.instances;

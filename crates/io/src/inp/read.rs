@@ -388,8 +388,8 @@ fn node(line: &Line<'_>) -> Result<(u64, Vec3, bool), Located> {
     }
 }
 
-/// Number of an element, whose nodes are appended; they go on in the next line where they are too few, with a comma at the end
-/// of the line or without one.
+/// Number of an element, whose nodes are appended; they go on in the next line where they are too few, with a comma
+/// at the end of the line or without one.
 fn element<'a>(
     line: &Line<'a>,
     lines: &mut Lines<'a>,

@@ -1,4 +1,5 @@
-//! Text format of AFAD's strong motion network (Turkey) until 2018: lines of `KEY : value`, then three components in gal.
+//! Text format of AFAD's strong motion network (Turkey) until 2018: lines of `KEY : value`, then three components in
+//! gal.
 
 use super::channel::{Channel, behind, contains, declared, find, leading, missing, sample, whole};
 use super::number::fixed_width;

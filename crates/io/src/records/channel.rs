@@ -82,8 +82,8 @@ fn is_numeric(row: &str) -> bool {
     start.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) && !start.starts_with("--")
 }
 
-/// Numbers of the rows from line `from` (index) on, up to one that does not start with a number or, if there is a limit, to
-/// the row that contains the last of that many; and the index of the line behind them.
+/// Numbers of the rows from line `from` (index) on, up to one that does not start with a number or, if there is a
+/// limit, to the row that contains the last of that many; and the index of the line behind them.
 pub(super) fn numbers(
     lines: &[&str],
     from: usize,

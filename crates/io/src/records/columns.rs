@@ -530,8 +530,8 @@ fn is_name(cell: &str) -> bool {
         && !["nan", "inf", "infinity"].contains(&lower.trim_end_matches('"'))
 }
 
-/// Whether commas are decimal signs: no number has a point, and each cell between blanks and semicolons has one comma, between
-/// digits; a single column of such cells is not one of whole seconds and whole accelerations.
+/// Whether commas are decimal signs: no number has a point, and each cell between blanks and semicolons has one
+/// comma, between digits; a single column of such cells is not one of whole seconds and whole accelerations.
 fn has_decimal_commas(rows: &[Row]) -> bool {
     let is_decimal = |cell: &str| {
         let cell = cell.trim_matches('"').trim_start_matches(['+', '-']);

@@ -1,5 +1,5 @@
-//! COSMOS format (v1.20, 2001): per data set lines of text, integers, reals, comments, and samples behind a line that describes
-//! them; several data sets one after the other.
+//! COSMOS format (v1.20, 2001): per data set lines of text, integers, reals, comments, and samples behind a line that
+//! describes them; several data sets one after the other.
 
 use super::channel::{Channel, Fields, behind, contains, find, leading, missing, numbers, whole};
 use super::number::{fixed_width, number};

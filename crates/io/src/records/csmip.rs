@@ -1,5 +1,6 @@
-//! Volumes 1 and 2 of the California Strong Motion Instrumentation Program (CSMIP, CDMG; `.v1`, `.v2`), and of others that use
-//! them: lines of text, integers, reals, then blocks of samples behind a line that describes them; channels one after the other.
+//! Volumes 1 and 2 of the California Strong Motion Instrumentation Program (CSMIP, CDMG; `.v1`, `.v2`), and of others
+//! that use them: lines of text, integers, reals, then blocks of samples behind a line that describes them; channels
+//! one after the other.
 
 use super::channel::{Channel, Fields, behind, contains, find, leading, missing, numbers, whole};
 use super::{AccelerationUnit, RecordError, RecordFault};
@@ -21,8 +22,8 @@ struct Block<'t> {
     rest: &'t str,
 }
 
-/// Reads `15050 points of accel data equally spaced at  .020 sec, in cm/sec2. (8f10.6)` (volume 2) or `13200 Accelerogram points
-/// at 200 pts/sec in units of g .  Format: (8f9.6)` (volume 1).
+/// Reads `15050 points of accel data equally spaced at  .020 sec, in cm/sec2. (8f10.6)` (volume 2) or `13200
+/// Accelerogram points at 200 pts/sec in units of g .  Format: (8f9.6)` (volume 1).
 fn block(line: &str) -> Option<Block<'_>> {
     if !line.trim_start().starts_with(|c: char| c.is_ascii_digit()) || !contains(line, "points") {
         return None;

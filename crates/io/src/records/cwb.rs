@@ -1,5 +1,5 @@
-//! Text format of the strong motion network of Taiwan (TSMIP, of the Central Weather Bureau): lines of `#Key: value`, then the
-//! time and three components.
+//! Text format of the strong motion network of Taiwan (TSMIP, of the Central Weather Bureau): lines of `#Key: value`,
+//! then the time and three components.
 
 use super::channel::{Channel, leading, missing, sample, whole};
 use super::number::{fixed_width, number};

@@ -1,5 +1,5 @@
-//! ASCII format of the Engineering Strong Motion database (ESM), of ITACA and of AFAD's newer files: lines of `KEY: value`,
-//! then one sample in each line (header format DYNA).
+//! ASCII format of the Engineering Strong Motion database (ESM), of ITACA and of AFAD's newer files: lines of `KEY:
+//! value`, then one sample in each line (header format DYNA).
 
 use super::channel::{Channel, Fields, leading, missing, numbers, whole};
 use super::number::number;

@@ -1,5 +1,5 @@
-//! Volumes 1 and 2 of GeoNet (New Zealand; `.V1A`, `.V2A`): per component 16 lines of text, 4 of integers, 6 of reals, and blocks
-//! of acceleration, velocity and displacement in ten columns of eight characters.
+//! Volumes 1 and 2 of GeoNet (New Zealand; `.V1A`, `.V2A`): per component 16 lines of text, 4 of integers, 6 of
+//! reals, and blocks of acceleration, velocity and displacement in ten columns of eight characters.
 
 use super::channel::{Channel, Fields, behind, contains, declared, leading, missing, numbers};
 use super::{AccelerationUnit, RecordError, RecordFault};

@@ -99,7 +99,8 @@ pub struct RecordColumns {
 
 /// Declarations of the caller about a file.
 ///
-/// `skip`, `columns` and `values_in_a_row` are about plain text: with one of them a file is read as that, whatever its header.
+/// `skip`, `columns` and `values_in_a_row` are about plain text: with one of them a file is read as that, whatever
+/// its header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordOptions {
     /// Unit of the accelerations; `None` if the file declares it.
@@ -110,7 +111,8 @@ pub struct RecordOptions {
     pub count: CountRule,
     /// Number (from 1) or name of the channel of a file that has several.
     pub channel: Option<String>,
-    /// Number of first lines of a text that are left out; `None` if titles and what precedes the samples are recognised.
+    /// Number of first lines of a text that are left out; `None` if titles and what precedes the samples are
+    /// recognised.
     pub skip: Option<usize>,
     /// Columns of a text; `None` if it has one or two, or names them.
     pub columns: Option<RecordColumns>,
@@ -132,11 +134,14 @@ pub struct RecordOptions {
 /// | CSMNC, USGS SMC | one component in a file |
 /// | plain text | columns, or several values in a row |
 ///
-/// Of several channels `options.channel` names one. Columns of text are separated by blanks, commas, semicolons or tabs; `#` and
-/// `%` start a comment; lines that start with a word may precede the numbers. One column holds accelerations at the step that
-/// `options` or a title declare; of two, the first holds the times, which must be uniform to 1 % of a step; of more, names of
-/// columns or `options` tell which is which. Decimal commas are recognised where no other reading is possible. A number of
-/// samples or a step in front of them, unit, step and quantity in titles are recognised, or refused if they are not certain.
+/// Of several channels `options.channel` names one. Columns of text are separated by blanks, commas, semicolons or
+/// tabs; `#` and
+/// `%` start a comment; lines that start with a word may precede the numbers. One column holds accelerations at the
+/// step that
+/// `options` or a title declare; of two, the first holds the times, which must be uniform to 1 % of a step; of more,
+/// names of columns or `options` tell which is which. Decimal commas are recognised where no other reading is
+/// possible. A number of samples or a step in front of them, unit, step and quantity in titles are recognised, or
+/// refused if they are not certain.
 ///
 /// # Errors
 /// [`RecordError`], with the file, line, column and fault.

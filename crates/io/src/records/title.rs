@@ -86,9 +86,9 @@ impl Title<'_> {
         if let Some((line, names)) = self.columns(width) {
             let name = &names[column];
             let lower = name.to_lowercase();
-            let is_other = ["vel", "displ", "disp."]
-                .iter()
-                .any(|word| lower.contains(word));
+            let mut words = lower.split(|c: char| !c.is_alphabetic());
+            let is_other = words
+                .any(|word| word.starts_with("vel") || word.starts_with("displ") || word == "disp");
             let quantity = || {
                 let found = name.chars().take(40).collect();
                 RecordError::content(line, 0, RecordFault::Quantity { found })

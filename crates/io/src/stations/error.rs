@@ -26,6 +26,11 @@ pub enum StationFileFault {
         "this program was compiled without the reader of H5DRM (HDF5) files: compile it with `--features h5drm` (`cargo install powerhouse-cli --features h5drm`), or give the motions as a table (CSV)"
     )]
     NoReader,
+    /// An HDF5 file without the data of H5DRM, such as one of another program.
+    #[error(
+        "this HDF5 file has no /DRM_Data, so it is no H5DRM file (as ShakerMaker writes it): give the motions as one, or as a table (CSV)"
+    )]
+    NotH5drm,
     /// The file is damaged, or no HDF5 file, or uses what the reader does not know.
     #[error("{object}: {reason}")]
     Damaged {

@@ -45,6 +45,9 @@ pub(super) fn read(path: &Path, most: u64) -> Result<StationMotions, StationFile
 
 fn damaged(object: &'static str, error: hdf5_pure::Error) -> StationFileFault {
     let reason = error.to_string();
+    if reason.ends_with("not found: DRM_Data") {
+        return StationFileFault::NotH5drm;
+    }
     StationFileFault::Damaged { object, reason }
 }
 

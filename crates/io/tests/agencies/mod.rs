@@ -190,8 +190,8 @@ fn choice(case: &Case) -> Option<&'static str> {
     (case.motions.len() > 1).then_some("2")
 }
 
-/// Every format is recognised by its content, and gives count, step, unit, station, component and every sample of every channel
-/// to the digits of the file.
+/// Every format is recognised by its content, and gives count, step, unit, station, component and every sample of
+/// every channel to the digits of the file.
 #[test]
 fn every_format_is_read_to_the_digits_of_the_file() {
     for case in cases() {
@@ -245,7 +245,8 @@ fn every_format_is_read_to_the_digits_of_the_file() {
     }
 }
 
-/// A file of several channels is refused with their names until one is chosen; so is a choice that the file does not have.
+/// A file of several channels is refused with their names until one is chosen; so is a choice that the file does not
+/// have.
 #[test]
 fn a_channel_is_chosen() {
     for case in cases() {
@@ -288,8 +289,8 @@ fn declarations_are_compared_with_the_header() {
     }
 }
 
-/// A file that ends too early, has another count, a number that stands for a missing sample, or a second record is refused,
-/// with a line.
+/// A file that ends too early, has another count, a number that stands for a missing sample, or a second record is
+/// refused, with a line.
 #[test]
 fn damaged_files_are_refused_by_line() {
     for case in cases() {

@@ -14,7 +14,8 @@ fn bars(sample: &Sample, names: &[&str]) -> Vec<GmshMesh> {
     FORMATS.into_iter().map(read).collect()
 }
 
-/// Lines of a physical group are bars where it is named as one; else they are left out and counted, and nothing else changes.
+/// Lines of a physical group are bars where it is named as one; else they are left out and counted, and nothing else
+/// changes.
 #[test]
 fn curves_are_bars_where_they_are_named() {
     let sample = Sample::tower();
@@ -34,8 +35,8 @@ fn curves_are_bars_where_they_are_named() {
     }
 }
 
-/// Curves of two groups on the same nodes, in either direction, are one bar of both sets; a second line of one group is a
-/// duplicate.
+/// Curves of two groups on the same nodes, in either direction, are one bar of both sets; a second line of one group
+/// is a duplicate.
 #[test]
 fn curves_on_the_same_nodes_are_one_bar() {
     let mut sample = Sample::tower();
@@ -156,8 +157,8 @@ fn files_of_other_programs_are_named() {
     }
 }
 
-/// Of 200 files with damaged bytes of degenerate solids and curves none makes the reader panic, and none has another number of solids
-/// than the file says.
+/// Of 200 files with damaged bytes of degenerate solids and curves none makes the reader panic, and none has another
+/// number of solids than the file says.
 #[test]
 fn mutations_of_degenerate_files_never_panic() {
     let mut sample = Sample::tower();

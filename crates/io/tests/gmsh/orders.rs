@@ -201,8 +201,8 @@ fn curved_edges_are_refused_or_straightened() {
     );
 }
 
-/// Lines of three nodes are no bars but those of first order: beside solids they are left out, and refused where they are
-/// named as bars.
+/// Lines of three nodes are no bars but those of first order: beside solids they are left out, and refused where they
+/// are named as bars.
 #[test]
 fn lines_of_three_nodes_are_bars_of_first_order() {
     let corners = ElementKind::Tet4.natural_corners();

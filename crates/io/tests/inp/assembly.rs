@@ -102,8 +102,8 @@ fn near(found: &[(u64, Vec3)], expected: impl Iterator<Item = (u64, Vec3)>) {
     }
 }
 
-/// Instances are at their places node for node: not moved, translated, translated and then turned about a line; volumes remain, and
-/// numbers are those of the part plus a power of ten per instance.
+/// Instances are at their places node for node: not moved, translated, translated and then turned about a line;
+/// volumes remain, and numbers are those of the part plus a power of ten per instance.
 #[test]
 fn instances_are_moved_and_turned() {
     // A third of a turn about the diagonal exchanges the axes; a quarter about a vertical line through (1, 2).
@@ -168,8 +168,8 @@ fn instances_are_moved_and_turned() {
     );
 }
 
-/// Sets of one name in parts, instances and assembly have the name of the instance before them; others keep their name. Sets and
-/// surfaces of the assembly name numbers and sets of instances in either way.
+/// Sets of one name in parts, instances and assembly have the name of the instance before them; others keep their
+/// name. Sets and surfaces of the assembly name numbers and sets of instances in either way.
 #[test]
 fn equal_names_are_told_apart() {
     let instances = instance("Slab-1", "Slab", "") + &instance("Peak-1", "Peak", "5., 0., 0.\n");
@@ -295,8 +295,8 @@ fn one_instance_is_the_flat_input() {
     assert!((volume(&two) - 2.0 * volume(&flat)).abs() < 1e-12);
 }
 
-/// Files that a file includes, within each other, are in its place; a fault in one is told by its file and line; a file outside of
-/// the folder, one that is missing and one that includes itself are refused.
+/// Files that a file includes, within each other, are in its place; a fault in one is told by its file and line; a
+/// file outside of the folder, one that is missing and one that includes itself are refused.
 #[test]
 fn files_are_included() {
     let folder = std::env::temp_dir().join(format!("powerhouse-include-{}", std::process::id()));

@@ -29,8 +29,8 @@ fn volume(mesh: &Mesh) -> f64 {
     mesh.volume_of(mesh.element_set("rock").unwrap())
 }
 
-/// Bricks, wedges and pyramids with repeated nodes are the wedges, pyramids and tetrahedra that they are, with their volumes; faces
-/// keep their corners, and those without an area are left out.
+/// Bricks, wedges and pyramids with repeated nodes are the wedges, pyramids and tetrahedra that they are, with their
+/// volumes; faces keep their corners, and those without an area are left out.
 #[test]
 fn solids_with_repeated_nodes_are_what_they_are() {
     let whole = 24.0;
@@ -118,8 +118,8 @@ fn solids_with_repeated_nodes_are_what_they_are() {
     assert!(twice.to_string().contains("node 1 twice"), "{twice}");
 }
 
-/// Shells and plane elements on sides of solids are facets, of their own sets and of those that name them, as in the files that
-/// Gmsh writes.
+/// Shells and plane elements on sides of solids are facets, of their own sets and of those that name them, as in the
+/// files that Gmsh writes.
 #[test]
 fn shells_on_solids_are_facets() {
     let shells = "*ELEMENT, TYPE=CPS4, ELSET=Surface1\n11, 1, 2, 3, 4\n12, 2, 1, 5, 6\n\
@@ -172,8 +172,8 @@ fn shells_on_solids_are_facets() {
     }
 }
 
-/// Springs, dashpots and masses are left out and counted, and sets may name them; elements with further unknowns are read by their
-/// shape and counted.
+/// Springs, dashpots and masses are left out and counted, and sets may name them; elements with further unknowns are
+/// read by their shape and counted.
 #[test]
 fn springs_are_left_out_and_counted() {
     let springs = "*ELEMENT, TYPE=SPRINGA, ELSET=springs\n101, 1, 77\n102, 2, 77\n\
@@ -197,8 +197,8 @@ fn springs_are_left_out_and_counted() {
     }
 }
 
-/// Coordinates that are omitted are zero and counted; elements go on in the next line without a comma; a byte order mark changes
-/// nothing.
+/// Coordinates that are omitted are zero and counted; elements go on in the next line without a comma; a byte order
+/// mark changes nothing.
 #[test]
 fn files_of_calculix_are_read() {
     let house = read(HOUSE).mesh;
