@@ -187,6 +187,24 @@ pub enum SceneRemark {
         /// Number of solids and bars without physical group or element set, which are in the set `all` or `ungrouped`.
         ungrouped: usize,
     },
+    /// Fact: the mesh file has its content in another form than the mesh.
+    MeshContent {
+        /// Number of lines of physical curves that no part names.
+        curves: usize,
+        /// Number of solids with repeated nodes, which are wedges, pyramids and tetrahedra.
+        collapsed: usize,
+        /// Name of each of several instances, and what was added to its numbers of nodes and elements.
+        instances: Vec<(String, u64)>,
+    },
+    /// Warning: the mesh file has what the mesh cannot have.
+    MeshLeftOut {
+        /// Springs, dashpots, masses and the like: type and number.
+        left_out: Vec<(String, usize)>,
+        /// Number of elements with temperatures or pore pressures as further unknowns.
+        coupled: usize,
+        /// Number of nodes with coordinates that are omitted, and taken as zero.
+        omitted: usize,
+    },
     /// Fact: the surface of the body is not flat, while the free field is that of flat ground, as it is at the absorbing faces.
     Relief {
         /// Height z of the surface of the flat ground (m).
@@ -219,6 +237,7 @@ impl SceneRemark {
             self,
             Self::ChangedKeys { .. }
                 | Self::MeshFile { .. }
+                | Self::MeshContent { .. }
                 | Self::MeshKeywords { .. }
                 | Self::MeshOrder { .. }
                 | Self::FormerKey { .. }
@@ -421,6 +440,58 @@ impl fmt::Display for SceneRemark {
                 f,
                 "the surface of the body lies between z = {lowest:.3} and {highest:.3} m, and that of the ground around it at {surface:.3} m: the waves that come in are those of flat ground, and what the relief scatters leaves through the absorbing faces"
             ),
+            Self::MeshContent {
+                curves,
+                collapsed,
+                instances,
+            } => {
+                let mut found = Vec::new();
+                if *curves > 0 {
+                    found.push(format!(
+                        "{curves} lines of physical curves that no part names are no bars"
+                    ));
+                }
+                if *collapsed > 0 {
+                    found.push(format!(
+                        "{collapsed} solids with repeated nodes are wedges, pyramids or tetrahedra"
+                    ));
+                }
+                if !instances.is_empty() {
+                    let shifts = instances
+                        .iter()
+                        .map(|(name, shift)| format!("{name} + {shift}"));
+                    let shifts: Vec<String> = shifts.collect();
+                    found.push(format!(
+                        "numbers of nodes and elements: {}",
+                        shifts.join(", ")
+                    ));
+                }
+                write!(f, "mesh: {}", found.join("; "))
+            }
+            Self::MeshLeftOut {
+                left_out,
+                coupled,
+                omitted,
+            } => {
+                let types = left_out
+                    .iter()
+                    .map(|(name, count)| format!("{count} {name}"));
+                let mut found: Vec<String> = types.collect();
+                if !found.is_empty() {
+                    found = vec![format!("elements were left out: {}", found.join(", "))];
+                }
+                if *coupled > 0 {
+                    found.push(format!(
+                        "{coupled} elements have temperatures or pore pressures, which are left out"
+                    ));
+                }
+                if *omitted > 0 {
+                    found.push(format!(
+                        "{omitted} nodes have omitted coordinates, which are zero"
+                    ));
+                }
+                write!(f, "mesh: {}", found.join("; "))
+            }
             Self::MeshKeywords { skipped } => write!(
                 f,
                 "mesh: keywords of the file that do not describe the mesh were skipped: {}",

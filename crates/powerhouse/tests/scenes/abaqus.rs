@@ -90,6 +90,88 @@ fn an_input_file_is_a_mesh() {
     }
 }
 
+/// A mesh is read by its content, whatever its name; what it has otherwise than the mesh is a remark, and what is
+/// left out a warning.
+#[test]
+fn what_an_input_file_has_beside_the_mesh_is_told() {
+    let folder = TestFolder::new("abaqus-told");
+    let springs = "*ELEMENT, TYPE=SPRINGA\n31, 1, 2\n32, 1, 2\n*SURFACE, NAME=left";
+    let text = BAR.replacen("*SURFACE, NAME=left", springs, 1);
+    let text = text
+        .replacen("1, 0., 0., 0.", "1,0.", 1)
+        .replacen("C3D8R", "C3D8RP", 1);
+    std::fs::write(folder.join("bar.msh"), format!("** a comment\n{text}")).unwrap();
+    let told = scene(&folder, "bar.msh", "").unwrap();
+    let left_out = vec![("SPRINGA".to_owned(), 2)];
+    let (coupled, omitted) = (2, 1);
+    let warning = Remark::Scene(SceneRemark::MeshLeftOut {
+        left_out,
+        coupled,
+        omitted,
+    });
+    assert!(
+        warning.is_warning() && told.remarks().contains(&warning),
+        "{:?}",
+        told.remarks()
+    );
+    for passage in ["2 SPRINGA", "2 elements have temperatures", "1 nodes"] {
+        assert!(warning.to_string().contains(passage), "{warning}");
+    }
+    let at = |from: &str| BAR.find(from).unwrap();
+    let part = &BAR[at("*NODE")..at("*MATERIAL")];
+    let instance = |name: &str, z: f64| {
+        format!("*INSTANCE, NAME={name}, PART=bar\n0, 0, {z}\n*END INSTANCE\n")
+    };
+    let sets = "*ELSET, ELSET=rock\na.rock, b.rock\n*SURFACE, NAME=left\na.1, S1\n";
+    let model = format!(
+        "*PART, NAME=bar\n{part}*END PART\n*ASSEMBLY, NAME=all\n{}{}{sets}*END ASSEMBLY\n",
+        instance("a", 0.0),
+        instance("b", 5.0)
+    );
+    std::fs::write(folder.join("model.inp"), model).unwrap();
+    let told = scene(&folder, "model.inp", "").unwrap();
+    assert_eq!(told.mesh().element_set("rock").unwrap(), [0, 1, 2, 3]);
+    let instances = vec![("a".to_owned(), 0), ("b".to_owned(), 100)];
+    let (curves, collapsed) = (0, 0);
+    let fact = Remark::Scene(SceneRemark::MeshContent {
+        curves,
+        collapsed,
+        instances,
+    });
+    assert!(
+        !fact.is_warning() && told.remarks().contains(&fact),
+        "{:?}",
+        told.remarks()
+    );
+}
+
+/// Curves of a Gmsh file are bars where a part names them, and are left out elsewhere.
+#[test]
+fn curves_are_bars_of_parts_alone() {
+    let folder = TestFolder::new("curves");
+    let mesh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n3 1 \"rock\"\n2 2 \"left\"\n1 3 \"edge\"\n$EndPhysicalNames\n\
+        $Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n\
+        $Elements\n3\n1 5 2 1 1 1 2 3 4 5 6 7 8\n2 3 2 2 1 1 4 8 5\n3 1 2 3 1 1 2\n$EndElements\n";
+    std::fs::write(folder.join("cube.msh"), mesh).unwrap();
+    let told = scene(&folder, "cube.msh", "").unwrap();
+    assert_eq!(told.mesh().element_count(), 1);
+    let (curves, collapsed, instances) = (1, 0, Vec::new());
+    let fact = Remark::Scene(SceneRemark::MeshContent {
+        curves,
+        collapsed,
+        instances,
+    });
+    assert!(told.remarks().contains(&fact), "{:?}", told.remarks());
+    let bars = "[mesh]\nfile = \"cube.msh\"\n[[part]]\nset = \"edge\"\nmaterial = \"m\"\n";
+    let text = format!("title = \"bar\"\n{bars}{REST}");
+    let with_bars = Scene::from_toml(&text, folder.join("scene.toml"), &Registry::default());
+    match with_bars {
+        Ok(scene) => assert_eq!(scene.mesh().element_count(), 2),
+        // The material of a bar may need more than that of a solid.
+        Err(error) => assert!(!error.to_string().contains("no element set"), "{error}"),
+    }
+}
+
 /// What is not read is refused with the file, the line and the way out; a set that the file does not have, with its sets.
 #[test]
 fn faults_of_an_input_file_name_their_line() {
@@ -97,14 +179,10 @@ fn faults_of_an_input_file_name_their_line() {
     for (from, to, passages) in [
         (
             "C3D8R",
-            "S4R",
-            &["bar.inp", "line 14 in *ELEMENT", "type S4R", "C3D8I"][..],
+            "B31",
+            &["bar.inp", "line 14 in *ELEMENT", "type B31", "C3D8I"][..],
         ),
-        (
-            "*SURFACE",
-            "*INCLUDE, INPUT=a.inp\n*SURFACE",
-            &["line 17 in *INCLUDE", "in the place of"],
-        ),
+        ("*SURFACE", "*INCLUDE, INPUT=a.inp\n*SURFACE", &["a.inp"]),
         (
             "ELSET=rock",
             "ELSET=granite",

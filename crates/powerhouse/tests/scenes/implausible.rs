@@ -73,6 +73,53 @@ fn a_peak_that_may_be_in_g_is_warned_of() {
     assert!(text.to_string().contains("0.3 g would be 2.942"), "{text}");
 }
 
+/// A baseline correction that changes a record by more than 5 % of its peak is warned of, whatever the size of the
+/// record: so is a velocity that is read as an acceleration, and not the accelerogram from which it is, or one that a
+/// filter changes.
+#[test]
+fn a_correction_that_is_too_large_is_warned_of() {
+    let variants = Variants::new("large-correction");
+    let step = 0.01;
+    let acceleration = |i: i32| {
+        let time = step * f64::from(i);
+        0.002 + (6.0 * time).sin() * (-(time - 3.0).powi(2)).exp()
+    };
+    let mut velocity = 0.0;
+    let mut rows = [Vec::new(), Vec::new()];
+    for i in 0..600 {
+        velocity += 0.5 * step * (acceleration(i) + acceleration(i - 1));
+        for (rows, value) in rows.iter_mut().zip([acceleration(i), velocity]) {
+            rows.push(format!("{:.2} {value:.9}", step * f64::from(i)));
+        }
+    }
+    for (name, rows) in ["acceleration.txt", "velocity.txt"].into_iter().zip(rows) {
+        fs::write(variants.0.join(name), rows.join("\n")).unwrap();
+    }
+    let pulse = "pulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }";
+    let found = |file: &str, keys: &str| {
+        let record = format!(
+            "record = \"r\"\n[[record]]\nname = \"r\"\nconvention = \"incident\"\nunits = \"m/s2\"\nfile = \"{file}\"\n{keys}"
+        );
+        let scene = variants.read(pulse, &record).unwrap();
+        let share = |remark: &Remark| match remark {
+            Remark::LargeCorrection { share, .. } => {
+                assert!(remark.is_warning() && remark.to_string().contains("velocity"));
+                Some(*share)
+            }
+            _ => None,
+        };
+        scene.remarks().iter().find_map(share)
+    };
+    let polynomial = "baseline = { kind = \"velocity-polynomial\", order = 3 }\n";
+    assert_eq!(found("acceleration.txt", polynomial), None);
+    for scale in ["", "peak = 2.0\n"] {
+        let share = found("velocity.txt", &[polynomial, scale].concat()).unwrap();
+        assert!(share > 0.05 && share < 10.0, "{share}");
+    }
+    let filter = "baseline = { kind = \"high-pass\", corner = 1.0, order = 4 }\n";
+    assert_eq!(found("velocity.txt", filter), None);
+}
+
 /// A cut beyond the end of the record is an error with this end.
 #[test]
 fn a_cut_beyond_the_record_is_refused_with_its_end() {

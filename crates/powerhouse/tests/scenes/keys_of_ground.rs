@@ -182,6 +182,25 @@ fn records() {
     let few = header.replace("   90", "   99");
     write("few.at2", &format!("{few}{}", text(&samples(90))));
     let one = "file = \"one.txt\"\ntime_step = 0.01\nunits = \"m/s2\"\n";
+    let in_rows: Vec<String> = samples(90)
+        .chunks(7)
+        .map(|row| row.iter().map(|a| format!("{a} ")).collect())
+        .collect();
+    write("rows.txt", &in_rows.join("\n"));
+    let rows = samples(90).into_iter().enumerate();
+    let three: Vec<String> = rows
+        .map(|(i, a)| format!("{a} 7 {}", i as f64 * 0.01))
+        .collect();
+    write(
+        "three.txt",
+        &format!("1940 El Centro\n{}", three.join("\n")),
+    );
+    let times_of_all = "#StationCode: A\n#RecordLength(sec): 0.9\n#SampleRate(Hz): 100\n#AmplitudeUnit: gal.\n#DataSequence: Time U(+); N(+)\n";
+    let rows = samples(90).into_iter().enumerate();
+    let both: Vec<String> = rows
+        .map(|(i, a)| format!("{:.3} 0.5 {a}", i as f64 * 0.01))
+        .collect();
+    write("station.dat", &format!("{times_of_all}{}", both.join("\n")));
     let baseline = "baseline = { kind = \"velocity-polynomial\", order = 3 }\n";
     let plain = || corrected(&history(), REST);
     let times = |factor: f64| {
@@ -211,6 +230,26 @@ fn records() {
         (
             format!("file = \"r.at2\"\ncount = \"as-declared\"\n{baseline}"),
             times(9.80665),
+        ),
+        (
+            format!(
+                "file = \"rows.txt\"\nvalues_in_a_row = 7\ntime_step = 0.01\nunits = \"m/s2\"\n{baseline}"
+            ),
+            plain(),
+        ),
+        (
+            format!(
+                "file = \"three.txt\"\nskip = 1\ncolumns = {{ time = 3, acceleration = 1 }}\nunits = \"m/s2\"\n{baseline}"
+            ),
+            plain(),
+        ),
+        (
+            format!("file = \"station.dat\"\nchannel = \"N\"\n{baseline}"),
+            times(0.01),
+        ),
+        (
+            format!("file = \"station.dat\"\nchannel = \"2\"\nunits = \"cm/s2\"\n{baseline}"),
+            times(0.01),
         ),
         (format!("{one}cut = [0.05, 0.65]\n{baseline}"), cut(0.0)),
         (

@@ -26,11 +26,17 @@ const HIGHEST_ORDER: u32 = 2;
 /// Mesh of a scene file, remarks about it, and the check of the file that it shares its numbers with, if there is one.
 pub(super) fn mesh(
     text: &SceneText,
-    table: &spec::MeshFile,
+    scene: &spec::SceneSpec,
     registry: &Registry,
 ) -> Result<(Mesh, Vec<Remark>, Option<InUse>), Fault> {
+    let table = &scene.mesh;
     let (mut remarks, mut in_use) = (Vec::new(), None);
-    let options = order_options(table)?;
+    // Curves of a file are bars where a part names them.
+    let of_stages = scene.stages.iter().flat_map(|stage| &stage.parts);
+    let of_stages = of_stages.map(|part| part.set.as_str());
+    let parts = scene.parts.iter().map(|part| part.set.as_str());
+    let parts: Vec<&str> = parts.chain(of_stages).collect();
+    let options = order_options(table)?.with_bars(&parts);
     let refused = |error: AnyError| Fault::refused(table.file.span(), error);
     let path = text.folder().join(&*table.file);
     let mesh = match &table.generator {
@@ -98,19 +104,21 @@ struct FoundMesh {
     packed: Option<PackedMesh>,
 }
 
-/// Mesh of a Gmsh file, or by its extension of an Abaqus input file (`.inp`) or a packed mesh (`.phm`), with remarks about
-/// what was left out or changed.
+/// Mesh of a Gmsh file or an Abaqus input file, by its content, or of a packed mesh by its extension `.phm`, with
+/// remarks about what was left out or changed.
 ///
 /// # Errors
 /// Those of [`read_gmsh`](powerhouse_io::read_gmsh), [`read_inp`](powerhouse_io::read_inp) and
 /// [`read_packed_mesh`](powerhouse_io::read_packed_mesh); `first_order` for a packed mesh.
-pub fn read_mesh(path: &Path, options: MeshOptions) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
+pub fn read_mesh(
+    path: &Path,
+    options: MeshOptions<'_>,
+) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
     let found = read(path, options)?;
     Ok((found.mesh, found.remarks))
 }
 
-fn read(path: &Path, options: MeshOptions) -> Result<FoundMesh, AnyError> {
-    let is_inp = (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("inp"));
+fn read(path: &Path, options: MeshOptions<'_>) -> Result<FoundMesh, AnyError> {
     if powerhouse_io::is_packed_mesh(path) {
         if options.first_order {
             return Err(PACKED.into());
@@ -130,7 +138,7 @@ fn read(path: &Path, options: MeshOptions) -> Result<FoundMesh, AnyError> {
             remarks: changed.into_iter().collect(),
             packed: Some(packed),
         })
-    } else if is_inp {
+    } else if powerhouse_io::is_inp(path) {
         let inp = powerhouse_io::read_inp_with(path, options)?;
         Ok(FoundMesh {
             mesh: inp.mesh,
@@ -149,7 +157,7 @@ fn read(path: &Path, options: MeshOptions) -> Result<FoundMesh, AnyError> {
 
 /// Options of reading elements of second order; keys for a mesh file are refused with a generator, and straight edges
 /// without midpoints.
-fn order_options(table: &spec::MeshFile) -> Result<MeshOptions, Fault> {
+fn order_options<'n>(table: &spec::MeshFile) -> Result<MeshOptions<'n>, Fault> {
     let mut options = MeshOptions::default();
     let of_file = |span: core::ops::Range<usize>, key: &str| match table.generator {
         None => Ok(()),
@@ -205,7 +213,19 @@ fn of_gmsh(report: &GmshReport) -> impl Iterator<Item = SceneRemark> {
     let unused = unused(report.dropped_nodes, report.dropped_elements, ungrouped);
     let (lowered, curved) = (report.lowered_elements, report.curved_nodes);
     let changed = changed(lowered, curved, report.largest_curve);
-    unused.into_iter().chain(changed)
+    let (curves, collapsed) = (report.curve_elements, report.collapsed_elements);
+    let content = content(curves, collapsed, Vec::new());
+    unused.into_iter().chain(changed).chain(content)
+}
+
+/// Remark about what a mesh file has otherwise than the mesh.
+fn content(curves: usize, collapsed: usize, instances: Vec<(String, u64)>) -> Option<SceneRemark> {
+    let is_any = curves + collapsed + instances.len() > 0;
+    is_any.then_some(SceneRemark::MeshContent {
+        curves,
+        collapsed,
+        instances,
+    })
 }
 
 /// Remarks about an Abaqus input file.
@@ -220,7 +240,23 @@ fn of_inp(report: InpReport) -> Vec<SceneRemark> {
     let changed = changed(lowered, curved, report.largest_curve);
     let skipped = report.skipped_keywords;
     let keywords = (!skipped.is_empty()).then_some(SceneRemark::MeshKeywords { skipped });
-    Vec::from_iter(unused.into_iter().chain(changed).chain(keywords))
+    let content = content(0, report.collapsed_elements, report.instances);
+    let (coupled, omitted) = (report.coupled_elements, report.omitted_coordinates);
+    let left_out = report.left_out;
+    let is_less = coupled + omitted + left_out.len() > 0;
+    let less = is_less.then_some(SceneRemark::MeshLeftOut {
+        left_out,
+        coupled,
+        omitted,
+    });
+    Vec::from_iter(
+        unused
+            .into_iter()
+            .chain(changed)
+            .chain(content)
+            .chain(less)
+            .chain(keywords),
+    )
 }
 
 /// Plane slice of a mesh.

@@ -46,7 +46,7 @@ pub(crate) fn compose(
         None => None,
     };
     let records = record::records(text, file, registry)?;
-    let (mesh, of_mesh, in_use) = mesh::mesh(text, &file.mesh, registry)?;
+    let (mesh, of_mesh, in_use) = mesh::mesh(text, file, registry)?;
     check_rims(&mesh, file)?;
     let (mesh, joints) = joints::joints(mesh, &file.joints, registry)?;
     let names = Names { mesh: &mesh };
@@ -137,6 +137,11 @@ pub(crate) fn compose(
                 key,
             });
         }
+        scene.remarks.extend(record.source.clone().map(|source| {
+            let name = name.clone();
+            Remark::RecordSource { name, source }
+        }));
+        scene.remarks.extend(record::large_correction(name, record));
         for warning in &record.warnings {
             scene.remarks.push(Remark::RecordFile {
                 name: name.clone(),

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use powerhouse_io::{
-    AccelerationUnit, CountRule, LengthRule, RecordOptions, common_length, read_record,
+    AccelerationUnit, CountRule, LengthRule, RecordColumns, RecordOptions, common_length,
+    read_record,
 };
 use powerhouse_wavefield::{
     BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport, RecordedAt,
@@ -36,6 +37,8 @@ pub(super) struct PreparedRecord {
     pub(super) weak: Option<&'static str>,
     /// Differences of the file from its declaration.
     pub(super) warnings: Vec<String>,
+    /// What the file is, and what was concluded from its content; none of a record in memory.
+    pub(super) source: Option<String>,
 }
 
 /// Peak ground acceleration (m/s2) of about 0.1 g below which a record is weak for a design motion, and its peak may be
@@ -74,10 +77,11 @@ fn processed(
     let name = table.name.span();
     let mut parts = Vec::new();
     for (part, read) in files(source, table)? {
+        let source = described(&read);
         let history = TimeHistory::new(read.step, read.samples)
             .map_err(|error| Fault::refused(part.file.span(), error))?;
         let (history, baseline) = corrected(table, history)?;
-        parts.push((part.name, history, baseline, read.warnings));
+        parts.push((part.name, history, baseline, (read.warnings, source)));
     }
     let peak = |history: &TimeHistory| {
         let samples = history.acceleration().into_iter();
@@ -95,7 +99,7 @@ fn processed(
         (None, _) => None,
     };
     let mut processed = Vec::new();
-    for (part, mut history, baseline, warnings) in parts {
+    for (part, mut history, baseline, (warnings, source)) in parts {
         let refused = |error: WaveError| Fault::refused(name.clone(), error);
         if let Some(peak) = table.peak {
             if present == 0.0 {
@@ -117,16 +121,42 @@ fn processed(
             report,
             baseline,
             warnings,
+            source,
         };
         processed.push((part, record));
     }
     Ok(processed)
 }
 
-/// File of a record.
+/// Format, station, component and time of a record, and what was concluded from the content of its file.
+fn described(read: &powerhouse_io::Record) -> Option<String> {
+    if read.format.is_empty() {
+        return None;
+    }
+    let mut parts = vec![read.format.to_string()];
+    let labels = [
+        ("station ", &read.station),
+        ("component ", &read.component),
+        ("event ", &read.event),
+        ("from ", &read.start),
+    ];
+    let given = labels.into_iter().filter(|(_, text)| !text.is_empty());
+    parts.extend(given.map(|(label, text)| format!("{label}{text}")));
+    parts.push(format!(
+        "{} samples at {} s in {}",
+        read.samples.len(),
+        read.step,
+        read.unit.name()
+    ));
+    parts.extend(read.notes.iter().cloned());
+    Some(parts.join("; "))
+}
+
+/// File of a record, or a channel of one.
 struct Part<'t> {
     name: String,
     file: &'t At<PathBuf>,
+    channel: Option<String>,
 }
 
 /// Samples of the files of a record, with a common length.
@@ -135,42 +165,75 @@ fn files<'t>(
     table: &'t Record,
 ) -> Result<Vec<(Part<'t>, powerhouse_io::Record)>, Fault> {
     let name = table.name.to_string();
-    let parts: Vec<Part> = match (&table.file, &table.components) {
-        (Some(file), None) => {
+    let letters = [Component::X, Component::Y, Component::Z].map(Component::letter);
+    let of_letters = |span: core::ops::Range<usize>, found: Vec<Part<'t>>| match found.is_empty() {
+        true => Err(Fault::new(span, Problem::MissingKey { key: "x".into() })),
+        false => Ok(found),
+    };
+    let channel = table.channel.as_ref().map(|channel| channel.to_string());
+    let parts: Vec<Part> = match (&table.file, &table.components, &table.channels) {
+        (Some(_), None, Some(channels)) if channel.is_some() => {
+            let keys = &["channel", "channels"];
+            return Err(one_of(channels.span(), keys, &[true, true]));
+        }
+        (Some(file), None, Some(channels)) => {
+            let own = [&channels.x, &channels.y, &channels.z];
+            let part = |(letter, channel): (char, &Option<String>)| {
+                Some(Part {
+                    name: format!("{name}.{letter}"),
+                    file,
+                    channel: Some(channel.clone()?),
+                })
+            };
+            of_letters(
+                channels.span(),
+                letters.into_iter().zip(own).filter_map(part).collect(),
+            )?
+        }
+        (Some(file), None, None) => {
             if let Some(length) = &table.length {
                 let key = "components".into();
                 return Err(Fault::new(length.span(), Problem::MissingKey { key }));
             }
-            vec![Part { name, file }]
-        }
-        (None, Some(components)) => {
-            let files = [&components.x, &components.y, &components.z];
-            let letters = [Component::X, Component::Y, Component::Z].map(Component::letter);
-            let given = letters.into_iter().zip(files);
-            let given = given.filter_map(|(letter, file)| Some((letter, file.as_ref()?)));
-            if files.iter().all(|file| file.is_none()) {
-                let key = "x".into();
-                return Err(Fault::new(components.span(), Problem::MissingKey { key }));
-            }
-            let part = |(letter, file)| Part {
-                name: format!("{name}.{letter}"),
+            vec![Part {
+                name,
                 file,
-            };
-            given.map(part).collect()
+                channel,
+            }]
         }
-        (file, components) => {
+        (None, Some(components), None) => {
+            let files = [&components.x, &components.y, &components.z];
+            let part = |(letter, file): (char, &'t Option<At<PathBuf>>)| {
+                Some(Part {
+                    name: format!("{name}.{letter}"),
+                    file: file.as_ref()?,
+                    channel: channel.clone(),
+                })
+            };
+            of_letters(
+                components.span(),
+                letters.into_iter().zip(files).filter_map(part).collect(),
+            )?
+        }
+        (file, components, channels) => {
             let given = [file.is_some(), components.is_some()];
-            return Err(one_of(table.name.span(), &["file", "components"], &given));
+            return Err(match (components, channels) {
+                (Some(_), Some(channels)) => {
+                    one_of(channels.span(), &["components", "channels"], &[true, true])
+                }
+                _ => one_of(table.name.span(), &["file", "components"], &given),
+            });
         }
     };
-    let read = parts.iter().map(|part| read(source, table, part.file));
+    let read = parts.iter().map(|part| read(source, table, part));
     let mut read: Vec<powerhouse_io::Record> = read.collect::<Result<_, _>>()?;
-    if let Some(components) = &table.components {
+    let span = table.components.as_ref().map(At::span);
+    if let Some(span) = span.or(table.channels.as_ref().map(At::span)) {
         let rule = match table.length.as_deref() {
             Some(Length::Cut) => LengthRule::Cut,
             Some(Length::Pad) | None => LengthRule::Pad,
         };
-        common_length(&mut read, rule).map_err(|e| Fault::refused(components.span(), e))?;
+        common_length(&mut read, rule).map_err(|e| Fault::refused(span, e))?;
     }
     Ok(parts.into_iter().zip(read).collect())
 }
@@ -295,6 +358,22 @@ pub(super) fn of_components(convention: &At<Convention>) -> Result<RecordedAt, F
     ))
 }
 
+/// Share of the peak of a record that a baseline correction may change without a warning: that of genuine
+/// accelerograms is about 1 % at most.
+const LARGE_CORRECTION: f64 = 0.05;
+
+/// Warning about a correction that changes a record more than it does an accelerogram; a filter is meant to.
+pub(super) fn large_correction(name: &str, record: &PreparedRecord) -> Option<Remark> {
+    let report = record.baseline?;
+    let share = report.largest_change / report.before.peak_acceleration;
+    let is_filter = matches!(report.correction, BaselineCorrection::HighPass { .. });
+    (!is_filter && share > LARGE_CORRECTION).then(|| Remark::LargeCorrection {
+        name: name.into(),
+        share,
+        drift: report.before.end_displacement,
+    })
+}
+
 /// Least share of a record's Arias intensity that a run should contain.
 const LEAST_SHARE: f64 = 0.95;
 
@@ -326,8 +405,9 @@ pub(super) fn cut_short(
 fn read(
     (text, registry): (&SceneText, &Registry),
     table: &Record,
-    file: &At<PathBuf>,
+    part: &Part<'_>,
 ) -> Result<powerhouse_io::Record, Fault> {
+    let file = part.file;
     if let Some(history) = registry.record(file) {
         return in_memory(table, file, history);
     }
@@ -343,7 +423,13 @@ fn read(
             Count::AsDeclared => CountRule::AsDeclared,
             Count::AsFound => CountRule::AsFound,
         },
-        ..RecordOptions::default()
+        channel: part.channel.clone(),
+        skip: table.skip.map(|lines| lines as usize),
+        columns: table.columns.as_ref().map(|columns| RecordColumns {
+            time: columns.time.map(|column| column.get() as usize),
+            acceleration: columns.acceleration.get() as usize,
+        }),
+        values_in_a_row: table.values_in_a_row.map(|values| values.get() as usize),
     };
     read_record(&path, &options).map_err(|error| Fault::refused(file.span(), error))
 }

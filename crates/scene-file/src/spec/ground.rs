@@ -1,5 +1,6 @@
 //! Ground motion records, incident waves, the free-field site and the absorbing boundary.
 
+use core::num::NonZeroU32;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
@@ -18,23 +19,34 @@ use super::{
 pub struct Record {
     /// Name to which waves and prescribed motions refer.
     pub name: At<String>,
-    /// Path of the file, relative to the scene file: PEER AT2, or text in one column (acceleration, with
-    /// `time_step`) or two columns (time in s, acceleration). A record has either a file or components.
+    /// Path of the file, relative to the scene file: PEER AT2, K-NET, KiK-net, COSMOS, CSMIP, GeoNet, ESM, ITACA,
+    /// SMC, CWB, CSMNC, AFAD, or text in one column (acceleration, with `time_step`), two columns (time in s,
+    /// acceleration) or other shapes. A record has either a file or components.
     pub file: Option<At<PathBuf>>,
+    /// Number (from 1) or name of the channel of a file that has several.
+    pub channel: Option<At<String>>,
+    /// Channels of the file that are the components of one station, by number or name; in the place of `components`.
+    pub channels: Option<At<Channels>>,
     /// Files of up to three components of one station; a wave refers to one of them, a `[[motion]]` to all. All are processed
     /// alike: one length, one cut, one scale factor.
     pub components: Option<At<Components>>,
     /// Treatment of components of unequal length: `pad` (zeros are added; the default) or `cut`.
     pub length: Option<At<Length>>,
-    /// Unit of the accelerations in the file: `m/s2`, `cm/s2` or `g`. Required for text files; PEER AT2 files
-    /// declare their own.
+    /// Unit of the accelerations in the file: `m/s2`, `cm/s2` or `g`. Required for text files that do not declare it;
+    /// others declare their own.
     pub units: Option<Units>,
     /// Treatment of a file whose declared number of samples differs from the number it contains: `as-declared`
     /// (an error; the default) or `as-found` (a warning).
     #[serde(default, skip_serializing_if = "is_default")]
     pub count: Count,
-    /// Sampling interval of a one-column text file (s), above 0.
+    /// Sampling interval of a text file without times (s), above 0.
     pub time_step: Option<Positive>,
+    /// Number of first lines of a text file that are left out, such as titles that start with a number.
+    pub skip: Option<u32>,
+    /// Columns of a text file with more than two: the time, if there is one, and the acceleration.
+    pub columns: Option<At<Columns>>,
+    /// Number of successive accelerations in each row of a text file, with or without a time before each.
+    pub values_in_a_row: Option<NonZeroU32>,
     /// Time window of the record that is used: start and end (s); all by default.
     pub cut: Option<At<[NonNegative; 2]>>,
     /// Duration of the taper at the end of the cut (s), over which the acceleration falls to zero; 0 (no taper)
@@ -65,6 +77,30 @@ pub struct Components {
     pub y: Option<At<PathBuf>>,
     /// Path of the file of the vertical component.
     pub z: Option<At<PathBuf>>,
+}
+
+/// Channels of a file, by their numbers (from 1) or names; the keys are labels as those of [`Components`].
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct Channels {
+    /// Channel of the first horizontal component.
+    pub x: Option<String>,
+    /// Channel of the second horizontal component.
+    pub y: Option<String>,
+    /// Channel of the vertical component.
+    pub z: Option<String>,
+}
+
+/// Columns of a text file, by their numbers from 1.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct Columns {
+    /// Column of the times (s).
+    pub time: Option<NonZeroU32>,
+    /// Column of the accelerations.
+    pub acceleration: NonZeroU32,
 }
 
 /// Treatment of components of unequal length.

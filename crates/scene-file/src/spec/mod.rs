@@ -52,8 +52,8 @@ pub use file::SceneFile;
 pub(crate) use file::read_text;
 pub use function::{Function, Pulse};
 pub use ground::{
-    Baseline, BoundarySection, Component, Convention, Count, Ground, Length, Record, Region, Space,
-    Units, Wave, WaveAxis, WaveKind, Within,
+    Baseline, BoundarySection, Channels, Columns, Component, Convention, Count, Ground, Length,
+    Record, Region, Space, Units, Wave, WaveAxis, WaveKind, Within,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub use layer::{EquivalentLinear, Layer, StrainCurves};

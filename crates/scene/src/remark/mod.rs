@@ -36,6 +36,22 @@ pub enum Remark {
         /// Report of the baseline correction, before the record was scaled.
         baseline: Option<BaselineReport>,
     },
+    /// Fact: format, station, component and time of a record, and what was concluded from the content of its file.
+    RecordSource {
+        /// Name of the record.
+        name: String,
+        /// The facts, in words.
+        source: String,
+    },
+    /// Warning: the baseline correction changes a record more than it does an accelerogram.
+    LargeCorrection {
+        /// Name of the record.
+        name: String,
+        /// Largest change of the acceleration over its peak.
+        share: f64,
+        /// Displacement at the end before the correction (m).
+        drift: f64,
+    },
     /// Warning: the peak of a record is weak for a design motion, so that its unit is probably another one.
     WeakRecord {
         /// Name of the record.
@@ -504,6 +520,8 @@ impl Remark {
         match self {
             Self::Record { .. }
             | Self::RecordFile { .. }
+            | Self::RecordSource { .. }
+            | Self::LargeCorrection { .. }
             | Self::WeakRecord { .. }
             | Self::PastCritical { .. }
             | Self::Layered { .. }
@@ -591,6 +609,7 @@ impl Remark {
             | Self::UnusedRecord { .. }
             | Self::UnusedMaterial { .. }
             | Self::WeakRecord { .. }
+            | Self::LargeCorrection { .. }
             | Self::TruncatedRecord { .. }
             | Self::RotatedAxis { .. }
             | Self::AboveGround { .. }
@@ -600,7 +619,8 @@ impl Remark {
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. }
             | Self::ReducedStrength { .. } => true,
-            Self::FlatDamping { .. }
+            Self::RecordSource { .. }
+            | Self::FlatDamping { .. }
             | Self::Rim { .. }
             | Self::Conversion { .. }
             | Self::QuietStart { .. }

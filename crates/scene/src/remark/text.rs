@@ -57,6 +57,12 @@ impl fmt::Display for Remark {
                 Ok(())
             }
             Self::RecordFile { name, warning } => write!(f, "record '{name}': {warning}"),
+            Self::RecordSource { name, source } => write!(f, "record '{name}': {source}"),
+            Self::LargeCorrection { name, share, drift } => write!(
+                f,
+                "record '{name}': the baseline correction changes it by {:.0} % of its peak, and takes an end displacement of {drift:.3} m, where it is about 1 % of accelerograms: it may be a velocity or a displacement, have another time step or an offset of the instrument",
+                100.0 * share
+            ),
             Self::WeakRecord { name, peak, key } => {
                 let shown = |value: f64| (1e4 * value).round() / 1e4;
                 write!(
