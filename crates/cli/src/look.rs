@@ -1,10 +1,14 @@
 //! `powerhouse look`.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use powerhouse::io::{MeshOptions, Picture, PictureField, write_picture};
+use powerhouse::io::{
+    MeshOptions, Picture, PictureField, is_inp, is_packed_mesh, known_format, write_picture,
+};
 use powerhouse::model::{Facet, Mesh};
 
 use crate::report::point;
@@ -14,13 +18,28 @@ use crate::{Outcome, check_ending};
 /// Deviation of the nodes of a facet set from a plane, over the size of the mesh, up to which the set counts as plane.
 const PLANE: f64 = 1e-6;
 
+/// Whether a file is that of a record: neither a mesh nor a file of another known format.
+pub(crate) fn is_record(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(4096).read_to_end(&mut head));
+    let is_named_mesh = file
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("msh"));
+    read.is_ok()
+        && !is_named_mesh
+        && !is_packed_mesh(file)
+        && !is_inp(file)
+        && known_format(&head).is_none()
+}
+
 /// Prints sizes, quality and sets of a mesh file, and draws its element sets if a file is given.
-pub(crate) fn look(file: &Path, picture: Option<PathBuf>) -> Outcome {
+pub(crate) fn look(file: &Path, picture: Option<PathBuf>, first_order: bool) -> Outcome {
     if let Some(file) = &picture {
         check_ending(file, ("picture", "png"))?;
     }
     let mut options = MeshOptions::default();
     options.straighten = true;
+    options.first_order = first_order;
     let (mesh, remarks) =
         powerhouse::read_mesh(file, options).map_err(|error| error.to_string())?;
     let quality = mesh.check()?;

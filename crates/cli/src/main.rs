@@ -16,6 +16,7 @@ mod drive;
 mod emit;
 mod forecast;
 mod look;
+mod look_record;
 mod manual;
 mod mesh;
 mod pack;
@@ -173,13 +174,23 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Print sizes, quality and sets of a mesh file (Gmsh, Abaqus, packed), and draw its element sets.
+    /// Print sizes, quality and sets of a mesh file (Gmsh, Abaqus, packed), and draw its element sets; or format,
+    /// peaks and durations of a record, and draw its response spectra.
     Look {
-        /// Mesh file.
-        mesh: PathBuf,
-        /// PNG file of a picture.
+        /// Mesh file, or file of a record.
+        file: PathBuf,
+        /// PNG file of a picture of a mesh, SVG file of the response spectra of a record.
         #[arg(long, value_name = "FILE")]
         picture: Option<PathBuf>,
+        /// Order of the elements of a mesh file: 1 reads those of second order by their corners alone.
+        #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u32).range(1..=2))]
+        order: Option<u32>,
+        /// Unit of a record whose file does not declare it, such as m/s2, cm/s2 or g.
+        #[arg(long)]
+        units: Option<String>,
+        /// Time step of a record whose file does not declare it (s).
+        #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+        time_step: Option<f64>,
     },
     /// Run the cases of a scene, sequentially or in parallel; finished cases are not run again, and unfinished ones go on
     /// from their last checkpoint. Several processes with the same folder share the cases.
@@ -425,7 +436,33 @@ fn main() -> ExitCode {
         Command::New { folder } => starter::new(&folder),
         Command::Mesh { bay, out } => mesh::mesh(&bay, out),
         Command::Pack { mesh, out } => pack::pack(&mesh, out),
-        Command::Look { mesh, picture } => look::look(&mesh, picture),
+        Command::Look {
+            file,
+            picture,
+            order,
+            units,
+            time_step,
+        } if look::is_record(&file) => {
+            let record = look_record::LookRecord {
+                units,
+                time_step,
+                picture,
+            };
+            match order {
+                None => look_record::look(&file, &record),
+                Some(_) => Err("`--order` is about a mesh file, and this is a record".into()),
+            }
+        }
+        Command::Look {
+            file,
+            picture,
+            order,
+            units: None,
+            time_step: None,
+        } => look::look(&file, picture, order == Some(1)),
+        Command::Look { .. } => {
+            Err("`--units` and `--time-step` are about a record, and this is a mesh file".into())
+        }
         Command::Schema => {
             say!("{:#}", powerhouse_wang_2019::registry().schema().to_value());
             Ok(ExitCode::SUCCESS)
