@@ -92,14 +92,14 @@ pub(crate) fn collapsed(kind: ElementKind, nodes: &[u64]) -> Option<Collapsed> {
             let second = of(3).nth(1)?;
             let [a, b, c, _] = first.nodes;
             for (at, node) in [a, c, b].into_iter().enumerate() {
-                let beside = of(4).filter_map(|side| {
+                let mut beside = of(4).filter_map(|side| {
                     let place = side.as_slice().iter().position(|own| *own == node)?;
                     let next = [side.nodes[(place + 1) % 4], side.nodes[(place + 3) % 4]];
                     next.into_iter()
                         .find(|next| second.as_slice().contains(next))
                 });
                 found[at] = node;
-                found[at + 3] = beside.last()?;
+                found[at + 3] = beside.next()?;
             }
             ElementKind::Wedge6
         }

@@ -400,7 +400,8 @@ impl<'t> Table<'t> {
                 .collect::<Vec<_>>()
         });
         let times: Option<Vec<f64>> = cells.collect();
-        width % 2 == 0 && times.is_some_and(|times| times.len() == width && is_uniform(&times))
+        width.is_multiple_of(2)
+            && times.is_some_and(|times| times.len() == width && is_uniform(&times))
     }
 
     /// Times and accelerations.

@@ -86,7 +86,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
             let peak_line = above
                 .iter()
                 .find(|line| contains(line, "peak acceleration"));
-            let of_peak = peak_line.and_then(|line| Some(leading(behind(line, "=")?)?));
+            let of_peak = peak_line.and_then(|line| leading(behind(line, "=")?));
             let by_peak = of_peak
                 .and_then(|(_, unit)| AccelerationUnit::from_name(unit.split_whitespace().next()?));
             let unit = unit(found.rest).or(by_peak);

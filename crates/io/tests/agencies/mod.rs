@@ -302,7 +302,7 @@ fn damaged_files_are_refused_by_line() {
         };
         // Rows of the last block of samples; the last channel is asked for.
         let last_channel = (case.motions.len() > 1).then_some("3");
-        let end = lines.iter().rposition(|line| is_row(&line)).unwrap();
+        let end = lines.iter().rposition(is_row).unwrap();
         for cut in [1, 3, 30] {
             let kept = [&lines[..end + 1 - cut], &lines[end + 1..]]
                 .concat()
@@ -410,12 +410,14 @@ fn other_files_are_named() {
         refused("velocity", &velocity, None).1,
         RecordFault::Quantity { .. }
     ));
-    let counts = cosmos(&[motion.clone()], "8F10.5", false).replace("cm/sec2(04)", "counts (50)");
+    let counts = cosmos(std::slice::from_ref(&motion), "8F10.5", false)
+        .replace("cm/sec2(04)", "counts (50)");
     assert!(matches!(
         refused("counts", &counts, None).1,
         RecordFault::UnknownUnit { .. }
     ));
-    let only = cosmos(&[motion.clone()], "8F10.5", false).replace("acceleration", "velocity");
+    let only =
+        cosmos(std::slice::from_ref(&motion), "8F10.5", false).replace("acceleration", "velocity");
     assert!(matches!(
         refused("only", &only, None).1,
         RecordFault::Quantity { .. }
