@@ -164,7 +164,7 @@ fn curves_are_bars_of_parts_alone() {
     assert!(told.remarks().contains(&fact), "{:?}", told.remarks());
     let bars = "[mesh]\nfile = \"cube.msh\"\n[[part]]\nset = \"edge\"\nmaterial = \"m\"\n";
     let text = format!("title = \"bar\"\n{bars}{REST}");
-    let with_bars = Scene::from_toml(&text, folder.join("scene.toml"), &Registry::default());
+    let with_bars = FileScene::from_toml(&text, folder.join("scene.toml"), &Registry::default());
     match with_bars {
         Ok(scene) => assert_eq!(scene.mesh().element_count(), 2),
         // The material of a bar may need more than that of a solid.
