@@ -448,7 +448,7 @@ impl fmt::Display for SceneRemark {
                 let mut found = Vec::new();
                 if *curves > 0 {
                     found.push(format!(
-                        "{curves} lines of physical curves that no part names are no bars"
+                        "{curves} lines of physical curves that no part names are no bars, but sets of their nodes"
                     ));
                 }
                 if *collapsed > 0 {

@@ -190,6 +190,19 @@ impl<'a> Assembly<'a> {
                     builder.facet(set, nodes);
                 }
             }
+            (ElementUse::Curve, _) => {
+                let there = nodes.iter().filter(|node| self.used.contains(*node));
+                let there: Vec<u64> = there.copied().collect();
+                // A surface or volume of the name is what a scene means by it.
+                let is_free = |set: &&&str| {
+                    let mut groups = self.groups.keys().filter(|(dimension, _)| *dimension > 1);
+                    !groups
+                        .any(|&(dimension, group)| group_name(self.raw, dimension, group) == ***set)
+                };
+                for set in sets.iter().filter(is_free).filter(|_| !there.is_empty()) {
+                    builder.node_set(set, &there);
+                }
+            }
             (ElementUse::Point, _) => {
                 for set in sets.iter() {
                     if let Some(&node) = nodes.iter().find(|node| !self.used.contains(node)) {

@@ -5,7 +5,7 @@
 //! | hexahedra (8 nodes), tetrahedra (4), prisms (6), pyramids (5) | solids `hex8`, `tet4`, `wedge6`, `pyramid5` |
 //! | tetrahedra (10) with straight edges | solids `tet10` |
 //! | solids with repeated nodes | the wedges, pyramids and tetrahedra that they are |
-//! | lines (2) in a physical group | bars `bar2`; with [`MeshOptions::bars`] only of the groups that it names, other lines are left out |
+//! | lines (2) in a physical group | bars `bar2`; with [`MeshOptions::bars`] only of the groups that it names, others are node sets |
 //! | triangles (3 or 6), quadrilaterals (4) in a physical group | facets: the sides of the solids on the same nodes, both sides of an interior face |
 //! | points in a physical group | nodes |
 //! | physical groups of dimension 3 and 1, 2, 0 | element sets, facet sets, node sets |
@@ -43,7 +43,7 @@
 //! the same.
 //!
 //! *Curves are named for many reasons*, to be refined or as the edge of a load, and are bars only where somebody
-//! wants bars. Lines that cannot be bars, of three nodes, are no fault of a mesh of solids; those of two curves on
+//! wants bars; else they are sets of their nodes, unless a surface or volume has the name. Lines that cannot be bars, of three nodes, are no fault of a mesh of solids; those of two curves on
 //! the same nodes are one bar.
 //!
 //! *The header of a section is checked.* A total or a range of numbers that disagrees with the

@@ -33,7 +33,7 @@ pub struct GmshReport {
     pub merged_elements: usize,
     /// Number of lines, facets and points without a physical group, which are dropped.
     pub dropped_elements: usize,
-    /// Number of lines of physical groups that are no bars, which are dropped.
+    /// Number of lines of physical groups that are no bars; their nodes are node sets.
     pub curve_elements: usize,
     /// Number of solids with repeated nodes that were read as the wedges, pyramids and tetrahedra that they are.
     pub collapsed_elements: usize,

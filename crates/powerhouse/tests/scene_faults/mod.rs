@@ -86,7 +86,8 @@ fn the_sound_scene_is_accepted() {
     let scene = read(SOUND).unwrap();
     assert_eq!(scene.parts().len(), 2);
     assert!(scene.field().is_some());
-    assert_eq!(scene.remarks().len(), 1);
+    // The record and its format.
+    assert_eq!(scene.remarks().len(), 2);
 }
 
 /// A fault is reported with line, column and message.
