@@ -245,7 +245,7 @@ pub enum InpFault {
         /// Name of the instance.
         name: String,
     },
-    /// The numbers of nodes and elements of several instances are too large to be told apart.
+    /// The numbers of nodes and elements of several instances are too large to be kept apart.
     #[error("{most} is too large a number of a node or element in a file of several instances")]
     Numbers {
         /// Largest number.

@@ -29,7 +29,7 @@
 //! nodes and elements; those of the second, third and so on are larger by one, two and so on times a power of ten
 //! that no number reaches ([`InpReport::instances`]), and each of several instances is an element set of its name. A
 //! set has its name, unless another instance or the assembly has one of that name: then the name of the instance
-//! stands before it, as in
+//! comes before it, as in
 //! `Part-1-1.Set-1`. Nodes of the assembly itself, which are reference points, are dropped. Files that the file
 //! includes (`*INCLUDE`) are read from its folder and below it. Generation of nodes and elements (`*NGEN`, `*ELGEN`
 //! ...) and elements of the assembly itself are errors with the line and a way out, and so is every parameter without
@@ -50,7 +50,7 @@
 //! node does not replace the first: a file that has any of these was probably cut off or edited. Omitted coordinates
 //! are zero, as the format has it, but counted.
 //!
-//! *Numbers of instances are told apart by a power of ten*, so that 2000017 is the node 17 of the third instance in
+//! *Numbers of instances differ by a power of ten*, so that 2000017 is the node 17 of the third instance in
 //! every message.
 
 mod assemble;

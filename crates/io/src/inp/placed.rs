@@ -13,7 +13,7 @@ pub(super) fn all(parts: &Parts, mut contents: Vec<RawPart>) -> Result<RawMesh, 
     let mut raw = RawMesh::default();
     let instances = &parts.instances;
     if instances.is_empty() {
-        // A single part stands where it is.
+        // A single part is where it was drawn.
         let names: Vec<usize> = parts.names().map(|(_, index)| *index).collect();
         let own = match names[..] {
             [] => 0,

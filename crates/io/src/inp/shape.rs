@@ -225,7 +225,7 @@ mod tests {
         }
     }
 
-    /// Letters behind a type change no nodes; those of further unknowns are told, and types without volume are left
+    /// Letters behind a type change no nodes; those of further unknowns are reported, and types without volume are left
     /// out.
     #[test]
     fn names_with_letters_are_known() {

@@ -1,11 +1,10 @@
 //! Accelerograms in text of one or more columns, or of several values in a row.
 
 use super::channel::sample;
+use super::times::{UNIFORMITY, is_swapped, is_uniform, uniform_step};
 use super::title::Title;
 use super::{Record, RecordError, RecordFault, RecordOptions};
 
-/// Largest deviation of a time from the uniform one, in steps.
-const UNIFORMITY: f64 = 0.01;
 /// Lines of a file that a message shows.
 const SHOWN: usize = 4;
 /// Samples after the first one with which it is compared.
@@ -239,7 +238,7 @@ impl<'t> Table<'t> {
                     return Ok(Leader { step: None, note });
                 }
                 let declared = options.step.or(self.title.step().map(|step| step.step));
-                if declared == Some(value) && self.stands_out(first[0].1, value) {
+                if declared == Some(value) && self.is_apart(first[0].1, value) {
                     self.rows.remove(0);
                     let note = Some(format!("line {line} is the step {value} s"));
                     return Ok(Leader {
@@ -248,7 +247,7 @@ impl<'t> Table<'t> {
                     });
                 }
                 let is_step = value > 0.0 && value <= 0.1;
-                if (is_step || whole(value).is_some()) && self.stands_out(first[0].1, value) {
+                if (is_step || whole(value).is_some()) && self.is_apart(first[0].1, value) {
                     return Err(uncertain(first[0].1));
                 }
                 Ok(none)
@@ -265,7 +264,7 @@ impl<'t> Table<'t> {
     }
 
     /// Whether the first value of a column is written unlike the next ones, or is far from them.
-    fn stands_out(&self, word: &str, value: f64) -> bool {
+    fn is_apart(&self, word: &str, value: f64) -> bool {
         let rows = self.rows.iter().skip(1).take(COMPARED);
         let next: Vec<(&str, f64)> = rows
             .filter_map(|row| {
@@ -575,63 +574,4 @@ fn has_decimal_commas(rows: &[Row]) -> bool {
     let wholes: Option<Vec<i64>> = rows.iter().map(whole).collect();
     let rises = wholes.is_some_and(|wholes| wholes.windows(2).all(|pair| pair[1] > pair[0]));
     !rises
-}
-
-/// Whether of two columns the second is of times and the first is not.
-fn is_swapped(times: &[f64], samples: &[f64], options: &RecordOptions) -> bool {
-    options.columns.is_none()
-        && times.len() == samples.len()
-        && times.len() > 3
-        && is_uniform(samples)
-        && !is_uniform(times)
-}
-
-/// Whether numbers rise by the same step.
-fn is_uniform(values: &[f64]) -> bool {
-    let step = values.get(1).zip(values.first()).map(|(b, a)| b - a);
-    step.is_some_and(|step| {
-        let is_step = |pair: &[f64]| (pair[1] - pair[0] - step).abs() <= 2.0 * UNIFORMITY * step;
-        step > 0.0 && values.windows(2).all(is_step)
-    })
-}
-
-/// Compares each time with the one before it and the median step, which a gap does not change: so the
-/// error names the gap, and not the row at which the mean step first fails.
-fn check_gaps(times: &[(usize, f64)]) -> Result<(), RecordError> {
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
-    let middle = steps.len() / 2;
-    let (_, &mut median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    for pair in times.windows(2) {
-        let ((_, before), (line, time)) = (pair[0], pair[1]);
-        let expected = before + median;
-        // Both ends of a step are rounded.
-        if (time - expected).abs() > 2.0 * UNIFORMITY * median.abs() {
-            let fault = RecordFault::NotUniform { time, expected };
-            return Err(RecordError::content(line, 1, fault));
-        }
-    }
-    Ok(())
-}
-
-/// Step of a time column; `None` if there is no such column.
-fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
-    let ([(_, first), .., (last_line, last)], count) = (times, times.len()) else {
-        return Ok(None);
-    };
-    let step = (last - first) / (count - 1) as f64;
-    if !(step.is_finite() && step > 0.0) {
-        let fault = RecordFault::Step { value: step };
-        return Err(RecordError::content(*last_line, 0, fault));
-    }
-    check_gaps(times)?;
-    for (index, &(line, time)) in times.iter().enumerate() {
-        let expected = first + index as f64 * step;
-        if (time - expected).abs() > UNIFORMITY * step {
-            let fault = RecordFault::NotUniform { time, expected };
-            return Err(RecordError::content(line, 1, fault));
-        }
-    }
-    // Printed times are rounded; a step of few digits is the intended one.
-    let rounded = format!("{step:.6e}").parse().unwrap_or(step);
-    Ok(Some(rounded))
 }

@@ -127,7 +127,7 @@ pub enum RecordFault {
         /// First lines of the file.
         lines: String,
     },
-    /// What stands in front of the samples may be a count or a step, or a sample.
+    /// What is in front of the samples may be a count or a step, or a sample.
     #[error(
         "{found} in front of the samples may be their number or step: `skip` leaves out that many first lines of the file (0 takes it as a sample), `time_step` declares the step; the file starts with{lines}"
     )]

@@ -15,6 +15,7 @@ mod knet;
 mod number;
 mod set;
 mod smc;
+mod times;
 mod title;
 mod unit;
 
@@ -120,7 +121,7 @@ pub struct RecordOptions {
     pub values_in_a_row: Option<usize>,
 }
 
-/// Reads an accelerogram, of a format that its content tells:
+/// Reads an accelerogram, of a format that its content shows:
 ///
 /// | format | files |
 /// |---|---|

@@ -171,7 +171,7 @@ fn instances_are_moved_and_turned() {
 /// Sets of one name in parts, instances and assembly have the name of the instance before them; others keep their
 /// name. Sets and surfaces of the assembly name numbers and sets of instances in either way.
 #[test]
-fn equal_names_are_told_apart() {
+fn equal_names_are_kept_apart() {
     let instances = instance("Slab-1", "Slab", "") + &instance("Peak-1", "Peak", "5., 0., 0.\n");
     let rest = "*Nset, nset=Set-1, instance=Peak-1\n44,\n*Nset, nset=Set-1, instance=Slab-1, generate\n1, 3\n\
         *Elset, elset=all-of-it\nSlab-1.1, Slab-1.Set-1, Peak-1.SET-1\n\
@@ -295,7 +295,7 @@ fn one_instance_is_the_flat_input() {
     assert!((volume(&two) - 2.0 * volume(&flat)).abs() < 1e-12);
 }
 
-/// Files that a file includes, within each other, are in its place; a fault in one is told by its file and line; a
+/// Files that a file includes, within each other, are in its place; a fault in one has its file and line; a
 /// file outside of the folder, one that is missing and one that includes itself are refused.
 #[test]
 fn files_are_included() {

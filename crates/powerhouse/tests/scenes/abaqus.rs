@@ -93,7 +93,7 @@ fn an_input_file_is_a_mesh() {
 /// A mesh is read by its content, whatever its name; what it has otherwise than the mesh is a remark, and what is
 /// left out a warning.
 #[test]
-fn what_an_input_file_has_beside_the_mesh_is_told() {
+fn what_an_input_file_has_beside_the_mesh_is_reported() {
     let folder = TestFolder::new("abaqus-told");
     let springs = "*ELEMENT, TYPE=SPRINGA\n31, 1, 2\n32, 1, 2\n*SURFACE, NAME=left";
     let text = BAR.replacen("*SURFACE, NAME=left", springs, 1);
