@@ -19,6 +19,7 @@ impl Collapsed {
     }
 
     /// Side with the same corners as the side of the solid that it was; none if that has fewer than three.
+    #[cfg(any(feature = "inp", test))]
     pub(crate) fn side(&self, was: (ElementKind, &[u64]), side: usize) -> Option<u8> {
         let corners = side_of(was, side);
         let corners = corners.as_slice();

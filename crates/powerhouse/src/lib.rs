@@ -6,8 +6,8 @@
 //! or composed in Rust.
 //!
 //! ```no_run
-//! use powerhouse::{RunHooks, Scene};
-//! let scene = Scene::from_file("data/scenes/cavern_small.toml")?;
+//! use powerhouse::{FileScene, RunHooks};
+//! let scene = FileScene::from_file("data/scenes/cavern_small.toml")?;
 //! let mesh = scene.mesh().clone();
 //! let results = scene.prepare()?.run(RunHooks::default())?;
 //! print!("{}", results.peaks(&mesh));

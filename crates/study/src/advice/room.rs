@@ -284,7 +284,7 @@ fn corners(within: &Bounds) -> (Vec3, Vec3) {
 /// As [`advise_boundary`](super::advise_boundary).
 ///
 /// ```no_run
-/// use powerhouse::Scene;
+/// use powerhouse::FileScene;
 /// let scene = FileScene::from_file("data/scenes/cavern_small.toml")?;
 /// let advice = powerhouse_study::advise_box(&scene, 0.05)?;
 /// println!("{}", advice.table().unwrap_or_default());
