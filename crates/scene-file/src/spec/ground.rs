@@ -79,7 +79,7 @@ pub struct Components {
     pub z: Option<At<PathBuf>>,
 }
 
-/// Channels of a file, by their numbers (from 1) or names; the keys are labels as those of [`Components`].
+/// Channels of a file, by their numbers (from 1) or names; the keys are labels as those of the components of a record.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
