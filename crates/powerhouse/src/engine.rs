@@ -1,7 +1,7 @@
 //! The engine that runs a scene unless another one is given, the elements that it computes and the observers of
 //! its steps.
 //!
-//! Scenes and studies know an [`Engine`] alone; this is the one place that chooses it.
+//! Scenes and studies know an [`Engine`] alone, which `powerhouse-scene` chooses.
 
 pub use powerhouse_elements::*;
 pub use powerhouse_explicit_core::*;

@@ -1,7 +1,9 @@
 //! Text format of AFAD's strong motion network (Turkey) until 2018: lines of `KEY : value`, then three components in
 //! gal.
 
-use super::channel::{Channel, behind, contains, declared, find, leading, missing, sample, whole};
+use super::channel::{
+    Channel, behind, contains, declared, find, first_behind, leading, missing, sample, whole,
+};
 use super::number::fixed_width;
 use super::{AccelerationUnit, RecordError, RecordFault};
 
@@ -57,10 +59,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         }
     }
     let text = |key: &str| {
-        let found = head
-            .iter()
-            .find_map(|line| behind(line, key))
-            .unwrap_or_default();
+        let found = first_behind(head, key).unwrap_or_default();
         found.trim_start_matches([':', ' ', '\t']).trim()
     };
     let channel = |(name, samples): (&&str, Vec<f64>)| Channel {

@@ -153,6 +153,11 @@ pub(super) fn behind<'t>(line: &'t str, key: &str) -> Option<&'t str> {
     line.get(at..).map(str::trim)
 }
 
+/// Text behind a key in the first of some lines that has it, trimmed.
+pub(super) fn first_behind<'t>(lines: &[&'t str], key: &str) -> Option<&'t str> {
+    lines.iter().find_map(|line| behind(line, key))
+}
+
 /// First number of a text, with its unit behind it.
 pub(super) fn leading(text: &str) -> Option<(f64, &str)> {
     let text = text.trim_start_matches(|c: char| c.is_whitespace() || c == '=' || c == ':');

@@ -1,7 +1,9 @@
 //! COSMOS format (v1.20, 2001): per data set lines of text, integers, reals, comments, and samples behind a line that
 //! describes them; several data sets one after the other.
 
-use super::channel::{Channel, Fields, behind, contains, find, leading, missing, numbers, whole};
+use super::channel::{
+    Channel, Fields, behind, contains, find, first_behind, leading, missing, numbers, whole,
+};
 use super::number::{fixed_width, number};
 use super::{AccelerationUnit, RecordError, RecordFault};
 
@@ -119,12 +121,7 @@ fn data_set(lines: &[&str], start: usize) -> Result<(Channel, usize), RecordErro
             RecordFault::Count { declared, found },
         ));
     }
-    let text = |key: &str| {
-        header
-            .iter()
-            .find_map(|line| behind(line, key))
-            .unwrap_or_default()
-    };
+    let text = |key: &str| first_behind(header, key).unwrap_or_default();
     let component = text("sta chan")
         .split_once(':')
         .map_or("", |(_, name)| name);

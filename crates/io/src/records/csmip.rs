@@ -2,7 +2,9 @@
 //! that use them: lines of text, integers, reals, then blocks of samples behind a line that describes them; channels
 //! one after the other.
 
-use super::channel::{Channel, Fields, behind, contains, find, leading, missing, numbers, whole};
+use super::channel::{
+    Channel, Fields, behind, contains, find, first_behind, leading, missing, numbers, whole,
+};
 use super::{AccelerationUnit, RecordError, RecordFault};
 
 pub(super) const NAME: &str = "CSMIP volume 1 or 2";
@@ -118,12 +120,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
 
 /// Component, station, event and time of a channel, from its lines of text.
 fn described(header: &[&str]) -> Channel {
-    let text = |key: &str| {
-        header
-            .iter()
-            .find_map(|line| behind(line, key))
-            .unwrap_or_default()
-    };
+    let text = |key: &str| first_behind(header, key).unwrap_or_default();
     let component = header.iter().find_map(|line| {
         let (_, name) = behind(line, "chan ")?.split_once(':')?;
         Some(

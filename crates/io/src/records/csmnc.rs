@@ -1,7 +1,8 @@
 //! Text format of the China Strong Motion Network Center (CSMNC): lines of text, then samples in rows.
 
 use super::channel::{
-    Channel, Fields, behind, contains, declared, find, leading, missing, numbers, whole,
+    Channel, Fields, behind, contains, declared, find, first_behind, leading, missing, numbers,
+    whole,
 };
 use super::{AccelerationUnit, RecordError, RecordFault};
 
@@ -56,12 +57,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     }
     let (samples, end) = numbers(&lines, start, Fields::Separated, None)?;
     super::nothing_follows(&lines, end, |_| false)?;
-    let text = |key: &str| {
-        header
-            .iter()
-            .find_map(|line| behind(line, key))
-            .unwrap_or_default()
-    };
+    let text = |key: &str| first_behind(header, key).unwrap_or_default();
     let word = |key: &str| {
         text(key)
             .split_whitespace()

@@ -1,7 +1,9 @@
 //! Volumes 1 and 2 of GeoNet (New Zealand; `.V1A`, `.V2A`): per component 16 lines of text, 4 of integers, 6 of
 //! reals, and blocks of acceleration, velocity and displacement in ten columns of eight characters.
 
-use super::channel::{Channel, Fields, behind, contains, declared, leading, missing, numbers};
+use super::channel::{
+    Channel, Fields, behind, contains, declared, first_behind, leading, missing, numbers,
+};
 use super::{AccelerationUnit, RecordError, RecordFault};
 
 pub(super) const NAME: &str = "GeoNet volume 1 or 2";
@@ -47,7 +49,7 @@ fn component(lines: &[&str], start: usize) -> Result<(Channel, usize), RecordErr
     let value = |key| declared(header, start, key);
     let (_, points) = value("Number of points")?;
     let unit = AccelerationUnit::MillimetrePerSecondSquared;
-    let raw = header.iter().find_map(|line| behind(line, "in units of"));
+    let raw = first_behind(header, "in units of");
     if let Some((_, found)) = raw.and_then(leading)
         && !found.starts_with("mm/s/s")
     {
@@ -107,12 +109,7 @@ fn component(lines: &[&str], start: usize) -> Result<(Channel, usize), RecordErr
             RecordFault::Count { declared, found },
         ));
     }
-    let text = |key: &str| {
-        header
-            .iter()
-            .find_map(|line| behind(line, key))
-            .unwrap_or_default()
-    };
+    let text = |key: &str| first_behind(header, key).unwrap_or_default();
     let first_word = |text: &str| {
         text.split_whitespace()
             .next()

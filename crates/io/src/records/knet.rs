@@ -1,6 +1,6 @@
 //! ASCII format of K-NET and KiK-net (NIED, Japan): a header of lines with a key in 18 columns, then counts.
 
-use super::channel::{Channel, Fields, behind, contains, leading, missing, numbers, whole};
+use super::channel::{Channel, Fields, contains, first_behind, leading, missing, numbers, whole};
 use super::number::number;
 use super::{AccelerationUnit, RecordError, RecordFault};
 
@@ -62,7 +62,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     super::nothing_follows(&lines, end, |line| contains(line, "Origin Time"))?;
     let (_, max) = value("Max. Acc").unwrap_or_default();
     let text = |key| value(key).map_or(String::new(), |(_, text)| text.to_string());
-    let magnitude = header.iter().find_map(|line| behind(line, "Mag."));
+    let magnitude = first_behind(header, "Mag.");
     Ok(vec![Channel {
         line: duration_line,
         component: text("Dir."),

@@ -1,6 +1,6 @@
 //! SMC format of the U. S. Geological Survey: 11 lines of text, 48 integers, 50 reals, comments, samples in cm/s2.
 
-use super::channel::{Channel, Fields, behind, missing, numbers, whole};
+use super::channel::{Channel, Fields, first_behind, missing, numbers, whole};
 use super::{AccelerationUnit, RecordError, RecordFault};
 
 pub(super) const NAME: &str = "USGS SMC";
@@ -55,11 +55,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let (samples, end) = numbers(&lines, at, Fields::Width(10), None)?;
     super::nothing_follows(&lines, end, |line| line.contains("ACCELEROGRAM"))?;
     let extremes = [reals[29], reals[31]].map(f64::abs).into_iter();
-    let of_text = |key| {
-        lines[..text_lines]
-            .iter()
-            .find_map(|line| behind(line, key))
-    };
+    let of_text = |key| first_behind(&lines[..text_lines], key);
     let station = of_text("station =").unwrap_or_default();
     let component = of_text("component=").unwrap_or_default();
     Ok(vec![Channel {
