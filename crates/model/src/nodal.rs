@@ -107,6 +107,59 @@ pub enum NodalViewMut<'a> {
     F32(&'a mut [Quad<f32>]),
 }
 
+impl NodalViewMut<'_> {
+    /// The same access for a shorter time.
+    pub fn reborrow(&mut self) -> NodalViewMut<'_> {
+        match self {
+            Self::F64(values) => NodalViewMut::F64(values),
+            Self::F32(values) => NodalViewMut::F32(values),
+        }
+    }
+    /// Read access.
+    pub fn view(&self) -> NodalView<'_> {
+        match self {
+            Self::F64(values) => NodalView::F64(values),
+            Self::F32(values) => NodalView::F32(values),
+        }
+    }
+    /// Adds a vector at an engine node, rounded.
+    ///
+    /// # Panics
+    /// If `node` is out of range.
+    #[inline]
+    pub fn add(&mut self, node: usize, vector: &Vec3) {
+        match self {
+            Self::F64(values) => {
+                values[node] = Quad::from_vector(&(values[node].to_vector() + vector));
+            }
+            Self::F32(values) => {
+                values[node] = Quad::from_vector(&(values[node].to_vector() + vector));
+            }
+        }
+    }
+    /// Sets all vectors to zero.
+    pub fn clear(&mut self) {
+        match self {
+            Self::F64(values) => values.fill(Quad::default()),
+            Self::F32(values) => values.fill(Quad::default()),
+        }
+    }
+    /// Replaces all vectors, rounded.
+    ///
+    /// # Panics
+    /// If there are fewer vectors than nodes.
+    pub fn set(&mut self, vectors: &[Quad<f64>]) {
+        match self {
+            Self::F64(values) => values.copy_from_slice(&vectors[..values.len()]),
+            Self::F32(values) => {
+                for (node, value) in values.iter_mut().enumerate() {
+                    *value = Quad::from_vector(&vectors[node].to_vector());
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Elements whose forces are not finite.
 
-use powerhouse_model::{BlockContext, ElementFault, ElementKernel, Quad};
+use powerhouse_model::{BlockContext, ElementFault, ElementKernel, NodalView, Quad};
 
 use super::transfer::NodeScalar;
 use super::{Block, in_double};
@@ -43,9 +43,9 @@ where
 
     /// The first element with a nodal force that is not finite: the fault of a stress whose history was
     /// overwritten since.
-    pub(super) fn fault_of<A: NodeScalar>(&self, forces: &[Quad<A>]) -> Option<ElementFault> {
+    pub(super) fn fault_of(&self, forces: NodalView) -> Option<ElementFault> {
         let finite = |local: &u32| {
-            let force = forces[*local as usize].to_vector();
+            let force = forces.vector(*local as usize);
             force.iter().all(|component| component.is_finite())
         };
         let element = (0..self.elements.len()).find(|&element| {

@@ -10,13 +10,12 @@ use super::remaining::{damped_share, less, product, times};
 use super::survey::{
     FiniteCheck, complementary_energy, each_lane, earlier, step_work, write_all, write_mean,
 };
-use super::transfer::{gather, scatter};
+use super::transfer::{gather, gather_view, scatter};
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES};
 
-impl<K, A, S, const N: usize, const P: usize> Material<'_, K, A, S, N, P>
+impl<K, S, const N: usize, const P: usize> Material<'_, K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    A: BatchScalar,
     S: BatchScalar,
 {
     /// Whether a batch had energy bookkeeping at the previous step.
@@ -101,10 +100,9 @@ where
         if let Some(rates) = &mut self.rates
             && (rates.damping != 0.0 || energy.is_some())
         {
-            let velocity = self.batches.connectivity.over(rates.velocity);
-            let velocity = velocity.elements(batch.first, L::WIDTH);
+            let velocity = (rates.velocity, batch.first);
             let mut nodal = [[zero; 3]; N];
-            gather::<A, L, N>(token, velocity, &mut nodal);
+            gather_view::<L, N>(token, self.batches.connectivity, velocity, &mut nodal);
             let modal_rates = self.kernel.modes(&nodal);
             let strain_rates = self.kernel.strains(geometry, &modal_rates);
             // Remaining share of the hourglass stiffness at the previous step.
@@ -232,9 +230,8 @@ where
         }
         let forces = (self.kernel).forces(geometry, &stresses, &hourglass, &modes);
         let forces = self.kernel.nodal_forces(&forces);
-        if let Some(out) = self.out.as_deref_mut() {
-            let mut out = self.batches.connectivity.over_sums(out);
-            scatter::<A, L, N>(&forces, &batch, rows, out.elements(batch.first, L::WIDTH));
+        if let Some(out) = &mut self.out {
+            scatter::<L, N>(&forces, &batch, rows, (self.batches.connectivity, out));
         }
     }
 }

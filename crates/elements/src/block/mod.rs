@@ -35,7 +35,7 @@ use powerhouse_model::{
     Quad, Rayleigh, StateError, Stress, Vec3,
 };
 
-use crate::lanes::{Arrangement, BatchScalar, Lanes};
+use crate::lanes::{Arrangement, Lanes};
 use account::{Account, StepSums};
 use batches::Batches;
 use exchange::Exchanges;
@@ -142,13 +142,13 @@ where
     ///
     /// The damping force of a linear law is the elastic force of the velocity, which is therefore added to
     /// the displacement of the nodes.
-    fn write_forces<A: NodeScalar>(
+    fn write_forces(
         &mut self,
         displacement: &[Quad<f64>],
-        velocity: &[Quad<A>],
+        velocity: NodalView,
         terms: StepTerms,
         sums: Option<&mut StepSums>,
-        out: &mut [Quad<A>],
+        mut out: NodalViewMut,
     ) -> bool {
         let StepTerms {
             step,
@@ -158,22 +158,20 @@ where
         let damped = damping != 0.0;
         let follows = self.law.is_stepping() && self.follows_flow();
         let needs_velocity = damped || follows || (sums.is_some() && !self.is_linear());
-        if const { size_of::<A>() < size_of::<S>() } {
+        if is_narrower::<S>(&out.view()) {
             // Nodes in lower precision than elements: few blocks, whose forces are rounded after their sum.
-            let mut forces = vec![Quad::default(); out.len()];
+            let mut forces = vec![Quad::default(); displacement.len()];
             let velocity = if needs_velocity {
-                doubled(velocity)
+                in_double(velocity)
             } else {
                 Vec::new()
             };
-            let finite =
-                self.write_forces::<f64>(displacement, &velocity, terms, sums, &mut forces);
-            for (out, force) in out.iter_mut().zip(forces) {
-                *out = Quad::from_vector(&force.to_vector());
-            }
+            let (velocity, sum) = (NodalView::F64(&velocity), NodalViewMut::F64(&mut forces));
+            let finite = self.write_forces(displacement, velocity, terms, sums, sum);
+            out.set(&forces);
             return finite;
         }
-        out.fill(Quad::default());
+        out.clear();
         // Only static states are linearised: the displacement of a dynamic step is not stored.
         let stores = !self.is_linear() && !self.law.is_stepping();
         let adds_velocity = self.is_linear() && damped;
@@ -188,8 +186,9 @@ where
             changed.extend_from_slice(displacement);
         }
         if adds_velocity {
-            for (value, &rate) in changed.iter_mut().zip(velocity) {
-                *value = sum(*value, rate, damping);
+            match velocity {
+                NodalView::F64(velocity) => add(&mut changed, velocity, damping),
+                NodalView::F32(velocity) => add(&mut changed, velocity, damping),
             }
         }
         if let Some(reference) = &self.reference {
@@ -244,13 +243,13 @@ where
     }
 
     /// Forces and summaries of the elastic stiffness at nodal displacements by local index.
-    fn elastic<A: BatchScalar>(
+    fn elastic(
         &self,
         nodes: &[Quad<f64>],
-        out: Option<&mut [Quad<A>]>,
+        out: Option<NodalViewMut>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
-        let operation = Elastic::<K, A, S, N, P> {
+        let operation = Elastic::<K, S, N, P> {
             kernel: &self.kernel,
             batches: self.batches(),
             moduli: self.moduli,
@@ -262,12 +261,12 @@ where
     }
 
     /// Forces and summaries of the law at nodal displacements by local index.
-    fn material<A: BatchScalar>(
+    fn material(
         &self,
         nodes: &[Quad<f64>],
         (history, rest): (HistoryAccess<S>, Rest),
-        rates: Option<Rates<A, S>>,
-        out: Option<&mut [Quad<A>]>,
+        rates: Option<Rates<S>>,
+        out: Option<NodalViewMut>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
         let Some(law) = self.law.current() else {
@@ -275,7 +274,7 @@ where
         };
         let mut exchanges = EXCHANGES.take();
         let writes = matches!(history, HistoryAccess::Write(_));
-        let operation = Material::<K, A, S, N, P> {
+        let operation = Material::<K, S, N, P> {
             kernel: &self.kernel,
             law,
             domain: self.law.elastic_domain().filter(|_| survey.is_none()),
@@ -317,7 +316,7 @@ where
         }
         let mut survey = vec![Summary::default(); self.elements.len()];
         let access = HistoryAccess::Read(&self.history);
-        self.material::<f64>(
+        self.material(
             nodes,
             (access, Rest::default()),
             None,
@@ -330,16 +329,15 @@ where
     /// The same of the initial stiffness.
     fn elastic_survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         let mut survey = vec![Summary::default(); self.elements.len()];
-        self.elastic::<f64>(nodes, None, Some(&mut survey));
+        self.elastic(nodes, None, Some(&mut survey));
         survey
     }
 
-    fn forces_of<A: NodeScalar>(
+    fn forces_of(
         &mut self,
         context: &BlockContext,
         displacement: &[Quad<f64>],
-        velocity: &[Quad<A>],
-        out: &mut [Quad<A>],
+        mut out: NodalViewMut,
     ) -> Result<(), ElementFault> {
         let damping = self.coefficient(context);
         self.law.prepare(context.step);
@@ -353,8 +351,13 @@ where
             damping,
             rests: context.rests,
         };
-        let finite = self.write_forces(displacement, velocity, terms, balanced, out);
-        if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out)) {
+        let velocity = context.velocity;
+        let finite = self.write_forces(displacement, velocity, terms, balanced, out.reborrow());
+        let fault = |block: &Self| {
+            let fault = block.fault(context);
+            fault.or_else(|| block.fault_of(out.view()))
+        };
+        if !finite && let Some(fault) = fault(self) {
             return Err(fault);
         }
         if context.ledger {
@@ -363,18 +366,16 @@ where
         Ok(())
     }
 
-    fn apply_to<A: NodeScalar>(&self, operator: Operator, x: &[Quad<A>], out: &mut [Quad<A>]) {
-        out.fill(Quad::default());
+    fn apply_to(&self, operator: Operator, x: &[Quad<f64>], mut out: NodalViewMut) {
+        out.clear();
         let takes_blocks = |law: &dyn law::BatchLaw<S>| law.takes_blocks();
         if operator == Operator::Elastic || self.law.static_form().is_none_or(takes_blocks) {
-            if const { size_of::<A>() < size_of::<S>() } {
-                let mut sums = vec![Quad::default(); out.len()];
-                self.apply_to::<f64>(operator, &doubled(x), &mut sums);
-                for (out, sum) in out.iter_mut().zip(sums) {
-                    *out = Quad::from_vector(&sum.to_vector());
-                }
+            if is_narrower::<S>(&out.view()) {
+                let mut sums = vec![Quad::default(); x.len()];
+                self.elastic(x, Some(NodalViewMut::F64(&mut sums)), None);
+                out.set(&sums);
             } else {
-                self.elastic(&doubled(x), Some(out), None);
+                self.elastic(x, Some(out), None);
             }
             return;
         }
@@ -382,11 +383,15 @@ where
             let nodes = &self.connectivity.as_slice()[element];
             let nodal = nodes.map(|local| x[local as usize].to_vector().into());
             for (&local, force) in nodes.iter().zip(forces(&nodal)) {
-                let sum = &mut out[local as usize];
-                *sum = Quad::from_vector(&(sum.to_vector() + Vec3::from(force)));
+                out.add(local as usize, &Vec3::from(force));
             }
         });
     }
+}
+
+/// Whether nodal values are stored in a lower precision than elements are computed in.
+fn is_narrower<S: NodeScalar>(nodes: &NodalView) -> bool {
+    matches!(nodes, NodalView::F32(_)) && const { size_of::<f32>() < size_of::<S>() }
 }
 
 /// The entry of an element in a list with one entry per element, or with one in all.
@@ -406,9 +411,11 @@ fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
         .collect()
 }
 
-/// The vector `a + factor b`.
-fn sum<A: NodeScalar>(a: Quad<f64>, b: Quad<A>, factor: f64) -> Quad<f64> {
-    Quad::from_vector(&(a.to_vector() + b.to_vector() * factor))
+/// Adds vectors times a factor.
+fn add<A: NodeScalar>(to: &mut [Quad<f64>], values: &[Quad<A>], factor: f64) {
+    for (to, value) in to.iter_mut().zip(values) {
+        *to = Quad::from_vector(&(to.to_vector() + value.to_vector() * factor));
+    }
 }
 
 /// The vector `a - b`.
@@ -423,9 +430,6 @@ fn in_double(view: NodalView) -> Vec<Quad<f64>> {
         NodalView::F32(values) => doubled(values),
     }
 }
-
-/// Panic message of an engine that passes velocities and forces in different storage.
-const ONE_STORAGE: &str = "velocities and forces of one call have the same storage";
 
 impl<K, S, const N: usize, const P: usize> ElementBlock for Block<K, S, N, P>
 where
@@ -466,18 +470,14 @@ where
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         let converted;
-        let u = match context.displacement {
-            NodalView::F64(u) => u,
-            NodalView::F32(u) => {
-                converted = doubled(u);
+        let displacement = match context.displacement {
+            NodalView::F64(displacement) => displacement,
+            NodalView::F32(displacement) => {
+                converted = doubled(displacement);
                 &converted
             }
         };
-        match (context.velocity, out) {
-            (NodalView::F64(v), NodalViewMut::F64(out)) => self.forces_of(context, u, v, out),
-            (NodalView::F32(v), NodalViewMut::F32(out)) => self.forces_of(context, u, v, out),
-            _ => panic!("{ONE_STORAGE}"),
-        }
+        self.forces_of(context, displacement, out)
     }
     fn commit(&mut self) {
         self.history.commit();
@@ -488,10 +488,9 @@ where
         }
     }
     fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut) {
-        match (x, out) {
-            (NodalView::F64(x), NodalViewMut::F64(out)) => self.apply_to(operator, x, out),
-            (NodalView::F32(x), NodalViewMut::F32(out)) => self.apply_to(operator, x, out),
-            _ => panic!("{ONE_STORAGE}"),
+        match x {
+            NodalView::F64(x) => self.apply_to(operator, x, out),
+            NodalView::F32(x) => self.apply_to(operator, &doubled(x), out),
         }
     }
     fn diagonal(&self, operator: Operator, out: &mut [Mat3]) {

@@ -1,8 +1,8 @@
 //! Force evaluation of all batches of a block: elastic, and with a law.
 
 use powerhouse_model::{
-    ElasticDomain, ElementKernel, Geometry, Hourglass, LawEnergy, Quad, RemainingStiffness, Strain,
-    Stress,
+    ElasticDomain, ElementKernel, Geometry, Hourglass, LawEnergy, NodalView, NodalViewMut, Quad,
+    RemainingStiffness, Strain, Stress,
 };
 
 use super::account::{PreviousStep, StepSums};
@@ -43,21 +43,20 @@ impl Moduli {
 }
 
 /// Elastic forces of a displacement by local node index; returns whether all is finite.
-pub(super) struct Elastic<'a, K, A: BatchScalar, S, const N: usize, const P: usize> {
+pub(super) struct Elastic<'a, K, S, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) batches: Batches<'a, S, N>,
     pub(super) moduli: Moduli,
     pub(super) nodes: &'a [Quad<f64>],
     /// Output, if required: forces by local node index.
-    pub(super) out: Option<&'a mut [Quad<A>]>,
+    pub(super) out: Option<NodalViewMut<'a>>,
     /// Output, if required: one summary per element.
     pub(super) survey: Option<&'a mut [Summary]>,
 }
 
-impl<K, A, S, const N: usize, const P: usize> BatchOperation<S> for Elastic<'_, K, A, S, N, P>
+impl<K, S, const N: usize, const P: usize> BatchOperation<S> for Elastic<'_, K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    A: BatchScalar,
     S: BatchScalar,
 {
     type Output = bool;
@@ -71,10 +70,6 @@ where
         let mut check = FiniteCheck(L::splat(token, 0.0));
         let connectivity = self.batches.connectivity;
         let nodes = connectivity.over(self.nodes);
-        let mut out = match self.out.take() {
-            Some(out) => Some(connectivity.over_sums(out)),
-            None => None,
-        };
         for index in 0..self.batches.count(L::WIDTH) {
             let batch = self
                 .batches
@@ -113,9 +108,8 @@ where
                 }
             };
             let forces = self.kernel.nodal_forces(&forces);
-            if let Some(out) = &mut out {
-                let out = out.elements(batch.first, L::WIDTH);
-                scatter::<A, L, N>(&forces, &batch, &mut rows.0, out);
+            if let Some(out) = &mut self.out {
+                scatter::<L, N>(&forces, &batch, &mut rows.0, (connectivity, out));
             }
         }
         check.all_finite()
@@ -132,11 +126,11 @@ pub(super) struct LawState<'a, S> {
 }
 
 /// Velocities, for stiffness damping and for the work of a step.
-pub(super) struct Rates<'a, A: BatchScalar, S> {
+pub(super) struct Rates<'a, S> {
     /// Length of the step (s).
     pub(super) step: f64,
     /// Velocity by local node index (m/s).
-    pub(super) velocity: &'a [Quad<A>],
+    pub(super) velocity: NodalView<'a>,
     /// Stiffness damping coefficient (s).
     pub(super) damping: f64,
     /// Energy bookkeeping of the step, if it is required.
@@ -202,7 +196,7 @@ pub(super) struct Required {
 }
 
 /// Forces of a nonlinear law; returns whether all is finite.
-pub(super) struct Material<'a, K, A: BatchScalar, S: BatchScalar, const N: usize, const P: usize> {
+pub(super) struct Material<'a, K, S: BatchScalar, const N: usize, const P: usize> {
     pub(super) kernel: &'a K,
     pub(super) law: &'a dyn BatchLaw<S>,
     /// Elastic domain, in which the law need not be evaluated.
@@ -220,17 +214,16 @@ pub(super) struct Material<'a, K, A: BatchScalar, S: BatchScalar, const N: usize
     pub(super) still: Option<&'a [Quad<f64>]>,
     /// Whether own histories are brought to equilibrium within their elements: in static states that are stored.
     pub(super) relaxes: bool,
-    pub(super) rates: Option<Rates<'a, A, S>>,
+    pub(super) rates: Option<Rates<'a, S>>,
     /// Output, if required: forces by local node index.
-    pub(super) out: Option<&'a mut [Quad<A>]>,
+    pub(super) out: Option<NodalViewMut<'a>>,
     /// Output, if required: one summary per element.
     pub(super) survey: Option<&'a mut [Summary]>,
 }
 
-impl<K, A, S, const N: usize, const P: usize> BatchOperation<S> for Material<'_, K, A, S, N, P>
+impl<K, S, const N: usize, const P: usize> BatchOperation<S> for Material<'_, K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    A: BatchScalar,
     S: BatchScalar,
 {
     type Output = bool;
@@ -319,10 +312,9 @@ where
     }
 }
 
-impl<K, A, S, const N: usize, const P: usize> Material<'_, K, A, S, N, P>
+impl<K, S, const N: usize, const P: usize> Material<'_, K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    A: BatchScalar,
     S: BatchScalar,
 {
     /// Modal displacements, strains and own history of a batch.

@@ -9,7 +9,7 @@ use super::law::HistoryAccess;
 use super::memory::as_lanes;
 use super::operations::{Material, Required};
 use super::remaining::{less, product, times};
-use super::transfer::gather;
+use super::transfer::{gather, gather_view};
 use crate::lanes::{BatchLane, BatchScalar};
 
 /// Most numbers of an element's own history.
@@ -184,10 +184,9 @@ pub(super) fn flows<L: Lane, const P: usize>(remaining: &[RemainingStiffness<L>;
     zero.any(zero.less(sum))
 }
 
-impl<K, A, S, const N: usize, const P: usize> Material<'_, K, A, S, N, P>
+impl<K, S, const N: usize, const P: usize> Material<'_, K, S, N, P>
 where
     K: ElementKernel<N, P>,
-    A: BatchScalar,
     S: BatchScalar,
 {
     /// Own history of a batch with which a step begins, or after the last forces where new ones are not stored.
@@ -333,9 +332,13 @@ where
         let zero = modes[0][0].constant(0.0);
         let mut nodal = [[zero; 3]; N];
         if let Some(rates) = &self.rates {
-            let velocity = self.batches.connectivity.over(rates.velocity);
-            let velocity = velocity.elements(batch.first, L::WIDTH);
-            gather::<A, L, N>(zero.token(), velocity, &mut nodal);
+            let velocity = (rates.velocity, batch.first);
+            gather_view::<L, N>(
+                zero.token(),
+                self.batches.connectivity,
+                velocity,
+                &mut nodal,
+            );
             let rate = self.kernel.modes(&nodal);
             return Some(times(&rate, zero.constant(rates.step)));
         }

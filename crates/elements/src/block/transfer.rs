@@ -1,10 +1,10 @@
 //! Gather of nodal values into lanes, and scatter of forces to nodes.
 
-use powerhouse_model::Scalar;
+use powerhouse_model::{NodalView, NodalViewMut, Scalar};
 
 use super::batches::Batch;
 use super::exchange::{Exchange, Exchanges};
-use super::memory::{NodesOf, SumsOf};
+use super::memory::{Connectivity, NodesOf, SumsOf};
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES, Rows};
 
 /// Gathers the nodal values of a batch, one element per lane.
@@ -44,20 +44,75 @@ pub(super) fn gather<A, L, const N: usize>(
     }
 }
 
-/// Adds forces to the nodes of a batch, element after element, for any width.
+/// Gathers nodal values in the storage that they have, which is known at run time alone: kernels and laws are compiled once for
+/// both.
+///
+/// # Panics
+/// If values in single precision are given to elements in double precision, which convert them before.
 #[inline(always)]
-pub(super) fn scatter<A, L, const N: usize>(
+pub(super) fn gather_view<L, const N: usize>(
+    token: L::Token,
+    connectivity: &Connectivity<N>,
+    (nodes, first): (NodalView, usize),
+    values: &mut [[L; 3]; N],
+) where
+    L: BatchLane<Scalar: BatchScalar>,
+{
+    match nodes {
+        NodalView::F64(nodes) => {
+            let nodes = connectivity.over(nodes).elements(first, L::WIDTH);
+            gather::<f64, L, N>(token, nodes, values);
+        }
+        NodalView::F32(nodes) if const { size_of::<L::Scalar>() == size_of::<f32>() } => {
+            let nodes = connectivity.over(nodes).elements(first, L::WIDTH);
+            gather::<f32, L, N>(token, nodes, values);
+        }
+        NodalView::F32(_) => panic!("{CONVERTED}"),
+    }
+}
+
+/// Panic message of elements in double precision that are given nodal values in single precision.
+const CONVERTED: &str = "elements in double precision convert nodal values in single precision";
+
+/// Adds forces to the nodes of a batch, element after element, for any width.
+///
+/// # Panics
+/// As [`gather_view`].
+#[inline(always)]
+pub(super) fn scatter<L, const N: usize>(
     forces: &[[L; 3]; N],
     batch: &Batch<L::Scalar, N>,
     rows: &mut [Rows<L::Scalar>; N],
-    mut out: SumsOf<A, N>,
+    (connectivity, out): (&Connectivity<N>, &mut NodalViewMut),
 ) where
-    A: BatchScalar,
     L: BatchLane<Scalar: BatchScalar>,
 {
     for a in 0..N {
         L::write_rows(forces[a], &mut rows[a]);
     }
+    match out {
+        NodalViewMut::F64(out) => {
+            let out = &mut connectivity.over_sums(out);
+            add::<f64, L, N>(rows, batch, out.elements(batch.first, L::WIDTH));
+        }
+        NodalViewMut::F32(out) if const { size_of::<L::Scalar>() == size_of::<f32>() } => {
+            let out = &mut connectivity.over_sums(out);
+            add::<f32, L, N>(rows, batch, out.elements(batch.first, L::WIDTH));
+        }
+        NodalViewMut::F32(_) => panic!("{CONVERTED}"),
+    }
+}
+
+/// Adds rows of forces to the sums at the nodes of a batch.
+#[inline(always)]
+fn add<A, L, const N: usize>(
+    rows: &[Rows<L::Scalar>; N],
+    batch: &Batch<L::Scalar, N>,
+    mut out: SumsOf<A, N>,
+) where
+    A: BatchScalar,
+    L: BatchLane<Scalar: BatchScalar>,
+{
     // A loop of its own for whole batches, without a branch between elements.
     if batch.is_whole(L::WIDTH) {
         for j in 0..L::WIDTH {
