@@ -310,3 +310,25 @@ fn one_file_chooses_the_engine() {
         ["powerhouse", "scene"].map(|name| format!("crates/{name}/src/engine.rs"));
     assert_eq!(naming, [Path::new(&facade), Path::new(&chooser)]);
 }
+
+/// A library whose sources have tests runs them, and one whose sources have none does not link a program for them.
+#[test]
+fn tests_in_libraries_are_run() {
+    let files = rust_files();
+    let mut libraries = 0;
+    for entry in fs::read_dir(workspace().join("crates")).unwrap() {
+        let directory = entry.unwrap().path();
+        let manifest = read(&directory.join("Cargo.toml"));
+        let Some(library) = manifest.get("lib") else {
+            continue;
+        };
+        libraries += 1;
+        let runs = library.get("test").and_then(Value::as_bool) != Some(false);
+        let sources = directory.join("src");
+        let has_tests = files.iter().any(|(path, text)| {
+            path.starts_with(&sources) && text.lines().any(|line| line.trim() == "#[test]")
+        });
+        assert_eq!(runs, has_tests, "{}", directory.display());
+    }
+    assert!(libraries > 15, "{libraries}");
+}
