@@ -76,7 +76,7 @@ pub(crate) use prepare::field_motion;
 pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 pub use region::RegionError;
-pub use remark::{EquivalentLayer, Remark};
+pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark};
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
 pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};

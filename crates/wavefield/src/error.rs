@@ -44,6 +44,12 @@ pub enum WaveError {
     /// scale it.
     #[error("the history is zero throughout and cannot be scaled to a peak")]
     ZeroPeak,
+    /// A zone has another characteristic period than those of the code.
+    #[error("the characteristic period of a zone is 0.35, 0.4 or 0.45 s, not {given}")]
+    ZonePeriod {
+        /// Period that was given (s).
+        given: f64,
+    },
     /// The velocity at the end of the record is above 1 % of its peak, so that it cannot be the signal of a wave
     /// ([`TimeHistory::into_signal`](crate::TimeHistory::into_signal)).
     #[error(

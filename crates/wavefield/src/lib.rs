@@ -79,12 +79,14 @@ mod angle;
 mod body;
 mod combined;
 mod convention;
+mod design_spectrum;
 mod error;
 mod evanescent;
 mod fourier;
 mod hermite;
 mod history;
 mod layered;
+mod matching;
 mod partial;
 mod pulse;
 mod quiet;
@@ -100,6 +102,10 @@ mod within;
 
 pub use angle::Angle;
 pub use convention::{InputConvention, InputConversion, SurfaceComponent};
+pub use design_spectrum::{
+    Asce7, ChineseSite, DesignSpectrum, Eurocode8, Eurocode8Ground, Eurocode8Type, Nb35047,
+    characteristic_period,
+};
 pub use error::{LayerDefect, WaveError};
 pub use history::{
     BaselineCorrection, BaselineReport, EndDisplacement, RecordReport, RecordSignal, TimeHistory,
@@ -108,6 +114,7 @@ pub use layered::{
     Ground, GroundLayer, KnownLayeredWaves, LayerDamping, LayerMechanism, LayeredReport,
     LayeredTablesReport, LayeredWave, LayeredWaveParameters,
 };
+pub use matching::{MatchReport, SpectralBand, SpectralMisfit};
 pub use pulse::{
     HarmonicBurst, RaisedCosinePulse, Ricker, RickerQuantity, SmoothPulse, ZeroMeanPulse,
 };

@@ -64,36 +64,20 @@ impl TimeHistory {
     }
 
     fn oscillator(&self, acceleration: &[f64], damping: f64, period: f64) -> OscillatorResponse {
-        const INSTANTS_PER_PERIOD: f64 = 32.0;
-        const INSTANTS_PER_STEP: f64 = 4.0;
-        let parts = INSTANTS_PER_PERIOD * self.step() / period;
-        let parts = parts.ceil().max(INSTANTS_PER_STEP);
-        let step = self.step() / parts;
-        let oscillator = Oscillator::new(2.0 * PI / period, damping, step);
         let mut largest = OscillatorResponse {
             period,
             displacement: 0.0,
             velocity: 0.0,
             acceleration: 0.0,
         };
-        let mut state = (0.0, 0.0);
-        let mut advance = |from: f64, to: f64| {
-            let slope = (to - from) / (parts * step);
-            for part in 0..parts as usize {
-                state = oscillator.advance(state, from + slope * part as f64 * step, slope);
-                let (displacement, velocity) = state;
-                largest.displacement = largest.displacement.max(displacement.abs());
-                largest.velocity = largest.velocity.max(velocity.abs());
-                let absolute = oscillator.absolute_acceleration(state);
-                largest.acceleration = largest.acceleration.max(absolute.abs());
-            }
-        };
-        for pair in acceleration.windows(2) {
-            advance(pair[0], pair[1]);
-        }
-        for _ in 0..(period / self.step()).ceil() as usize {
-            advance(0.0, 0.0);
-        }
+        let march = March::new(self.step(), damping, period);
+        let oscillator = &march.oscillator;
+        march.run(acceleration, |_, (displacement, velocity)| {
+            largest.displacement = largest.displacement.max(displacement.abs());
+            largest.velocity = largest.velocity.max(velocity.abs());
+            let absolute = oscillator.absolute_acceleration((displacement, velocity));
+            largest.acceleration = largest.acceleration.max(absolute.abs());
+        });
         largest
     }
 
@@ -116,6 +100,51 @@ impl TimeHistory {
             }
         });
         lines.collect()
+    }
+}
+
+/// Motion of one oscillator under a record, at least 32 instants a period and four a step of the record.
+pub(crate) struct March {
+    /// Instants in each step of the record.
+    pub(crate) parts: usize,
+    /// Instants of free vibration after the record: one period.
+    after: usize,
+    oscillator: Oscillator,
+}
+
+impl March {
+    pub(crate) fn new(step: f64, damping: f64, period: f64) -> Self {
+        const INSTANTS_PER_PERIOD: f64 = 32.0;
+        const INSTANTS_PER_STEP: f64 = 4.0;
+        let parts = (INSTANTS_PER_PERIOD * step / period).ceil();
+        let parts = parts.max(INSTANTS_PER_STEP);
+        Self {
+            parts: parts as usize,
+            after: (period / step).ceil() as usize,
+            oscillator: Oscillator::new(2.0 * PI / period, damping, step / parts),
+        }
+    }
+
+    /// Shows each instant, counted from 1, with displacement and velocity relative to the ground.
+    pub(crate) fn run(&self, acceleration: &[f64], mut see: impl FnMut(usize, (f64, f64))) {
+        let (mut state, mut instant) = ((0.0, 0.0), 0);
+        let mut advance = |from: f64, to: f64| {
+            let rise = (to - from) / self.parts as f64;
+            for part in 0..self.parts {
+                let ground = from + rise * part as f64;
+                state = self
+                    .oscillator
+                    .advance(state, ground, rise / self.oscillator.step);
+                instant += 1;
+                see(instant, state);
+            }
+        };
+        for pair in acceleration.windows(2) {
+            advance(pair[0], pair[1]);
+        }
+        for _ in 0..self.after {
+            advance(0.0, 0.0);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Time histories and the free field.
 
 mod convention;
+mod design_spectra;
 mod half_space;
 mod history;
 mod layered;

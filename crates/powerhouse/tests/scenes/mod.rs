@@ -4,6 +4,7 @@ mod abaqus;
 mod base_motion;
 mod bending;
 mod cast_joints;
+mod code_spectra;
 mod crack_bands;
 mod damping;
 mod former_keys;

@@ -14,6 +14,7 @@ mod output;
 mod record;
 mod stages;
 mod stations;
+mod target;
 mod unused;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -140,6 +141,13 @@ pub(crate) fn compose(
         scene.remarks.extend(record.source.clone().map(|source| {
             let name = name.clone();
             Remark::RecordSource { name, source }
+        }));
+        scene.remarks.extend(record.spectrum.clone().map(|report| {
+            let name = name.clone();
+            Remark::RecordSpectrum {
+                name,
+                report: Box::new(report),
+            }
         }));
         scene.remarks.extend(record::large_correction(name, record));
         for warning in &record.warnings {

@@ -19,7 +19,9 @@ use crate::spec::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
     SceneSpec, Share, Units, WaveAxis,
 };
-use powerhouse_scene::{Fault, Problem, Remark, SceneText};
+use powerhouse_scene::{Fault, Problem, RecordSpectrumReport, Remark, SceneText};
+
+use super::target::SpectrumOfRecord;
 
 /// Processed record, ready for waves and prescribed motions.
 pub(super) struct PreparedRecord {
@@ -39,6 +41,8 @@ pub(super) struct PreparedRecord {
     pub(super) warnings: Vec<String>,
     /// What the file is, and what was concluded from its content; none of a record in memory.
     pub(super) source: Option<String>,
+    /// What scaling or matching to a spectrum did.
+    pub(super) spectrum: Option<RecordSpectrumReport>,
 }
 
 /// Peak ground acceleration (m/s2) of about 0.1 g below which a record is weak for a design motion, and its peak may be
@@ -75,14 +79,33 @@ fn processed(
     table: &Record,
 ) -> Result<Vec<(String, PreparedRecord)>, Fault> {
     let name = table.name.span();
-    let mut parts = Vec::new();
-    for (part, read) in files(source, table)? {
-        let source = described(&read);
-        let history = TimeHistory::new(read.step, read.samples)
+    let target = SpectrumOfRecord::of(table)?;
+    let mut read = Vec::new();
+    for (part, file) in files(source, table)? {
+        let source = described(&file);
+        let history = TimeHistory::new(file.step, file.samples)
             .map_err(|error| Fault::refused(part.file.span(), error))?;
-        let (history, baseline) = corrected(table, history)?;
-        parts.push((part.name, history, baseline, (read.warnings, source)));
+        read.push((part.name, cut(table, history)?, (file.warnings, source)));
     }
+    let matched = match &target {
+        Some(target) => target.matched(read.iter().map(|(name, history, _)| (&**name, history)))?,
+        None => vec![None; read.len()],
+    };
+    let mut parts = Vec::new();
+    for ((name, history, facts), matched) in read.into_iter().zip(matched) {
+        let (history, wavelets) = match matched {
+            Some((matched, report)) => (matched, report),
+            None => (history, None),
+        };
+        let (history, baseline) = corrected(table, history)?;
+        parts.push((name, history, baseline, (facts, wavelets)));
+    }
+    let factor = match &target {
+        Some(target) => {
+            target.factor(parts.iter().map(|(name, history, ..)| (&**name, history)))?
+        }
+        None => 1.0,
+    };
     let peak = |history: &TimeHistory| {
         let samples = history.acceleration().into_iter();
         samples.fold(0.0_f64, |most, a| most.max(a.abs()))
@@ -91,6 +114,7 @@ fn processed(
     let present = present.fold(0.0, f64::max);
     let end = table.end_displacement.map_or(0.0, Finite::get);
     let weak = match (table.peak, table.units) {
+        _ if target.is_some() => None,
         (Some(peak), _) => (peak.get() < WEAK_PEAK).then_some("peak"),
         (None, Some(Units::MetrePerSecondSquared)) => (present < WEAK_PEAK).then_some("units"),
         (None, Some(Units::CentimetrePerSecondSquared)) => {
@@ -99,7 +123,7 @@ fn processed(
         (None, _) => None,
     };
     let mut processed = Vec::new();
-    for (part, mut history, baseline, (warnings, source)) in parts {
+    for (part, mut history, baseline, ((warnings, source), wavelets)) in parts {
         let refused = |error: WaveError| Fault::refused(name.clone(), error);
         if let Some(peak) = table.peak {
             if present == 0.0 {
@@ -107,6 +131,13 @@ fn processed(
             }
             history = history.scaled(peak.get() / present).map_err(refused)?;
         }
+        let spectrum = match &target {
+            Some(target) => {
+                history = history.scaled(factor).map_err(refused)?;
+                Some(target.report(&history, factor, wavelets)?)
+            }
+            None => None,
+        };
         // A record that does not end at rest is rejected here, at its name.
         let signal = history.clone().into_signal(EndDisplacement::Declared(end));
         let report = signal.map_err(refused)?.report();
@@ -122,6 +153,7 @@ fn processed(
             baseline,
             warnings,
             source,
+            spectrum,
         };
         processed.push((part, record));
     }
@@ -238,11 +270,8 @@ fn files<'t>(
     Ok(parts.into_iter().zip(read).collect())
 }
 
-/// Applies cut and baseline correction.
-fn corrected(
-    table: &Record,
-    mut history: TimeHistory,
-) -> Result<(TimeHistory, Option<BaselineReport>), Fault> {
+/// Applies the cut.
+fn cut(table: &Record, mut history: TimeHistory) -> Result<TimeHistory, Fault> {
     match (&table.cut, &table.taper) {
         (Some(cut), taper) => {
             ordered(cut.span(), cut.map(NonNegative::get))?;
@@ -262,6 +291,14 @@ fn corrected(
         }
         (None, None) => {}
     }
+    Ok(history)
+}
+
+/// Applies the baseline correction.
+fn corrected(
+    table: &Record,
+    history: TimeHistory,
+) -> Result<(TimeHistory, Option<BaselineReport>), Fault> {
     match correction(&table.baseline) {
         BaselineCorrection::None => Ok((history, None)),
         correction => {

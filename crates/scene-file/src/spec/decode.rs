@@ -14,7 +14,7 @@ use super::{Material, Parameters, SceneSpec, change, former};
 use powerhouse_scene::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, have a variant selected by `kind`.
-const TAGGED: [&str; 10] = [
+const TAGGED: [&str; 11] = [
     "baseline",
     "damping",
     "function",
@@ -25,6 +25,7 @@ const TAGGED: [&str; 10] = [
     "pulse",
     "strain_curves",
     "support",
+    "target",
 ];
 /// Key of a tagged table in whose place a text may stand, and this text.
 const ABSENT: (&str, &str) = ("damping", "none");

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     At, Azimuth, EquivalentLinear, Finite, Incidence, NonNegative, Parameters, Positive, Pulse,
-    Share, Stations, is_default,
+    RecordSpectrum, Share, Stations, is_default,
 };
 
 /// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
@@ -58,6 +58,8 @@ pub struct Record {
     /// Peak ground acceleration to which the processed record is scaled (m/s2), above 0; with components, the
     /// peak of the largest one. No scaling by default.
     pub peak: Option<Positive>,
+    /// Spectrum of a code to which the record is scaled or matched, in the place of `peak`.
+    pub spectrum: Option<At<RecordSpectrum>>,
     /// Permanent displacement at the end of the record (m), 0 by default. A record that ends with another
     /// displacement, or with a velocity, is an error.
     pub end_displacement: Option<Finite>,

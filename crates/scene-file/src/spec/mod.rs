@@ -33,6 +33,7 @@ mod residual;
 mod stage;
 mod stations;
 mod survey;
+mod target;
 mod time;
 
 use core::num::NonZeroUsize;
@@ -72,6 +73,7 @@ pub use reference::Reference;
 pub use residual::Residual;
 pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod, StressLayer};
 pub use stations::{Interpolation, StationAxis, Stations};
+pub use target::{Ground8, RecordSpectrum, Site, SpectrumMeans, Target};
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};
 
 /// A scene: mesh, materials, joints, ground motion, boundary, construction stages, time stepping and output of

@@ -1,10 +1,12 @@
 //! Remarks: facts and warnings about a scene and its results.
 
 mod equivalent_layer;
+mod record_spectrum;
 mod stations;
 mod text;
 
 pub use equivalent_layer::EquivalentLayer;
+pub use record_spectrum::RecordSpectrumReport;
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
@@ -45,6 +47,14 @@ pub enum Remark {
         name: String,
         /// The facts, in words.
         source: String,
+    },
+    /// Fact: the spectrum to which a record was scaled or matched, and how near it came; a warning where the factor is beyond 4 or
+    /// wavelets changed the record much.
+    RecordSpectrum {
+        /// Name of the record.
+        name: String,
+        /// What was reached.
+        report: Box<RecordSpectrumReport>,
     },
     /// Warning: the baseline correction changes a record more than it does an accelerogram.
     LargeCorrection {
@@ -492,6 +502,7 @@ impl Remark {
             Self::Record { .. }
             | Self::RecordFile { .. }
             | Self::RecordSource { .. }
+            | Self::RecordSpectrum { .. }
             | Self::LargeCorrection { .. }
             | Self::WeakRecord { .. }
             | Self::PastCritical { .. }
@@ -556,6 +567,7 @@ impl Remark {
                 report.condition > LARGE_CONDITION || report.misfit > LARGE_MISFIT
             }
             Self::Record { report, .. } => report.peak_acceleration > LARGE_PEAK,
+            Self::RecordSpectrum { report, .. } => report.is_warning(),
             Self::StationWindow { run, report, .. } => run[1] > report.end,
             Self::Stations { report, .. } => report.error > LARGE_MISFIT,
             Self::Unbalanced { .. }

@@ -57,6 +57,7 @@ impl fmt::Display for Remark {
                 Ok(())
             }
             Self::RecordFile { name, warning } => write!(f, "record '{name}': {warning}"),
+            Self::RecordSpectrum { name, report } => write!(f, "record '{name}': {report}"),
             Self::RecordSource { name, source } => write!(f, "record '{name}': {source}"),
             Self::LargeCorrection { name, share, drift } => write!(
                 f,

@@ -15,7 +15,9 @@ pub(super) fn of(table: &str, key: &str) -> UsualRange {
         ("load", "acceleration") => usual::GRAVITY,
         ("load", "pressure") | ("preload", "pressure") => usual::PRESSURE,
         ("record", "time_step") => usual::RECORD_STEP,
-        ("record", "peak") => usual::PEAK,
+        ("record" | "target", "peak") => usual::PEAK,
+        ("target", "short" | "one_second") => usual::PEAK,
+        ("target", _) => usual::NUMBER,
         ("time", "step") => usual::STEP,
         ("time", "safety") => usual::SAFETY,
         // Threads are checked against the machine, the reference frequency against the damping band.
