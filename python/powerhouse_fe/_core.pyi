@@ -79,6 +79,7 @@ class Results:
     wall_time: float
     step_time: float
     histories: Table
+    accelerations: Table
     sections: Table
     energies: Table
     joints: Table

@@ -118,6 +118,8 @@ class Results:
         self.step_time: float = results.step_time
         #: Motions, stresses, history variables and relative displacements against time.
         self.histories = Table(results.histories)
+        #: Accelerations of the histories up to the band (100 Hz unless the scene names another), five rows to its period: for spectra.
+        self.accelerations = Table(results.accelerations)
         #: Section forces (N, N m, and per metre) against time.
         self.sections = Table(results.sections)
         #: Energy balance (J) against time.

@@ -81,6 +81,8 @@ pub(crate) struct Results {
     step_time: f64,
     /// Histories of motion, stress and state variables.
     histories: Py<Table>,
+    /// Accelerations of the histories up to the band.
+    accelerations: Py<Table>,
     /// Section forces.
     sections: Py<Table>,
     /// Energies.
@@ -205,6 +207,7 @@ impl Results {
             wall_time: results.wall_time.as_secs_f64(),
             step_time: results.step_time.as_secs_f64(),
             histories: table(results.histories)?,
+            accelerations: table(results.accelerations)?,
             sections: table(results.sections)?,
             energies: table(results.energies)?,
             joints: table(results.joint_histories)?,

@@ -61,6 +61,9 @@ impl Engine for ExplicitOnDevice {
     fn balances_energy(&self) -> bool {
         false
     }
+    fn takes_every_step(&self) -> bool {
+        false
+    }
 }
 
 /// Refuses parts of a model that no device computes.

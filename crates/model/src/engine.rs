@@ -289,6 +289,11 @@ impl Cadence {
         let reaches = interval > step && Self::Seconds(interval).is_due(number, time, step);
         reaches.then(|| multiple(intervals(time, interval, step), interval))
     }
+    /// Number of whole intervals (s) up to a time (s) in a run with a step (s), by which [`is_due`](Self::is_due) finds the
+    /// steps at or past the multiples of an interval in seconds.
+    pub fn whole_intervals(interval: f64, time: f64, step: f64) -> f64 {
+        intervals(time, interval, step)
+    }
     /// Whether times (s) are the same to a millionth of a step (s).
     pub fn is_same_time(one: f64, other: f64, step: f64) -> bool {
         (one - other).abs() <= EARLY * step

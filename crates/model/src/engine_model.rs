@@ -23,6 +23,11 @@ pub trait Engine: Send + Sync {
     fn balances_energy(&self) -> bool {
         true
     }
+    /// Whether the host takes every step of a dynamic run, so that observers at short intervals cost nothing more; an engine
+    /// whose device takes the steps between them is slowed down. True by default.
+    fn takes_every_step(&self) -> bool {
+        true
+    }
     /// Whether something is true in all processes that compute with this engine, each of which calls this method; by default
     /// there is this process alone.
     ///

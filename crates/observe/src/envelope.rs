@@ -1,11 +1,12 @@
 //! Envelopes: extreme values over time, with their times.
 
 use powerhouse_model::{
-    Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView, Vec3,
+    Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView,
+    Vec3, decode, encode,
 };
 use serde::{Deserialize, Serialize};
 
-use super::{Motion, ObserveError, Recording, check_cadence, principal_stresses};
+use super::{AccelerationRule, Motion, ObserveError, Recording, check_cadence, principal_stresses};
 
 /// Envelope of a field: the extreme value at each node or element, with its time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -51,7 +52,7 @@ pub struct EnvelopeTable {
     pub displacement: PeakField,
     /// Largest magnitude of velocity (m/s).
     pub velocity: PeakField,
-    /// Largest magnitude of acceleration (m/s2).
+    /// Largest magnitude of acceleration (m/s2), of [means](AccelerationRule::Mean) over the interval before an observation.
     pub acceleration: PeakField,
     /// Mesh indices of the elements that the fields of stress are of, in the order of their values.
     pub elements: Vec<u32>,
@@ -61,13 +62,14 @@ pub struct EnvelopeTable {
     pub least_stress: PeakField,
     /// Number of time steps at which the envelope was evaluated.
     pub observations: u64,
-    /// Greatest acceleration of all nodes (m/s2) over the odd and over the even observations.
+    /// Greatest acceleration of all nodes (m/s2) over the odd and over the even observations; of means over one and over two
+    /// intervals.
     pub alternate_acceleration: [f64; 2],
 }
 
 impl EnvelopeTable {
-    /// Greatest acceleration with every second observation alone, over that with all observations: a share far below one
-    /// shows that the envelope depends on its cadence. None without accelerations or before two observations.
+    /// Greatest acceleration with every second observation alone, of means over intervals twice as long, over that with all
+    /// observations: a share far below one shows that the envelope depends on its cadence. None without accelerations or before two observations.
     pub fn share_of_alternate_samples(&self) -> Option<f64> {
         let [first, second] = self.alternate_acceleration;
         let greatest = first.max(second);
@@ -78,9 +80,10 @@ impl EnvelopeTable {
 /// Observer of envelopes: largest motion of nodes, and greatest and least principal stress of elements.
 ///
 /// Peaks between observed steps are missed: with `n` observations per period of the highest
-/// relevant frequency the peak of a sinusoid is underestimated by at most `1 - cos(pi / n)`, 0.5 % at 31.
+/// relevant frequency the peak of a sinusoid is underestimated by at most `1 - cos(pi / n)`, 0.5 % at 31. Accelerations are means
+/// over the interval before each observation, or instants by [request](Self::accelerations).
 ///
-/// Memory: 4 bytes per node and 16 per node and kind of motion, 36 per element.
+/// Memory: 4 bytes per node and 16 per node and kind of motion, 24 per node with mean accelerations, 36 per element.
 ///
 /// ```
 /// use powerhouse_observe::{Envelope, Motion};
@@ -98,6 +101,10 @@ pub struct Envelope {
     motion: Motion,
     node_tags: Vec<u64>,
     element_tags: Vec<u64>,
+    rule: AccelerationRule,
+    /// Times of the last two observations (s), the last one first, and the velocities of the nodes behind them (m/s), of mean
+    /// accelerations.
+    before: Vec<(f64, Vec<Vec3>)>,
     recording: Recording<EnvelopeTable>,
 }
 
@@ -141,8 +148,16 @@ impl Envelope {
             motion,
             node_tags,
             element_tags,
+            rule: AccelerationRule::default(),
+            before: Vec::new(),
             recording: Recording::new(table),
         })
+    }
+    /// Sets the rule of the accelerations.
+    #[must_use]
+    pub fn accelerations(mut self, rule: AccelerationRule) -> Self {
+        self.rule = rule;
+        self
     }
     /// Shared access to the results.
     pub fn recording(&self) -> Recording<EnvelopeTable> {
@@ -158,18 +173,18 @@ fn tags(all: &[u64], indices: &[u32]) -> Result<Vec<u64>, u64> {
         .collect()
 }
 
-/// Updates the envelope of a motion and returns its greatest magnitude; nodes are given by mesh index and user's number.
+/// Updates the envelope of a motion, given by the place of a node in the list, and returns its greatest magnitude.
 fn update(
     field: &mut PeakField,
     what: &'static str,
-    (nodes, tags): (&[u32], &[u64]),
+    tags: &[u64],
     (time, is_first): (f64, bool),
-    value: impl Fn(u32) -> Vec3,
+    value: impl Fn(usize) -> Vec3,
 ) -> Result<f64, ObserveError> {
     let mut greatest = 0.0_f64;
     // A field that was not requested has no values.
     for index in 0..field.values.len() {
-        let magnitude = value(nodes[index]).norm();
+        let magnitude = value(index).norm();
         if !magnitude.is_finite() {
             return Err(ObserveError::NotFinite {
                 what,
@@ -206,10 +221,12 @@ impl Observer for Envelope {
         self.cadence
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
-        self.recording.save()
+        encode(&(&self.before, self.recording.save()?))
     }
     fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
-        self.recording.restore(saved, |found, here| {
+        type Saved = (Vec<(f64, Vec<Vec3>)>, Vec<u8>);
+        let (before, table): Saved = decode(saved)?;
+        self.recording.restore(&table, |found, here| {
             StateError::expect_same("the list of nodes", &found.nodes, &here.nodes)?;
             StateError::expect_same("the list of elements", &found.elements, &here.elements)?;
             let sizes = |table: &EnvelopeTable| {
@@ -217,25 +234,50 @@ impl Observer for Envelope {
                     .map(|field| field.values.len())
             };
             StateError::expect_same("the size of its fields", sizes(found), sizes(here))
-        })
+        })?;
+        self.before = before;
+        Ok(())
     }
     fn observe(&mut self, view: &dyn StepView) -> Result<Flow, ModelError> {
         let time = view.time();
         let mut guard = self.recording.lock();
         let table = &mut *guard;
-        let numbers = (table.nodes.as_slice(), self.node_tags.as_slice());
+        let (nodes, tags) = (table.nodes.as_slice(), self.node_tags.as_slice());
         let now = (time, table.observations == 0);
-        update(&mut table.displacement, "displacement", numbers, now, |n| {
-            view.displacement(n)
+        let (moved, moves) = (&mut table.displacement, &mut table.velocity);
+        update(moved, "displacement", tags, now, |n| {
+            view.displacement(nodes[n])
         })?;
-        update(&mut table.velocity, "velocity", numbers, now, |n| {
-            view.velocity(n)
-        })?;
-        let acceleration = update(&mut table.acceleration, "acceleration", numbers, now, |n| {
-            view.acceleration(n)
-        })?;
-        let alternate = &mut table.alternate_acceleration[(table.observations % 2) as usize];
-        *alternate = alternate.max(acceleration);
+        update(moves, "velocity", tags, now, |n| view.velocity(nodes[n]))?;
+        let accelerated = &mut table.acceleration;
+        if self.rule == AccelerationRule::Instant {
+            let greatest = update(accelerated, "acceleration", tags, now, |n| {
+                view.acceleration(nodes[n])
+            })?;
+            let alternate = &mut table.alternate_acceleration[(table.observations % 2) as usize];
+            *alternate = alternate.max(greatest);
+        } else if !accelerated.values.is_empty() {
+            let behind = |&node: &u32| {
+                let half = view.acceleration(node) * (0.5 * view.step());
+                view.velocity(node) + half
+            };
+            let velocities: Vec<Vec3> = nodes.iter().map(behind).collect();
+            // Nothing is known before the first observation.
+            let still = (time - view.step(), velocities.clone());
+            let (before, last) = self.before.first().unwrap_or(&still);
+            let greatest = update(accelerated, "acceleration", tags, now, |n| {
+                (velocities[n] - last[n]) / (time - before)
+            })?;
+            let [single, double] = &mut table.alternate_acceleration;
+            *single = single.max(greatest);
+            if let Some((before, last)) = self.before.get(1) {
+                let of_two = velocities.iter().zip(last);
+                let of_two = of_two.map(|(now, last)| (now - last).norm() / (time - before));
+                *double = of_two.fold(*double, f64::max);
+            }
+            self.before.truncate(1);
+            self.before.insert(0, (time, velocities));
+        }
         for (index, &element) in table.elements.iter().enumerate() {
             let [greatest, _, least] = principal_stresses(&view.stress(element));
             if !(greatest.is_finite() && least.is_finite()) {

@@ -10,15 +10,17 @@ use powerhouse_model::{
 use super::place::{ActiveElements, Probe, elements, probes};
 use super::sampler::{Sampled, reach_of_both};
 use super::{
-    HistorySampler, HistoryTable, Motion, MotionPeaks, ObservationPoint, ObserveError, Place,
-    Recording, StressPlace, check_cadence, principal_stresses, table_cadence,
+    AccelerationRule, BandLimited, HistorySampler, HistoryTable, Motion, MotionPeaks,
+    ObservationPoint, ObserveError, Place, Recording, StressPlace, check_cadence,
+    principal_stresses, table_cadence,
 };
 
 /// Observer of histories: motion at locations, relative motion of two locations, and stress and history variables of
 /// elements, against time.
 ///
 /// Columns of a motion called `crown` are `crown.ux`, `crown.uy`, `crown.uz` (m), `crown.vx` ... (m/s)
-/// and `crown.ax` ... (m/s2). A relative motion is that of the second location less that of the
+/// and `crown.ax` ... (m/s2), which are means over the interval of the rows, or instants by
+/// [request](HistoryBuilder::accelerations). A relative motion is that of the second location less that of the
 /// first; with displacements comes `crown.apart` (m), its component along the line from the first
 /// location to the second, positive for increasing distance. Columns of a stress called `lining` are
 /// `lining.xx`, `.yy`, `.zz`, `.xy`, `.yz`, `.zx` and the principal stresses `lining.s1` >=
@@ -51,6 +53,8 @@ pub struct History {
     channels: Vec<Channel>,
     /// Index of the first column of each channel.
     first_columns: Vec<usize>,
+    /// Whether accelerations are means.
+    has_means: bool,
     row: Vec<f64>,
     recording: Recording<HistoryTable>,
 }
@@ -96,6 +100,7 @@ pub struct HistoryBuilder {
     stress_places: Vec<(String, StressPlace)>,
     channels: Vec<Channel>,
     active: Option<Vec<bool>>,
+    accelerations: AccelerationRule,
 }
 
 impl HistoryBuilder {
@@ -175,6 +180,13 @@ impl HistoryBuilder {
         });
         self
     }
+    /// Sets the rule of the accelerations at rows of an interval in seconds. Rows at a cadence in steps have the accelerations of
+    /// their steps.
+    #[must_use]
+    pub fn accelerations(mut self, rule: AccelerationRule) -> Self {
+        self.accelerations = rule;
+        self
+    }
     /// Sets the active elements of the mesh, one flag per element: points are located among them alone, and
     /// locations without active elements are refused.
     #[must_use]
@@ -228,6 +240,9 @@ impl HistoryBuilder {
             for (name, unit) in channel.columns() {
                 table.add_column(name, unit)?;
             }
+            if channel.motion().acceleration && self.accelerations == AccelerationRule::Mean {
+                table.take_means(first_columns[first_columns.len() - 1]);
+            }
             if let Channel::State {
                 name, variables, ..
             } = channel
@@ -243,6 +258,7 @@ impl HistoryBuilder {
             elements,
             channels: self.channels,
             first_columns,
+            has_means: table.has_means(),
             row: Vec::with_capacity(table.columns.len()),
             recording: Recording::new(table),
         })
@@ -251,7 +267,7 @@ impl HistoryBuilder {
 
 impl Channel {
     /// Names and units of the columns that do not depend on a law.
-    fn columns(&self) -> Vec<(String, &'static str)> {
+    pub(super) fn columns(&self) -> Vec<(String, &'static str)> {
         let vectors = |name: &str, motion: &Motion| {
             let kinds = [
                 (motion.displacement, 'u', "m"),
@@ -285,29 +301,35 @@ impl Channel {
         }
     }
 
+    /// Value of a nodal field at the place of a motion, of a relative motion the difference; zero for other quantities.
+    pub(super) fn value(&self, probes: &[Probe], field: &dyn Fn(u32) -> Vec3) -> Vec3 {
+        match self {
+            Self::Motion { probe, .. } => probes[*probe].value(field),
+            Self::Relative { from, to, .. } => {
+                probes[*to].value(field) - probes[*from].value(field)
+            }
+            Self::Stress { .. } | Self::State { .. } | Self::Sampled { .. } => Vec3::zeros(),
+        }
+    }
+
     /// Appends the values of a motion in a step to a row; nothing for other quantities.
     pub(super) fn push_motion(&self, probes: &[Probe], view: &dyn StepView, row: &mut Vec<f64>) {
-        match self {
-            Self::Motion { probe, motion, .. } => {
-                let probe = &probes[*probe];
-                push_motion(row, view, *motion, |field| probe.value(field));
-            }
-            Self::Relative {
-                from,
-                to,
-                motion,
-                direction,
-                ..
-            } => {
-                let (from, to) = (&probes[*from], &probes[*to]);
-                let relative = |field: &dyn Fn(u32) -> Vec3| to.value(field) - from.value(field);
-                push_motion(row, view, *motion, relative);
-                if motion.displacement {
-                    let displacement = relative(&|node| view.displacement(node));
-                    row.push(displacement.dot(direction));
-                }
-            }
-            Self::Stress { .. } | Self::State { .. } | Self::Sampled { .. } => {}
+        let motion = self.motion();
+        let mut push = |field: &dyn Fn(u32) -> Vec3| {
+            row.extend_from_slice(self.value(probes, field).as_slice());
+        };
+        if motion.displacement {
+            push(&|node| view.displacement(node));
+        }
+        if motion.velocity {
+            push(&|node| view.velocity(node));
+        }
+        if motion.acceleration {
+            push(&|node| view.acceleration(node));
+        }
+        if let (true, Self::Relative { direction, .. }) = (motion.displacement, self) {
+            let displacement = self.value(probes, &|node| view.displacement(node));
+            row.push(displacement.dot(direction));
         }
     }
 
@@ -335,6 +357,7 @@ impl History {
             stress_places: Vec::new(),
             channels: Vec::new(),
             active: None,
+            accelerations: AccelerationRule::default(),
         }
     }
     /// Whether there are no output requests.
@@ -356,23 +379,15 @@ impl History {
         let peaks = MotionPeaks::new(motions, self.probes.clone(), self.recording());
         (!peaks.is_empty()).then_some(peaks)
     }
-}
-
-/// Appends the requested kinds of motion, each computed by `value` from a nodal field.
-fn push_motion(
-    row: &mut Vec<f64>,
-    view: &dyn StepView,
-    motion: Motion,
-    value: impl Fn(&dyn Fn(u32) -> Vec3) -> Vec3,
-) {
-    if motion.displacement {
-        row.extend_from_slice(value(&|node| view.displacement(node)).as_slice());
-    }
-    if motion.velocity {
-        row.extend_from_slice(value(&|node| view.velocity(node)).as_slice());
-    }
-    if motion.acceleration {
-        row.extend_from_slice(value(&|node| view.acceleration(node)).as_slice());
+    /// An observer of the accelerations of the table up to a frequency (Hz), at short even intervals; none without
+    /// accelerations.
+    ///
+    /// # Errors
+    /// A frequency that is not above 0.
+    pub fn band_limited(&self, band: f64) -> Result<Option<BandLimited>, ObserveError> {
+        let motions = self.channels.iter().filter(|c| c.motion().acceleration);
+        let motions: Vec<Channel> = motions.cloned().collect();
+        BandLimited::new(band, motions, self.probes.clone())
     }
 }
 
@@ -409,7 +424,10 @@ impl Observer for History {
         samplers.fold(own, |all, sampler| reach_of_both(all, sampler.reach()))
     }
     fn cadence(&self) -> Cadence {
-        table_cadence(self.cadence)
+        match self.cadence {
+            Cadence::Seconds(interval) if self.has_means => Cadence::Around(0.5 * interval),
+            cadence => table_cadence(cadence),
+        }
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
         self.recording.save()
@@ -464,7 +482,19 @@ impl Observer for History {
                 }
             }
         }
-        (self.recording.lock()).see(self.cadence, view, &self.row);
+        let mut table = self.recording.lock();
+        if self.has_means {
+            let moving = self.channels.iter().filter(|c| c.motion().acceleration);
+            for channel in moving {
+                let velocity = channel.value(&self.probes, &|node| view.velocity(node));
+                self.row.extend_from_slice(velocity.as_slice());
+            }
+        }
+        table.see(self.cadence, view, &self.row);
         Ok(Flow::Continue)
+    }
+    fn finish(&mut self) -> Result<(), ModelError> {
+        self.recording.lock().end_means();
+        Ok(())
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`History`] | motion at locations, relative motion, stress and history variables of elements, against time | 8 bytes a column and row |
 //! | [`MotionPeaks`] | the peaks of the motions of a [`History`] in every step | nothing of its own |
+//! | [`BandLimited`] | the accelerations of a [`History`] up to a frequency, at short even intervals | 8 bytes a column and row |
 //! | [`EnergyHistory`] | the columns of the energy balance | 8 bytes a column and row |
 //! | [`SectionForces`] | normal force, shear forces and moments of sections through linings and pillars | 8 bytes a column and row, 144 a node of each element at the section |
 //! | [`Envelope`] | envelopes of nodal motion, and of greatest and least principal stress of elements | 16 bytes a node and kind of motion, 32 an element |
@@ -22,6 +23,7 @@
 //! with loads on a coarse mesh.
 //! *Tables contain names and units*, so that a writer of files needs no second list of them.
 
+mod band_limited;
 mod bolts;
 mod capacity;
 mod energy;
@@ -40,6 +42,7 @@ mod snapshots;
 mod state;
 mod table;
 
+pub use band_limited::BandLimited;
 pub use bolts::{BoltHistories, BoltPeaks, BoltTables};
 pub use capacity::{SectionCapacity, SectionReinforcement};
 pub use energy::EnergyHistory;
@@ -52,7 +55,7 @@ pub use joints::{
 };
 pub use motion_peaks::MotionPeaks;
 pub use peaks::{PeakPlace, PeakRow, PeakTable};
-pub use place::{Motion, ObservationPoint, Place, StressPlace};
+pub use place::{AccelerationRule, Motion, ObservationPoint, Place, StressPlace};
 pub use principal::principal_stresses;
 pub use recording::Recording;
 pub use sampler::HistorySampler;

@@ -7,7 +7,8 @@ use super::place::Probe;
 use super::{HistoryTable, Recording};
 
 /// Observer that raises the [peaks](super::Column::peak) of the motions of a [`History`](super::History) in every step that
-/// the host takes, so that they do not depend on the interval of its rows.
+/// the host takes, so that they do not depend on the interval of its rows; of mean accelerations those of the
+/// [instants](super::Column::instant_peak).
 ///
 /// It reads the motion of the nodes of these histories alone, and has no results of its own: the peaks are those of the
 /// history's table.
@@ -60,7 +61,7 @@ impl Observer for MotionPeaks {
             self.row.clear();
             channel.push_motion(&self.probes, view, &mut self.row);
             for (column, &value) in table.columns[*first..].iter_mut().zip(&self.row) {
-                column.raise(value, time);
+                column.raise_in_step(value, time);
             }
         }
         Ok(Flow::Continue)

@@ -83,6 +83,22 @@ impl PeakTable {
         }
     }
 
+    /// Adds the greatest instants of the accelerations of a table, [all steps](super::Column::instant_peak) counted, as
+    /// `NAME (instant)`.
+    pub fn add_instants(&mut self, table: &HistoryTable) {
+        for column in &table.columns {
+            if let Some((value, time)) = column.instant_peak() {
+                self.rows.push(PeakRow {
+                    name: format!("{} (instant)", column.name),
+                    unit: column.unit,
+                    value,
+                    time,
+                    place: None,
+                });
+            }
+        }
+    }
+
     /// Adds the extremes of an envelope over all its nodes and elements, with names that begin with `name`; none
     /// without observations.
     ///

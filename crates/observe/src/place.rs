@@ -42,6 +42,19 @@ impl Motion {
     };
 }
 
+/// Rule by which accelerations at the rows of a table follow from the motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AccelerationRule {
+    /// The mean over the interval around the row, which is the change of the velocity over its length: the default.
+    ///
+    /// What happens between two rows is not lost, and the sum of the rows is the velocity.
+    #[default]
+    Mean,
+    /// The acceleration of the steps around the row. Where cracks close or bodies hit each other it jumps from step to step, and
+    /// rows far apart are an aliased motion, whose spectra may be wrong by an order of magnitude.
+    Instant,
+}
+
 /// An observation point, given by coordinates; its values are interpolated in the element around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservationPoint {

@@ -34,7 +34,7 @@ use powerhouse::summary::RunSummary;
 
 use powerhouse_study::StudyError;
 use powerhouse_study::internal::{
-    CASES, CaseEntry, FoundSummary, MARK, OUTCOME, read_json, write_text,
+    Accelerations, CASES, CaseEntry, FoundSummary, MARK, OUTCOME, read_json, write_text,
 };
 use powerhouse_study::sweep::CaseOutcome;
 
@@ -55,6 +55,8 @@ pub struct ReportCase {
     pub outcome: CaseOutcome,
     /// Histories against time, the first column.
     pub histories: Vec<TableColumn>,
+    /// Accelerations from which spectra are.
+    accelerations: Accelerations,
     /// Summary of the run; none of a case without files.
     pub summary: Option<RunSummary>,
     /// Contents of the fingerprint file.
@@ -68,6 +70,7 @@ impl ReportCase {
             folder: PathBuf::new(),
             outcome,
             histories: Vec::new(),
+            accelerations: Accelerations::default(),
             summary: None,
             fingerprint: serde_json::Value::Null,
         }
@@ -178,6 +181,7 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
                 true => read_table(&histories).map_err(powerhouse::Error::from)?,
                 false => Vec::new(),
             },
+            accelerations: Accelerations::of_folder(&folder)?,
             summary: Some(FoundSummary::of_results(&folder)?),
             fingerprint: json_or_null(&folder.join(MARK))?,
             folder,

@@ -1,6 +1,7 @@
 //! Measures of recorded motions from the tables of a run: time histories, response spectra, Fourier spectra, growth of
 //! the Arias intensity.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{Plot, TableColumn, read_table, write_noted_table, write_plot};
@@ -8,7 +9,7 @@ use powerhouse::wavefield::{SpectralLine, TimeHistory};
 use serde_json::Value;
 
 use powerhouse_study::StudyError;
-use powerhouse_study::internal::even_samples;
+use powerhouse_study::internal::Accelerations;
 
 /// Damping ratios of the oscillators of response spectra.
 pub const DAMPINGS: [f64; 3] = [0.02, 0.05, 0.1];
@@ -27,12 +28,7 @@ const PLOTS: &str = "plots";
 /// Unit of accelerations.
 const ACCELERATION: &str = "m/s2";
 /// Shortest and longest period (s) of response spectra, and number of periods in geometric progression.
-const PERIODS: ([f64; 2], usize) = ([0.03, 3.0], 90);
-/// Least number of samples within the shortest period.
-///
-/// Between samples the motion is taken as straight: a sinusoid of ten samples per period then acts with 0.967 of its amplitude,
-/// `(sin(pi / n) / (pi / n))^2` for `n` samples, one of five with 0.875.
-const SAMPLES_PER_PERIOD: f64 = 10.0;
+const PERIODS: ([f64; 2], usize) = ([0.02, 3.0], 90);
 
 /// Measure of a motion, as a function of time, period or frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +72,8 @@ pub struct RecordedMotions {
     folder: PathBuf,
     about: &'static str,
     table: Vec<TableColumn>,
+    /// Accelerations from which spectra are.
+    accelerations: Accelerations,
 }
 
 impl RecordedMotions {
@@ -163,6 +161,10 @@ impl RecordedMotions {
         Ok(Some(Self {
             folder: folder.into(),
             about,
+            accelerations: match name == TABLES[0].0 {
+                true => Accelerations::of_folder(folder)?,
+                false => Accelerations::default(),
+            },
             table,
         }))
     }
@@ -192,14 +194,30 @@ impl RecordedMotions {
             }),
         }
     }
-    /// The motion of a column as a history of acceleration at equal intervals.
+    /// The acceleration of a column at short equal intervals, band-limited if the run has recorded it so.
     ///
     /// # Errors
     /// [`StudyError::NoAcceleration`] for another unit, or fewer than two samples.
     pub fn acceleration(&self, column: &TableColumn) -> Result<TimeHistory, StudyError> {
-        let history = (column.unit == ACCELERATION)
-            .then(|| even_samples(&self.table[0].values, &column.values))
-            .flatten();
+        self.acceleration_of(column, &self.source(&[column]))
+    }
+    /// Accelerations that have all of some columns: the band-limited ones, or the samples of the table.
+    fn source(&self, columns: &[&TableColumn]) -> Cow<'_, Accelerations> {
+        let has = |column: &&TableColumn| self.accelerations.column(&column.name).is_some();
+        match columns.iter().all(has) {
+            true => Cow::Borrowed(&self.accelerations),
+            false => Cow::Owned(Accelerations::of_samples(self.table.clone())),
+        }
+    }
+    fn acceleration_of(
+        &self,
+        column: &TableColumn,
+        recorded: &Accelerations,
+    ) -> Result<TimeHistory, StudyError> {
+        let same = recorded
+            .column(&column.name)
+            .filter(|_| column.unit == ACCELERATION);
+        let history = same.and_then(|same| recorded.history(same, usize::MAX));
         history.ok_or_else(|| StudyError::NoAcceleration {
             name: column.name.clone(),
             unit: column.unit.clone(),
@@ -217,15 +235,16 @@ impl RecordedMotions {
             return Ok(all.cloned().collect());
         }
         let mut table: Vec<TableColumn> = Vec::new();
+        let recorded = self.source(&plot.columns);
         for column in &plot.columns {
-            let motion = self.acceleration(column)?;
+            let motion = self.acceleration_of(column, &recorded)?;
             let of_motion = match plot.measure {
-                Measure::Response => response(&column.name, &motion, &plot.dampings)?,
-                Measure::Fourier => fourier(&column.name, &motion),
-                Measure::Time | Measure::Husid => {
-                    let start = self.table[0].values.first().copied().unwrap_or(0.0);
-                    husid(&column.name, &motion, start)
+                Measure::Response => {
+                    let periods = periods(recorded.shortest_period());
+                    response(&column.name, &motion, (&periods, &plot.dampings))?
                 }
+                Measure::Fourier => fourier(&column.name, &motion, recorded.highest_frequency()),
+                Measure::Time | Measure::Husid => husid(&column.name, &motion, recorded.start()),
             };
             let others = of_motion.into_iter();
             match table.is_empty() {
@@ -257,7 +276,10 @@ impl RecordedMotions {
         };
         let numbers = drawing.with_extension("csv");
         let notes = self.warnings().into_iter();
-        let notes: Vec<String> = notes.map(|text| format!("warning: {text}")).collect();
+        let mut notes: Vec<String> = notes.map(|text| format!("warning: {text}")).collect();
+        if plot.measure != Measure::Time {
+            notes.push(self.source(&plot.columns).note());
+        }
         write_noted_table(&numbers, &notes, &table).map_err(powerhouse::Error::from)?;
         write_plot(&drawing, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
         Ok([drawing, numbers])
@@ -307,10 +329,10 @@ impl RecordedMotions {
     }
 }
 
-/// The periods (s) of response spectra, for a greatest sampling interval (s) of the motions.
-pub(crate) fn periods(coarsest: f64) -> Vec<f64> {
+/// The periods (s) of response spectra, from the shortest one (s) for which the motions hold.
+pub(crate) fn periods(resolved: f64) -> Vec<f64> {
     let ([shortest, longest], count) = PERIODS;
-    let shortest = shortest.max(SAMPLES_PER_PERIOD * coarsest).min(longest);
+    let shortest = shortest.max(resolved).min(longest);
     let ratio: f64 = longest / shortest;
     (0..count)
         .map(|index| shortest * ratio.powf(index as f64 / (count - 1) as f64))
@@ -320,12 +342,11 @@ pub(crate) fn periods(coarsest: f64) -> Vec<f64> {
 fn response(
     name: &str,
     motion: &TimeHistory,
-    dampings: &[f64],
+    (periods, dampings): (&[f64], &[f64]),
 ) -> Result<Vec<TableColumn>, StudyError> {
-    let periods = periods(motion.step());
-    let mut table = vec![TableColumn::new("period", "s", periods.clone())];
+    let mut table = vec![TableColumn::new("period", "s", periods.to_vec())];
     for &damping in dampings {
-        let found = motion.response_spectrum(damping, &periods);
+        let found = motion.response_spectrum(damping, periods);
         let accelerations = found?
             .iter()
             .map(|response| response.acceleration)
@@ -336,8 +357,11 @@ fn response(
     Ok(table)
 }
 
-fn fourier(name: &str, motion: &TimeHistory) -> Vec<TableColumn> {
-    let (frequencies, amplitudes) = (motion.fourier_spectrum().into_iter())
+/// Fourier amplitudes up to a frequency (Hz).
+fn fourier(name: &str, motion: &TimeHistory, highest: f64) -> Vec<TableColumn> {
+    let lines = motion.fourier_spectrum().into_iter();
+    let (frequencies, amplitudes) = lines
+        .take_while(|line| line.frequency <= highest * (1.0 + 1e-9))
         .map(
             |SpectralLine {
                  frequency,

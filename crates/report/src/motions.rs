@@ -37,7 +37,12 @@ pub(super) fn section(
         let duration = motion.significant_duration(0.05, 0.95)?;
         rows.push(vec![
             column.name.clone(),
-            rounded(peak(column)),
+            rounded(
+                motion
+                    .acceleration()
+                    .iter()
+                    .fold(0.0, |most, a| most.max(a.abs())),
+            ),
             rounded(motion.arias_intensity()),
             rounded(duration),
         ]);

@@ -9,7 +9,6 @@ use super::ReportTable;
 use super::{ReportCase, column, kinds};
 use crate::motion::{DAMPINGS, periods};
 use powerhouse_study::StudyError;
-use powerhouse_study::internal::even_samples;
 use powerhouse_study::internal::rounded;
 
 /// Damping ratio at which cases are compared.
@@ -20,11 +19,15 @@ const DRAWN: f64 = 1.5;
 const AXES: [char; 3] = ['x', 'y', 'z'];
 /// Directions with a peak acceleration below this share of the greatest are left out.
 const STILL: f64 = 1e-2;
+/// Frequency (Hz) of an oscillator that follows the floor: what it bears is the peak of the floor.
+const STIFF: f64 = 33.0;
 
 /// Floor response spectra of several cases.
 pub(super) struct FloorSpectra {
     /// Periods of all spectra (s).
     periods: Vec<f64>,
+    /// Period (s) of the oscillator that bears the peak of the floor.
+    stiff: f64,
     all: Vec<FloorSpectrum>,
 }
 
@@ -34,7 +37,7 @@ struct FloorSpectrum {
     floor: String,
     axis: char,
     damping: f64,
-    /// Peak acceleration of the floor (m/s2).
+    /// Peak absolute acceleration (m/s2) of a stiff oscillator, that of [`STIFF`], which follows the floor.
     floor_peak: f64,
     /// Peak absolute acceleration (m/s2) of an oscillator for each period.
     accelerations: Vec<f64>,
@@ -43,7 +46,7 @@ struct FloorSpectrum {
 /// The floors of a case: acceleration histories with `floor` in their names, and the centres `O1` and `O2` of the
 /// bottom floors.
 fn floors(case: &ReportCase) -> Vec<&str> {
-    let names = case.histories.iter();
+    let names = case.accelerations.columns().iter();
     let names = names.filter_map(|column| column.name.strip_suffix(".ax"));
     names
         .filter(|name| name.contains("floor") || ["O1", "O2"].contains(name))
@@ -56,6 +59,8 @@ struct FloorMotion<'c> {
     floor: &'c str,
     axis: char,
     history: TimeHistory,
+    /// Shortest period (s) for which it holds.
+    shortest: f64,
     /// Peak of the recorded acceleration (m/s2).
     peak: f64,
 }
@@ -63,17 +68,16 @@ struct FloorMotion<'c> {
 /// The acceleration histories of the floors of a case, without directions in which they hardly move.
 fn motions(case: &ReportCase) -> Vec<FloorMotion<'_>> {
     let mut found = Vec::new();
-    let Some(time) = case.histories.first() else {
-        return found;
-    };
     for floor in floors(case) {
         let along = AXES.map(|axis| {
-            let motion = column(&case.histories, &format!("{floor}.a{axis}"))?;
+            let recorded = &case.accelerations;
+            let motion = column(recorded.columns(), &format!("{floor}.a{axis}"))?;
             Some(FloorMotion {
                 case: &case.outcome.name,
                 floor,
                 axis,
-                history: even_samples(&time.values, &motion.values)?,
+                history: recorded.history(motion, usize::MAX)?,
+                shortest: recorded.shortest_period(),
                 peak: motion.values.iter().fold(0.0, |most, a| most.max(a.abs())),
             })
         });
@@ -91,9 +95,12 @@ impl FloorSpectra {
     /// Computes the spectra of all floors of several cases.
     pub(super) fn of(cases: &[ReportCase]) -> Self {
         let motions: Vec<FloorMotion> = cases.iter().flat_map(motions).collect();
-        let steps = motions.iter().map(|motion| motion.history.step());
-        let periods = periods(steps.fold(0.0, f64::max));
+        let shortest = motions.iter().map(|motion| motion.shortest);
+        let periods = periods(shortest.fold(0.0, f64::max));
+        let stiff = periods[0].max(1.0 / STIFF);
         let spectra = motions.iter().flat_map(|motion| {
+            let peak = motion.history.response_spectrum(COMMON, &[stiff]);
+            let peak = peak.map_or(f64::NAN, |found| found[0].acceleration);
             let at = |damping: f64| {
                 let responses = motion.history.response_spectrum(damping, &periods).ok()?;
                 Some(FloorSpectrum {
@@ -101,14 +108,18 @@ impl FloorSpectra {
                     floor: motion.floor.into(),
                     axis: motion.axis,
                     damping,
-                    floor_peak: motion.peak,
+                    floor_peak: peak,
                     accelerations: responses.iter().map(|found| found.acceleration).collect(),
                 })
             };
             DAMPINGS.map(at).into_iter().flatten()
         });
         let all = spectra.collect();
-        Self { periods, all }
+        Self {
+            periods,
+            stiff,
+            all,
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -120,14 +131,16 @@ impl FloorSpectra {
         self.periods[0]
     }
 
-    /// Writes the spectra of a case as a CSV table, with a note above it.
+    /// Writes the spectra of a case as a CSV table, below what they are of and a warning.
     pub(super) fn write(
         &self,
         folder: &Path,
-        case: &str,
-        note: Option<&str>,
+        case: &ReportCase,
+        warning: Option<&str>,
     ) -> Result<(), StudyError> {
-        let own = || self.all.iter().filter(|found| found.case == case);
+        let note = case.accelerations.note();
+        let case = &case.outcome.name;
+        let own = || self.all.iter().filter(|found| found.case == *case);
         if own().next().is_none() {
             return Ok(());
         }
@@ -138,10 +151,8 @@ impl FloorSpectra {
             columns.push(TableColumn::new(name, "m/s2", found.accelerations.clone()));
         }
         let file = folder.join(format!("floor-spectra-{case}.csv"));
-        let notes: Vec<String> = note
-            .map(|note| format!("warning: {note}"))
-            .into_iter()
-            .collect();
+        let warning = warning.map(|text| format!("warning: {text}"));
+        let notes: Vec<String> = warning.into_iter().chain([note]).collect();
         Ok(write_noted_table(&file, &notes, &columns).map_err(powerhouse::Error::from)?)
     }
 
@@ -161,14 +172,15 @@ impl FloorSpectra {
             ]
         });
         ReportTable {
-            header: [
-                "floor, direction",
-                "greatest acceleration (m/s2)",
-                "greatest of the 5 % spectrum (m/s2)",
-                "at period (s)",
-            ]
-            .map(str::to_owned)
-            .to_vec(),
+            header: vec![
+                "floor, direction".into(),
+                format!(
+                    "peak: 5 % spectrum at {} Hz (m/s2)",
+                    rounded(1.0 / self.stiff)
+                ),
+                "greatest of the 5 % spectrum (m/s2)".into(),
+                "at period (s)".into(),
+            ],
             rows: rows.collect(),
         }
     }

@@ -348,10 +348,12 @@ impl Sweep<'_> {
         page.warnings(unknown.as_slice());
         page.paragraph(&format!(
             "Peak absolute acceleration of an oscillator on the floor against its period, from {} s, the \
-             shortest period that the samples of the run resolve. The spectra of every case at 2, 5 and 10 % \
-             of critical damping are in report/floor-spectra-CASE.csv; directions in which a floor hardly \
-             moves are left out.",
-            rounded(spectra.shortest())
+             shortest period that the samples of the run resolve, {}. The peak of a floor is what an oscillator of 33 Hz \
+             bears, or the stiffest that is resolved: the greatest instant where bodies hit each other depends on mesh and \
+             step. The spectra of every case at 2, 5 and 10 % of critical damping are in report/floor-spectra-CASE.csv; \
+             directions in which a floor hardly moves are left out.",
+            rounded(spectra.shortest()),
+            self.headline().accelerations.note(),
         ));
         let headline = &self.headline().outcome.name;
         let with_note = |name: &str| match repetition::of(self.cases, name) {
@@ -360,9 +362,9 @@ impl Sweep<'_> {
         };
         page.paragraph(&format!("Case {}:", with_note(headline)));
         page.table(&spectra.table(headline));
-        for outcome in &self.outcomes {
-            let name = &outcome.name;
-            spectra.write(&self.plots, name, repetition::of(self.cases, name))?;
+        for case in self.cases {
+            let name = &case.outcome.name;
+            spectra.write(&self.plots, case, repetition::of(self.cases, name))?;
             if name != headline {
                 page.folded(&with_note(name), &spectra.table(name));
             }

@@ -31,6 +31,7 @@ use powerhouse_scene::{
 /// |---|---|
 /// | `summary.json` | steps, step, wall time, peaks, energies at the end, warnings and remarks, the names of all files; written last, `incomplete` until then |
 /// | `histories.csv` | histories and relative displacements |
+/// | `accelerations.csv` | accelerations of the histories up to the band, at short even intervals: the source of peaks and spectra |
 /// | `sections.csv` | section forces |
 /// | `rings/NAME.csv`, `plots/ring-NAME.svg` | forces of the sections around a lining against their angle: at the start, least and greatest |
 /// | `capacity/NAME.csv`, `plots/capacity-NAME.svg` | normal forces and moments that a reinforced section bears; with those of the run |
@@ -69,13 +70,14 @@ pub(crate) const SNAPSHOTS: &str = "snapshots.pvd";
 pub(crate) const STAGES: &str = "stages";
 /// Name of the summary file, which marks a results folder.
 pub(crate) const SUMMARY: &str = "summary.json";
-/// Names of the tables of histories, which are also plotted.
-pub(crate) const TABLES: [&str; 5] = [
+/// Names of the tables of histories.
+pub(crate) const TABLES: [&str; 6] = [
     "histories.csv",
     SECTIONS,
     "energies.csv",
     "joints.csv",
     "bolts.csv",
+    "accelerations.csv",
 ];
 /// Name of the table of section forces, which begins with the warnings about them.
 const SECTIONS: &str = "sections.csv";
@@ -468,6 +470,7 @@ impl ResultFolder {
             &results.energies,
             &results.joint_histories,
             &results.bolt_histories,
+            &results.accelerations,
         ];
         for (name, table) in TABLES.into_iter().zip(tables) {
             if !table.times.is_empty() {

@@ -4,7 +4,7 @@ use powerhouse_model::{Ended, Mesh, StageReport};
 use powerhouse_observe::{JointOutcome, JointTable, PeakRow, PeakTable};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use powerhouse_scene::{BoltForces, Message, Results, RunNotes, SectionUse};
+use powerhouse_scene::{BoltForces, Message, Resolution, Results, RunNotes, SectionUse};
 
 /// Content of `summary.json` of a run whose motion has begun.
 ///
@@ -53,6 +53,9 @@ pub struct RunSummary {
     pub bolts: Vec<BoltSummary>,
     /// Peaks of all histories and envelopes.
     pub peaks: Vec<PeakSummary>,
+    /// Frequencies up to which the parts carry waves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub resolution: Vec<ResolutionSummary>,
     /// Greatest utilisation of each reinforced section.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub section_uses: Vec<UtilisationSummary>,
@@ -258,6 +261,30 @@ pub struct PeakSummary {
     pub below_rounding: bool,
 }
 
+/// Frequencies up to which a part carries waves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct ResolutionSummary {
+    /// Element set of the part.
+    pub set: String,
+    /// Highest frequency (Hz) with ten elements per wavelength of S waves.
+    #[serde(deserialize_with = "real")]
+    pub frequency: f64,
+    /// Highest frequency (Hz) of the band of its flat damping.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damped: Option<f64>,
+}
+
+impl ResolutionSummary {
+    fn new(of: &Resolution) -> Self {
+        Self {
+            set: of.set.clone(),
+            frequency: of.frequency,
+            damped: of.damped,
+        }
+    }
+}
+
 /// Greatest utilisation of a reinforced section.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -447,6 +474,11 @@ impl RunSummary {
             }),
             bolts: results.bolts.iter().filter_map(BoltSummary::new).collect(),
             peaks: PeakSummary::all(&results.peaks(mesh)),
+            resolution: results
+                .resolution
+                .iter()
+                .map(ResolutionSummary::new)
+                .collect(),
             section_uses: (results.section_uses().into_iter())
                 .map(UtilisationSummary::new)
                 .collect(),

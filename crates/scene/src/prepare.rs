@@ -88,13 +88,15 @@ impl Scene {
         remarks.extend(self.reduced_joints()?);
         remarks.extend(self.undamped_friction()?);
         let state_variables = StateVariables::of(&self, &rims)?;
+        let band = self.output.band_on(self.engine.takes_every_step());
         let (mut recordings, mut observers) = Recordings::observe(
-            &self.output,
+            (&self.output, band),
             &self.mesh,
             timeline.as_ref().and_then(Timeline::present),
             &state_variables,
             &mut remarks,
         )?;
+        recordings.resolution = self.resolution()?;
         recordings.structure = match self.boundary {
             Some(_) => self.structure()?,
             None => None,

@@ -7,7 +7,8 @@ use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::io::available_memory;
 use powerhouse::model::{ElementKind, QualityReport, Vec3};
 use powerhouse::{
-    Error, FileScene, Message, Remark, ResultFolder, Results, Scene, StageOverview, Topic,
+    Error, FileScene, Message, Remark, Resolution, ResultFolder, Results, Scene, StageOverview,
+    Topic,
 };
 
 use crate::StudyError;
@@ -15,7 +16,7 @@ use crate::cost::{self, Cost, StepTimer};
 use crate::extent::{SetExtent, separate_parts};
 use crate::free_field::FreeFieldCheck;
 use crate::joints::{self, JointOverview};
-use crate::resolution::{self, Resolution};
+use crate::resolution;
 use crate::saving::{FormatError, RefusedChange, RunTiming, Saving, Savings, SecondModel, Survey};
 use crate::static_cost::{self, StagePlans};
 
@@ -297,7 +298,7 @@ fn check_within(
 ) -> Result<CheckReport, StudyError> {
     let mesh = scene.mesh().clone();
     let quality = mesh.check().map_err(Error::from)?;
-    let resolution = resolution::resolution(&scene)?;
+    let resolution = scene.resolution()?;
     let joints = JointOverview::all(&scene);
     let stages = scene.stage_overviews()?;
     let mut warnings = warnings_of(&scene, &quality, &resolution)?;
@@ -400,7 +401,7 @@ fn check_within(
 /// An invalid mesh or set.
 pub fn warnings(scene: &Scene) -> Result<Vec<Warning>, StudyError> {
     let quality = scene.mesh().check().map_err(Error::from)?;
-    warnings_of(scene, &quality, &resolution::resolution(scene)?)
+    warnings_of(scene, &quality, &scene.resolution()?)
 }
 
 fn warnings_of(

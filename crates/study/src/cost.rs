@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use powerhouse::engine::Precision;
-use powerhouse::engine::observe::Motion;
+use powerhouse::engine::observe::{AccelerationRule, Motion};
 use powerhouse::model::{DeviceError, ElementKind, HistoryKind, Mesh, RunError, StepProfile};
 use powerhouse::wavefield::LayeredWave;
 use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
@@ -485,6 +485,8 @@ const ENERGY_COLUMNS: f64 = 19.0;
 const RELATIVE_COLUMNS: f64 = 4.0;
 const SECTION_COLUMNS: f64 = 9.0;
 const STRESS_COLUMNS: f64 = 9.0;
+/// Rows of band-limited accelerations to a period of the band.
+const ROWS_OF_BAND: f64 = 5.0;
 
 /// Number of values in the tables of motion, stress, sections and energies, times included.
 fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
@@ -505,7 +507,18 @@ fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
         .energies
         .map_or(0.0, |every| (1.0 + ENERGY_COLUMNS) * rows.at(every));
     let tables = if columns > 0.0 { columns + 2.0 } else { 0.0 };
-    tables * rows.at(plan.every) + energies
+    let requests = plan.histories.iter();
+    let accelerations = requests
+        .filter(|request| request.motion.acceleration)
+        .count();
+    let of_band = match plan.accelerations {
+        AccelerationRule::Mean if accelerations > 0 => {
+            let band = plan.band.unwrap_or(OutputPlan::BAND);
+            (1.0 + 3.0 * accelerations as f64) * (ROWS_OF_BAND * band * rows.duration).ceil()
+        }
+        _ => 0.0,
+    };
+    tables * rows.at(plan.every) + of_band + energies
 }
 
 /// Bytes of a number in a CSV file, and of a point of a plot.

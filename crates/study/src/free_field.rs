@@ -16,7 +16,6 @@ use powerhouse::{
 
 use crate::StudyError;
 use crate::cost::StepTimer;
-use crate::resolution::longest_edge_of;
 use crate::sides::transfer_supports;
 
 /// Errors of the computed free field of a scene: box without structure against the incident field.
@@ -359,12 +358,13 @@ const GROUND: &str = "ground";
 /// Box of hexahedra of a scene's extent, and its numbers of elements: in every layer nearly as long as the longest edge
 /// of the parts there, across the layers as long as the shortest of these.
 fn ground_box(scene: &Scene, strata: &[Stratum]) -> Result<([usize; 3], Mesh), StudyError> {
+    let resolution = scene.resolution()?;
     let longest = strata.iter().map(|stratum| {
         let edges = stratum.parts.iter();
-        let edges = edges.map(|&part| longest_edge_of(scene.mesh(), &scene.parts()[part].set));
-        edges.reduce(|a, b| Ok(a?.max(b?))).unwrap_or(Ok(0.0))
+        let edges = edges.map(|&part| resolution[part].longest_edge);
+        edges.fold(0.0, f64::max)
     });
-    let longest = longest.collect::<Result<Vec<f64>, StudyError>>()?;
+    let longest: Vec<f64> = longest.collect();
     // A layer of which no part is behind the faces lies between two planes of the mesh.
     let known = longest.iter().copied().filter(|edge| *edge > 0.0);
     let shortest = known.fold(f64::INFINITY, f64::min);

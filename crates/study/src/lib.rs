@@ -71,7 +71,6 @@ pub use grown::grown;
 pub use joints::JointOverview;
 pub use opening_slice::OpeningSlice;
 pub use price::{ParetoPoint, draw_pareto_front, pareto_front};
-pub use resolution::Resolution;
 pub use scene_run::{RanScene, RunWatch, SceneRun};
 pub use shell_octant::ShellOctant;
 pub use static_cost::StaticCost;
@@ -80,7 +79,7 @@ pub use static_cost::StaticCost;
 #[doc(hidden)]
 pub mod internal {
     pub use crate::convergence::read_report;
-    pub use crate::even_samples::even_samples;
+    pub use crate::even_samples::{Accelerations, even_samples};
     pub use crate::json::read_json;
     pub use crate::rounded::rounded;
     pub use crate::run_summary::FoundSummary;

@@ -1,13 +1,11 @@
 //! Frequencies that the mesh resolves, and the frequency content of the input.
 
-use powerhouse::model::{FieldMotion, Mesh, Vec3};
+use powerhouse::model::{FieldMotion, Vec3};
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Error, Scene};
+use powerhouse::{Error, Resolution, Scene};
 
 use crate::{StudyError, Warning};
 
-/// Elements per wavelength that a mesh should have for waves to travel without visible dispersion.
-const PER_WAVELENGTH: f64 = 10.0;
 /// Share of a motion's energy above the resolved frequency from which on a warning is due.
 const LOST_SHARE: f64 = 0.01;
 /// Instants at which the incident motion is sampled.
@@ -16,56 +14,6 @@ const INSTANTS: usize = 16_384;
 const FADING_SHARE: f64 = 0.05;
 /// Least duration of the taper (s): a cut-off within a few periods would have energy at all frequencies.
 const LEAST_FADING: f64 = 1.0;
-
-/// Highest frequency that the mesh of a part resolves, with ten elements per shear wavelength.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Resolution {
-    /// Element set of the part.
-    pub set: String,
-    /// Shear wave speed (m/s).
-    pub s_speed: f64,
-    /// Longest element edge (m).
-    pub longest_edge: f64,
-    /// Highest resolved frequency `s_speed / (10 longest_edge)` (Hz).
-    pub frequency: f64,
-}
-
-/// The resolution of each part of a scene.
-pub(crate) fn resolution(scene: &Scene) -> Result<Vec<Resolution>, StudyError> {
-    let mesh = scene.mesh();
-    scene
-        .parts()
-        .iter()
-        .map(|part| {
-            let longest_edge = longest_edge_of(mesh, &part.set)?;
-            let s_speed = part.material.medium().s_speed();
-            Ok(Resolution {
-                set: part.set.clone(),
-                s_speed,
-                longest_edge,
-                frequency: s_speed / (PER_WAVELENGTH * longest_edge),
-            })
-        })
-        .collect()
-}
-
-/// The longest edge in an element set (m).
-pub(crate) fn longest_edge_of(mesh: &Mesh, set: &str) -> Result<f64, StudyError> {
-    let elements = mesh.element_set(set).map_err(Error::from)?;
-    let edges = elements.iter().map(|&e| longest_edge(mesh, e));
-    Ok(edges.fold(0.0, f64::max))
-}
-
-/// The longest edge of an element (m).
-fn longest_edge(mesh: &Mesh, element: u32) -> f64 {
-    let nodes = mesh.nodes_of(element);
-    let at = |i: u8| mesh.positions()[nodes[i as usize] as usize];
-    let sides = mesh.kind(element).sides();
-    let edges = sides.iter().flat_map(|side| {
-        (0..side.len()).map(|i| (at(side[i]) - at(side[(i + 1) % side.len()])).norm())
-    });
-    edges.fold(0.0, f64::max)
-}
 
 /// Energy spectrum of acceleration: frequency (Hz) and energy of each line.
 pub(crate) type Spectrum = Vec<(f64, f64)>;

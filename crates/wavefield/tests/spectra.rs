@@ -116,3 +116,41 @@ fn impossible_oscillators_are_refused() {
         assert!(error.to_string().contains(name));
     }
 }
+
+/// A refined history passes through the samples and follows a band-limited motion between them, whatever its phase and the number
+/// of samples per period down to two and a half, where straight lines miss up to a fifth of it; and so do its spectra.
+#[test]
+fn refined_histories_follow_band_limited_motions() {
+    let step = 0.002;
+    for (samples, phase) in [(2.5, 0.3), (5.0, 1.1), (7.3, 2.0), (40.0, 0.0)] {
+        let w = 2.0 * PI / (samples * step);
+        let motion = |t: f64| (-((t - 0.4) / 0.08).powi(2)).exp() * (w * t + phase).sin();
+        let given: Vec<f64> = (0..401).map(|i| motion(f64::from(i) * step)).collect();
+        let history = TimeHistory::new(step, given.clone()).unwrap();
+        for times in [1, 2, 8] {
+            let refined = history.refined(times).unwrap();
+            assert_eq!(refined.samples(), 400 * times + 1);
+            let fine = step / times as f64;
+            for (i, value) in refined.acceleration().into_iter().enumerate() {
+                let off = (value - motion(i as f64 * fine)).abs();
+                assert!(off < 1e-6, "{samples} {times} {i}: {off:e}");
+            }
+        }
+        let period = samples * step;
+        let response = |history: &TimeHistory| {
+            history.response_spectrum(0.05, &[period]).unwrap()[0].acceleration
+        };
+        let exact = TimeHistory::new(
+            1e-5,
+            (0..80_001).map(|i| motion(f64::from(i) * 1e-5)).collect(),
+        );
+        let exact = response(&exact.unwrap());
+        let share = response(&history.refined(8).unwrap()) / exact;
+        assert!((share - 1.0).abs() < 0.02, "{samples}: {share}");
+        if samples < 3.0 {
+            assert!(response(&history) / exact < 0.8);
+        }
+    }
+    let history = TimeHistory::new(step, vec![1.0, 2.0]).unwrap();
+    assert!(history.refined(3).is_err() && history.refined(0).is_err());
+}

@@ -1,5 +1,5 @@
 use powerhouse_model::{Cadence, Mesh, Observer, Stress, Vec3};
-use powerhouse_observe::{Envelope, Motion, ObserveError, PeakPlace, PeakTable};
+use powerhouse_observe::{AccelerationRule, Envelope, Motion, ObserveError, PeakPlace, PeakTable};
 
 use super::Fields;
 
@@ -10,7 +10,8 @@ fn extremes_stand_with_their_times() {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(4.0), [4, 4, 4], "rock").unwrap();
     let (nodes, elements) = ([3_u32, 70, 100], [10_u32, 63]);
     let cadence = Cadence::Steps(1);
-    let mut envelope = Envelope::new(&mesh, &nodes, Motion::ALL, &elements, cadence).unwrap();
+    let envelope = Envelope::new(&mesh, &nodes, Motion::ALL, &elements, cadence).unwrap();
+    let mut envelope = envelope.accelerations(AccelerationRule::Instant);
     let recording = envelope.recording();
     // Node n peaks once, at t = n / 100: a hump of height 1 + n around it, in a direction of its own.
     let hump = |number: u32, t: f64| {

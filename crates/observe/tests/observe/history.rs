@@ -1,6 +1,7 @@
 use powerhouse_model::{Cadence, Mat3, Mesh, MeshError, ModelError, Observer, Stress, Vec3};
 use powerhouse_observe::{
-    EnergyHistory, History, Motion, ObservationPoint, ObserveError, PeakTable, Place, StressPlace,
+    AccelerationRule, EnergyHistory, History, Motion, ObservationPoint, ObserveError, PeakTable,
+    Place, StressPlace,
 };
 
 use super::{Fields, noise};
@@ -225,6 +226,7 @@ fn rows_are_at_multiples_of_the_interval() {
     ] {
         let mut history = History::builder(Cadence::Seconds(interval))
             .motion("a", Place::Node(9), Motion::ALL)
+            .accelerations(AccelerationRule::Instant)
             .build(&mesh)
             .unwrap();
         let recording = history.recording();
@@ -278,6 +280,7 @@ fn peaks_do_not_depend_on_the_interval() {
             .stress("before", StressPlace::Element(7))
             .motion("a", Place::Node(9), Motion::ACCELERATION)
             .relative("b", Place::Node(3), Place::Node(9), Motion::DISPLACEMENT)
+            .accelerations(AccelerationRule::Instant)
             .build(&mesh)
             .unwrap();
         let recording = history.recording();

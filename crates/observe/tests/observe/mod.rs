@@ -1,5 +1,6 @@
 //! Observers of steps with prescribed fields.
 
+mod accelerations;
 mod beam;
 mod capacity;
 mod envelope;

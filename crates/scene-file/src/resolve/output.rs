@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::Vec3;
 use powerhouse_observe::{
-    CrossSection, JointQuantities, Motion, ObservationPoint, Place, SectionReinforcement,
-    SectionRing, SnapshotFields, StressPlace,
+    AccelerationRule, CrossSection, JointQuantities, Motion, ObservationPoint, Place,
+    SectionReinforcement, SectionRing, SnapshotFields, StressPlace,
 };
 
 use super::{Names, check_reach, no_such_number, one_of, vector};
 use crate::spec::{
-    At, Finite, History, JointHistory, JointQuantity, NonNegative, Output, Positive, Quantity,
-    Reinforcement, Ring, Section,
+    self, At, Finite, History, JointHistory, JointQuantity, NonNegative, Output, Positive,
+    Quantity, Reinforcement, Ring, Section,
 };
 use powerhouse_scene::{
     EnvelopeRequest, Fault, HistoryRequest, JointRequest, JointZone, OutputPlan, Problem,
@@ -31,6 +31,23 @@ pub(super) fn plan(
     let mut plan = OutputPlan::default();
     if let Some(every) = &output.every {
         plan.every = every.get();
+    }
+    let rule = output.acceleration;
+    plan.accelerations = match rule {
+        None | Some(spec::AccelerationRule::Mean) => AccelerationRule::Mean,
+        Some(spec::AccelerationRule::Instant) => AccelerationRule::Instant,
+    };
+    if let Some(band) = &output.band {
+        if plan.accelerations == AccelerationRule::Instant {
+            return Err(Fault::new(
+                band.span(),
+                Problem::Value {
+                    found: "a band of instants".into(),
+                    expected: "`acceleration = \"mean\"`, or no band".into(),
+                },
+            ));
+        }
+        plan.band = Some(band.get());
     }
     // Every joint has results under its name.
     let mut used: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();

@@ -63,7 +63,8 @@ pub use load::{Load, Support};
 pub use material::{Damping, Material, Part};
 pub use motion::Motion;
 pub use output::{
-    History, JointHistory, JointQuantity, Output, OwnOutput, Quantity, Reinforcement, Ring, Section,
+    AccelerationRule, History, JointHistory, JointQuantity, Output, OwnOutput, Quantity,
+    Reinforcement, Ring, Section,
 };
 pub use parameters::Parameters;
 pub use quantity::{

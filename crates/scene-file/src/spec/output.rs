@@ -18,6 +18,11 @@ pub struct Output {
     /// Sampling interval of histories, relative displacements, section forces, joints and bolts (s), above 0;
     /// 0.005 by default.
     pub every: Option<At<Positive>>,
+    /// Accelerations of histories and envelopes; `mean` by default.
+    pub acceleration: Option<AccelerationRule>,
+    /// Highest frequency of the accelerations of the histories in `accelerations.csv` (Hz), from which peaks, spectra and intensities
+    /// are, above 0; 100 by default. A filter of linear phase takes away what is above it.
+    pub band: Option<At<Positive>>,
     /// History requests: motion, stress or state variables against time at a point, node, set or element.
     #[serde(rename = "history", default, skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<History>,
@@ -43,6 +48,18 @@ pub struct Output {
     pub envelope: Option<Envelope>,
     /// Snapshot request: fields of the whole body at regular times, for ParaView; none by default.
     pub snapshots: Option<Snapshots>,
+}
+
+/// Accelerations of histories and envelopes.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
+#[non_exhaustive]
+#[serde(rename_all = "kebab-case")]
+pub enum AccelerationRule {
+    /// The mean over the interval around each sample, of envelopes over that before it: the change of the velocity.
+    Mean,
+    /// The acceleration of the steps around each sample, from which all peaks and spectra are then, too. Where cracks close or bodies
+    /// hit each other it jumps from step to step: samples are aliased, and peaks grow with ever finer meshes and steps.
+    Instant,
 }
 
 /// Request of a kind that a program has registered: its columns are among the histories.

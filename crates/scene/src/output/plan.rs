@@ -4,8 +4,8 @@ use core::fmt;
 use std::sync::Arc;
 
 use powerhouse_observe::{
-    CrossSection, HistorySampler, JointQuantities, Motion, ObservationPoint, Place,
-    SectionReinforcement, SnapshotFields, StressPlace,
+    AccelerationRule, CrossSection, HistorySampler, JointQuantities, Motion, ObservationPoint,
+    Place, SectionReinforcement, SnapshotFields, StressPlace,
 };
 
 use super::RingRequest;
@@ -316,6 +316,11 @@ pub struct OutputPlan {
     /// Time between samples of histories, relative displacements, section forces, joints and bolts (s); 0.005 by default.
     /// First and last step are recorded in any case.
     pub every: f64,
+    /// Rule of the accelerations of histories and envelopes: means over the interval of their samples, or instants.
+    pub accelerations: AccelerationRule,
+    /// Highest frequency (Hz) of the band-limited accelerations of the histories, from which their peaks and spectra are; without one
+    /// [`BAND`](Self::BAND), or none on an engine that it would slow down, and of instants.
+    pub band: Option<f64>,
     /// Requests for motions at locations against time.
     pub histories: Vec<HistoryRequest>,
     /// Requests for mean stresses of elements against time.
@@ -347,6 +352,8 @@ impl Default for OutputPlan {
     fn default() -> Self {
         Self {
             every: 0.005,
+            accelerations: AccelerationRule::default(),
+            band: None,
             histories: Vec::new(),
             stresses: Vec::new(),
             relative: Vec::new(),
@@ -363,6 +370,29 @@ impl Default for OutputPlan {
 }
 
 impl OutputPlan {
+    /// Highest frequency (Hz) of band-limited accelerations without a given one.
+    pub const BAND: f64 = 100.0;
+
+    /// Sets the rule of the accelerations of histories and envelopes.
+    #[must_use]
+    pub fn with_accelerations(mut self, rule: AccelerationRule) -> Self {
+        self.accelerations = rule;
+        self
+    }
+    /// Sets the highest frequency (Hz) of the band-limited accelerations of the histories.
+    #[must_use]
+    pub fn with_band(mut self, band: f64) -> Self {
+        self.band = Some(band);
+        self
+    }
+    /// Highest frequency (Hz) of the band-limited accelerations on an engine that takes every step on the host, or does not; none
+    /// if there are none.
+    pub(crate) fn band_on(&self, takes_every_step: bool) -> Option<f64> {
+        let own = takes_every_step.then_some(Self::BAND);
+        (self.accelerations == AccelerationRule::Mean)
+            .then(|| self.band.or(own))
+            .flatten()
+    }
     /// Sets the time between samples of histories, relative displacements, section forces, joints and bolts (s).
     #[must_use]
     pub fn with_every(mut self, every: f64) -> Self {

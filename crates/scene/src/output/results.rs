@@ -22,7 +22,7 @@ use super::{
 };
 use super::{RunTable, capacity, sampling, sections};
 use crate::joint::NamedSurface;
-use crate::{Error, Remark};
+use crate::{Error, Remark, Resolution};
 
 /// Column of the residual in the energy balance.
 const RESIDUAL: &str = "residual";
@@ -47,6 +47,9 @@ pub struct Results {
     pub step_time: Duration,
     /// Motions, mean element stresses, history variables and relative displacements against time.
     pub histories: HistoryTable,
+    /// Accelerations of the histories up to the [band](OutputPlan::band), five rows to its period, from which peaks and spectra
+    /// are; empty without accelerations, and of instants.
+    pub accelerations: HistoryTable,
     /// Section forces, moments, and both per metre of width, against time, each column with its unit.
     pub sections: HistoryTable,
     /// Geometry of the sections, in the order of their requests: area, centroid, axes.
@@ -75,6 +78,8 @@ pub struct Results {
     /// Box (lower and upper corner, m) of the parts that touch no absorbing face, such as a lining, of which pictures are drawn
     /// closer; none without an absorbing boundary or such parts.
     pub structure: Option<[Vec3; 2]>,
+    /// Frequencies that the meshes of the parts resolve, and their damping reaches.
+    pub resolution: Vec<Resolution>,
     /// Number of snapshots that the receiver has taken.
     pub snapshots: u64,
     /// Reports of the construction stages before the run, in their order; empty without stages.
@@ -185,7 +190,11 @@ impl Results {
         worst.extend(self.unbalanced());
         worst.extend(self.crack_energy());
         worst.extend(self.section_uses().iter().filter_map(capacity::beyond));
-        worst.extend(sampling::warnings(&self.histories, self.envelope.as_ref()));
+        worst.extend(sampling::warnings(
+            &self.histories,
+            &self.accelerations,
+            self.envelope.as_ref(),
+        ));
         worst
     }
     /// Greatest utilisation of each section with a reinforcement over the run.
@@ -234,6 +243,15 @@ impl Results {
     pub fn peaks(&self, mesh: &Mesh) -> PeakTable {
         let mut peaks = PeakTable::default();
         peaks.add_history(&self.histories);
+        // Of accelerations those of the band, whatever the interval of the histories.
+        let mut of_band = PeakTable::default();
+        of_band.add_history(&self.accelerations);
+        for row in of_band.rows {
+            if let Some(known) = peaks.rows.iter_mut().find(|known| known.name == row.name) {
+                *known = row;
+            }
+        }
+        peaks.add_instants(&self.histories);
         peaks.add_history(&self.sections);
         peaks.add_history(&self.bolt_histories);
         // Zero peaks of joints are left out.
@@ -254,6 +272,7 @@ impl Results {
 /// Recordings of the observers of an output plan.
 pub(crate) struct Recordings {
     histories: Option<Recording<HistoryTable>>,
+    accelerations: Option<Recording<HistoryTable>>,
     sections: Option<Recording<HistoryTable>>,
     section_geometry: Vec<SectionGeometry>,
     section_capacities: Vec<(String, SectionCapacity)>,
@@ -267,6 +286,8 @@ pub(crate) struct Recordings {
     present: Option<Vec<bool>>,
     /// Box of the parts that touch no absorbing face.
     pub(crate) structure: Option<[Vec3; 2]>,
+    /// Frequencies that the parts resolve.
+    pub(crate) resolution: Vec<Resolution>,
 }
 
 /// Reports of a run beside its recordings.
@@ -281,9 +302,10 @@ pub(crate) struct FinishedRun {
 }
 
 impl Recordings {
-    /// Recordings and observers of an output plan for the active elements of a body (`None`: all).
+    /// Recordings and observers of an output plan for the active elements of a body (`None`: all), with accelerations up to a band
+    /// (Hz) if there is one.
     pub(crate) fn observe(
-        plan: &OutputPlan,
+        (plan, band): (&OutputPlan, Option<f64>),
         mesh: &Mesh,
         present: Option<&[bool]>,
         state_variables: &StateVariables,
@@ -292,6 +314,7 @@ impl Recordings {
         let mut observers: Vec<Box<dyn Observer>> = Vec::new();
         let mut recordings = Self {
             histories: None,
+            accelerations: None,
             sections: None,
             section_geometry: Vec::new(),
             section_capacities: Vec::new(),
@@ -304,6 +327,7 @@ impl Recordings {
             bolts: None,
             present: present.map(<[bool]>::to_vec),
             structure: None,
+            resolution: Vec::new(),
         };
         let (history, mut without_state) = histories(plan, mesh, present, state_variables)?;
         remarks.append(&mut without_state);
@@ -311,6 +335,11 @@ impl Recordings {
             recordings.histories = Some(history.recording());
             let peaks = history.motion_peaks();
             observers.extend(peaks.map(|peaks| Box::new(peaks) as Box<dyn Observer>));
+            let limited = band.map(|band| history.band_limited(band)).transpose();
+            if let Some(limited) = limited.map_err(model)?.flatten() {
+                recordings.accelerations = Some(limited.recording());
+                observers.push(Box::new(limited));
+            }
             observers.push(Box::new(history));
         }
         if !plan.cuts.is_empty() {
@@ -354,6 +383,7 @@ impl Recordings {
             let cadence = Cadence::Seconds(request.every);
             let envelope =
                 Envelope::new(mesh, &nodes, request.motion, stressed, cadence).map_err(model)?;
+            let envelope = envelope.accelerations(plan.accelerations);
             recordings.envelope = Some(envelope.recording());
             observers.push(Box::new(envelope));
         }
@@ -409,6 +439,7 @@ impl Recordings {
             (RunTable::Histories, &self.histories),
             (RunTable::Sections, &self.sections),
             (RunTable::Energies, &self.energies),
+            (RunTable::Accelerations, &self.accelerations),
         ] {
             if let Some(recording) = recording {
                 recording.read(|rows| reader(table, rows));
@@ -477,6 +508,7 @@ impl Recordings {
             wall_time,
             step_time,
             histories: table(self.histories),
+            accelerations: table(self.accelerations),
             sections: table(self.sections),
             section_geometry: self.section_geometry,
             section_capacities: self.section_capacities,
@@ -486,6 +518,7 @@ impl Recordings {
             state: self.state.map(|recording| recording.copy()),
             present: self.present,
             structure: self.structure,
+            resolution: self.resolution,
             snapshots,
             stages: Vec::new(),
             in_situ_stress: false,
@@ -561,7 +594,8 @@ fn histories(
     present: Option<&[bool]>,
     state_variables: &StateVariables,
 ) -> Result<(History, Vec<Remark>), Error> {
-    let mut builder = History::builder(Cadence::Seconds(plan.every));
+    let mut builder =
+        History::builder(Cadence::Seconds(plan.every)).accelerations(plan.accelerations);
     if let Some(present) = present {
         builder = builder.among(present);
     }

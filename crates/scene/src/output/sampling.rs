@@ -7,29 +7,43 @@ use crate::magnitude::rounded;
 
 /// Threshold of [`Column::roughness`]: that of a sinusoid with six samples per period.
 const ROUGH: f64 = 1.0;
-/// Least share of the greatest sample of an acceleration in the peak of all steps.
+/// Least share of the greatest sample of an acceleration in its peak.
 const OF_PEAK: f64 = 0.95;
+/// Rows of band-limited accelerations to a period of the band.
+const ROWS_OF_BAND: f64 = 5.0;
 /// Least ratio of the greatest acceleration of every second sample to that of all samples for a sufficient sampling
 /// interval: that of a sinusoid with seven samples per period.
 const OF_ALTERNATE_LOOKS: f64 = 0.9;
 
-/// Warnings about accelerations with too long sampling intervals.
-pub(super) fn warnings(histories: &HistoryTable, envelope: Option<&EnvelopeTable>) -> Vec<Remark> {
+/// Warnings about accelerations with too long sampling intervals: of histories, and of those of a band, if there are any.
+pub(super) fn warnings(
+    histories: &HistoryTable,
+    of_band: &HistoryTable,
+    envelope: Option<&EnvelopeTable>,
+) -> Vec<Remark> {
     let mut warnings: Vec<Remark> = Vec::new();
-    if let [first, .., last] = histories.times[..] {
-        let interval = rounded((last - first) / (histories.times.len() - 1) as f64);
+    let interval = |table: &HistoryTable| match table.times[..] {
+        [first, .., last] => Some((last - first) / (table.times.len() - 1) as f64),
+        _ => None,
+    };
+    if let Some(interval_of_rows) = interval(histories) {
+        let band = interval(of_band).map(|interval| rounded(1.0 / (ROWS_OF_BAND * interval)));
         let rough = |motion: &&[Column]| {
             let roughness = Column::roughness(motion).filter(|_| motion[0].unit == "m/s2");
-            roughness.is_some_and(|roughness| {
-                roughness > ROUGH || share_of_peak(motion, &histories.times) < OF_PEAK
-            })
+            let peak = |column: &Column| match of_band.column(&column.name) {
+                Some(limited) => limited.peak(&of_band.times),
+                None => column.peak(&histories.times),
+            };
+            roughness
+                .is_some_and(|roughness| roughness > ROUGH || share_of_peak(motion, peak) < OF_PEAK)
         };
         let motions = histories
             .columns
             .chunk_by(|a, b| motion_of(a) == motion_of(b));
         warnings.extend(motions.filter(rough).map(|motion| Remark::Undersampled {
             name: motion_of(&motion[0]).0.into(),
-            interval,
+            interval: rounded(interval_of_rows),
+            band: band.filter(|_| of_band.column(&motion[0].name).is_some()),
         }));
     }
     let share = envelope.and_then(EnvelopeTable::share_of_alternate_samples);
@@ -38,8 +52,8 @@ pub(super) fn warnings(histories: &HistoryTable, envelope: Option<&EnvelopeTable
     warnings
 }
 
-/// Greatest sample of the components of a motion over the peak of all steps.
-fn share_of_peak(motion: &[Column], times: &[f64]) -> f64 {
+/// Greatest sample of the components of a motion over their greatest peak.
+fn share_of_peak(motion: &[Column], peak: impl Fn(&Column) -> Option<(f64, f64)>) -> f64 {
     let greatest = |values: &mut dyn Iterator<Item = f64>| {
         values.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
@@ -48,7 +62,7 @@ fn share_of_peak(motion: &[Column], times: &[f64]) -> f64 {
             .iter()
             .flat_map(|column| column.values.iter().copied()),
     );
-    let peaks = motion.iter().filter_map(|column| column.peak(times));
+    let peaks = motion.iter().filter_map(peak);
     sampled / greatest(&mut peaks.map(|(peak, _)| peak))
 }
 

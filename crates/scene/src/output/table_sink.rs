@@ -15,6 +15,8 @@ pub enum RunTable {
     Joints,
     /// Bolts.
     Bolts,
+    /// Band-limited accelerations.
+    Accelerations,
 }
 
 /// Receiver of the tables of a run while it goes on, such as a writer of files that grow.

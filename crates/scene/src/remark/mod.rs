@@ -451,12 +451,15 @@ pub enum Remark {
         node: u64,
     },
     /// Warning after the run: the sampling interval of an acceleration history is too long for its frequencies: fewer than
-    /// about six samples per period around its peak, or samples that miss a twentieth of the peak of all steps.
+    /// about six samples per period around its peak, or samples that miss a twentieth of the greatest band-limited acceleration, of
+    /// instants that of all steps.
     Undersampled {
         /// Name of the history.
         name: String,
         /// Mean sampling interval (s).
         interval: f64,
+        /// Band (Hz) of the accelerations from which peaks and spectra are; none if they are from these samples.
+        band: Option<f64>,
     },
     /// Warning after the run: the sampling interval of an acceleration envelope is too long, so that peaks are missed:
     /// every second sample has less than 0.9 of its greatest acceleration.

@@ -542,9 +542,21 @@ impl fmt::Display for Remark {
                 "the in-situ stress leaves an unbalanced force of {:.1} % of the load at the start of stage '{stage}', and the body moved by up to {displacement:.3e} m (node {node}) until equilibrium: stress, density, gravity, surface loads and supports are inconsistent, and the stress is no longer the given one (in a mesh that is hollow from the start the force is that of its opening)",
                 100.0 * share
             ),
-            Self::Undersampled { name, interval } => write!(
+            Self::Undersampled {
+                name,
+                interval,
+                band: Some(band),
+            } => write!(
                 f,
-                "the acceleration of '{name}' has frequencies above those that samples every {interval} s resolve, as when cracks open or close: around its peak they change by more than its own size, or miss it; its peak is that of all steps, but spectra of its samples are wrong (a shorter `every` resolves more)"
+                "the acceleration of '{name}' has frequencies above those that its means over {interval} s show, as when cracks open or close: spectra, intensities and peaks of the rows of histories.csv are wrong; those of accelerations.csv, from which plots and reports are, hold up to {band} Hz (a shorter `every` shows more)"
+            ),
+            Self::Undersampled {
+                name,
+                interval,
+                band: None,
+            } => write!(
+                f,
+                "the acceleration of '{name}' has frequencies above those that samples every {interval} s resolve, as when cracks open or close: around its peak they change by more than its own size, or miss it; spectra, Fourier amplitudes and intensities of these samples are aliased, and may be wrong by more than a factor of ten (`band = 100` in [output], with `acceleration = \"mean\"`, records what they can be computed from)"
             ),
             Self::SparseEnvelope { share } => write!(
                 f,

@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use powerhouse::Scene;
-use powerhouse::io::{TableColumn, read_table};
+use powerhouse::io::TableColumn;
 use powerhouse::model::HistoryKind;
 use powerhouse::summary::PeakSummary;
 
 use crate::StudyError;
-use crate::even_samples::even_samples;
+use crate::even_samples::Accelerations;
 use crate::run_summary::FoundSummary;
 use crate::sweep::{CaseOutcome, JointCase, OUTCOME};
 
@@ -79,13 +79,8 @@ pub(super) fn figures(
 ) -> Result<Vec<Figure>, StudyError> {
     let outcome = CaseOutcome::read(&folder.join(OUTCOME))?;
     let summary = FoundSummary::of_results(folder)?;
-    let file = folder.join("histories.csv");
-    let histories = match file.exists() {
-        true => read_table(&file).map_err(powerhouse::Error::from)?,
-        false => Vec::new(),
-    };
     let mut found = peaks(&summary.peaks, not_compared);
-    found.extend(spectra(&histories));
+    found.extend(spectra(&Accelerations::of_folder(folder)?));
     found.extend(outcomes(&outcome));
     Ok(found)
 }
@@ -103,7 +98,8 @@ fn peaks(rows: &[PeakSummary], not_compared: &BTreeSet<&'static str>) -> Vec<Fig
             true => 0.0,
             false => row.value.abs(),
         };
-        if !value.is_finite() {
+        // Instants have no limit with finer meshes.
+        if !value.is_finite() || name.ends_with("(instant)") {
             return None;
         }
         Some(Figure {
@@ -120,10 +116,7 @@ fn peaks(rows: &[PeakSummary], not_compared: &BTreeSet<&'static str>) -> Vec<Fig
 }
 
 /// Values of the response spectra of all acceleration histories, in the directions in which they move.
-fn spectra(histories: &[TableColumn]) -> Vec<Figure> {
-    let Some((time, columns)) = histories.split_first() else {
-        return Vec::new();
-    };
+fn spectra(motion: &Accelerations) -> Vec<Figure> {
     let peak = |column: &TableColumn| {
         let values = column.values.iter();
         values.fold(0.0_f64, |most, value| most.max(value.abs()))
@@ -135,7 +128,8 @@ fn spectra(histories: &[TableColumn]) -> Vec<Figure> {
             .map_or("", |(_, variable)| variable);
         column.unit == "m/s2" && ["ax", "ay", "az"].contains(&axis)
     };
-    let accelerations: Vec<&TableColumn> = columns.iter().filter(is_acceleration).collect();
+    let accelerations = motion.columns().iter();
+    let accelerations: Vec<&TableColumn> = accelerations.filter(is_acceleration).collect();
     let most = accelerations
         .iter()
         .map(|column| peak(column))
@@ -144,14 +138,14 @@ fn spectra(histories: &[TableColumn]) -> Vec<Figure> {
         .into_iter()
         .filter(|column| peak(column) > STILL * most);
     let spectra = moving.flat_map(|column| {
-        let until =
-            |samples: usize| even_samples(&time.values[..samples], &column.values[..samples]);
-        let samples = time.values.len().min(column.values.len());
-        let records = [until(samples), until(samples.saturating_sub(1))];
+        let samples = column.values.len();
+        let records =
+            [samples, samples.saturating_sub(1)].map(|until| motion.history(column, until));
         let of = |frequency: f64| {
             let [value, shorter] = records.each_ref().map(|history| {
                 let history = history.as_ref()?;
-                let resolved = frequency * SAMPLES_PER_PERIOD * history.step() <= 1.0;
+                let resolved = frequency * SAMPLES_PER_PERIOD * history.step() <= 1.0
+                    && frequency <= motion.highest_frequency();
                 let response = history.response_spectrum(DAMPING, &[1.0 / frequency]);
                 resolved.then_some(response.ok()?.first()?.acceleration)
             });
@@ -261,7 +255,7 @@ mod tests {
             TableColumn::new("crown.az", "m/s2", wave(1e-3)),
             TableColumn::new("crown.vx", "m/s", wave(2.0)),
         ];
-        let found = spectra(&table);
+        let found = spectra(&Accelerations::of_samples(table.into()));
         let names: Vec<&str> = found.iter().map(|figure| figure.name.as_str()).collect();
         let of = |frequency: &str| format!("spectrum of crown.ax at {frequency} Hz, 5 %");
         assert_eq!(names, ["1", "2", "5", "10"].map(of));

@@ -24,12 +24,11 @@ use std::time::Duration;
 use powerhouse::engine::{Precision, StableStep};
 use powerhouse::io::available_memory;
 use powerhouse::model::{Axis, LimitingTerm};
-use powerhouse::{FileScene, Scene};
+use powerhouse::{FileScene, Resolution, Scene};
 
 use crate::StudyError;
 use crate::advice::Band;
 use crate::cost::{CostModel, StepTimer};
-use crate::resolution::Resolution;
 use variant::Variants;
 pub use window::MeasuredError;
 use window::{ErrorGrowth, SceneFacts, Window};

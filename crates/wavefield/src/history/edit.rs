@@ -4,6 +4,7 @@ use powerhouse_model::ParameterError;
 
 use super::TimeHistory;
 use crate::WaveError;
+use crate::fourier::Fourier;
 
 /// Greatest number of samples of a history after any operation.
 pub(crate) const MOST_SAMPLES: usize = 1 << 24;
@@ -80,6 +81,33 @@ impl TimeHistory {
             self.motion(time).acceleration
         });
         Self::new(step, samples.collect())
+    }
+
+    /// History of the same band-limited motion at intervals a power of two shorter: the sum of the sinusoids of its samples up to
+    /// half of their frequency, which straight lines between them lower. The motion is taken as zero beyond both ends.
+    ///
+    /// # Errors
+    /// If `times` is no power of two, or there are too many samples.
+    pub fn refined(&self, times: usize) -> Result<Self, WaveError> {
+        let power = (times as f64).log2();
+        ParameterError::check("times, as a power of two,", power.fract(), 0.0, 0.0)?;
+        WaveError::check_samples(
+            "refining",
+            (2 * times * self.samples()) as f64,
+            MOST_SAMPLES,
+        )?;
+        let coarse = Fourier::new(2 * self.samples());
+        let fine = Fourier::new(times * coarse.len());
+        let mut spectrum = coarse.forward(&self.acceleration());
+        // Half of the line at the end is of the negative frequencies.
+        if let Some(end) = spectrum.last_mut().filter(|_| times > 1) {
+            *end *= 0.5;
+        }
+        let zeros = std::iter::repeat(crate::Complex::default());
+        let spectrum = spectrum.into_iter().map(|line| line * times as f64);
+        let mut samples = fine.inverse_of(spectrum.chain(zeros));
+        samples.truncate(times * (self.samples() - 1) + 1);
+        Self::new(self.step / times as f64, samples)
     }
 
     /// History with zero acceleration added before and after (s, to the nearest sample). The record's
