@@ -1,14 +1,19 @@
 //! Elements, supports and loads common to the static and dynamic models of a scene.
 
+use core::f64::consts::TAU;
 use std::collections::HashSet;
 
 use powerhouse_model::{
-    BlockFactory, BlockOptions, ElementKind, ModelSpec, Precision, Prescribed, Rayleigh,
+    BlockFactory, BlockOptions, BlockPart, ElementKind, ModelSpec, ParameterError, Precision,
+    Prescribed, Rayleigh,
 };
 
 use crate::acting::{StagedLoad, function};
-use crate::{Error, Kernel, Part, Remark, Scene, SceneRemark};
+use crate::{Error, HighDamping, Kernel, Part, Remark, Scene, SceneRemark};
 use powerhouse_laws::{Damping, DampingCost, Material};
+
+/// Most elements whose highest frequency is sought together.
+const AT_ONCE: usize = 4096;
 
 /// Elements of one part with one kernel and one material.
 pub(crate) struct Piece {
@@ -62,6 +67,7 @@ impl Scene {
             }
             let moving = part.moving_material()?;
             remarks.extend(self.facts(part, &moving, rim)?);
+            let mut divided = Vec::new();
             for (kind, elements) in kinds {
                 let kernel = part.kernel_for(kind).ok_or_else(|| Error::NoKernel {
                     element: self.mesh.element_tags()[elements[0] as usize],
@@ -72,8 +78,20 @@ impl Scene {
                     true => (Vec::new(), elements),
                     false => (elements.iter()).partition(|element| rim.contains(element)),
                 };
+                divided.push((kernel, inner, at_rim));
+            }
+            let mut damping = part.damping.rayleigh();
+            if part.high != 0.0 {
+                let all = divided
+                    .iter()
+                    .map(|(kernel, inner, _)| (kernel, &inner[..]));
+                let high = self.high_damping(part, &moving, all)?;
+                damping.stiffness += high.coefficient;
+                remarks.push(Remark::Scene(SceneRemark::HighDamping(high)));
+            }
+            for (kernel, inner, at_rim) in divided {
                 for (elements, material, damping, rim) in [
-                    (inner, moving.clone(), part.damping.rayleigh(), false),
+                    (inner, moving.clone(), damping, false),
                     (at_rim, part.material.elastic(), Rayleigh::default(), true),
                 ] {
                     if !elements.is_empty() {
@@ -90,6 +108,35 @@ impl Scene {
             }
         }
         Ok((pieces, remarks))
+    }
+
+    /// Viscosity of a part whose elements are given with their kernels.
+    fn high_damping<'e>(
+        &self,
+        part: &Part,
+        moving: &Material,
+        divided: impl Iterator<Item = (&'e Kernel, &'e [u32])>,
+    ) -> Result<HighDamping, Error> {
+        ParameterError::check("high", part.high, 0.0, 1.0)?;
+        let mut highest = 0.0_f64;
+        for (kernel, elements) in divided {
+            let factory = kernel.factory(&part.set, moving, BlockOptions::default());
+            for elements in elements.chunks(AT_ONCE) {
+                let nodes = self.mesh.nodes_of_elements(elements);
+                let block = factory.build(&BlockPart::new(&self.mesh, elements, &nodes))?;
+                let bounds = block.frequency_bounds().into_iter();
+                highest = bounds.map(|bound| bound.frequency).fold(highest, f64::max);
+            }
+        }
+        Ok(HighDamping {
+            set: part.set.clone(),
+            ratio: part.high,
+            highest: highest / TAU,
+            coefficient: match highest > 0.0 {
+                true => 2.0 * part.high / highest,
+                false => 0.0,
+            },
+        })
     }
 
     /// Adds supports, periodic pairs, prescribed motions, loads and weights of the scene and its stages to a model: in

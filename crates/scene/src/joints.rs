@@ -8,7 +8,7 @@ use powerhouse_elements::{BoltSegment, BoltSet};
 use powerhouse_model::{ContactLaw, ElasticMedium, JointInput, PeriodicPairs, Vec3};
 
 use crate::joint::{Closing, NamedJoint, NamedSurface};
-use crate::{Error, Remark, Scene, SceneBolts, SceneJoint, SceneRemark};
+use crate::{Error, Part, Remark, Scene, SceneBolts, SceneJoint, SceneRemark};
 use powerhouse_laws::Damping;
 
 /// Group of joints with common nodes, and their nodes.
@@ -91,6 +91,7 @@ impl Scene {
             Damping::Flat { .. } => false,
             _ => damping.rayleigh().stiffness == 0.0,
         };
+        let is_undamped = |part: &&Part| part.high == 0.0 && is_undamped(&part.damping);
         let mut remarks = Vec::new();
         for joint in &self.joints {
             let friction = sliding_friction(&*self.law_of_joint(joint)?);
@@ -101,7 +102,7 @@ impl Scene {
             let beside = self.parts_beside(joint)?.into_iter().map(|(_, part)| part);
             let beside: BTreeSet<usize> = beside.collect();
             let undamped = beside.into_iter().map(|part| &self.parts[part]);
-            let undamped = undamped.filter(|part| is_undamped(&part.damping));
+            let undamped = undamped.filter(is_undamped);
             let sets: Vec<String> = undamped.map(|part| part.set.clone()).collect();
             if !sets.is_empty() {
                 remarks.push(Remark::Scene(SceneRemark::UndampedFriction {

@@ -80,7 +80,7 @@ pub use region::RegionError;
 pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark};
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
-pub use scene_remark::SceneRemark;
+pub use scene_remark::{HighDamping, SceneRemark};
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,

@@ -12,6 +12,7 @@ mod former_keys;
 mod grouted_bolts;
 mod grouting;
 mod held_field;
+mod high_damping;
 mod hourglass;
 mod implausible;
 mod joint_history;

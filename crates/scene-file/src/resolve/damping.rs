@@ -15,7 +15,7 @@ const MECHANISMS: usize = 3;
 /// Damping of a scene table.
 pub(super) fn damping(table: &At<spec::Damping>) -> Result<Damping, Fault> {
     match &**table {
-        spec::Damping::None => Ok(Damping::None),
+        spec::Damping::None | spec::Damping::High { .. } => Ok(Damping::None),
         spec::Damping::Rayleigh { ratio, frequencies } => {
             let [first, second] = frequencies.map(|frequency| frequency.get());
             let rayleigh = Rayleigh::from_ratio(ratio.get(), first, second);
@@ -31,6 +31,7 @@ pub(super) fn damping(table: &At<spec::Damping>) -> Result<Damping, Fault> {
             band,
             mechanisms,
             reference,
+            high: _,
         } => {
             ordered(band.span(), band.map(|end| end.get()))?;
             let spectrum = RelaxationSpectrum::fit(DampingBand {
@@ -65,6 +66,15 @@ pub(super) fn damping(table: &At<spec::Damping>) -> Result<Damping, Fault> {
                 reference,
             })
         }
+    }
+}
+
+/// Damping ratio of a scene table at the highest natural frequency of elements; zero without one.
+pub(super) fn high(table: &spec::Damping) -> f64 {
+    match table {
+        spec::Damping::High { ratio } => ratio.get(),
+        spec::Damping::Flat { high, .. } => high.as_ref().map_or(0.0, |ratio| ratio.get()),
+        _ => 0.0,
     }
 }
 

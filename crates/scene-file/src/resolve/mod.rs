@@ -312,6 +312,7 @@ fn parts(
             let span = match &table.damping {
                 Some(own) => {
                     part = part.with_damping(damping::damping(own)?);
+                    part = part.with_high_damping(damping::high(own));
                     own.span()
                 }
                 None => {

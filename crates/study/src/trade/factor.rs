@@ -152,6 +152,7 @@ impl Level {
                             band: band.into(),
                             mechanisms: None,
                             reference: None,
+                            high: None,
                         },
                         _ => Damping::None,
                     };
