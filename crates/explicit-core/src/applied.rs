@@ -162,6 +162,18 @@ impl AppliedLoads {
         self.sums.put_carried(&self.carried);
     }
 
+    /// Assigns the loads to other groups of the nodes.
+    pub(crate) fn regroup(&mut self, group_of: &[Option<u32>], group_count: usize) {
+        let LoadSums {
+            nodes,
+            lengths,
+            constant,
+            ..
+        } = core::mem::take(&mut self.sums);
+        self.sums = LoadSums::new(nodes, lengths, constant, (group_of, group_count));
+        self.sums.put_carried(&self.carried);
+    }
+
     /// Adds the loads (N) at a time (s) by engine node, without those of absorbing boundaries and without the
     /// carried forces.
     pub(crate) fn add_own(&mut self, time: f64, forces: &mut [Vec3]) {

@@ -1,10 +1,10 @@
 //! The engine as others see it: by the traits of the model crate.
 
 use powerhouse_model::{
-    Engine, EngineModel, FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh,
-    ModelError, ModelSpec, Observer, Program, ProgramError, Progress, RankForecast, Renewal,
-    RunError, RunFailure, RunOptions, RunReport, StableStep, State, StaticError, StaticOptions,
-    StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
+    Engine, EngineModel, Fibre, FrequencyBound, FrequencyLimits, HandOverReport, HourglassShare,
+    JointView, Mesh, ModelError, ModelSpec, Observer, Program, ProgramError, Progress,
+    RankForecast, Renewal, RunError, RunFailure, RunOptions, RunReport, StableStep, State,
+    StaticError, StaticOptions, StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
 };
 
 use crate::{BuildModel, Model, run_reporting};
@@ -81,6 +81,12 @@ impl EngineModel for Model {
     }
     fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError> {
         self.stable_step(integrator)
+    }
+    fn element_frequencies(&self) -> Option<Vec<FrequencyBound>> {
+        self.element_frequencies()
+    }
+    fn set_fibres(&mut self, fibres: &[Fibre]) -> Result<(), ModelError> {
+        self.set_fibres(fibres)
     }
     fn rank_forecast(&self, ranks: usize) -> Result<Vec<RankForecast>, ModelError> {
         Ok(self.rank_forecast(ranks)?)

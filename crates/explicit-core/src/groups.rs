@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use crate::condition::Condition;
 use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
 use crate::effective_mass::inverse;
+use crate::fibres::Fibres;
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
 use crate::roller_nodes::{RollerNode, RollerNodes};
@@ -44,6 +45,8 @@ pub(crate) struct NodeGroup {
     pub(crate) spring: Mat3,
     /// Fixed and prescribed directions.
     pub(crate) condition: Condition,
+    /// Inertia that its fibre adds to its own motion, over the mass (1); zero without a fibre.
+    pub(crate) added: f64,
 }
 
 /// Matrices of the velocity update in one step, with the effective mass `A = M + dt/2 C + dt^2/4 K`.
@@ -72,15 +75,11 @@ impl NodeGroup {
         after * mass - before * old + dashpot + spring
     }
 
-    /// Impulse (N s) `A dv` that changes a predicted velocity by `change` (m/s).
-    pub(crate) fn correction(&self, (rule, step): (MassDampingRule, f64), change: &Vec3) -> Vec3 {
-        self.impulse((rule, step), &Vec3::zeros(), change)
-    }
-
-    /// Contributions (kg) of mass and mass damping to `A` and to the factor of the old velocity.
+    /// Contributions (kg) of mass and mass damping to `A` and to the factor of the old velocity; of a group in a
+    /// fibre, those by itself.
     pub(crate) fn effective_mass(&self, rule: MassDampingRule, step: f64) -> (f64, f64) {
         let damping = self.mass_damping * step;
-        rule.effective_mass(self.mass, damping)
+        rule.effective_mass(self.mass * (1.0 + self.added), damping)
     }
 
     /// Inverse pseudo-mass (1/kg) of a group of orphan nodes, which constraints use in place of
@@ -91,10 +90,10 @@ impl NodeGroup {
         (self.mass <= 0.0).then(|| self.condition.project(&nothing()).0)
     }
 
-    /// Whether the group is one node with a positive mass and no fixed direction, dashpot or spring.
+    /// Whether the group is one node with a positive mass and no fixed direction, dashpot, spring or fibre.
     pub(crate) fn has_scalar_mass(&self) -> bool {
         let free = self.condition.directions().is_empty();
-        let alone = self.members.len() == 1 && self.mass > 0.0;
+        let alone = self.members.len() == 1 && self.mass > 0.0 && self.added == 0.0;
         alone && free && self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros()
     }
 
@@ -102,7 +101,8 @@ impl NodeGroup {
     /// coordinate axes or not at all; none for any other group.
     pub(crate) fn held_axes(&self) -> Option<[bool; 3]> {
         let free = self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros();
-        if self.members.len() != 1 || !free || !self.condition.prescribed.is_empty() {
+        let alone = self.members.len() == 1 && self.added == 0.0;
+        if !alone || !free || !self.condition.prescribed.is_empty() {
             return None;
         }
         let mut held = [false; 3];
@@ -277,6 +277,7 @@ pub(crate) struct Groups {
     pub(crate) origin: Vec<Vec3>,
     /// Indices of the groups with a prescribed motion.
     pub(crate) prescribed: Vec<u32>,
+    pub(crate) fibres: Fibres,
 }
 
 impl Groups {
@@ -292,6 +293,7 @@ impl Groups {
                 .filter(|&g| !groups[g as usize].condition.prescribed.is_empty())
                 .collect(),
             groups,
+            fibres: Fibres::default(),
         }
     }
 
@@ -324,6 +326,47 @@ impl Groups {
             .map(|(group, matrices)| DiagonalGroup::new(group, matrices, step))
             .collect();
         self.constrained.prepare(&self.groups, rule, step);
+        self.fibres.prepare(&self.coefficients);
+    }
+
+    /// Number of nodes of constraints, whose groups come first.
+    pub(crate) fn constrained(&self) -> usize {
+        self.constrained.count()
+    }
+
+    /// Response (1/kg) of a group of a constraint to its impulse, in the free directions.
+    pub(crate) fn response(&self, group: usize) -> Mat3 {
+        let of_fibre = self.fibres.response(group);
+        of_fibre.unwrap_or(self.coefficients[group].inverse)
+    }
+
+    /// Impulse (N s) by which a constraint changes the predicted velocity of a group by `change` (m/s).
+    pub(crate) fn correction(
+        &self,
+        group: usize,
+        prepared: (MassDampingRule, f64),
+        change: &Vec3,
+    ) -> Vec3 {
+        let own = self.groups[group].impulse(prepared, &Vec3::zeros(), change);
+        own + self.fibres.of_constraint(group, change)
+    }
+
+    /// Impulse (N s) of inertia, dashpot and spring of a group in the present step, `A v+ - (M - dt/2 C + dt^2/4 K) v-`.
+    pub(crate) fn impulse(&self, group: usize, prepared: (MassDampingRule, f64)) -> Vec3 {
+        let GroupMotion { previous, next, .. } = &self.motion;
+        let own = self.groups[group].impulse(prepared, &previous[group], &next[group]);
+        own + self.fibres.of_inertia(group, previous, next)
+    }
+
+    /// Couples the predicted velocities of the groups of fibres.
+    pub(crate) fn couple_fibres(&mut self) {
+        let GroupMotion { previous, next, .. } = &mut self.motion;
+        self.fibres.couple(previous, next);
+    }
+
+    /// Lets the groups of fibres follow what constraints have changed at one of them.
+    pub(crate) fn follow_constraints(&mut self) {
+        self.fibres.follow(&mut self.motion.next);
     }
 
     /// Diagonal coefficients of a group without constraint and prescribed motion, and the elongation (m) of its spring

@@ -130,6 +130,7 @@ mod device;
 mod effective_mass;
 mod engine;
 mod exact;
+mod fibres;
 mod gather;
 mod groups;
 mod hourglass;

@@ -172,6 +172,7 @@ fn run_steps(
         energies,
         residual,
         mut hourglass,
+        fibres,
     } = readings;
     if model.ledger.is_none() {
         hourglass = model.hourglass_shares();
@@ -189,6 +190,7 @@ fn run_steps(
     report.energies = energies;
     report.energy_residual = residual;
     report.hourglass = hourglass;
+    report.fibre_energies = fibres;
     let completed = result.map(|ended| report.ended = ended);
     Ok((report, completed))
 }
@@ -406,6 +408,9 @@ impl TimeLoop<'_> {
         };
         self.readings.energies = reading.columns;
         self.readings.hourglass = reading.hourglass;
+        for (most, energy) in self.readings.fibres.iter_mut().zip(reading.fibres) {
+            *most = most.max(energy);
+        }
         let residual = &mut self.readings.residual;
         *residual = residual.max(reading.residual.abs());
         if self.energy.is_none() || reading.residual.abs() <= limit {

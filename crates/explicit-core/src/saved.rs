@@ -30,6 +30,8 @@ pub(crate) struct Readings {
     /// Largest residual.
     pub(crate) residual: f64,
     pub(crate) hourglass: Vec<HourglassShare>,
+    /// Largest kinetic energy of the added inertia of fibres, and of their masses (J).
+    pub(crate) fibres: [f64; 2],
 }
 
 /// Columns of the energy balance (name, J).
@@ -49,6 +51,8 @@ pub(crate) struct RestoredRun {
     precision: u8,
     /// Fingerprint of the partition of the elements into blocks.
     partition: u64,
+    /// Fingerprint of the fibres.
+    fibres: u64,
     pub(crate) readings: Readings,
     spectrum: Option<Spectrum>,
     ledger: Option<SavedLedger>,
@@ -189,6 +193,7 @@ impl Model {
         let run = RestoredRun {
             precision: self.precision_number(),
             partition: self.partition().fingerprint(&self.mesh),
+            fibres: self.groups.fibres.fingerprint(),
             readings: readings.clone(),
             spectrum: self.spectrum,
             ledger: (self.ledger.as_ref()).map(|ledger| ledger.saved(&self.ranks)),
@@ -326,6 +331,10 @@ impl Model {
             .and_then(|()| {
                 let what = "the fingerprint of the blocks of elements";
                 StateError::expect_same(what, run.partition, partition)
+            })
+            .and_then(|()| {
+                let what = "the fingerprint of the fibres";
+                StateError::expect_same(what, run.fibres, self.groups.fibres.fingerprint())
             })
             .map_err(of_part(RUN))?;
         let body: State = sections.decode(BODY)?;

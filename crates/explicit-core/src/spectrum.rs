@@ -128,13 +128,23 @@ impl Model {
         }
     }
 
-    /// Product of `M^-1/2 K M^-1/2` with a reduced vector.
+    /// Product of `M^-1/2 K M^-1/2` with a reduced vector, `M` with the inertia that fibres add.
     fn scaled_product(
         &mut self,
         scale: &[f64],
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
+        let mut softened = Vec::new();
+        if !self.groups.fibres.is_empty() {
+            softened = vector.to_vec();
+            (self.groups.fibres).apply_inverse_root(&self.groups.groups, &mut softened);
+        }
+        let vector = if softened.is_empty() {
+            vector
+        } else {
+            &softened
+        };
         let (groups, group_of) = (&self.groups.groups, &self.group_of);
         let (blocks, subdomain, ranks) = (&self.blocks, &self.subdomain, &mut self.ranks);
         // Members of a group move as its lead does.
@@ -154,6 +164,7 @@ impl Model {
             .zip(scale)
             .for_each(|(x, s)| *x *= *s);
         self.reduce(&mut product);
+        (self.groups.fibres).apply_inverse_root(&self.groups.groups, &mut product);
         product
     }
 

@@ -90,7 +90,8 @@ impl Model {
         for (block, &number) in self.blocks.iter().zip(numbers) {
             for (index, bound) in (0..).zip(block.frequency_bounds()) {
                 let damping = bound.stiffness_damping;
-                let alone = FrequencyLimits::undamped(bound.frequency).with_damping(
+                let frequency = bound.frequency / self.slowing(bound.element);
+                let alone = FrequencyLimits::undamped(frequency).with_damping(
                     damping,
                     damping,
                     block.mass_damping(),
@@ -197,6 +198,19 @@ impl Model {
         };
         self.spectrum = Some(spectrum);
         spectrum
+    }
+
+    /// By what fibres divide the frequency bound of an element all of whose nodes are in one, taken as that of a motion
+    /// within them; 1 for other elements.
+    fn slowing(&self, element: u32) -> f64 {
+        if self.groups.fibres.is_empty() || element as usize >= self.mesh.element_count() {
+            return 1.0;
+        }
+        let added = self.mesh.nodes_of(element).iter().map(|&node| {
+            let group = self.group_of[self.engine(node)];
+            group.map_or(0.0, |group| self.groups.groups[group as usize].added)
+        });
+        (1.0 + added.fold(f64::INFINITY, f64::min)).sqrt()
     }
 
     /// Diagonal of the bounding box of an element (m); zero for an additional element.

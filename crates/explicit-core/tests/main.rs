@@ -2,6 +2,7 @@
 
 mod energy;
 mod exact;
+mod fibres;
 mod loads;
 mod motion;
 mod ranks;

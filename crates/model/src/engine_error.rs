@@ -204,6 +204,14 @@ pub enum EngineError {
         /// Number of the first node that is missing, superfluous or has two parts.
         node: u64,
     },
+    /// A node that cannot be in a [fibre](crate::Fibre), where fibres are [set](crate::EngineModel::set_fibres).
+    #[error("node {node} cannot be in a fibre: {reason}")]
+    FibreNode {
+        /// Number of the node.
+        node: u64,
+        /// Why it cannot.
+        reason: &'static str,
+    },
     /// Two faces whose nodes do not match as periodic pairs, in
     /// [`PeriodicPairs::by_translation`](crate::PeriodicPairs::by_translation).
     #[error(

@@ -2,10 +2,11 @@
 
 use crate::stage::run_stages;
 use crate::{
-    FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh, ModelError, ModelSpec,
-    Observer, Program, ProgramError, Progress, RankForecast, Renewal, RunError, RunFailure,
-    RunOptions, RunReport, StableStep, Stage, StageError, StageEvent, StageReport, State,
-    StaticError, StaticOptions, StaticProgress, StaticReport, Stress, TimeIntegrator, Vec3,
+    Fibre, FrequencyBound, FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh,
+    ModelError, ModelSpec, Observer, Program, ProgramError, Progress, RankForecast, Renewal,
+    RunError, RunFailure, RunOptions, RunReport, StableStep, Stage, StageError, StageEvent,
+    StageReport, State, StaticError, StaticOptions, StaticProgress, StaticReport, Stress,
+    TimeIntegrator, Vec3,
 };
 
 /// A finite element engine: it builds models from their specification.
@@ -108,6 +109,28 @@ pub trait EngineModel: Send {
     /// # Errors
     /// If the scheme is unstable at every step under the model's damping.
     fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError>;
+    /// Bounds on the frequency of every active element of the mesh by itself, with its own mass, from which
+    /// [fibres](Self::set_fibres) are chosen; none, the default, of models that cannot have fibres.
+    fn element_frequencies(&self) -> Option<Vec<FrequencyBound>> {
+        None
+    }
+    /// Sets the fibres of the model, in place of those before, and so its stable step: nodes whose motion relative to
+    /// each other has added inertia. Those with common nodes, or nodes that move as one, are one. Static solutions,
+    /// weight and damping do not know them.
+    ///
+    /// # Errors
+    /// [`EngineError`](crate::EngineError), as the source of [`ModelError::Refused`]: an unknown node or one without
+    /// mass, an added inertia out of range, two nodes of joints in one fibre; by default, for engines without fibres,
+    /// always if there is one.
+    fn set_fibres(&mut self, fibres: &[Fibre]) -> Result<(), ModelError> {
+        match fibres {
+            [] => Ok(()),
+            _ => Err(ModelError::refused(
+                "fibres",
+                "the engine computes without them",
+            )),
+        }
+    }
     /// Elements, nodes and messages of each of some ranks that would share this model.
     ///
     /// # Errors

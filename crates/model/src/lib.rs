@@ -35,6 +35,7 @@ mod engine_error;
 mod engine_model;
 mod error;
 mod extents;
+mod fibre;
 mod field;
 mod hourglass;
 mod joint;
@@ -93,6 +94,7 @@ pub use engine_error::{ElementExtent, EngineError};
 pub use engine_model::{Engine, EngineModel};
 pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
+pub use fibre::Fibre;
 pub use field::{FieldMotion, FieldSampler, IncidentField};
 pub use hourglass::HourglassShare;
 pub use joint::{

@@ -223,6 +223,9 @@ pub struct RunReport {
     pub profile: Option<StepProfile>,
     /// Device that took steps beside the host, and how many of them; none without one.
     pub device: Option<DeviceShare>,
+    /// Largest kinetic energy of the added inertia of [fibres](crate::Fibre), and of their masses, over the readings of
+    /// the energy balance (J); zero without them.
+    pub fibre_energies: [f64; 2],
 }
 
 /// Share of a device in the steps of a run.
@@ -259,6 +262,7 @@ impl RunReport {
             device: None,
             energy_residual: 0.0,
             hourglass: Vec::new(),
+            fibre_energies: [0.0; 2],
         }
     }
 }

@@ -120,7 +120,7 @@ fn the_older_generation_is_used_where_the_last_is_damaged() {
     fs::write(folder.join("checkpoint/previous.run"), b"").unwrap();
     let both = files.read().unwrap_err();
     assert!(matches!(both, CheckpointError::Both { .. }), "{both}");
-    assert!(parse_sections(&whole, (kind, 6)).is_ok());
+    assert!(parse_sections(&whole, (kind, 7)).is_ok());
 }
 
 /// A run of another mesh is refused by name, and a file that cannot be written leaves the state before.

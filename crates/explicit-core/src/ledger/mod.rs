@@ -43,7 +43,8 @@ struct SetBalance {
 ///
 /// At the time of the displacement the scheme conserves `1/2 v- . M v+` with the velocities half a step
 /// before and after. Kinetic energy is output with their mean, never negative; the difference to the conserved form,
-/// `-1/8 (v+ - v-) . M (v+ - v-)`, is the column "time step", which falls with the square of the step. The work of a
+/// `-1/8 (v+ - v-) . M (v+ - v-)`, is the column "time step", which falls with the square of the step. Of
+/// the inertia that fibres add, a column of its own has the energy at the mean velocity. The work of a
 /// nodal force at time `t` is half with the velocity before, half with that after `t`; the energy of elements
 /// follows from their stresses and strains. All columns then add up to a constant, to rounding.
 /// Sums over the steps are kept for each block, each range of nodes and each constraint; at a reading they are added
@@ -90,6 +91,8 @@ pub(crate) struct Reading {
     pub(crate) worst_set: String,
     /// Hourglass and internal work of each element set until then.
     pub(crate) hourglass: Vec<HourglassShare>,
+    /// Kinetic energy of the added inertia of fibres, and of their masses (J).
+    pub(crate) fibres: [f64; 2],
 }
 
 impl Model {
@@ -184,9 +187,10 @@ impl Model {
                 }
                 let internal = total_energy(energies.iter(), present.team).total();
                 let [kinetic, _] = present.kinetic(&ledger.ranges);
+                let [added, ..] = present.kinetic_of_fibres();
                 // Constraints report whole steps, of which the first half precedes the balance.
                 let of_constraints = ledger.constraint_work(0, present.team);
-                ledger.origin = Some(kinetic + internal - of_constraints);
+                ledger.origin = Some(kinetic + added + internal - of_constraints);
                 ledger.potential = present.load_potential(&ledger.ranges);
             } else {
                 self.record_sets(&mut ledger, step);
@@ -288,7 +292,7 @@ impl Ledger {
             let after = groups.motion.next[g];
             let impulse = match groups.scalar_mass(g) {
                 Some(mass) => (after - before) * mass,
-                None => groups.groups[g].correction((rule, step), &(after - before)),
+                None => groups.correction(g, (rule, step), &(after - before)),
             };
             let halves = [groups.motion.previous[g], after].map(|v| 0.5 * impulse.dot(&v));
             let Some(range) = self.ranges.get_mut(self.range_of_group[g] as usize) else {
@@ -350,7 +354,9 @@ impl Ledger {
         let team = present.team;
         let sum = total_energy(energies.iter(), team);
         let energies = &self.set_energies(energies, team)[..];
-        let [kinetic, difference] = present.kinetic(&self.ranges);
+        let of_mass = present.kinetic(&self.ranges);
+        let of_fibres = present.kinetic_of_fibres();
+        let kinetic = of_mass[0] + of_fibres[0];
         let nodal = self.nodal_work(team);
         let [friction, bond, stored, impact, external] = self.reported_energies(team);
         let loads = nodal.loads + present.load_potential(&self.ranges) - self.potential;
@@ -359,8 +365,8 @@ impl Ledger {
         let pending = 0.5 * of_step - self.constraint_work(0, team);
         let prescribed = nodal.prescribed + 0.5 * of_step;
         let spent = [
-            ("kinetic", kinetic + difference),
-            ("time step", -difference),
+            ("kinetic", of_mass[0] + of_mass[1]),
+            ("time step", -of_mass[1] - of_fibres[1]),
             ("elastic", sum.elastic + stored),
             ("bending", sum.bending),
             ("hourglass", sum.hourglass),
@@ -379,7 +385,7 @@ impl Ledger {
             ("constraints", external + pending),
         ];
         let input = loads + prescribed;
-        // The first two columns add up to the kinetic energy of the scheme.
+        // The first two columns, and that of fibres, add up to the kinetic energy of the scheme.
         let rest: f64 = spent[2..].iter().map(|(_, energy)| energy).sum();
         let balance = kinetic + rest;
         let residual = balance - input - initial;
@@ -403,6 +409,9 @@ impl Ledger {
             false => residual - rounding.copysign(residual),
         };
         let mut columns = spent.to_vec();
+        if present.has_fibres() {
+            columns.insert(1, ("added inertia", of_fibres[0] + of_fibres[1]));
+        }
         columns.extend([
             ("initial", initial),
             ("loads", loads),
@@ -418,6 +427,7 @@ impl Ledger {
             },
             worst_set: self.worst_set(energies, team),
             hourglass,
+            fibres: [of_fibres[0] + of_fibres[1], of_fibres[2]],
         }
     }
 

@@ -227,9 +227,7 @@ impl MidStep<'_> {
                 force -= arrays.internal(self.slots, node as usize);
             }
         });
-        let motion = &self.groups.motion;
-        let (before, after) = (&motion.previous[g], &motion.next[g]);
-        let impulse = group.impulse((self.rule, self.step), before, after);
+        let impulse = self.groups.impulse(g, (self.rule, self.step));
         let residual = impulse - force * self.step;
         residual - group.condition.free(residual)
     }
@@ -304,5 +302,18 @@ impl MidStep<'_> {
         let of_ranges: Vec<[f64; 2]> = ranges.par_iter().map(of_range).collect();
         let column = |column: usize| of_ranges.iter().map(|energies| energies[column]).collect();
         self.team.totals([column(0), column(1)])
+    }
+
+    /// The same of the inertia that fibres add, and the kinetic energy of their masses at the mean velocity (J).
+    pub(super) fn kinetic_of_fibres(&self) -> [f64; 3] {
+        let motion = &self.groups.motion;
+        let all = (self.groups.fibres).kinetic(&motion.previous, &motion.next);
+        let column = |column: usize| all.iter().map(|energies| energies[column]).collect();
+        self.team.totals([column(0), column(1), column(2)])
+    }
+
+    /// Whether the model has fibres.
+    pub(super) fn has_fibres(&self) -> bool {
+        !self.groups.fibres.is_empty()
     }
 }

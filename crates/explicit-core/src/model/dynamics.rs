@@ -401,12 +401,9 @@ impl Model {
         with_nodes!(&mut self.nodes, arrays => arrays.set_coefficients(&gain, &decay));
         let least = self.ranks.least_mass;
         for bound in &mut self.constraints {
-            let groups = &self.groups.groups[bound.groups.clone()];
-            let own = groups
-                .iter()
-                .zip(&self.groups.coefficients[bound.groups.clone()]);
-            for (inverse, (group, matrices)) in bound.inverse_mass.iter_mut().zip(own) {
-                *inverse = group.orphan_inverse(least).unwrap_or(matrices.inverse);
+            for (inverse, g) in bound.inverse_mass.iter_mut().zip(bound.groups.clone()) {
+                let orphan = self.groups.groups[g].orphan_inverse(least);
+                *inverse = orphan.unwrap_or_else(|| self.groups.response(g));
             }
             bound.constraint.prepare(step, &bound.inverse_mass);
         }
@@ -421,6 +418,7 @@ impl Model {
             groups.kick(arrays, slots, |group| sums.on_group(group), step);
             groups.prescribe(&motions, |node| arrays.displacement[node].to_vector(), step);
         });
+        groups.couple_fibres();
     }
 
     /// Corrects the predicted velocities by the constraints.
@@ -466,6 +464,7 @@ impl Model {
                 profiler.constraints[index] += start.elapsed();
             }
         }
+        groups.follow_constraints();
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 mod builder;
 mod dynamics;
+mod fibres;
 mod motion;
 mod plan;
 mod solids;

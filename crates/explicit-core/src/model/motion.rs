@@ -477,6 +477,11 @@ impl Model {
         let group_of = self.groups.kicked_of(&self.group_of);
         let count = self.groups.kicked();
         self.loads.set_carried(forces, &group_of, count);
+        self.renew_external();
+    }
+
+    /// Makes room for the applied forces at plain nodes, if there are any.
+    pub(super) fn renew_external(&mut self) {
         let loaded = self.loads.sums.on_plain_nodes();
         let nodes = if loaded { self.mass.len() } else { 0 };
         with_nodes!(&mut self.nodes, arrays => {

@@ -20,7 +20,7 @@ pub(super) const BODIES: [&str; 2] = ["latest.stage", "previous.stage"];
 /// The state of the static solution of a stage, and the one before it.
 const SOLUTIONS: [&str; 2] = ["latest.solution", "previous.solution"];
 /// Kinds and versions of the files; a version changes with the content.
-pub(super) const RUN: (&str, u32) = ("checkpoint of a run", 6);
+pub(super) const RUN: (&str, u32) = ("checkpoint of a run", 7);
 const BODY: (&str, u32) = ("checkpoint of a stage", 5);
 const SOLUTION: (&str, u32) = ("checkpoint of a static solution", 5);
 /// Section of the index of a stage.

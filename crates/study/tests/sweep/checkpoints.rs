@@ -45,7 +45,7 @@ fn a_case_begins_anew_without_a_state_that_fits() {
     let cancelled = steep(&folder).run(Some(&stop), &mut watch);
     assert!(matches!(cancelled, Err(StudyError::Interrupted)));
     let file = folder.0.join("out/steep/checkpoint/latest.run");
-    let kind = ("checkpoint of a run", 6);
+    let kind = ("checkpoint of a run", 7);
     let mut sections = read_sections(&file, kind).unwrap();
     let lost = sections.pop().unwrap().name;
     let parts = sections.iter();
