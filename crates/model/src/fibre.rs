@@ -58,7 +58,7 @@ impl Fibre {
             let own = fibre.nodes.iter();
             members.extend(own.map(|&node| (sets.root(node), node, fibre.added)));
         }
-        members.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
+        members.sort_by_key(|member| (member.0, member.1));
         let one = |of: &[(u32, u32, f64)]| {
             let mut nodes: Vec<u32> = of.iter().map(|(_, node, _)| *node).collect();
             nodes.dedup();

@@ -16,7 +16,7 @@ use crate::engine::{Leapfrog, standard_engine};
 use crate::in_use::InUse;
 use crate::{
     Boundary, Error, InSituStress, Mirror, OutputPlan, Part, Places, Remark, SceneBolts,
-    SceneJoint, SceneStage, Subject, places::placed,
+    SceneJoint, SceneRemark, SceneStage, Subject, places::placed,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
@@ -466,6 +466,25 @@ impl Scene {
             || !self.weights.is_empty()
             || !self.prescribed.is_empty()
             || self.stages.iter().any(of_stage)
+    }
+    /// Warning about stages that lack the stress or the weight of the ground.
+    pub fn lacking_ground(&self) -> Option<SceneRemark> {
+        if self.stages.is_empty() {
+            return None;
+        }
+        let weighs =
+            !self.weights.is_empty() || self.stages.iter().any(|stage| !stage.weights.is_empty());
+        let loaded = weighs
+            || !self.loads.is_empty()
+            || !self.prescribed.is_empty()
+            || self.stages.iter().any(|stage| !stage.loads.is_empty());
+        match &self.in_situ_stress {
+            None if !loaded => Some(SceneRemark::IdleStages),
+            Some(stress) if !weighs && stress.grows_with_depth() => {
+                Some(SceneRemark::WeightlessGround)
+            }
+            _ => None,
+        }
     }
     /// Sets the places of the values of the scene in what its user wrote, which its errors show.
     #[must_use]

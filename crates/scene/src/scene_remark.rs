@@ -101,6 +101,10 @@ pub enum SceneRemark {
         /// Relative error of the greatest force in ground that is stretched uniformly (1).
         error: f64,
     },
+    /// Warning: construction stages without in-situ stress and without loads, in which nothing happens.
+    IdleStages,
+    /// Warning: the in-situ stress of stages grows with depth as that of ground under its weight, but no gravity acts.
+    WeightlessGround,
     /// Warning: bolts without grout cross a joint, whose opening and slip do not stretch them.
     CutBolts {
         /// Name of the bolts.
@@ -393,6 +397,14 @@ impl fmt::Display for SceneRemark {
                 "the segments of the bolts '{bolts}' are too long for their grout: in ground that is stretched uniformly their greatest force errs by {:.0} %; leave `longest_segment` out, or give a shorter one",
                 100.0 * error
             ),
+            Self::IdleStages => write!(
+                f,
+                "the stages have neither `[in_situ_stress]` nor loads: nothing deforms in them; the stress of the ground is given by both `[in_situ_stress]` and a [[load]] of kind `gravity`"
+            ),
+            Self::WeightlessGround => write!(
+                f,
+                "`[in_situ_stress]` grows with depth, as of ground under its weight, but no [[load]] of kind `gravity` acts: the first stage is out of balance by all of the weight"
+            ),
             Self::CutBolts {
                 bolts,
                 joint,
@@ -537,11 +549,19 @@ impl fmt::Display for SceneRemark {
                 }
                 write!(f, "mesh: {}", found.join("; "))
             }
-            Self::MeshKeywords { skipped } => write!(
-                f,
-                "mesh: keywords of the file that do not describe the mesh were skipped: {}",
-                skipped.join(", ")
-            ),
+            Self::MeshKeywords { skipped } => {
+                write!(
+                    f,
+                    "mesh: keywords of the file that do not describe the mesh were skipped: {}",
+                    skipped.join(", ")
+                )?;
+                match skipped.iter().any(|keyword| keyword == "*TIE") {
+                    true => f.write_str(
+                        "; a [[joint]] of law `tied`, whose `facets` are the two surfaces, does what *TIE does",
+                    ),
+                    false => Ok(()),
+                }
+            }
             Self::MeshOrder {
                 lowered,
                 curved,

@@ -167,10 +167,10 @@ impl fmt::Display for Warning {
                     let names: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
                     write!(f, "{separator}{elements} elements of {}", names.join(", "))?;
                 }
-                match sets.len().saturating_sub(SHOWN_PARTS) {
-                    0 => Ok(()),
-                    more => write!(f, "; {more} more"),
+                if let more @ 1.. = sets.len().saturating_sub(SHOWN_PARTS) {
+                    write!(f, "; {more} more")?;
                 }
+                f.write_str(" (a [[joint]] connects them: of law `tied` as if they were one)")
             }
             Self::Folder { reason } => f.write_str(reason),
             Self::Memory { needed, available } => write!(

@@ -1,5 +1,7 @@
 //! Spectra of codes, and records that are scaled and matched to them.
 
+use std::f64::consts::TAU;
+
 use powerhouse_wavefield::{
     Asce7, BaselineCorrection, ChineseSite, DesignSpectrum, Eurocode8, Eurocode8Ground,
     Eurocode8Type, Nb35047, SpectralBand, TimeHistory, WaveError, characteristic_period,
@@ -180,7 +182,7 @@ fn record(seed: u64, step: f64, duration: f64) -> TimeHistory {
         let envelope = (time / 3.0).powi(2) * (2.0 - time / 1.5).exp();
         let sum: f64 = waves
             .iter()
-            .map(|(frequency, phase, size)| size * (6.283 * frequency * time + phase).sin())
+            .map(|(frequency, phase, size)| size * (TAU * frequency * time + phase).sin())
             .sum();
         envelope * sum
     };

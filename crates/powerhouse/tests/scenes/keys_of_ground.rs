@@ -222,6 +222,10 @@ fn records() {
             format!("file = \"two.txt\"\nunits = \"cm/s2\"\n{baseline}"),
             times(0.01),
         ),
+        (
+            format!("file = \"two.txt\"\nunits = \"gal\"\n{baseline}"),
+            times(0.01),
+        ),
         (format!("file = \"r.at2\"\n{baseline}"), times(9.80665)),
         (
             format!("file = \"few.at2\"\ncount = \"as-found\"\n{baseline}"),

@@ -1,6 +1,6 @@
 //! Ineffective requests and inconsistent stages are errors or warnings.
 
-use powerhouse::{Error, Remark, Results, Scene};
+use powerhouse::{Error, Remark, Results, Scene, SceneRemark};
 
 use super::stages::{MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
 use super::support::{Folder, run};
@@ -184,5 +184,39 @@ fn rare_samples_are_warned_of() {
             [rare; 2],
             "{every}: {warnings:?}"
         );
+    }
+}
+
+/// Stages without stress and loads, and stress of weight without gravity, are warned of with the keys that give both, before anything
+/// is computed; ground with both has no such warning, nor has a uniform stress, which needs no weight.
+#[test]
+fn ground_without_weight_or_stress_is_warned_of() {
+    let folder = folder(&mesh());
+    let whole = [MATERIALS, ROLLERS].concat();
+    let gravity = "[[load]]\nkind = \"gravity\"\n";
+    let stress = "[in_situ_stress]\nkind = \"ground\"\nlevel = 12\ndensity = 2600\nlateral = 0.5\n";
+    assert!(whole.contains(gravity) && whole.contains(stress));
+    let uniform = "[in_situ_stress]\nkind = \"linear\"\nlevel = 12\nstress = [-1e5, -1e5, -1e5, 0, 0, 0]\ngradient = [0, 0, 0, 0, 0, 0]\n";
+    let weightless = whole.replace(gravity, "");
+    for (text, expected) in [
+        (whole.clone(), None),
+        (whole.replace(stress, ""), None),
+        (weightless.clone(), Some(SceneRemark::WeightlessGround)),
+        (
+            weightless.replace(stress, ""),
+            Some(SceneRemark::IdleStages),
+        ),
+        (weightless.replace(stress, uniform), None),
+    ] {
+        let scene = read(&folder, &text).unwrap();
+        let found = scene.remarks().iter().find_map(|remark| match remark {
+            Remark::Scene(found @ (SceneRemark::IdleStages | SceneRemark::WeightlessGround)) => {
+                Some(found.clone())
+            }
+            _ => None,
+        });
+        assert_eq!(found, expected, "{text}");
+        let texts = found.map(|remark| (remark.is_warning(), remark.to_string()));
+        assert!(texts.is_none_or(|(warning, text)| warning && text.contains("`gravity`")));
     }
 }

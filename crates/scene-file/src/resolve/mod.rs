@@ -174,6 +174,8 @@ pub(crate) fn compose(
     }
     loads::loads(&names, &file.loads, &mut scene)?;
     stages::stages(text, &names, file, &materials, &mut scene)?;
+    let lacking = scene.lacking_ground();
+    scene.remarks.extend(lacking.map(Remark::Scene));
     scene.output = output::plan(
         &names,
         &file.output,

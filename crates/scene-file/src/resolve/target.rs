@@ -16,6 +16,9 @@ const DAMPING: f64 = 0.05;
 /// Distance of the ratio of spectra from 1 at which wavelets are enough.
 const TOLERANCE: f64 = 0.05;
 
+/// History of a part of a record that has been scaled, and for a horizontal one what wavelets did.
+type Matched = (TimeHistory, Option<MatchReport>);
+
 /// Spectrum of a record's table with its band; none where it has no such key.
 pub(super) struct SpectrumOfRecord<'t> {
     table: &'t At<RecordSpectrum>,
@@ -57,7 +60,7 @@ impl<'t> SpectrumOfRecord<'t> {
     pub(super) fn matched<'p>(
         &self,
         parts: impl ExactSizeIterator<Item = (&'p str, &'p TimeHistory)> + Clone,
-    ) -> Result<Vec<Option<(TimeHistory, Option<MatchReport>)>>, Fault> {
+    ) -> Result<Vec<Option<Matched>>, Fault> {
         if self.table.by == SpectrumMeans::Factor {
             return Ok(vec![None; parts.len()]);
         }

@@ -124,7 +124,7 @@ pub enum Units {
     #[serde(rename = "m/s2")]
     MetrePerSecondSquared,
     /// Centimetres per second squared.
-    #[serde(rename = "cm/s2")]
+    #[serde(rename = "cm/s2", alias = "gal")]
     CentimetrePerSecondSquared,
     /// Standard gravity, 9.80665 m/s2.
     #[serde(rename = "g")]

@@ -56,6 +56,16 @@ impl InSituStress {
         Ok(Self::Layers(fields))
     }
 
+    /// Whether the vertical stress grows with depth; unknown, and `false`, of a table of elements.
+    pub(crate) fn grows_with_depth(&self) -> bool {
+        const VERTICAL: usize = 2;
+        match self {
+            Self::Field(field) => field.gradient.0[VERTICAL] != 0.0,
+            Self::Layers(fields) => fields.iter().any(|field| field.gradient.0[VERTICAL] != 0.0),
+            Self::Elements(_) => false,
+        }
+    }
+
     /// Height (m) above which the stress is zero; `None` where it ends nowhere.
     pub(crate) fn level(&self) -> Option<f64> {
         let first = match self {
