@@ -7,6 +7,7 @@ use crate::terminal::{say, say_warning};
 use powerhouse::engine::Ended;
 use powerhouse::engine::observe::{PeakRow, PeakTable};
 use powerhouse::model::{Mesh, StepProfile, Vec3};
+use powerhouse::summary::FibreSummary;
 use powerhouse::{
     CompletedStage, Error, Message, Results, RunNotes, Simulation, Topic, merge_messages,
 };
@@ -188,6 +189,9 @@ pub(crate) fn results(mesh: &Mesh, results: &Results, (notes, files): (&RunNotes
     // Repeated next to the results that they concern.
     let of_sections = warnings.filter(|warning| warning.topic() == Topic::Sections);
     lines(&text::of_remarks(of_sections));
+    if let Some(fibres) = FibreSummary::of(results) {
+        say!("fibres: {}", fibres.text());
+    }
     energies(results);
     joints(mesh, results);
     bolts(results);

@@ -82,10 +82,18 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
             .to_vec(),
         rows: rows.collect(),
     });
+    let fibres = summary.and_then(|summary| summary.fibres.as_ref());
+    let fibres = fibres.map(|fibres| format!("Fibres: {}.", fibres.text()));
     motions::section(&mut page, folder, &warnings.about(&[Topic::Histories]))?;
+    if let Some(text) = &fibres {
+        page.paragraph(text);
+    }
     if let Some(table) = forces::table(folder)? {
         page.section("Section forces");
         page.warnings(&warnings.about(&[Topic::Sections]));
+        if let Some(text) = &fibres {
+            page.paragraph(text);
+        }
         page.paragraph(forces::MEANING);
         page.table(&table);
         let uses = summary.and_then(|summary| forces::utilisation(&summary.section_uses));

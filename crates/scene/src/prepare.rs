@@ -105,6 +105,7 @@ impl Scene {
             let coarse = coarse_in_bending(&self.mesh, request, geometry, &self.parts);
             remarks.extend(coarse);
         }
+        let fibre_site = self.fibre_site(&pieces, timeline.as_ref().and_then(Timeline::present))?;
         let own = core::mem::take(&mut self.constraints);
         let mut model = {
             let mut spec = ModelSpec::new(&self.mesh);
@@ -145,6 +146,16 @@ impl Scene {
             (InitialMotion::Field, None) => return Err(Error::NoField),
         };
         let integrator = core::mem::replace(&mut self.integrator, Box::new(Leapfrog));
+        let fibres = match &self.fibres {
+            Some(options) => {
+                let choice = fibre_site.choose(options, model.as_mut(), integrator.as_ref())?;
+                choice.check(options)?;
+                let remark = SceneRemark::Fibres(Box::new(choice.clone()));
+                self.remarks.push(Remark::Scene(remark));
+                Some(choice)
+            }
+            None => None,
+        };
         Ok(Simulation {
             title: self.title.clone(),
             mesh: self.mesh.clone(),
@@ -155,6 +166,8 @@ impl Scene {
             residual: self.residual,
             places: self.places.clone(),
             initial,
+            fibre_site,
+            fibres,
             plan: self.output.clone(),
             recordings,
             observers,

@@ -15,8 +15,8 @@ use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::in_use::InUse;
 use crate::{
-    Boundary, Error, InSituStress, Mirror, OutputPlan, Part, Places, Remark, SceneBolts,
-    SceneJoint, SceneRemark, SceneStage, Subject, places::placed,
+    Boundary, Error, FibreOptions, InSituStress, Mirror, OutputPlan, Part, Places, Remark,
+    SceneBolts, SceneJoint, SceneRemark, SceneStage, Subject, places::placed,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
@@ -149,6 +149,11 @@ pub struct Scene {
     #[doc(hidden)]
     pub step: TimeStep,
     #[doc(hidden)]
+    pub fibres: Option<FibreOptions>,
+    /// Whether simulations say what fibres cost.
+    #[doc(hidden)]
+    pub prices_fibres: bool,
+    #[doc(hidden)]
     pub integrator: Box<dyn TimeIntegrator>,
     #[doc(hidden)]
     pub precision: Precision,
@@ -200,6 +205,8 @@ impl Scene {
             start: 0.0,
             initial: InitialMotion::Rest,
             step: TimeStep::OfStable(1.0),
+            fibres: None,
+            prices_fibres: false,
             integrator: Box::new(Leapfrog),
             precision: Precision::F64,
             residual: ResidualLimit::OfPrecision,

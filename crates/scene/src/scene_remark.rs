@@ -3,6 +3,7 @@
 use core::fmt;
 use std::path::PathBuf;
 
+use crate::FibreChoice;
 use crate::magnitude::Magnitude;
 
 /// Warning about an implausible value or combination in a scene that can be computed nevertheless, or the fact
@@ -10,6 +11,8 @@ use crate::magnitude::Magnitude;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneRemark {
+    /// The fibres of the scene; a warning if the step falls short of that wished.
+    Fibres(Box<FibreChoice>),
     /// Warning: a quantity is outside its usual range, in a scene that allows such quantities.
     Magnitude(Magnitude),
     /// Fact: viscosity of a part at the highest frequencies of its elements.
@@ -280,6 +283,9 @@ impl fmt::Display for HighDamping {
 impl SceneRemark {
     /// Returns whether this is a warning (`true`) or a fact (`false`).
     pub fn is_warning(&self) -> bool {
+        if let Self::Fibres(choice) = self {
+            return choice.falls_short();
+        }
         !matches!(
             self,
             Self::ChangedKeys { .. }
@@ -304,6 +310,7 @@ fn bounded_safety(friction: f64) -> Option<f64> {
 impl fmt::Display for SceneRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Fibres(choice) => choice.fmt(f),
             Self::Magnitude(magnitude) => magnitude.fmt(f),
             Self::HighDamping(high) => high.fmt(f),
             Self::UnsupportedBody { sets } => write!(
@@ -601,7 +608,7 @@ fn travels(f: &mut fmt::Formatter<'_>, speed: Option<f64>, way: &str) -> fmt::Re
 }
 
 /// Comma-separated list of quoted names.
-fn quoted(names: &[String]) -> String {
+pub(crate) fn quoted(names: &[String]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
     names.join(", ")
 }

@@ -12,6 +12,7 @@ use powerhouse_model::{
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
+use crate::fibres::FibreSite;
 use crate::in_use::{InUse, check_in_use};
 use crate::output::{self, FinishedRun, OutputPlan, Recordings, Results};
 use crate::places::placed;
@@ -20,8 +21,8 @@ use crate::stage::{
     StagingOutcome, StagingStart,
 };
 use crate::{
-    Error, Places, Remark, ResidualLimit, SceneBolts, SceneRemark, SceneStage, Subject, TableSink,
-    TimeStep, field_motion,
+    Error, FibreChoice, FibreOptions, Places, Remark, ResidualLimit, SceneBolts, SceneRemark,
+    SceneStage, Subject, TableSink, TimeStep, field_motion,
 };
 
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
@@ -185,6 +186,9 @@ pub struct Simulation {
     pub(crate) places: Option<Arc<dyn Places>>,
     /// The field whose motion the body starts with.
     pub(crate) initial: Option<Arc<dyn IncidentField>>,
+    pub(crate) fibre_site: FibreSite,
+    /// The fibres of the model.
+    pub(crate) fibres: Option<FibreChoice>,
     pub(crate) plan: OutputPlan,
     pub(crate) recordings: Recordings,
     pub(crate) observers: Vec<Box<dyn Observer>>,
@@ -264,6 +268,23 @@ impl Simulation {
     pub fn stable_step(&mut self) -> Result<StableStep, Error> {
         let stable = self.model.stable_step(self.integrator.as_ref());
         stable.map_err(|error| self.placed(error.into()))
+    }
+    /// The fibres of the run; none if the scene asks for none.
+    pub fn fibres(&self) -> Option<&FibreChoice> {
+        self.fibres.as_ref()
+    }
+    /// The fibres that other options than the scene's would choose, with the stable step that they permit; those of the
+    /// run do not change. Costs some tens of force evaluations.
+    ///
+    /// # Errors
+    /// A factor out of range, an unknown set, or a model that cannot have fibres.
+    pub fn choose_fibres(&mut self, options: &FibreOptions) -> Result<FibreChoice, Error> {
+        let chosen = self
+            .fibre_site
+            .choose(options, self.model.as_mut(), self.integrator.as_ref());
+        let own = self.fibres.as_ref().map_or(&[][..], |own| &own.fibres);
+        self.model.set_fibres(own)?;
+        chosen
     }
     /// The time step of the run (s). Requested sampling intervals shorter than it, or longer than the run, become
     /// [remarks](Self::remarks).
@@ -415,6 +436,9 @@ impl Simulation {
             let moving = body.and_then(|body| staging.set_in_motion(body));
             let (model, stages) = moving.map_err(|error| self.placed(error))?;
             self.model = model;
+            if let Some(choice) = &self.fibres {
+                self.model.set_fibres(&choice.fibres)?;
+            }
             rested = Some(stages);
         }
         if let Some(field) = self.initial.take().filter(|_| hooks.resume.is_none()) {
@@ -429,6 +453,7 @@ impl Simulation {
         (options.checkpoints, options.resume) = (hooks.checkpoints, hooks.resume);
         let done_before = options.resume.as_ref().map_or(0, |saved| saved.done);
         let (recordings, mut observers) = (self.recordings, self.observers);
+        let fibres = self.fibres;
         let taken = Arc::new(AtomicU64::new(0));
         if let (Some(request), Some(sink)) = (self.plan.snapshots, hooks.snapshots) {
             let cadence = Cadence::Seconds(request.every);
@@ -474,6 +499,7 @@ impl Simulation {
                 snapshots: taken.load(Ordering::Relaxed),
                 bolts,
             });
+            results.fibres = fibres;
             if let Some(StagingOutcome { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));
                 results.in_situ_stress =

@@ -7,8 +7,8 @@ use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::io::available_memory;
 use powerhouse::model::{ElementKind, QualityReport, Vec3};
 use powerhouse::{
-    Error, FileScene, Message, Remark, Resolution, ResultFolder, Results, Scene, StageOverview,
-    Topic,
+    Error, FibreChoice, FibreOptions, FileScene, Message, Remark, Resolution, ResultFolder,
+    Results, Scene, Simulation, StageOverview, Topic,
 };
 
 use crate::StudyError;
@@ -235,6 +235,9 @@ impl fmt::Display for Warning {
     }
 }
 
+/// Wished factors on the step for which a check lists what fibres would do, and least gain that it lists.
+const FACTORS: [f64; 3] = [1.5, 2.0, 3.0];
+const LEAST_GAIN: f64 = 1.05;
 /// Number of parts of a disconnected mesh that a warning names.
 const SHOWN_PARTS: usize = 5;
 
@@ -276,6 +279,9 @@ pub struct CheckReport {
     pub format: Option<FormatError>,
     /// The at most three changes that save most wall time, a tenth at least each, the best first.
     pub savings: Vec<Saving>,
+    /// What fibres would do to the step for each of some wished factors, and by how much they lower frequencies; empty
+    /// where they hardly help or cannot be had.
+    pub fibres: Vec<FibreChoice>,
     /// Changes of kernel, number format or damping with which the scene is refused, and why; how much they would save is
     /// unknown.
     pub refused: Vec<RefusedChange>,
@@ -314,6 +320,12 @@ fn check_within(
     }
     let measures_format = FormatError::is_measured(&scene);
     let has_stress = scene.in_situ_stress().is_some();
+    let options = scene.fibres().cloned();
+    let may_help = options.is_some() || scene.has_thin_limits();
+    let scene = match may_help {
+        true => scene.map(|scene| scene.with_price_of_fibres()),
+        false => scene,
+    };
     let mut simulation = scene.prepare()?;
     // Some remarks are made only when the step is known.
     simulation.step()?;
@@ -323,6 +335,10 @@ fn check_within(
     let stable = simulation.stable_step()?;
     let step = simulation.step()?;
     let steps = (simulation.duration() / step).ceil() as u64 + 1;
+    let fibres = match may_help {
+        true => prices_of_fibres(&mut simulation, options),
+        false => Vec::new(),
+    };
     let self_check = match free_field {
         Some(check) => Some(check.wall_time(step)?),
         None => None,
@@ -390,8 +406,26 @@ fn check_within(
         warnings,
         format,
         savings,
+        fibres,
         refused,
     })
+}
+
+/// What fibres would do for the factors of [`FACTORS`], in the sets of the scene's own or in all thin parts, without
+/// those that hardly make the step longer.
+fn prices_of_fibres(simulation: &mut Simulation, own: Option<FibreOptions>) -> Vec<FibreChoice> {
+    let choices = FACTORS.map(|factor| {
+        let options = FibreOptions {
+            factor,
+            ..own.clone().unwrap_or_else(|| FibreOptions::new(factor))
+        };
+        // Engines, ranks and devices that compute without fibres have no price.
+        simulation.choose_fibres(&options).ok()
+    });
+    let choices = choices.into_iter().flatten();
+    choices
+        .filter(|choice| choice.gain() > LEAST_GAIN)
+        .collect()
 }
 
 /// Warnings about a scene that follow from its description alone: quality of elements, unresolved motion, joints,

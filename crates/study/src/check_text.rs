@@ -4,7 +4,7 @@ use core::fmt::{self, Write};
 
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::model::Vec3;
-use powerhouse::{Remark, Results, StageOverview, merge_messages};
+use powerhouse::{FibreChoice, Remark, Results, StageOverview, merge_messages};
 
 use crate::check::{CheckReport, Warning};
 use crate::static_cost::StaticCost;
@@ -152,6 +152,7 @@ fn whole(out: &mut String, report: &CheckReport) {
     if let Some(format) = &report.format {
         line!(out, "{format}");
     }
+    fibres(out, &report.fibres);
     if !report.savings.is_empty() {
         line!(out, "\nchanges that save most");
     }
@@ -168,6 +169,41 @@ fn whole(out: &mut String, report: &CheckReport) {
     }
     for warning in warnings {
         line!(out, "  {}", warning.text);
+    }
+}
+
+/// Writes what fibres would do.
+fn fibres(out: &mut String, choices: &[FibreChoice]) {
+    if !choices.is_empty() {
+        line!(
+            out,
+            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, decrease of frequencies"
+        );
+    }
+    for choice in choices {
+        let shift = choice.shift.map_or_else(String::new, |shift| {
+            let natural = format!(
+                "; first frequency of the structure, {:.1} Hz held at the ground: -{:.2} %",
+                shift.natural,
+                100.0 * shift.of_natural
+            );
+            match (shift.input, shift.of_input) {
+                (Some(input), Some(of_input)) => format!(
+                    "{natural}; motion at {input:.1} Hz, the highest of the input: about -{:.2} %",
+                    100.0 * of_input
+                ),
+                _ => natural,
+            }
+        });
+        line!(
+            out,
+            "  {:<4} step {:.2} times as long, about {:.0} % less time; {} in {}{shift}",
+            choice.factor,
+            choice.gain(),
+            100.0 * (1.0 - 1.0 / choice.gain()),
+            choice.sizes_text(),
+            choice.sets.join(", ")
+        );
     }
 }
 

@@ -75,6 +75,14 @@ pub(crate) fn compose(
         spec::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
         spec::Step::Seconds(step) => TimeStep::Seconds(step),
     };
+    for set in file.time.fibres.sets() {
+        names.elements(set)?;
+    }
+    scene.fibres = file.time.fibres.options().map(|mut options| {
+        let limit = file.time.fibre_shift.map(|limit| limit.get());
+        options.most_shift = limit.unwrap_or(options.most_shift);
+        options
+    });
     scene.integrator = match *file.time.scheme {
         spec::Scheme::Leapfrog => Box::new(Leapfrog),
         spec::Scheme::OneSided => Box::new(OneSided),

@@ -14,6 +14,7 @@ mod change;
 mod checkpoint;
 mod dashpot;
 mod decode;
+mod fibres;
 mod file;
 mod former;
 mod function;
@@ -49,6 +50,7 @@ pub(crate) use change::NAMED;
 pub use checkpoint::Checkpoint;
 pub use dashpot::DashpotRatio;
 pub(crate) use decode::{decode_materials, decode_tagged};
+pub use fibres::{FibreSection, Fibres};
 pub use file::SceneFile;
 pub(crate) use file::read_text;
 pub use function::{Function, Pulse};
@@ -69,6 +71,7 @@ pub use output::{
 pub use parameters::Parameters;
 pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
+    StepFactor,
 };
 pub use reference::Reference;
 pub use residual::Residual;

@@ -152,6 +152,11 @@ quantity! {
     { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
 }
 quantity! {
+    /// Factor on the stable step, above 1 and at most 10.
+    StepFactor, "a factor above 1 and at most 10", |x| x > 1.0 && x <= 10.0,
+    { "type": "number", "exclusiveMinimum": 1, "maximum": 10 }
+}
+quantity! {
     /// Angle of incidence from the vertical (degrees), 0 to 180.
     Incidence, "an angle of 0 to 180 degrees", |x| (0.0..=180.0).contains(&x),
     { "type": "number", "minimum": 0, "maximum": 180 }

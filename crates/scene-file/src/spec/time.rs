@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::words_or_number;
-use super::{At, Finite, Positive, Share, is_default};
+use super::{At, Fibres, Finite, Positive, Share, is_default};
 
 /// Time integration of the dynamic run: duration, start, step and scheme.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -25,6 +25,14 @@ pub struct Time {
     /// Factor on the stable step for `"auto"`, above 0 and at most 1, 1 by default; the stable step is a safe
     /// estimate already.
     pub safety: Option<Share>,
+    /// Fibres: added inertia of the motion across thin parts, for a longer step; weight and static solutions do not know it.
+    /// `"none"` (the default), the wished factor on the stable step in all parts that are thinner than a fifth of the
+    /// shortest wavelength that their mesh resolves, or `{ factor = 2, sets = ["lining"] }`.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub fibres: At<Fibres>,
+    /// Largest permitted decrease of a frequency as high as that of the input by fibres, above 0 and at most 1, 0.01 by
+    /// default: more, as estimated before the run, is an error.
+    pub fibre_shift: Option<Share>,
     /// Integration scheme: `leapfrog` (the default) or `one-sided`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub scheme: At<Scheme>,

@@ -57,6 +57,19 @@ pub enum Error {
     /// Results folder that cannot hold the files of a run, or lost them.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// Fibres that would lower a frequency of the input by more than permitted.
+    #[error(
+        "fibres for a step {factor} times as long lower frequencies of the input by an estimated {:.2} %, more than the {:.2} % of `fibre_shift`: take a smaller factor, or permit more",
+        100.0 * shift, 100.0 * limit
+    )]
+    FibreShift {
+        /// Wished factor on the step (1).
+        factor: f64,
+        /// Estimated relative decrease (1).
+        shift: f64,
+        /// Largest permitted one (1).
+        limit: f64,
+    },
     /// Solid element that belongs to no part, or element that belongs to several. Bars without a part are left out of the
     /// model and no error.
     #[error(

@@ -22,7 +22,7 @@ use super::{
 };
 use super::{RunTable, capacity, sampling, sections};
 use crate::joint::NamedSurface;
-use crate::{Error, Remark, Resolution};
+use crate::{Error, FibreChoice, Remark, Resolution};
 
 /// Column of the residual in the energy balance.
 const RESIDUAL: &str = "residual";
@@ -96,6 +96,8 @@ pub struct Results {
     pub bolt_histories: HistoryTable,
     /// Advice on a run that failed: what limited its time step, and what may help; empty otherwise.
     pub advice: Vec<String>,
+    /// The fibres of the run; none without.
+    pub fibres: Option<FibreChoice>,
 }
 
 /// Shows the report of the run only, so that an error with results is readable.
@@ -117,6 +119,8 @@ impl Results {
     pub const LARGE_INTEGRATION: f64 = 0.1;
     /// Largest slip or opening over the shortest edge of a joint's facets (1) that counts as small.
     pub const SMALL_SLIP: f64 = 0.1;
+    /// [Share](Self::share_of_fibres) of the added inertia of fibres (1) up to which it counts as small.
+    pub const LIGHT_FIBRES: f64 = 0.01;
 
     /// Names and final values (J) of the energies that were ever other than zero, the residual left out; empty if energies
     /// were not recorded.
@@ -159,8 +163,8 @@ impl Results {
             .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
     }
-    /// Warnings about the results: large slips, large hourglass work, unbalanced in-situ stress, and accelerations whose
-    /// sampling interval is too long. Of several stages with large hourglass work in one set, the one with the largest.
+    /// Warnings about the results: large slips, large hourglass work, heavy fibres, unbalanced in-situ stress, and
+    /// accelerations whose sampling interval is too long. Of several stages with large hourglass work in one set, the one with the largest.
     pub fn warnings(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
@@ -188,6 +192,7 @@ impl Results {
             keep_worst(&mut worst, warning);
         }
         worst.extend(self.unbalanced());
+        worst.extend(self.heavy_fibres());
         worst.extend(self.crack_energy());
         worst.extend(self.section_uses().iter().filter_map(capacity::beyond));
         worst.extend(sampling::warnings(
@@ -196,6 +201,18 @@ impl Results {
             self.envelope.as_ref(),
         ));
         worst
+    }
+    /// Kinetic energy of the added inertia of fibres over that of their masses, from the largest of each at the readings
+    /// of the energy balance (1): twice the relative error of the frequencies of their motion. None without fibres or
+    /// readings.
+    pub fn share_of_fibres(&self) -> Option<f64> {
+        let [added, own] = self.run.fibre_energies;
+        (self.fibres.is_some() && own > 0.0).then(|| added / own)
+    }
+    /// Warning about fibres whose added inertia the motion felt.
+    fn heavy_fibres(&self) -> Option<Remark> {
+        let share = self.share_of_fibres()?;
+        (share > Self::LIGHT_FIBRES).then_some(Remark::HeavyFibres { share })
     }
     /// Greatest utilisation of each section with a reinforcement over the run.
     pub fn section_uses(&self) -> Vec<SectionUse> {
@@ -526,6 +543,7 @@ impl Recordings {
             bolts,
             bolt_histories: history,
             advice: Vec::new(),
+            fibres: None,
         }
     }
 }

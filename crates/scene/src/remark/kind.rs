@@ -33,6 +33,7 @@ impl Remark {
             | Self::HollowSection { .. }
             | Self::Hinge { .. }
             | Self::BeyondCapacity { .. }
+            | Self::HeavyFibres { .. }
             | Self::Bending(_) => Topic::Sections,
             Self::LargeSlip { .. }
             | Self::JointRenewed { .. }
@@ -85,6 +86,7 @@ impl Remark {
             | Self::DampedRim { .. }
             | Self::DampedHistory { .. }
             | Self::Hourglass { .. }
+            | Self::HeavyFibres { .. }
             | Self::LargeSlip { .. }
             | Self::TetrahedralSection { .. }
             | Self::DividedSection { .. }

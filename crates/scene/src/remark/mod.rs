@@ -438,6 +438,11 @@ pub enum Remark {
         /// Greatest work of hourglass resistance over the greatest internal work (1).
         share: f64,
     },
+    /// Warning after the run: the added inertia of fibres has more than 1 % of the kinetic energy of their masses.
+    HeavyFibres {
+        /// Its share (1), see [`Results::share_of_fibres`](crate::Results::share_of_fibres).
+        share: f64,
+    },
     /// Warning after the run: the in-situ stress is not in equilibrium with loads and supports of the first stage, by
     /// more than 5 % of the load; only if that stage neither excavates nor casts.
     Unbalanced {

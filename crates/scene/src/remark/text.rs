@@ -521,6 +521,12 @@ impl fmt::Display for Remark {
                 f,
                 "part '{set}' with the law '{law}' has stiffness-proportional damping: where it yields or cracks the damping is proportional to the degraded stiffness, and its stress adds to that of the law, so that the total may exceed the strength; outputs of stress and section forces do not contain it. Flat damping stays within the strength: damping = {{ kind = \"flat\", ... }}"
             ),
+            Self::HeavyFibres { share } => write!(
+                f,
+                "the added inertia of fibres takes {:.1} % of the kinetic energy of their masses, more than 1 %: frequencies of their motion are up to {:.1} % too low, and accelerations, shear forces and floor spectra feel it; take a smaller factor (`fibres` in [time])",
+                100.0 * share,
+                50.0 * share
+            ),
             Self::Hourglass { stage, set, share } => {
                 let prefix = match stage {
                     Some(stage) => format!("in stage '{stage}' "),

@@ -5,7 +5,6 @@ use core::f64::consts::TAU;
 use powerhouse::Scene;
 
 use crate::StudyError;
-use crate::resolution::incoming;
 
 /// Share of the energy of velocity that lies below the upper end of the band.
 const SHARE: f64 = 0.99;
@@ -29,7 +28,7 @@ impl Band {
     /// [`StudyError::StillField`] for a field that does not move the surface within the duration of the run.
     pub fn of(scene: &Scene) -> Result<Self, StudyError> {
         let duration = scene.duration();
-        let spectrum = incoming(scene)?.unwrap_or_default();
+        let spectrum = scene.incident_spectrum()?.unwrap_or_default();
         // Energies of velocity, without periods longer than the run.
         let velocity: Vec<(f64, f64)> = (spectrum.into_iter())
             .filter(|(frequency, _)| frequency * duration >= 1.0)

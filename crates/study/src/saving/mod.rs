@@ -62,6 +62,8 @@ pub enum Change {
     OnePoint,
     /// Frequency-independent damping by relaxation mechanisms in place of Rayleigh damping, over the same band.
     FlatDamping,
+    /// Fibres for a step twice as long: added inertia of the motion across thin parts.
+    Fibres,
     /// A time step equal to the stable step, without a safety factor.
     WholeStep,
     /// Half of the body, cut at the middle of the mesh, where mesh, element sets, absorbing faces and waves are
@@ -106,6 +108,7 @@ impl fmt::Display for Change {
             Self::FlatDamping => f.write_str(
                 "flat damping over the same band (`damping = { kind = \"flat\", ... }`) in place of Rayleigh damping",
             ),
+            Self::Fibres => f.write_str("fibres across thin parts (`fibres = 2` in [time])"),
             Self::WholeStep => f.write_str("a step equal to the stable step (`step = \"auto\"`, `safety = 1`)"),
             Self::Half { axis, at } => write!(
                 f,

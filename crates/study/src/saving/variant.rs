@@ -3,7 +3,7 @@
 use powerhouse::spec::Precision;
 use powerhouse::{FileScene, Scene, SceneSpec};
 
-use super::window::{ErrorGrowth, Window, WindowScene};
+use super::window::{Compared, ErrorGrowth, Window, WindowScene};
 use super::{Change, PredictedError, RefusedChange, RunTiming, Saving};
 use crate::StudyError;
 use crate::cost::StepTimer;
@@ -17,7 +17,7 @@ struct ChangeOfLevel {
 }
 
 /// The changes that are made in a scene.
-fn changes() -> [ChangeOfLevel; 3] {
+fn changes() -> [ChangeOfLevel; 4] {
     let of = |change, factor, level| ChangeOfLevel {
         change,
         factor,
@@ -27,6 +27,7 @@ fn changes() -> [ChangeOfLevel; 3] {
         of(Change::Mixed, factor::PRECISION, factor::MIXED),
         of(Change::OnePoint, factor::KERNEL, factor::one_point()),
         of(Change::FlatDamping, factor::DAMPING, factor::FLAT),
+        of(Change::Fibres, factor::FIBRES, factor::TWICE),
     ]
 }
 
@@ -130,7 +131,11 @@ impl ChangedScene {
                     Change::Mixed => ErrorGrowth::OfRounding,
                     _ => ErrorGrowth::Unknown,
                 };
-                match window.error_of(&self.scene, growth) {
+                let compared = match change {
+                    Change::Fibres => Compared::WithSections,
+                    _ => Compared::Histories,
+                };
+                match window.error_of(&self.scene, growth, compared) {
                     Ok(error) => PredictedError::measured(&error),
                     Err(reason) => PredictedError::unknown(reason),
                 }

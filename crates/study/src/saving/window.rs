@@ -133,7 +133,33 @@ pub(crate) struct Window {
     field: Option<Intensities>,
     amplifies: bool,
     damped: bool,
-    reference: Result<Vec<TableColumn>, &'static str>,
+    reference: Result<Tables, &'static str>,
+}
+
+/// Tables of the first part of a run.
+struct Tables {
+    histories: Vec<TableColumn>,
+    /// The same with section forces and moments.
+    with_sections: Vec<TableColumn>,
+}
+
+impl Tables {
+    /// Those that tell the error of a change.
+    fn of_change(&self, change: Compared) -> &[TableColumn] {
+        match change {
+            Compared::Histories => &self.histories,
+            Compared::WithSections => &self.with_sections,
+        }
+    }
+}
+
+/// What is compared with and without a change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Compared {
+    /// Histories of motion, stress and state.
+    Histories,
+    /// The same with section forces and moments.
+    WithSections,
 }
 
 impl Window {
@@ -157,7 +183,7 @@ impl Window {
             None if others == 0 => Err("there is no run to compare with"),
             // Before any window is run.
             None if length < duration && facts.is_quiet(length / duration) => Err(QUIET),
-            None => histories(&file, length, Some(SHORTER * step)).ok_or("the scene cannot be run"),
+            None => tables(&file, length, Some(SHORTER * step)).ok_or("the scene cannot be run"),
         };
         Self {
             step: SHORTER * step,
@@ -175,11 +201,13 @@ impl Window {
         &self,
         changed: &WindowScene,
         growth: ErrorGrowth,
+        compared: Compared,
     ) -> Result<MeasuredError, &'static str> {
         let reference = self.reference.as_ref().map_err(|reason| *reason)?;
-        let found = histories(changed, self.length, self.step_for(growth))
+        let found = tables(changed, self.length, self.step_for(growth))
             .ok_or("the changed scene cannot be run")?;
-        self.largest(reference, &found, growth)
+        let [reference, found] = [reference, &found].map(|tables| tables.of_change(compared));
+        self.largest(reference, found, growth)
     }
 
     /// The error of the unchanged scene against a more accurate one, or the reason why it is unknown.
@@ -189,9 +217,9 @@ impl Window {
         growth: ErrorGrowth,
     ) -> Result<MeasuredError, &'static str> {
         let found = self.reference.as_ref().map_err(|reason| *reason)?;
-        let reference = histories(accurate, self.length, self.step_for(growth))
+        let reference = tables(accurate, self.length, self.step_for(growth))
             .ok_or("the changed scene cannot be run")?;
-        self.largest(&reference, found, growth)
+        self.largest(&reference.histories, &found.histories, growth)
     }
 
     /// The step of a compared run (s), if it must be that of the reference.
@@ -268,9 +296,9 @@ fn first_half(table: &[TableColumn]) -> Vec<TableColumn> {
     table.iter().map(half).collect()
 }
 
-/// The histories of the first part (s) of a run, with a given step (s) unless that is unstable; `None` if it cannot be
+/// The tables of the first part (s) of a run, with a given step (s) unless that is unstable; `None` if it cannot be
 /// run.
-fn histories(file: &WindowScene, length: f64, step: Option<f64>) -> Option<Vec<TableColumn>> {
+fn tables(file: &WindowScene, length: f64, step: Option<f64>) -> Option<Tables> {
     let mut simulation = file.prepare(length).ok()?;
     if let Some(step) = step
         && step <= simulation.stable_step().ok()?.step
@@ -278,7 +306,18 @@ fn histories(file: &WindowScene, length: f64, step: Option<f64>) -> Option<Vec<T
         simulation.set_step(TimeStep::Seconds(step));
     }
     let results = simulation.run(RunHooks::default()).ok()?;
-    Some(columns(&results.histories))
+    let histories = columns(&results.histories);
+    let mut with_sections = histories.clone();
+    let sections = columns(&results.sections);
+    // Both are sampled at the same times, if there are both.
+    match histories.len() {
+        0 | 1 => with_sections = sections,
+        _ => with_sections.extend(sections.into_iter().skip(1)),
+    }
+    Some(Tables {
+        histories,
+        with_sections,
+    })
 }
 
 /// Properties of a scene on which its window depends, collected before it is prepared.

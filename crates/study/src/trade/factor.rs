@@ -5,7 +5,8 @@ use core::iter;
 use powerhouse::engine::{Hex8OnePoint, SolidKernel, StaticOptions};
 use powerhouse::model::ElementKind;
 use powerhouse::spec::{
-    At, Damping, Finite, Load, Part, Positive, Precision, Share, Stage, Step, Support, Time,
+    At, Damping, Fibres, Finite, Load, Part, Positive, Precision, Share, Stage, Step, StepFactor,
+    Support, Time,
 };
 use powerhouse::{FileScene, Scene, SceneSpec, keys};
 use toml::Table;
@@ -21,9 +22,11 @@ pub(crate) const DAMPING: &str = "damping";
 pub(crate) const PRECISION: &str = "precision";
 pub(crate) const STATICS: &str = "statics";
 pub(crate) const OUTPUT: &str = "output";
+pub(crate) const FIBRES: &str = "fibres";
 /// Names of levels.
 pub(crate) const FLAT: &str = "flat";
 pub(crate) const MIXED: &str = "mixed";
+pub(crate) const TWICE: &str = "2 times the step";
 /// Facet set at which an incident wave enters from below.
 const BOTTOM: &str = "bottom";
 /// Tolerances that stages of yielding rock still meet, and that the hand-over still takes.
@@ -38,6 +41,10 @@ enum Edit {
     Nothing,
     /// Factor on the stable step (1).
     Safety(f64),
+    /// Fibres for a factor on the step (1), in the sets of the scene's own, or in all thin parts.
+    Fibres(f64),
+    /// No fibres.
+    WithoutFibres,
     /// Number format of the elements.
     Precision(Precision),
     /// Sampling interval of the output (s).
@@ -99,6 +106,12 @@ impl Level {
         match &self.edit {
             Edit::Nothing => {}
             Edit::Safety(factor) => spec.time.safety = Share::new(*factor),
+            Edit::Fibres(factor) => {
+                if let Some(factor) = StepFactor::new(*factor) {
+                    spec.time.fibres = spec.time.fibres.with_factor(factor).into();
+                }
+            }
+            Edit::WithoutFibres => spec.time.fibres = Fibres::None.into(),
             Edit::Precision(precision) => spec.precision = *precision,
             Edit::Every(interval) => spec.output.every = Positive::new(*interval).map(At::from),
             Edit::IncidentAtBottom => {
@@ -212,6 +225,7 @@ pub(crate) fn factors(scene: &FileScene, spec: &SceneSpec) -> Vec<Factor> {
         input(scene, spec),
         damping(&spec.parts),
         precision(spec.precision),
+        fibres(scene, &spec.time),
         statics(&spec.stages),
         output(scene),
     ];
@@ -376,6 +390,26 @@ fn precision(own: Precision) -> Option<Factor> {
     let own = formats.iter().position(|(_, format)| *format == own)?;
     let level = |(name, format)| Level::new(name, Edit::Precision(format));
     Some(Factor::new(PRECISION, formats.map(level), own))
+}
+
+/// Fibres for twice and three times the step, or those of the scene; `None` if the step is given in seconds, or elements
+/// that are not thin would limit a longer one.
+fn fibres(scene: &Scene, time: &Time) -> Option<Factor> {
+    if *time.step != Step::Auto || !scene.has_thin_limits() {
+        return None;
+    }
+    let none = Level::new("none", Edit::Nothing);
+    let level = |factor: f64| Level::new(format!("{factor} times the step"), Edit::Fibres(factor));
+    let mut levels = vec![none, level(2.0), level(3.0)];
+    let mut own = 0;
+    if let Some(options) = scene.fibres() {
+        let name = format!("{} times the step", options.factor);
+        levels.retain(|level| level.name != name);
+        levels[0].edit = Edit::WithoutFibres;
+        levels.push(Level::own(name));
+        own = levels.len() - 1;
+    }
+    Some(Factor::new(FIBRES, levels, own))
 }
 
 /// Tolerances of the stages: a hundredth of the given ones, the given ones, and a hundred times as much, within the
