@@ -520,7 +520,7 @@ impl FibreSite {
         // Number of nodes and of nodes of joints of each set, by its representative.
         let mut sizes: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
         let alone = |node: u32| [1, usize::from(self.jointed[node as usize])];
-        let mut kept = Vec::new();
+        let (mut kept, mut cut) = (Vec::new(), BTreeSet::new());
         for edge in short {
             let [a, b] = edge.nodes.map(|node| sets.root(node));
             if a != b {
@@ -530,7 +530,8 @@ impl FibreSite {
                 });
                 let together = [first[0] + second[0], first[1] + second[1]];
                 if together[0] > MOST_NODES || together[1] > 1 {
-                    found.cut_edges += 1;
+                    // Elements share it.
+                    cut.insert(edge.nodes);
                     continue;
                 }
                 sets.join(a, b);
@@ -538,6 +539,7 @@ impl FibreSite {
             }
             kept.push(edge);
         }
+        found.cut_edges = cut.len();
         let mut fibres: BTreeMap<u32, (BTreeSet<u32>, f64, BTreeSet<usize>)> = BTreeMap::new();
         for edge in kept {
             let (nodes, added, parts) = fibres.entry(sets.root(edge.nodes[0])).or_default();
