@@ -5,6 +5,7 @@ use std::sync::Arc;
 use powerhouse_elements::AnyLaw;
 use powerhouse_material_damage::{
     ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
+    growth_of_flow,
 };
 use powerhouse_model::{
     BlockLaw, ConstitutiveLaw, ElasticMedium, HistoryVariable, ModelError, ParameterError,
@@ -29,6 +30,8 @@ pub struct Material {
     default_damping: Damping,
     /// None if damping in series with the law is not possible.
     damped: Option<Arc<Damped>>,
+    /// None of a law whose flow is not known.
+    growth: Option<Arc<dyn Fn() -> Option<f64> + Send + Sync>>,
 }
 
 /// Function that makes the material with damping in series.
@@ -50,12 +53,13 @@ impl Material {
             warnings: Arc::new([]),
             default_damping: Damping::None,
             damped: None,
+            growth: None,
         }
     }
     /// A material with a law of which the elastic part is known, so that flat damping in series with it is
     /// possible ([`Damping::Flat`]).
     pub fn in_series<M: ElasticInSeries>(law: M) -> Self {
-        let undamped = law.clone();
+        let (undamped, flowing) = (law.clone(), law.clone());
         let damped = move |spectrum, reference| {
             let damped = FlatDamping::new(undamped.clone(), spectrum, reference)?;
             Ok(Self::new(damped))
@@ -69,6 +73,7 @@ impl Material {
         };
         Self {
             damped: Some(Arc::new(damped)),
+            growth: Some(Arc::new(move || growth_of_flow(&flowing))),
             ..bare
         }
     }
@@ -97,6 +102,11 @@ impl Material {
     /// Damping of parts of scene files with this material that name none; of most materials none.
     pub fn default_damping(&self) -> &Damping {
         &self.default_damping
+    }
+    /// Rate at which short waves grow while the material flows, per wave number (m/s), [`growth_of_flow`] of its law: above zero
+    /// where the flow is far from associated. None of laws that do not flow, and of [`new`](Self::new).
+    pub fn growth_of_flow(&self) -> Option<f64> {
+        self.growth.as_ref().and_then(|growth| growth())
     }
     /// Checks a width of an element (m) by the law, [`ConstitutiveLaw::accept_size`].
     ///

@@ -57,6 +57,7 @@
 //! conditions least is taken, so that no order of cases matters. A candidate without violation is the
 //! solution, so that rarer candidates are computed only while some point of a pack has none.
 
+mod acoustic;
 mod consistency;
 mod crack_band;
 mod crack_closure;
@@ -89,6 +90,7 @@ mod tangent;
 mod two_surface;
 mod uniaxial;
 
+pub use acoustic::growth_of_flow;
 pub use consistency::Finding;
 pub use driver::{Control, PointDriver, PointState};
 pub use drucker_prager::{ConeFit, DruckerPrager, DruckerPragerParameters};

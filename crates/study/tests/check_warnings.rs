@@ -163,3 +163,55 @@ fn tetrahedra_that_carry_the_waves_are_warned_of() {
         .find(|warning| matches!(warning, Warning::Tetrahedra { .. }));
     assert!(stiff.unwrap().to_string().contains("`order = 2`"));
 }
+
+/// Parts that flow with a dilation far below their friction are warned of by `check`, with the ways out, unless the dilation is
+/// above two thirds of the friction, the law is a cone, or something damps high frequencies; flat damping does not.
+#[test]
+fn ill_posed_flow_is_warned_of() {
+    let found = |law: &str, damping: &str| {
+        let rock = "law = \"elastic\"\nyoung = 9e9\npoisson = 0.27\ndensity = 2750\n";
+        assert!(GROUND.contains(rock));
+        let text = GROUND.replacen(
+            rock,
+            &format!("young = 9e9\npoisson = 0.27\ndensity = 2750\ncohesion = 1e6\n{law}\n"),
+            1,
+        );
+        let part = "set = \"rock\"\nmaterial = \"rock\"\n";
+        let text = text.replacen(part, &format!("{part}elastic_rim = 0\n{damping}\n"), 1);
+        let folder = Folder::new("flow", &text, 4);
+        let scene = FileScene::from_file(folder.scene()).unwrap().into_scene();
+        let warnings = warnings(&scene).unwrap();
+        warnings.into_iter().find_map(|warning| match warning {
+            Warning::IllPosed { .. } => Some(warning.to_string()),
+            _ => None,
+        })
+    };
+    let mohr_coulomb =
+        |dilation: f64| format!("law = \"mohr-coulomb\"\nfriction = 42\ndilation = {dilation}");
+    let flat = "damping = { kind = \"flat\", ratio = 0.03, band = [0.5, 20] }";
+    for damping in ["", flat] {
+        let text = found(&mohr_coulomb(0.0), damping).unwrap();
+        for way in [
+            "'rock'",
+            "kind = \"high\"",
+            "dilation",
+            "drucker-prager",
+            "5 % of the stable step",
+        ] {
+            assert!(text.contains(way), "{text}");
+        }
+        assert!(found(&mohr_coulomb(8.0), damping).is_some());
+        assert_eq!(found(&mohr_coulomb(30.0), damping), None);
+        assert_eq!(found(&mohr_coulomb(42.0), damping), None);
+        let cone = "law = \"drucker-prager\"\nfriction = 42";
+        assert_eq!(found(cone, damping), None);
+    }
+    let high = "damping = { kind = \"flat\", ratio = 0.03, band = [0.5, 20], high = 0.05 }";
+    for damping in [
+        "damping = { kind = \"high\", ratio = 0.03 }",
+        high,
+        "damping = { kind = \"coefficients\", mass = 0, stiffness = 1e-5 }",
+    ] {
+        assert_eq!(found(&mohr_coulomb(0.0), damping), None, "{damping}");
+    }
+}

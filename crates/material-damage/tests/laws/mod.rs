@@ -1,5 +1,6 @@
 //! Tests of the laws of the crate at one point.
 
+mod acoustic;
 mod consistency;
 mod crack_band;
 mod crack_closure;
