@@ -18,7 +18,7 @@ use super::{HistoryTable, ObserveError, Recording};
 /// A filter of linear phase, symmetric about the instant of each value, makes them from the displacements of all steps: a sinusoid
 /// of up to 0.75 of the band keeps its amplitude to 0.1 %, one of the band has half of it, and from 1.25 of the band on
 /// less than 0.1 % is left. Rows are five to the period of the band, 2 ms apart at 100 Hz, so that straight lines between them are
-/// not yet the motion, but [interpolation](https://en.wikipedia.org/wiki/Whittaker–Shannon_interpolation_formula) is.
+/// not yet the motion, but the sum of the sinusoids of all rows is.
 /// [Peaks](super::Column::peak) are those of twenty values to that period. A value depends on the four periods of the band
 /// before and behind it: the body counts as moving uniformly before its motion begins, and behind the last step. An observer of a
 /// motion that began before its first step has the first row four periods later.
