@@ -9,6 +9,7 @@ mod bolts;
 mod checkpoint;
 #[cfg(feature = "pictures")]
 mod drawing;
+mod fibre_summary;
 mod folder;
 mod joints;
 mod lock;

@@ -6,6 +6,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use powerhouse_scene::{BoltForces, Message, Resolution, Results, RunNotes, SectionUse};
 
+pub use crate::fibre_summary::FibreSummary;
+
 /// Content of `summary.json` of a run whose motion has begun.
 ///
 /// A figure that is no finite number, as after a failure, is NaN.
@@ -180,29 +182,6 @@ pub struct StableStepSummary {
     pub set: String,
     /// What limits it.
     pub term: String,
-}
-
-/// Fibres of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct FibreSummary {
-    /// Wished factor on the stable step.
-    pub factor: f64,
-    /// Stable step over that without fibres.
-    pub gain: f64,
-    /// Number of fibres.
-    pub fibres: usize,
-    /// Element sets with fibres.
-    pub sets: Vec<String>,
-    /// Largest added inertia over mass.
-    pub most_added: f64,
-    /// Decrease of a frequency as high as that of the input, as estimated before the run.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub predicted: Option<f64>,
-    /// Largest kinetic energy of the added inertia over that of the masses of the fibres: twice the decrease of the
-    /// frequencies of their motion.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub share: Option<f64>,
 }
 
 /// Changes and solution of a construction stage.
@@ -530,39 +509,6 @@ impl RunSummary {
             path_dependent: results.state.is_some() || !results.joints.is_empty(),
             files: Vec::new(),
         }
-    }
-}
-
-impl FibreSummary {
-    /// The fibres of a run; none of a run without.
-    pub fn of(results: &Results) -> Option<Self> {
-        let choice = results.fibres.as_ref()?;
-        Some(Self {
-            factor: choice.factor,
-            gain: choice.gain(),
-            fibres: choice.fibres.len(),
-            sets: choice.sets.clone(),
-            most_added: choice.most_added(),
-            predicted: choice.shift.and_then(|shift| shift.of_input),
-            share: results.share_of_fibres(),
-        })
-    }
-
-    /// What they do, to be shown beside accelerations and section forces.
-    pub fn text(&self) -> String {
-        let share = self.share.map_or_else(String::new, |share| {
-            format!(
-                "; their added inertia had at most {:.2} % of the kinetic energy of their masses",
-                100.0 * share
-            )
-        });
-        format!(
-            "the step was {:.2} times as long by {} fibres in {}, in which the motion of nodes relative to each other is up to {:.1} times as heavy: accelerations, shear forces and floor spectra there feel it first{share}",
-            self.gain,
-            self.fibres,
-            self.sets.join(", "),
-            1.0 + self.most_added
-        )
     }
 }
 

@@ -13,6 +13,7 @@ mod sampling;
 mod sections;
 mod state_variables;
 mod table_sink;
+mod warnings;
 
 pub use bending::BendingError;
 pub(crate) use bending::coarse_in_bending;

@@ -7,8 +7,7 @@ use std::time::Duration;
 use powerhouse_contact::JointSurface;
 use powerhouse_elements::BoltSet;
 use powerhouse_model::{
-    Cadence, HandOverReport, HourglassShare, JointRecord, Mesh, ModelError, Observer, RunReport,
-    StageReport, Vec3,
+    Cadence, HandOverReport, JointRecord, Mesh, ModelError, Observer, RunReport, StageReport, Vec3,
 };
 use powerhouse_observe::{
     BoltHistories, BoltTables, Column, EnergyHistory, Envelope, EnvelopeTable, History,
@@ -20,7 +19,7 @@ use powerhouse_observe::{
 use super::{
     BoltForces, EnergyResidual, JointRequest, OutputPlan, RingRequest, SectionUse, StateVariables,
 };
-use super::{RunTable, capacity, sampling, sections};
+use super::{RunTable, capacity, sections};
 use crate::joint::NamedSurface;
 use crate::{Error, FibreChoice, Remark, Resolution};
 
@@ -163,45 +162,6 @@ impl Results {
             .map(|joint| (joint.0.name.as_str(), share(joint)))
             .collect()
     }
-    /// Warnings about the results: large slips, large hourglass work, heavy fibres, unbalanced in-situ stress, and
-    /// accelerations whose sampling interval is too long. Of several stages with large hourglass work in one set, the one with the largest.
-    pub fn warnings(&self, mesh: &Mesh) -> Vec<Remark> {
-        let shares = self.slip_shares(mesh).into_iter();
-        let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
-        let remark = |(joint, share): (&str, f64)| Remark::LargeSlip {
-            joint: joint.into(),
-            share,
-        };
-        let mut warnings: Vec<Remark> = large.map(remark).collect();
-        let resists = |stage: Option<&str>, sets: &[HourglassShare], warnings: &mut Vec<Remark>| {
-            let large = sets
-                .iter()
-                .filter(|set| set.share() > HourglassShare::LIMIT);
-            warnings.extend(large.map(|set| Remark::Hourglass {
-                stage: stage.map(String::from),
-                set: set.set.clone(),
-                share: set.share(),
-            }));
-        };
-        for stage in &self.stages {
-            resists(Some(&stage.name), &stage.hourglass, &mut warnings);
-        }
-        resists(None, &self.run.hourglass, &mut warnings);
-        let mut worst: Vec<Remark> = Vec::new();
-        for warning in warnings {
-            keep_worst(&mut worst, warning);
-        }
-        worst.extend(self.unbalanced());
-        worst.extend(self.heavy_fibres());
-        worst.extend(self.crack_energy());
-        worst.extend(self.section_uses().iter().filter_map(capacity::beyond));
-        worst.extend(sampling::warnings(
-            &self.histories,
-            &self.accelerations,
-            self.envelope.as_ref(),
-        ));
-        worst
-    }
     /// Kinetic energy of the added inertia of fibres over that of their masses, from the largest of each at the readings
     /// of the energy balance (1): twice the relative error of the frequencies of their motion. None without fibres or
     /// readings.
@@ -209,51 +169,9 @@ impl Results {
         let [added, own] = self.run.fibre_energies;
         (self.fibres.is_some() && own > 0.0).then(|| added / own)
     }
-    /// Warning about fibres whose added inertia the motion felt.
-    fn heavy_fibres(&self) -> Option<Remark> {
-        let share = self.share_of_fibres()?;
-        (share > Self::LIGHT_FIBRES).then_some(Remark::HeavyFibres { share })
-    }
     /// Greatest utilisation of each section with a reinforcement over the run.
     pub fn section_uses(&self) -> Vec<SectionUse> {
         capacity::uses(&self.sections, &self.section_capacities)
-    }
-    /// Warning about energy that closing cracks give, or that the time integration of the laws errs by.
-    fn crack_energy(&self) -> Option<Remark> {
-        let most = |name| {
-            let values = self.energies.column(name)?.values.iter();
-            Some(values.fold(0.0_f64, |most, value| {
-                if value.abs() > most.abs() {
-                    *value
-                } else {
-                    most
-                }
-            }))
-        };
-        let of = |name| most(name).unwrap_or(0.0);
-        let dissipated = of("plastic") + of("damage");
-        let (recovery, integration) = (-of("recovery"), of("integration"));
-        let is_large = recovery > Self::LARGE_RECOVERY * dissipated
-            || integration.abs() > Self::LARGE_INTEGRATION * dissipated;
-        (dissipated > 0.0 && is_large).then_some(Remark::CrackEnergy {
-            dissipated,
-            recovery,
-            integration,
-        })
-    }
-    /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
-    /// changes the body.
-    fn unbalanced(&self) -> Option<Remark> {
-        let first = self.stages.first()?;
-        let share = first.solution.unbalanced;
-        let (displacement, node) = first.largest_displacement;
-        let changes = first.excavated + first.cast > 0;
-        (self.in_situ_stress && !changes && share > Self::BALANCED).then(|| Remark::Unbalanced {
-            stage: first.name.clone(),
-            share,
-            displacement,
-            node,
-        })
     }
     /// Table of the values of largest magnitude of all histories, section forces, bolts, joints (where not zero),
     /// envelopes and history variables.
@@ -544,31 +462,6 @@ impl Recordings {
             bolt_histories: history,
             advice: Vec::new(),
             fibres: None,
-        }
-    }
-}
-
-/// Adds a warning; of those about the hourglass work of one set in several stages only the largest is kept.
-fn keep_worst(warnings: &mut Vec<Remark>, warning: Remark) {
-    let of_stage = |warning: &Remark| match warning {
-        Remark::Hourglass {
-            stage: Some(_),
-            set,
-            share,
-        } => Some((set.clone(), *share)),
-        _ => None,
-    };
-    let known = of_stage(&warning).and_then(|(set, share)| {
-        let mut known = warnings.iter_mut();
-        let found = known.find(|known| of_stage(known).is_some_and(|(other, _)| other == set));
-        found.map(|known| (known, share))
-    });
-    match known {
-        None => warnings.push(warning),
-        Some((known, share)) => {
-            if of_stage(known).is_some_and(|(_, least)| share > least) {
-                *known = warning;
-            }
         }
     }
 }
