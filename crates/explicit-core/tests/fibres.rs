@@ -552,7 +552,7 @@ fn a_joint_with_a_fibre_on_one_side_takes_an_impact() {
             let of_first: Vec3 = (0..=40).map(|n| model.velocity(n) * model.mass(n)).sum();
             found.push(of_first.dot(&along) / before);
         }
-        // Of equal bars the first stands still; of these, the second is a little longer.
+        // Of equal bars the first is left at rest; of these, the second is a little longer.
         assert!((found[0] - found[1]).abs() < 0.01, "{added}: {found:?}");
         assert!(found[1].abs() < 0.06, "{found:?}");
     }

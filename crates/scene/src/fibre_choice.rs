@@ -10,13 +10,13 @@ use crate::fibre_price::FibreShift;
 use crate::fibres::MOST_NODES;
 use crate::scene_remark::quoted;
 
-/// Share of the wished gain of the step below which it falls short.
+/// Share of the requested gain of the step below which it falls short.
 const ENOUGH: f64 = 0.5;
 
 /// Fibres that a scene asks for: added inertia of the motion across thin parts, for a longer step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FibreOptions {
-    /// Wished stable step over that without fibres (1), above 1 and at most 10.
+    /// Requested stable step over that without fibres (1), above 1 and at most 10.
     pub factor: f64,
     /// Element sets with fibres; none for all parts, where fibres are thinner than a fifth of the shortest wavelength
     /// that the mesh of the part resolves.
@@ -26,7 +26,7 @@ pub struct FibreOptions {
 }
 
 impl FibreOptions {
-    /// Fibres for a wished factor on the step (1), in all thin parts, that lower no frequency of the input by more
+    /// Fibres for a requested factor on the step (1), in all thin parts, that lower no frequency of the input by more
     /// than 1 %.
     pub fn new(factor: f64) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl FibreOptions {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FibreChoice {
-    /// Wished factor on the stable step (1).
+    /// Requested factor on the stable step (1).
     pub factor: f64,
     /// The fibres.
     pub fibres: Vec<Fibre>,
@@ -65,7 +65,7 @@ pub struct FibreChoice {
     pub cut_edges: usize,
     /// Number of fibres that were left out because they are longer than a fifth of the shortest wavelength.
     pub thick: usize,
-    /// Number of elements that limit the wished step and have no fibre: of another kind, without short edges, or of
+    /// Number of elements that limit the requested step and have no fibre: of another kind, without short edges, or of
     /// other sets.
     pub without: usize,
     /// By how much they lower frequencies of the structure; none where there is no structure apart from the ground.
@@ -82,7 +82,7 @@ impl FibreChoice {
         let added = self.fibres.iter().map(|fibre| fibre.added);
         added.fold(0.0, f64::max)
     }
-    /// Whether the step is much shorter than wished.
+    /// Whether the step is much shorter than requested.
     pub fn falls_short(&self) -> bool {
         self.gain() - 1.0 < ENOUGH * (self.factor - 1.0)
     }
@@ -109,7 +109,7 @@ impl fmt::Display for FibreChoice {
         } else {
             write!(
                 f,
-                "fibres make the stable step {gain:.2} times as long ({step:.3e} s; wished {}): {} in {}, in which the motion of nodes relative to each other is up to {:.1} times as heavy; accelerations, shear forces and floor spectra there feel it first",
+                "fibres make the stable step {gain:.2} times as long ({step:.3e} s; requested {}): {} in {}, in which the motion of nodes relative to each other is up to {:.1} times as heavy; accelerations, shear forces and floor spectra there feel it first",
                 self.factor,
                 self.sizes_text(),
                 quoted(&self.sets),
@@ -170,7 +170,7 @@ impl FibreChoice {
 }
 
 impl FibreOptions {
-    /// Largest wished factor on the step.
+    /// Largest requested factor on the step.
     pub const MOST: f64 = 10.0;
 
     /// Checks the factor and the names of the sets.

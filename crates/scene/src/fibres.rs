@@ -6,7 +6,7 @@
 //! others.
 //!
 //! *Each element gets what it needs*: the bound of its own frequency times the ratio of the assembled model says how
-//! long a step it permits by itself; the inertia that it lacks for the wished step follows from the square. The step
+//! long a step it permits by itself; the inertia that it lacks for the requested step follows from the square. The step
 //! that is reached is computed afterwards, from the whole model.
 //!
 //! *Edges join nodes from the shortest on*, and one that would bring two nodes of joints, or too many nodes, into one
@@ -27,7 +27,7 @@ use crate::{Error, FibreChoice, FibreOptions, Scene};
 pub(crate) const MOST_NODES: usize = 18;
 /// Factor on the step up to which thin elements alone must limit it for fibres to be worth a try.
 const NEARLY_TWICE: f64 = 1.5;
-/// An edge of a fibre is shorter than this many times the way of a P wave in the wished step.
+/// An edge of a fibre is shorter than this many times the way of a P wave in the requested step.
 const REACH: f64 = 1.15;
 /// It is of a family of parallel edges at most this many times as long as the shortest, and below this share of the
 /// longest.
@@ -299,14 +299,14 @@ impl FibreSite {
         })
     }
 
-    /// The fibres for a wished factor on the stability limit (s) of a model, from the frequency bounds of its elements.
+    /// The fibres for a requested factor on the stability limit (s) of a model, from the frequency bounds of its elements.
     fn find(&self, options: &FibreOptions, bounds: &[FrequencyBound], limit: f64) -> Found {
         let highest = bounds
             .iter()
             .fold(0.0_f64, |most, bound| most.max(bound.frequency));
         // Of the element with the highest frequency the limit is that of the model.
         let permitted = |bound: &FrequencyBound| limit * highest / bound.frequency;
-        let wished = options.factor * limit;
+        let requested = options.factor * limit;
         let named = options.sets.as_ref().map(|sets| {
             let elements = sets
                 .iter()
@@ -315,14 +315,14 @@ impl FibreSite {
         });
         let mut found = Found::default();
         let mut short = Vec::new();
-        for bound in bounds.iter().filter(|bound| permitted(bound) < wished) {
+        for bound in bounds.iter().filter(|bound| permitted(bound) < requested) {
             let is_named = named
                 .as_ref()
                 .is_none_or(|named| named.contains(&bound.element));
-            let added = (wished / permitted(bound)).powi(2) - 1.0;
+            let added = (requested / permitted(bound)).powi(2) - 1.0;
             let before = short.len();
             if is_named {
-                self.add_short_edges(bound.element, (added, wished), &mut short);
+                self.add_short_edges(bound.element, (added, requested), &mut short);
             }
             found.without += usize::from(short.len() == before);
         }
@@ -333,8 +333,13 @@ impl FibreSite {
         found
     }
 
-    /// Adds the short edges of an element with the inertia that it needs, for a wished step (s).
-    fn add_short_edges(&self, element: u32, (added, wished): (f64, f64), out: &mut Vec<ShortEdge>) {
+    /// Adds the short edges of an element with the inertia that it needs, for a requested step (s).
+    fn add_short_edges(
+        &self,
+        element: u32,
+        (added, requested): (f64, f64),
+        out: &mut Vec<ShortEdge>,
+    ) {
         let Some(part) = self.part_of[element as usize] else {
             return;
         };
@@ -351,7 +356,7 @@ impl FibreSite {
                 let length = length(&self.mesh, element, edge);
                 let mut nodes = edge.map(|end| self.stands_for[nodes[end as usize] as usize]);
                 nodes.sort_unstable();
-                if length < REACH * self.parts[part].p_speed * wished && nodes[0] != nodes[1] {
+                if length < REACH * self.parts[part].p_speed * requested && nodes[0] != nodes[1] {
                     out.push(ShortEdge {
                         length,
                         nodes,
@@ -454,8 +459,8 @@ mod tests {
         sizes.into_iter().collect()
     }
 
-    /// Each column of nodes through a plate is a fibre with the square of the wished step less one, in a named set
-    /// those of its elements alone; elements that permit the wished step need none.
+    /// Each column of nodes through a plate is a fibre with the square of the requested step less one, in a named set
+    /// those of its elements alone; elements that permit the requested step need none.
     #[test]
     fn nodes_through_the_thickness_are_a_fibre() {
         for layers in [1, 2, 4] {

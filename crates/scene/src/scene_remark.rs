@@ -11,7 +11,7 @@ use crate::magnitude::Magnitude;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneRemark {
-    /// The fibres of the scene; a warning if the step falls short of that wished.
+    /// The fibres of the scene; a warning if the step falls short of that requested.
     Fibres(Box<FibreChoice>),
     /// Warning: a quantity is outside its usual range, in a scene that allows such quantities.
     Magnitude(Magnitude),

@@ -257,7 +257,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Wished factors on the step for which a check lists what fibres would do, and least gain that it lists.
+/// Requested factors on the step for which a check lists what fibres would do, and least gain that it lists.
 const FACTORS: [f64; 3] = [1.5, 2.0, 3.0];
 const LEAST_GAIN: f64 = 1.05;
 /// Number of parts of a disconnected mesh that a warning names.
@@ -301,7 +301,7 @@ pub struct CheckReport {
     pub format: Option<FormatError>,
     /// The at most three changes that save most wall time, a tenth at least each, the best first.
     pub savings: Vec<Saving>,
-    /// What fibres would do to the step for each of some wished factors, and by how much they lower frequencies; empty
+    /// What fibres would do to the step for each of some requested factors, and by how much they lower frequencies; empty
     /// where they hardly help or cannot be had.
     pub fibres: Vec<FibreChoice>,
     /// Changes of kernel, number format or damping with which the scene is refused, and why; how much they would save is

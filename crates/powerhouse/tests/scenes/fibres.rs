@@ -22,11 +22,11 @@ fn tunnel(time: &str) -> Result<FileScene, Error> {
     FileScene::from_toml(&text, &file, &Registry::default())
 }
 
-/// Fibres of the five nodes through the lining of a tunnel make its step 2.0 and 3.0 times as long for these wishes,
+/// Fibres of the five nodes through the lining of a tunnel make its step 2.0 and 3.0 times as long for these requests,
 /// as a prototype found by power iteration on its mesh (steps 2.0 and 3.0 for an added inertia of 3 and 8); the
 /// ground, whose bricks would permit 4 times the step, has none.
 #[test]
-fn a_lining_steps_as_far_as_wished() {
+fn a_lining_steps_as_far_as_requested() {
     for (factor, added) in [(2.0, 3.0), (3.0, 8.0)] {
         let time = format!("duration = 0.1\nfibres = {factor}\n");
         let simulation = tunnel(&time).unwrap().prepare().unwrap();
@@ -135,7 +135,7 @@ fn walled(degrees: f64, stage: bool) -> Scene {
     scene
 }
 
-/// A body that has come to rest under its weight stays at rest with fibres as without: displacements of the stage are
+/// A body in static equilibrium under its weight stays at rest with fibres as without: displacements of the stage are
 /// the same bits, and it does not move, by 1e-12 of what the weight has moved it.
 #[test]
 fn a_body_at_rest_stays_at_rest() {

@@ -19,7 +19,7 @@ pub enum Fibres {
     /// No fibres.
     #[default]
     None,
-    /// Fibres in all thin parts, for a wished factor on the step.
+    /// Fibres in all thin parts, for a requested factor on the step.
     Factor(StepFactor),
     /// Fibres in some sets.
     InSets(FibreSection),
@@ -30,14 +30,14 @@ pub enum Fibres {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct FibreSection {
-    /// Wished stable step over that without fibres, above 1 and at most 10.
+    /// Requested stable step over that without fibres, above 1 and at most 10.
     pub factor: StepFactor,
     /// Element sets with fibres.
     pub sets: Vec<At<String>>,
 }
 
 impl Fibres {
-    /// Fibres for another wished factor, in the same sets.
+    /// Fibres for another requested factor, in the same sets.
     #[must_use]
     pub fn with_factor(&self, factor: StepFactor) -> Self {
         match self {

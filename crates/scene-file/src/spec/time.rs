@@ -26,7 +26,7 @@ pub struct Time {
     /// estimate already.
     pub safety: Option<Share>,
     /// Fibres: added inertia of the motion across thin parts, for a longer step; weight and static solutions do not know it.
-    /// `"none"` (the default), the wished factor on the stable step in all parts that are thinner than a fifth of the
+    /// `"none"` (the default), the requested factor on the stable step in all parts that are thinner than a fifth of the
     /// shortest wavelength that their mesh resolves, or `{ factor = 2, sets = ["lining"] }`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub fibres: At<Fibres>,
