@@ -469,8 +469,8 @@ mod tests {
             for (factor, added) in [(1.5, 1.25), (2.0, 3.0), (3.0, 8.0)] {
                 let found = site.find(&FibreOptions::new(factor), &bounds, limit);
                 assert_eq!(sizes(&found), [(layers + 1, 20)]);
-                let is_as_wished = |fibre: &Fibre| (fibre.added - added).abs() < 1e-12;
-                assert!(found.fibres.iter().all(is_as_wished));
+                let is_as_requested = |fibre: &Fibre| (fibre.added - added).abs() < 1e-12;
+                assert!(found.fibres.iter().all(is_as_requested));
                 let named = FibreOptions::new(factor).in_sets(["first"]);
                 let found = site.find(&named, &bounds, limit);
                 assert_eq!(sizes(&found), [(layers + 1, 8)]);
