@@ -177,7 +177,7 @@ fn fibres(out: &mut String, choices: &[FibreChoice]) {
     if !choices.is_empty() {
         line!(
             out,
-            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, decrease of frequencies"
+            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, estimated decrease of frequencies; a step with them takes longer than one without"
         );
     }
     for choice in choices {
@@ -197,7 +197,7 @@ fn fibres(out: &mut String, choices: &[FibreChoice]) {
         });
         line!(
             out,
-            "  {:<4} step {:.2} times as long, about {:.0} % less time; {} in {}{shift}",
+            "  {:<4} step {:.2} times as long, {:.0} % fewer steps; {} in {}{shift}",
             choice.factor,
             choice.gain(),
             100.0 * (1.0 - 1.0 / choice.gain()),
