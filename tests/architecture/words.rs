@@ -109,10 +109,7 @@ const PRIVATE: &[Private] = &[
         "static equilibrium; reaches static equilibrium; equilibrated",
     ),
     names(&["BodyAtRest"], "EquilibratedBody"),
-    words(
-        &["wish", "requests", "requested"],
-        "request, requested; goal",
-    ),
+    words(&["wish", "wishes", "wished"], "request, requested; goal"),
     words(&["hearing"], "progress callback, cancellation flag"),
     words(&["outlook"], "prediction"),
     names(&["Bench"], "comparison runs"),
@@ -353,7 +350,7 @@ fn private_expressions_are_found() {
         [(1, "comes to rest")]
     );
     assert_eq!(lines("struct HistoryWish;"), [(1, "wish")]);
-    assert_eq!(lines("fn wishes_of() {}"), [(1, "requests")]);
+    assert_eq!(lines("fn wishes_of() {}"), [(1, "wishes")]);
     assert_eq!(lines("struct Stand;"), [(1, "Stand")]);
     assert_eq!(
         lines("// bookkeeping, stepping, a stand; it comes. To rest"),
