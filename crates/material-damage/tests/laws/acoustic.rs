@@ -49,7 +49,8 @@ fn rates_are_those_of_the_closed_form() {
     }
 }
 
-/// The rate does not depend on the scale of stress, and that of a law that softens, too, is that of its flow.
+/// The rate does not depend on the scale of stress, and that of a law that softens, too, is that of its flow to 5 %, by which the part of its
+/// tangent that softening has is known.
 #[test]
 fn rates_are_of_the_flow_alone() {
     for cohesion in [1e3, 1.3e6, 5e8] {
@@ -67,7 +68,7 @@ fn rates_are_of_the_flow_alone() {
         growth_of_flow(&ElastoPlastic::new(bare)),
     ];
     assert!(
-        (damaged.unwrap() / bare.unwrap() - 1.0).abs() < 0.01,
+        (damaged.unwrap() / bare.unwrap() - 1.0).abs() < 0.05,
         "{damaged:?} {bare:?}"
     );
 }
