@@ -8,7 +8,7 @@ use powerhouse_scene::Results;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct FibreSummary {
-    /// Wished factor on the stable step.
+    /// Requested factor on the stable step.
     pub factor: f64,
     /// Stable step over that without fibres.
     pub gain: f64,

@@ -63,7 +63,7 @@ pub enum Error {
         100.0 * shift, 100.0 * limit
     )]
     FibreShift {
-        /// Wished factor on the step (1).
+        /// Requested factor on the step (1).
         factor: f64,
         /// Estimated relative decrease (1).
         shift: f64,
