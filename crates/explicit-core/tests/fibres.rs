@@ -1,19 +1,18 @@
 //! Fibres: the inertia that they add, its frequencies, momentum, energy, joints and bits.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, Rotation3, Unit};
 use powerhouse_contact::{Frictionless, Joint};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
-    BlockFactory, BlockPart, BoundaryParts, CheckpointSink, ElementKind, EnergyCheck, Fibre,
-    JointPair, Mat3, Mesh, ModelError, ModelSpec, NodalImpedance, NodalView, NodalViewMut,
-    Operator, PeriodicPairs, Precision, Prescribed, Progress, Quad, RunError, RunOptions,
-    RunReport, SavedRun, State, StepChoice, Support, TimeIntegrator, Vec3,
+    BlockFactory, BoundaryParts, ElementKind, EnergyCheck, Fibre, JointPair, Mat3, Mesh, ModelSpec,
+    NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError, RunOptions, RunReport, State,
+    StepChoice, Support, TimeIntegrator, Vec3,
 };
 
-use crate::support::{Links, hex_box, random_vectors};
+use crate::support::{Links, StopAfter, dense, hex_box, random_vectors, same_bits_over_threads};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)
@@ -77,12 +76,15 @@ fn a_fibre_of_two_masses_shifts_the_frequency_that_strains_it() {
         let mesh = bars(&[0.0, 1.0, 1.0 + thin, 2.0 + thin], along);
         let (young, area, density) = (9.0e9, 0.5, 2700.0);
         let links = |set: &str| Links::new(set, ElementKind::Bar2, young, area, density).boxed();
-        let mut model = Model::builder(&mesh)
-            .elements("bar 1", links("bar 1"))
-            .elements("bar 2", links("bar 2"))
-            .elements("bar 3", links("bar 3"))
-            .build()
-            .unwrap();
+        let chain = || {
+            Model::builder(&mesh)
+                .elements("bar 1", links("bar 1"))
+                .elements("bar 2", links("bar 2"))
+                .elements("bar 3", links("bar 3"))
+                .build()
+                .unwrap()
+        };
+        let mut model = chain();
         let outer = 0.5 * density * area;
         let inner = outer * (1.0 + thin);
         let (k, middle) = (young * area, young * area / thin);
@@ -109,12 +111,7 @@ fn a_fibre_of_two_masses_shifts_the_frequency_that_strains_it() {
             let shape: Vec<Vec3> = shape.iter().map(|value| along * (1e-3 * value)).collect();
             let before = (1.0 - angle.cos()) / step;
             let velocity: Vec<Vec3> = shape.iter().map(|value| value * before).collect();
-            let mut model = Model::builder(&mesh)
-                .elements("bar 1", links("bar 1"))
-                .elements("bar 2", links("bar 2"))
-                .elements("bar 3", links("bar 3"))
-                .build()
-                .unwrap();
+            let mut model = chain();
             model.set_fibres(&[of(&[2, 1], added)]).unwrap();
             model.set_initial(&shape, &velocity).unwrap();
             let report = steps(&mut model, 333, step);
@@ -134,28 +131,9 @@ fn dense_limit(
     factory: &dyn BlockFactory,
     (fibres, held): (&[Fibre], &[(Vec<u32>, Vec3)]),
 ) -> f64 {
-    let count = mesh.node_count();
-    let (elements, nodes): (Vec<u32>, Vec<u32>) = (
-        (0..mesh.element_count() as u32).collect(),
-        (0..count as u32).collect(),
-    );
-    let block = factory
-        .build(&BlockPart::new(mesh, &elements, &nodes))
-        .unwrap();
-    let mut mass = vec![0.0; count];
-    block.add_mass(&mut mass);
-    let size = 3 * count;
-    let mut stiffness = DMatrix::<f64>::zeros(size, size);
-    for dof in 0..size {
-        let mut unit = vec![Quad::<f64>::default(); count];
-        unit[dof / 3].values[dof % 3] = 1.0;
-        let mut out = vec![Quad::<f64>::default(); count];
-        let view = NodalView::F64(&unit);
-        block.apply(Operator::Elastic, view, NodalViewMut::F64(&mut out));
-        for row in 0..size {
-            stiffness[(row, dof)] = out[row / 3].values[row % 3];
-        }
-    }
+    let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
+    let (stiffness, mass) = dense(mesh, factory, &elements);
+    let size = stiffness.nrows();
     let mut inertia = DMatrix::<f64>::zeros(size, size);
     for dof in 0..size {
         inertia[(dof, dof)] = mass[dof / 3];
@@ -395,29 +373,7 @@ fn everything(threads: usize, precision: Precision) -> State {
 /// The same bits for 1, 2 and 4 threads, in double and in single precision.
 #[test]
 fn threads_do_not_change_a_bit() {
-    for precision in [Precision::F64, Precision::F32] {
-        let reference = everything(1, precision);
-        for threads in [2, 4] {
-            assert_eq!(
-                reference,
-                everything(threads, precision),
-                "{threads} threads"
-            );
-        }
-    }
-}
-
-/// Keeps the state after a step, and ends the run there.
-#[derive(Debug)]
-struct StopAfter(u64, Mutex<Option<SavedRun>>);
-impl CheckpointSink for StopAfter {
-    fn is_due(&self, progress: &Progress) -> bool {
-        progress.done == self.0
-    }
-    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
-        *self.1.lock().unwrap() = Some(saved);
-        Err(ModelError::refused("test", "stopped"))
-    }
+    same_bits_over_threads(everything);
 }
 
 /// A run with fibres that is resumed has the bits of one that was not interrupted; without the fibres, or with others,
@@ -442,9 +398,9 @@ fn a_resumed_run_has_the_same_bits() {
     };
     let mut whole = build(3.0);
     let report = go(&mut whole, options()).unwrap();
-    let sink = Arc::new(StopAfter(23, Mutex::new(None)));
+    let sink = StopAfter::new(23);
     go(&mut build(3.0), options().with_checkpoints(sink.clone())).unwrap_err();
-    let saved = Arc::new(sink.1.lock().unwrap().take().unwrap());
+    let saved = Arc::new(sink.saved());
     let mut resumed = build(3.0);
     let found = go(&mut resumed, options().with_resume(saved.clone())).unwrap();
     assert_eq!(whole.state(), resumed.state());

@@ -1,6 +1,6 @@
 //! The motion of models: closed forms, symmetry, and bits.
 
-use crate::support::{Links, chain, hex_box, random_vectors};
+use crate::support::{Links, chain, hex_box, random_vectors, same_bits_over_threads};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
@@ -202,16 +202,7 @@ fn momentum_is_conserved() {
 /// The same bits for 1, 2 and 4 threads, with impedances, loads, ties, damping and supports.
 #[test]
 fn threads_do_not_change_a_bit() {
-    for precision in [Precision::F64, Precision::F32] {
-        let reference = everything(1, precision);
-        for threads in [2, 4] {
-            assert_eq!(
-                reference,
-                everything(threads, precision),
-                "{threads} threads"
-            );
-        }
-    }
+    same_bits_over_threads(everything);
 }
 
 fn everything(threads: usize, precision: Precision) -> State {

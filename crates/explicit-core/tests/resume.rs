@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex};
 
-use crate::support::{Links, chain};
+use crate::support::{Links, StopAfter, chain};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
-    Cadence, CheckpointSink, Constraint, ConstraintWork, ElementKind, EnergyCheck, Fields, Flow,
-    ModelError, NodalLoad, Observer, PredictedMotion, Progress, RunError, RunOptions, SavedRun,
-    StateError, StepChoice, StepView, Support, Vec3,
+    Cadence, Constraint, ConstraintWork, ElementKind, EnergyCheck, Fields, Flow, ModelError,
+    NodalLoad, Observer, PredictedMotion, RunError, RunOptions, SavedRun, StateError, StepChoice,
+    StepView, Support, Vec3,
 };
 
 /// A pull that grows whenever it is evaluated.
@@ -99,19 +99,6 @@ fn bar(block_size: usize) -> Model {
         .unwrap()
 }
 
-/// Keeps the state after a step, and ends the run there.
-#[derive(Debug)]
-struct StopAfter(u64, Mutex<Option<SavedRun>>);
-impl CheckpointSink for StopAfter {
-    fn is_due(&self, progress: &Progress) -> bool {
-        progress.done == self.0
-    }
-    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
-        *self.1.lock().unwrap() = Some(saved);
-        Err(ModelError::refused("test", "stopped"))
-    }
-}
-
 fn options() -> RunOptions {
     RunOptions::steps(40)
         .with_step(StepChoice::Fixed(1e-4))
@@ -141,11 +128,10 @@ fn go(mut model: Model, keeps: &[bool], options: &RunOptions) -> (Result<f64, Ru
 }
 
 fn saved_after(step: u64, keeps: &[bool]) -> SavedRun {
-    let sink = Arc::new(StopAfter(step, Mutex::new(None)));
+    let sink = StopAfter::new(step);
     let (ended, _) = go(bar(5), keeps, &options().with_checkpoints(sink.clone()));
     assert!(matches!(ended, Err(RunError::Observer { .. })), "{ended:?}");
-    let saved = sink.1.lock().unwrap().take();
-    saved.unwrap()
+    sink.saved()
 }
 
 /// A load and an observer with a memory go on where they were, a constraint and blocks without one need nothing; an

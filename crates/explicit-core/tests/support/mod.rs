@@ -1,11 +1,13 @@
 //! Meshes, and elements made of axial links between all their nodes: simple enough to be trusted,
 //! rich enough to exercise the engine without any of its own kernels.
 
-use nalgebra::{DMatrix, DVector};
+use std::sync::{Arc, Mutex};
+
+use nalgebra::DMatrix;
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementFault,
-    ElementKind, FrequencyBound, HistoryField, Mat3, Mesh, ModelError, NodalView, NodalViewMut,
-    Operator, Precision, Quad, Rayleigh, Stress, Vec3,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, CheckpointSink, ElementBlock,
+    ElementFault, ElementKind, FrequencyBound, HistoryField, Mat3, Mesh, ModelError, NodalView,
+    NodalViewMut, Operator, Precision, Progress, Quad, Rayleigh, SavedRun, State, Stress, Vec3,
 };
 
 /// Elements whose nodes are joined by links of stiffness `young * area / length`.
@@ -330,6 +332,33 @@ pub(crate) fn random_vectors(count: usize, size: f64, seed: u64) -> Vec<Vec3> {
         .collect()
 }
 
+/// Dense elastic stiffness of elements, column by column, and the masses of the nodes of the mesh.
+pub(crate) fn dense(
+    mesh: &Mesh,
+    factory: &dyn BlockFactory,
+    elements: &[u32],
+) -> (DMatrix<f64>, Vec<f64>) {
+    let count = mesh.node_count();
+    let nodes: Vec<u32> = (0..count as u32).collect();
+    let part = BlockPart::new(mesh, elements, &nodes);
+    let block = factory.build(&part).unwrap();
+    let mut mass = vec![0.0; count];
+    block.add_mass(&mut mass);
+    let size = 3 * count;
+    let mut stiffness = DMatrix::<f64>::zeros(size, size);
+    for dof in 0..size {
+        let mut unit = vec![Quad::<f64>::default(); count];
+        unit[dof / 3].values[dof % 3] = 1.0;
+        let mut out = vec![Quad::<f64>::default(); count];
+        let view = NodalView::F64(&unit);
+        block.apply(Operator::Elastic, view, NodalViewMut::F64(&mut out));
+        for row in 0..size {
+            stiffness[(row, dof)] = out[row / 3].values[row % 3];
+        }
+    }
+    (stiffness, mass)
+}
+
 /// The stable limit `2 / w` of an undamped model from its dense stiffness, with the nodes of
 /// `fixed` (mesh indices) held.
 pub(crate) fn dense_limit(
@@ -338,26 +367,46 @@ pub(crate) fn dense_limit(
     elements: &[u32],
     fixed: &[u32],
 ) -> f64 {
-    let count = mesh.node_count();
-    let nodes: Vec<u32> = (0..count as u32).collect();
-    let part = BlockPart::new(mesh, elements, &nodes);
-    let block = factory.build(&part).unwrap();
-    let mut mass = vec![0.0; count];
-    block.add_mass(&mut mass);
-    let free: Vec<usize> = (0..3 * count)
+    let (stiffness, mass) = dense(mesh, factory, elements);
+    let free: Vec<usize> = (0..stiffness.nrows())
         .filter(|dof| !fixed.contains(&((dof / 3) as u32)))
         .collect();
-    let mut matrix = DMatrix::<f64>::zeros(free.len(), free.len());
-    for (column, &dof) in free.iter().enumerate() {
-        let mut unit = vec![Quad::<f64>::default(); count];
-        unit[dof / 3].values[dof % 3] = 1.0;
-        let mut out = vec![Quad::<f64>::default(); count];
-        let view = NodalView::F64(&unit);
-        block.apply(Operator::Elastic, view, NodalViewMut::F64(&mut out));
-        let values = free
-            .iter()
-            .map(|&row| out[row / 3].values[row % 3] / (mass[row / 3] * mass[dof / 3]).sqrt());
-        matrix.set_column(column, &DVector::from_iterator(free.len(), values));
-    }
+    let matrix = DMatrix::from_fn(free.len(), free.len(), |row, column| {
+        let (row, dof) = (free[row], free[column]);
+        stiffness[(row, dof)] / (mass[row / 3] * mass[dof / 3]).sqrt()
+    });
     2.0 / matrix.symmetric_eigenvalues().max().sqrt()
+}
+
+/// Checks that a run, given its number of threads and its number format, ends with the same bits for 1, 2 and 4
+/// threads, in double and in single precision.
+pub(crate) fn same_bits_over_threads(end: impl Fn(usize, Precision) -> State) {
+    for precision in [Precision::F64, Precision::F32] {
+        let reference = end(1, precision);
+        for threads in [2, 4] {
+            assert_eq!(reference, end(threads, precision), "{threads} threads");
+        }
+    }
+}
+
+/// Keeps the state after a step, and ends the run there.
+#[derive(Debug)]
+pub(crate) struct StopAfter(u64, Mutex<Option<SavedRun>>);
+impl StopAfter {
+    pub(crate) fn new(step: u64) -> Arc<Self> {
+        Arc::new(Self(step, Mutex::new(None)))
+    }
+    /// The state that was kept.
+    pub(crate) fn saved(&self) -> SavedRun {
+        self.1.lock().unwrap().take().unwrap()
+    }
+}
+impl CheckpointSink for StopAfter {
+    fn is_due(&self, progress: &Progress) -> bool {
+        progress.done == self.0
+    }
+    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
+        *self.1.lock().unwrap() = Some(saved);
+        Err(ModelError::refused("test", "stopped"))
+    }
 }
