@@ -7,7 +7,7 @@ use powerhouse::io::{
     AccelerationUnit, Plot, Record, RecordError, RecordFault, RecordOptions, TableColumn,
     read_record, write_plot,
 };
-use powerhouse::wavefield::TimeHistory;
+use powerhouse::wavefield::{OscillatorResponse, TimeHistory};
 
 use crate::terminal::{say, say_warning};
 use crate::{Outcome, check_ending};
@@ -65,15 +65,10 @@ pub(crate) fn look(file: &Path, arguments: &LookRecord) -> Outcome {
             let shortest = 1e-3 * history.step();
             let own: Vec<f64> = periods.iter().map(|period| period.max(shortest)).collect();
             let responses = history.response_spectrum(DAMPING, &own)?;
-            let pseudo = |response: &powerhouse::wavefield::OscillatorResponse| {
-                let frequency = 2.0 * std::f64::consts::PI / response.period;
-                frequency * frequency * response.displacement
-            };
-            columns.push(TableColumn::new(
-                &name,
-                "m/s2",
-                responses.iter().map(pseudo).collect(),
-            ));
+            let pseudo = responses
+                .iter()
+                .map(OscillatorResponse::pseudo_acceleration);
+            columns.push(TableColumn::new(&name, "m/s2", pseudo.collect()));
         }
     }
     if let Some(picture) = &arguments.picture {

@@ -21,6 +21,7 @@ use powerhouse_model::{
 
 use crate::body::Piece;
 use crate::fibre_price::StaticShape;
+use crate::resolution::PER_WAVELENGTH;
 use crate::{Error, FibreChoice, FibreOptions, Scene};
 
 /// Most nodes of a fibre.
@@ -33,10 +34,9 @@ const REACH: f64 = 1.15;
 /// longest.
 const ALIKE: f64 = 1.3;
 const SHORT: f64 = 0.75;
-/// Share of the shortest wavelength below which a part is thin, and elements per wavelength that a mesh resolves: a
-/// fibre of a set that is not named is shorter than their product times the longest edge of its part.
+/// Share of the shortest wavelength below which a part is thin: a fibre of a set that is not named is shorter than this
+/// share of the wavelength that the longest edge of its part resolves.
 const THIN: f64 = 0.2;
-const PER_WAVELENGTH: f64 = 10.0;
 
 /// Families of parallel edges of a brick and of a wedge, by their local nodes.
 const OF_BRICK: [&[[u8; 2]]; 3] = [

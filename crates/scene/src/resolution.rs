@@ -6,7 +6,7 @@ use powerhouse_model::Mesh;
 use crate::{Error, Scene};
 
 /// Elements per wavelength that a mesh should have for waves to travel without visible dispersion.
-const PER_WAVELENGTH: f64 = 10.0;
+pub(crate) const PER_WAVELENGTH: f64 = 10.0;
 
 /// Highest frequency that the mesh of a part resolves, with ten elements per shear wavelength, and that its damping reaches.
 #[derive(Clone, Debug, PartialEq)]
