@@ -30,11 +30,15 @@ const SCENE: &str = "powerhouse-scene";
 const RESULTS: &str = "powerhouse-results";
 const SCENE_FILE: &str = "powerhouse-scene-file";
 
+/// The crate of accelerograms.
+const RECORDS: &str = "powerhouse-records";
+
 /// The crate of reports, above the studies.
 const REPORT: &str = "powerhouse-report";
 
-/// The crates around the model; none knows another, but elements record programs, and a device compiles them.
-const AROUND_MODEL: [&str; 11] = [
+/// The crates around the model; none knows another, but elements record programs, a device compiles them, and records
+/// are read as other files are.
+const AROUND_MODEL: [&str; 12] = [
     ENGINE,
     PROGRAM,
     "powerhouse-elements",
@@ -44,6 +48,7 @@ const AROUND_MODEL: [&str; 11] = [
     "powerhouse-contact",
     "powerhouse-material-damage",
     "powerhouse-io",
+    RECORDS,
     "powerhouse-mpi",
     DEVICE,
 ];
@@ -99,6 +104,8 @@ fn permitted(package: &str) -> Vec<&'static str> {
             "powerhouse-wang-2019",
         ],
         "powerhouse-elements" | DEVICE => vec![model, PROGRAM],
+        // Records are files, read whole as all others are.
+        RECORDS => vec!["powerhouse-io"],
         around if AROUND_MODEL.contains(&around) => vec![model],
         shelf if SHELVES.contains(&shelf) => {
             let mut below = [

@@ -8,6 +8,7 @@ use powerhouse::file_name;
 use powerhouse::io::{Plot, shown_number, write_noted_table, write_plot};
 use powerhouse::model::Vec3;
 use powerhouse_report::fields::{FieldLine, FieldQuantity, LineTable, RecordedFields};
+use powerhouse_report::floor::FloorPlot;
 use powerhouse_report::motion::{DAMPINGS, Measure, MotionPlot, RecordedMotions};
 
 use crate::advise::number;
@@ -39,6 +40,12 @@ pub(crate) struct PlotArguments {
     /// Damping ratio of a response spectrum, such as 5%; may be repeated. 2, 5 and 10 % by default.
     #[arg(long, value_name = "SHARE", value_parser = damping)]
     damping: Vec<f64>,
+    /// Share by which the peaks of a floor spectrum are broadened to both sides, such as 15%.
+    #[arg(long, value_name = "SHARE", value_parser = broadening)]
+    broaden: Option<f64>,
+    /// Folder of further results, such as of another case or mesh: a floor spectrum is the greatest of all; may be repeated.
+    #[arg(long, value_name = "FOLDER")]
+    with: Vec<PathBuf>,
     /// SVG file, beside which a CSV table is written; by default in the folder plots of the results.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -55,6 +62,8 @@ enum Kind {
     Time,
     /// Response spectrum of an acceleration.
     Response,
+    /// Response spectrum over frequency, the greatest of several results, with broadened peaks: for what a floor carries.
+    FloorSpectrum,
     /// Fourier amplitude of an acceleration.
     Fourier,
     /// Growth of the Arias intensity of an acceleration (Husid).
@@ -86,10 +95,16 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         );
         return Err(message.into());
     }
-    if !arguments.damping.is_empty() && !matches!(arguments.of, Kind::Response) {
-        return Err("`--damping` is that of response spectra: give `--of response`".into());
+    let is_floor = matches!(arguments.of, Kind::FloorSpectrum);
+    if !arguments.damping.is_empty() && !is_floor && !matches!(arguments.of, Kind::Response) {
+        let ways = "`--damping` is that of response spectra: give `--of response` or `--of floor-spectrum`";
+        return Err(ways.into());
     }
-    let tables = RecordedMotions::all_of_folder(arguments.folder)?;
+    if !is_floor && (arguments.broaden.is_some() || !arguments.with.is_empty()) {
+        let way = "`--broaden` and `--with` are those of floor spectra: give `--of floor-spectrum`";
+        return Err(way.into());
+    }
+    let tables = RecordedMotions::all_of_folder(&arguments.folder)?;
     if arguments.histories.is_empty() {
         let columns = || tables.iter().flat_map(RecordedMotions::columns);
         let longest = columns().map(|column| column.name.chars().count()).max();
@@ -107,9 +122,12 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         }
         return Ok(ExitCode::SUCCESS);
     }
+    if is_floor {
+        return floor(arguments);
+    }
     let motions = RecordedMotions::with_names(&tables, &arguments.histories)?;
     let measure = match arguments.of {
-        Kind::Time => Measure::Time,
+        Kind::Time | Kind::FloorSpectrum => Measure::Time,
         Kind::Response => Measure::Response,
         Kind::Fourier => Measure::Fourier,
         Kind::Husid => Measure::Husid,
@@ -139,6 +157,31 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
     let files = motions.write(&plot, arguments.out.as_deref())?;
     for warning in motions.warnings() {
         say_warning!("{warning}");
+    }
+    for file in files {
+        say!("{}", file.display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Draws floor spectra of one or several results.
+fn floor(arguments: PlotArguments) -> Outcome {
+    let folders = std::iter::once(arguments.folder).chain(arguments.with);
+    let results = folders.map(RecordedMotions::of_folder);
+    let results: Vec<RecordedMotions> = results.collect::<Result<_, _>>()?;
+    let plot = FloorPlot {
+        histories: arguments.histories,
+        dampings: match arguments.damping.is_empty() {
+            true => DAMPINGS.into(),
+            false => arguments.damping,
+        },
+        broaden: arguments.broaden.unwrap_or(0.0),
+    };
+    let files = plot.write(&results, arguments.out.as_deref())?;
+    for result in &results {
+        for warning in result.warnings() {
+            say_warning!("{}: {warning}", result.folder().display());
+        }
     }
     for file in files {
         say!("{}", file.display());
@@ -216,4 +259,10 @@ fn corners(text: &str) -> Result<Corners, String> {
 fn damping(text: &str) -> Result<f64, String> {
     let damping = number(text).filter(|damping| (0.0..=0.99).contains(damping));
     damping.ok_or_else(|| "a damping ratio from 0 to 99%, such as 5% or 0.05".into())
+}
+
+/// Reads a share by which peaks are broadened, from 0 to a half.
+fn broadening(text: &str) -> Result<f64, String> {
+    let share = number(text).filter(|share| (0.0..=0.5).contains(share));
+    share.ok_or_else(|| "a share from 0 to 50%, such as 15% or 0.15".into())
 }

@@ -78,6 +78,22 @@ fn a_new_scene_runs_to_a_report() {
     assert!(drawn.contains("plots/crown-response.svg"), "{drawn}");
     let table = std::fs::read_to_string(folder.join("out/plots/crown-response.csv")).unwrap();
     assert!(table.contains("crown.ax 5 %"), "{table}");
+    let of_floor = [
+        "plot",
+        "out",
+        "crown",
+        "--of",
+        "floor-spectrum",
+        "--damping",
+        "5%",
+    ];
+    let wider = ["--broaden", "15%", "--with", "out"];
+    said(&here, &[&of_floor[..], &wider].concat());
+    let table = std::fs::read_to_string(folder.join("out/plots/crown-floor-spectrum.csv")).unwrap();
+    assert!(
+        table.contains("crown.az 5 %, greatest of 2, peaks +-15 %"),
+        "{table}"
+    );
     let refused = powerhouse(
         &here,
         &["plot", "out", "crown.ax", "--out", "out/histories.svg"],

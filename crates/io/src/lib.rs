@@ -1,10 +1,10 @@
-//! Reading and writing of files: meshes, accelerograms, tables, VTU results, plots and pictures.
+//! Reading and writing of files: meshes, tables, VTU results, plots and pictures.
 //!
 //! | read | written |
 //! |---|---|
 //! | Gmsh meshes, [`read_gmsh`] | Gmsh meshes, [`write_gmsh`] |
 //! | meshes of Abaqus input files, [`read_inp`] | |
-//! | accelerograms, [`read_record`] | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
+//! | | tables as CSV, [`write_table`]; any summary as JSON, [`write_summary`] |
 //! | tables, [`read_table`] | fields for ParaView, [`VtuWriter`] and [`PvdCollection`] |
 //! | these fields, [`read_vtu`], [`read_pvd`] | all of a run in one file, `VtkHdf` (feature `vtkhdf`) |
 //! | motions of stations, [`read_station_motions`] | |
@@ -12,21 +12,6 @@
 //!
 //! The crate is independent of scenes, waves and engines: it reads and writes samples, meshes and
 //! columns of numbers, with their units.
-//!
-//! ```
-//! use powerhouse_io::{AccelerationUnit, RecordOptions, parse_record};
-//! let options = RecordOptions {
-//!     unit: Some(AccelerationUnit::MetrePerSecondSquared),
-//!     ..RecordOptions::default()
-//! };
-//! let record = parse_record(b"time,a\n0.00,0.1\n0.02,-0.3\n0.04,0.2\n", &options)?;
-//! assert_eq!((record.step, record.samples), (0.02, vec![0.1, -0.3, 0.2]));
-//!
-//! // What is not a number is an error with its line and column.
-//! let error = parse_record(b"0.00 0.1\n0.02 nan\n", &options).unwrap_err();
-//! assert_eq!(error.to_string(), "2:6: \"nan\" is not finite");
-//! # Ok::<(), powerhouse_io::RecordError>(())
-//! ```
 //!
 //! # Features
 //! All but `h5drm` and `vtkhdf` are on by default; tables (CSV) are always there. A program that needs one format compiles what that
@@ -36,7 +21,6 @@
 //! |---|---|---|
 //! | `gmsh` | Gmsh meshes, read and written | `mshio` |
 //! | `inp` | meshes of Abaqus input files | none |
-//! | `records` | accelerograms | none |
 //! | `vtu` | VTU and PVD files | `flate2`, `roxmltree` |
 //! | `plots` | plots as SVG | none |
 //! | `pictures` | pictures as PNG | `png` |
@@ -53,9 +37,6 @@
 //! *Files are written atomically.* Each is written under a temporary name and renamed when it is
 //! complete ([`write_whole`]); a collection of snapshots is valid after each of them, so that an
 //! interrupted run leaves readable output.
-//!
-//! *Units are declared, not guessed.* A text record may not state whether it is in g or m/s2; the
-//! caller must.
 //!
 //! *Pictures and plots without another program.* They show quickly whether a result is plausible, on
 //! any machine. For more there are ParaView and the CSV files.
@@ -77,8 +58,6 @@ mod packed;
 mod picture;
 #[cfg(feature = "plots")]
 mod plot;
-#[cfg(feature = "records")]
-mod records;
 #[cfg(any(feature = "pictures", feature = "plots"))]
 mod scale;
 #[cfg(any(feature = "gmsh", feature = "inp"))]
@@ -119,11 +98,6 @@ pub use picture::{
 };
 #[cfg(feature = "plots")]
 pub use plot::{Plot, PlotCurve, PlotPanel, write_plot};
-#[cfg(feature = "records")]
-pub use records::{
-    AccelerationUnit, CountRule, LengthRule, Record, RecordColumns, RecordError, RecordFault,
-    RecordOptions, common_length, parse_record, read_record,
-};
 #[cfg(any(feature = "gmsh", feature = "inp"))]
 pub use second_order::MeshOptions;
 pub use section_file::{

@@ -1,7 +1,5 @@
 //! Reading and writing of files.
 
-#[cfg(feature = "records")]
-mod agencies;
 #[cfg(all(feature = "pictures", feature = "plots"))]
 mod drawings;
 #[cfg(feature = "gmsh")]
@@ -12,12 +10,6 @@ mod h5drm;
 mod inp;
 #[cfg(feature = "packed")]
 mod packed;
-#[cfg(feature = "records")]
-mod records;
-#[cfg(feature = "records")]
-mod records_layouts;
-#[cfg(feature = "records")]
-mod records_text;
 mod stations;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;

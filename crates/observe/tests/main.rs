@@ -1,3 +1,4 @@
 //! Observers.
 
 mod observe;
+mod roughness;

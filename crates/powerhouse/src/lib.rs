@@ -59,7 +59,12 @@ mod run_inputs;
 
 pub use powerhouse_boundary as boundary;
 pub use powerhouse_contact as contact;
-pub use powerhouse_io as io;
+/// Reading and writing of files; with the feature `records` also of accelerograms.
+pub mod io {
+    pub use powerhouse_io::*;
+    #[cfg(feature = "records")]
+    pub use powerhouse_records::*;
+}
 pub use powerhouse_material_damage as material;
 pub use powerhouse_model as model;
 pub use powerhouse_mpi as mpi;

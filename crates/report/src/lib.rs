@@ -1,7 +1,7 @@
 //! Reports and pictures of results: one HTML page of a sweep or a run, motions as engineers read them, fields of snapshots.
 //!
 //! - [`write_report`] writes the results of a sweep or of a run to one self-contained HTML page.
-//! - [`motion`] measures recorded motions, and [`fields`] draws what snapshots have, after a run.
+//! - [`motion`] measures recorded motions, [`floor`] draws spectra for the design of what floors carry, and [`fields`] draws what snapshots have, after a run.
 //! - [`sensitivity`](fn@sensitivity) compares the cases of a sweep that vary one parameter.
 //!
 //! # Why so
@@ -13,6 +13,7 @@
 
 mod charts;
 pub mod fields;
+pub mod floor;
 mod forces;
 mod fourier;
 pub mod motion;

@@ -24,11 +24,15 @@ const TABLES: [(&str, &str); 5] = [
 /// Greatest length of the names of columns together in the name of a file (bytes).
 const LONGEST: usize = 100;
 /// Folder of the plots in a result folder.
-const PLOTS: &str = "plots";
+pub(crate) const PLOTS: &str = "plots";
 /// Unit of accelerations.
-const ACCELERATION: &str = "m/s2";
-/// Shortest and longest period (s) of response spectra, and number of periods in geometric progression.
-const PERIODS: ([f64; 2], usize) = ([0.02, 3.0], 90);
+pub(crate) const ACCELERATION: &str = "m/s2";
+/// Shortest period of response spectra (s).
+pub(crate) const SHORTEST_PERIOD: f64 = 0.02;
+/// Longest period of response spectra (s).
+pub(crate) const LONGEST_PERIOD: f64 = 3.0;
+/// Number of periods in geometric progression.
+const PERIODS: usize = 90;
 
 /// Measure of a motion, as a function of time, period or frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +172,18 @@ impl RecordedMotions {
             table,
         }))
     }
+    /// Folder of the results.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+    /// Accelerations from which spectra are.
+    pub(crate) fn accelerations(&self) -> &Accelerations {
+        &self.accelerations
+    }
+    /// Shortest period (s) of response spectra.
+    pub(crate) fn shortest_period(&self) -> f64 {
+        self.accelerations.shortest_period()
+    }
     /// Columns of the table but for the time, each with its name and unit.
     pub fn columns(&self) -> &[TableColumn] {
         &self.table[1..]
@@ -285,7 +301,7 @@ impl RecordedMotions {
         Ok([drawing, numbers])
     }
     /// A file for a plot, which is not beside the tables of the run.
-    fn outside<'f>(&self, file: &'f Path) -> Result<&'f Path, StudyError> {
+    pub(crate) fn outside<'f>(&self, file: &'f Path) -> Result<&'f Path, StudyError> {
         let folder = match file.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
@@ -331,11 +347,10 @@ impl RecordedMotions {
 
 /// The periods (s) of response spectra, from the shortest one (s) for which the motions hold.
 pub(crate) fn periods(resolved: f64) -> Vec<f64> {
-    let ([shortest, longest], count) = PERIODS;
-    let shortest = shortest.max(resolved).min(longest);
-    let ratio: f64 = longest / shortest;
-    (0..count)
-        .map(|index| shortest * ratio.powf(index as f64 / (count - 1) as f64))
+    let shortest = resolved.clamp(SHORTEST_PERIOD, LONGEST_PERIOD);
+    let ratio = LONGEST_PERIOD / shortest;
+    (0..PERIODS)
+        .map(|index| shortest * ratio.powf(index as f64 / (PERIODS - 1) as f64))
         .collect()
 }
 

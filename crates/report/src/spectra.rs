@@ -7,6 +7,7 @@ use powerhouse::wavefield::TimeHistory;
 
 use super::ReportTable;
 use super::{ReportCase, column, kinds};
+use crate::floor::FloorEnvelope;
 use crate::motion::{DAMPINGS, periods};
 use powerhouse_study::StudyError;
 use powerhouse_study::internal::rounded;
@@ -22,6 +23,11 @@ const STILL: f64 = 1e-2;
 /// Frequency (Hz) of an oscillator that follows the floor: what it bears is the peak of the floor.
 const STIFF: f64 = 33.0;
 
+/// Share by which the peaks of envelopes are broadened to both sides.
+const BROADENED: f64 = 0.15;
+/// Lowest drawn frequency of envelopes (Hz).
+const LOWEST: f64 = 1.0;
+
 /// Floor response spectra of several cases.
 pub(super) struct FloorSpectra {
     /// Periods of all spectra (s).
@@ -29,6 +35,9 @@ pub(super) struct FloorSpectra {
     /// Period (s) of the oscillator that bears the peak of the floor.
     stiff: f64,
     all: Vec<FloorSpectrum>,
+    /// The greatest of all cases with broadened peaks (m/s2), after their frequencies (Hz); and of which floor and axis each
+    /// is.
+    envelope: (TableColumn, Vec<(String, char, TableColumn)>),
 }
 
 /// Response spectrum of a floor of a case in one direction at one damping ratio.
@@ -91,6 +100,42 @@ fn motions(case: &ReportCase) -> Vec<FloorMotion<'_>> {
     found
 }
 
+/// The greatest spectra of the motions of each floor and axis over frequency, with broadened peaks, up to that of the shortest
+/// period (s).
+fn envelope(
+    motions: &[FloorMotion],
+    shortest: f64,
+) -> (TableColumn, Vec<(String, char, TableColumn)>) {
+    let of_frequency = FloorEnvelope::new(shortest, BROADENED);
+    let mut places: Vec<(&str, char)> = Vec::new();
+    for motion in motions {
+        if !places.contains(&(motion.floor, motion.axis)) {
+            places.push((motion.floor, motion.axis));
+        }
+    }
+    places.sort_unstable();
+    let mut envelopes = Vec::new();
+    for (floor, axis) in places {
+        let own = motions
+            .iter()
+            .filter(|one| (one.floor, one.axis) == (floor, axis));
+        let histories: Vec<TimeHistory> = own.map(|motion| motion.history.clone()).collect();
+        for damping in DAMPINGS {
+            let Ok(ordinates) = of_frequency.ordinates(&histories, damping) else {
+                continue;
+            };
+            let name = format!("{floor} {axis} {} %", 100.0 * damping);
+            envelopes.push((
+                floor.into(),
+                axis,
+                TableColumn::new(name, "m/s2", ordinates),
+            ));
+        }
+    }
+    let frequencies = TableColumn::new("frequency", "Hz", of_frequency.frequencies);
+    (frequencies, envelopes)
+}
+
 impl FloorSpectra {
     /// Computes the spectra of all floors of several cases.
     pub(super) fn of(cases: &[ReportCase]) -> Self {
@@ -116,6 +161,7 @@ impl FloorSpectra {
         });
         let all = spectra.collect();
         Self {
+            envelope: envelope(&motions, periods[0]),
             periods,
             stiff,
             all,
@@ -154,6 +200,55 @@ impl FloorSpectra {
         let warning = warning.map(|text| format!("warning: {text}"));
         let notes: Vec<String> = warning.into_iter().chain([note]).collect();
         Ok(write_noted_table(&file, &notes, &columns).map_err(powerhouse::Error::from)?)
+    }
+
+    /// Writes the greatest spectra of all cases, with broadened peaks, as a CSV table below the notes; returns the plots of the
+    /// floors with their captions.
+    pub(super) fn write_envelope(
+        &self,
+        folder: &Path,
+        notes: &[String],
+    ) -> Result<Vec<(PathBuf, String)>, StudyError> {
+        let (frequencies, envelopes) = &self.envelope;
+        let columns = envelopes.iter().map(|(_, _, column)| column.clone());
+        let columns: Vec<TableColumn> = std::iter::once(frequencies.clone())
+            .chain(columns)
+            .collect();
+        let file = folder.join("floor-spectra-broadened.csv");
+        write_noted_table(&file, notes, &columns).map_err(powerhouse::Error::from)?;
+        let from = frequencies.values.partition_point(|f| *f < LOWEST);
+        let mut plots = Vec::new();
+        for of_floor in envelopes.chunk_by(|a, b| a.0 == b.0) {
+            let floor = &of_floor[0].0;
+            let plot = Plot {
+                title: String::new(),
+                label: "frequency".into(),
+                unit: "Hz".into(),
+                panels: (of_floor.chunk_by(|a, b| a.1 == b.1))
+                    .map(|of_axis| PlotPanel {
+                        label: format!("acceleration along {}", of_axis[0].1),
+                        unit: "m/s2".into(),
+                        curves: of_axis
+                            .iter()
+                            .map(|(_, _, column)| PlotCurve {
+                                name: &column.name,
+                                x: &frequencies.values[from..],
+                                y: &column.values[from..],
+                            })
+                            .collect(),
+                    })
+                    .collect(),
+                gaps: Vec::new(),
+            };
+            let file = folder.join(format!("spectra-{floor}-broadened.svg"));
+            write_plot(&file, &plot).map_err(powerhouse::Error::from)?;
+            let share = 100.0 * BROADENED;
+            plots.push((
+                file,
+                format!("Greatest of all cases at {floor}, peaks broadened by {share} %"),
+            ));
+        }
+        Ok(plots)
     }
 
     /// The table of the peak accelerations of the floors of a case and the peaks of their spectra.

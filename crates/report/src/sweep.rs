@@ -370,7 +370,15 @@ impl Sweep<'_> {
             }
         }
         let plots = spectra.plots(self.cases, headline, &self.plots)?;
-        page.figures(plots)
+        page.figures(plots)?;
+        page.paragraph(
+            "For what a floor carries, the greatest of all cases over frequency, with peaks broadened by 15 % to both sides, is in \
+             report/floor-spectra-broadened.csv. It covers no other mesh than that of the cases.",
+        );
+        let notes = (self.cases.iter())
+            .map(|case| format!("case {}: {}", case.outcome.name, case.accelerations.note()));
+        let notes: Vec<String> = notes.chain(unknown).collect();
+        page.figures(spectra.write_envelope(&self.plots, &notes)?)
     }
 
     fn bolts(&self, page: &mut Page) {

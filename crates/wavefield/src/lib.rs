@@ -121,7 +121,7 @@ pub use pulse::{
 pub use quiet::{QuietStart, QuietStartLimits, StartLevel};
 pub use reflection::{SurfaceReflection, WaveKind, critical_angle};
 pub use signal::{Signal, SignalMotion, SignalSupport};
-pub use spectrum::{OscillatorResponse, SpectralLine};
+pub use spectrum::{OscillatorResponse, SpectralLine, broadened_spectrum};
 pub use split::{RecordedAt, SplitMotion, SplitParameters, SplitReport};
 pub use stations::{
     StationError, StationField, StationInterpolation, StationParameters, StationReport,

@@ -1,6 +1,6 @@
 //! Response and Fourier spectra, Arias intensity.
 
-use powerhouse_wavefield::TimeHistory;
+use powerhouse_wavefield::{TimeHistory, broadened_spectrum};
 use std::f64::consts::PI;
 
 /// Under a step of ground acceleration an undamped oscillator reaches twice the static
@@ -153,4 +153,45 @@ fn refined_histories_follow_band_limited_motions() {
     }
     let history = TimeHistory::new(step, vec![1.0, 2.0]).unwrap();
     assert!(history.refined(3).is_err() && history.refined(0).is_err());
+}
+
+/// A broadened peak covers its share to both sides, at its height, whatever the spacing of the frequencies; a valley
+/// narrower than the shares of its banks is filled, and a share of zero changes nothing.
+#[test]
+fn broadened_peaks_cover_their_share() {
+    for (count, peak, share) in [(400, 7.0, 0.15), (900, 2.3, 0.1), (150, 20.0, 0.2)] {
+        let ratio: f64 = 100.0;
+        let frequency = |index: usize| 0.5 * ratio.powf(index as f64 / (count - 1) as f64);
+        let frequencies: Vec<f64> = (0..count).map(frequency).collect();
+        let nearest = (frequencies.iter().copied())
+            .min_by(|a, b| (a - peak).abs().total_cmp(&(b - peak).abs()))
+            .unwrap();
+        let spike = |f: &f64| if *f == nearest { 5.0 } else { 1.0 };
+        let ordinates: Vec<f64> = frequencies.iter().map(spike).collect();
+        let broadened = broadened_spectrum(&frequencies, &ordinates, share).unwrap();
+        for (f, found) in frequencies.iter().zip(&broadened) {
+            // Beside the spike the polyline falls within one interval.
+            let spacing = ratio.powf(1.0 / (count - 1) as f64);
+            let [low, high] = [nearest * (1.0 - share), nearest * (1.0 + share)];
+            if (low..=high).contains(f) {
+                assert_eq!(*found, 5.0, "{f} Hz of {nearest}");
+            } else if *f < low / spacing || *f > high * spacing {
+                assert_eq!(*found, 1.0, "{f} Hz of {nearest}");
+            }
+        }
+        let same = broadened_spectrum(&frequencies, &ordinates, 0.0).unwrap();
+        assert_eq!(same, ordinates);
+    }
+    // Peaks at 9 and 11 Hz, 15 % each: all of 7.65 to 12.65 Hz.
+    let frequencies: Vec<f64> = (0..2000).map(|index| 5.0 + 0.005 * index as f64).collect();
+    let two = |f: &f64| 1.0 + 4.0 * ((f - 9.0).abs().min((f - 11.0).abs()) < 0.003) as u8 as f64;
+    let ordinates: Vec<f64> = frequencies.iter().map(two).collect();
+    let broadened = broadened_spectrum(&frequencies, &ordinates, 0.15).unwrap();
+    for (f, found) in frequencies.iter().zip(broadened) {
+        if (7.66..=12.64).contains(f) {
+            assert_eq!(found, 5.0, "{f} Hz");
+        }
+    }
+    assert!(broadened_spectrum(&[1.0, 1.0], &[0.0; 2], 0.7).is_err());
+    assert!(broadened_spectrum(&[2.0, 1.0], &[0.0; 2], 0.1).is_err());
 }

@@ -4,7 +4,7 @@ use super::draft::Draft;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use powerhouse_io::{
+use powerhouse_records::{
     AccelerationUnit, CountRule, LengthRule, RecordColumns, RecordOptions, common_length,
     read_record,
 };
@@ -161,7 +161,7 @@ fn processed(
 }
 
 /// Format, station, component and time of a record, and what was concluded from the content of its file.
-fn described(read: &powerhouse_io::Record) -> Option<String> {
+fn described(read: &powerhouse_records::Record) -> Option<String> {
     if read.format.is_empty() {
         return None;
     }
@@ -195,7 +195,7 @@ struct Part<'t> {
 fn files<'t>(
     source: (&SceneText, &Registry),
     table: &'t Record,
-) -> Result<Vec<(Part<'t>, powerhouse_io::Record)>, Fault> {
+) -> Result<Vec<(Part<'t>, powerhouse_records::Record)>, Fault> {
     let name = table.name.to_string();
     let letters = [Component::X, Component::Y, Component::Z].map(Component::letter);
     let of_letters = |span: core::ops::Range<usize>, found: Vec<Part<'t>>| match found.is_empty() {
@@ -258,7 +258,7 @@ fn files<'t>(
         }
     };
     let read = parts.iter().map(|part| read(source, table, part));
-    let mut read: Vec<powerhouse_io::Record> = read.collect::<Result<_, _>>()?;
+    let mut read: Vec<powerhouse_records::Record> = read.collect::<Result<_, _>>()?;
     let span = table.components.as_ref().map(At::span);
     if let Some(span) = span.or(table.channels.as_ref().map(At::span)) {
         let rule = match table.length.as_deref() {
@@ -443,7 +443,7 @@ fn read(
     (text, registry): (&SceneText, &Registry),
     table: &Record,
     part: &Part<'_>,
-) -> Result<powerhouse_io::Record, Fault> {
+) -> Result<powerhouse_records::Record, Fault> {
     let file = part.file;
     if let Some(history) = registry.record(file) {
         return in_memory(table, file, history);
@@ -476,7 +476,7 @@ fn in_memory(
     table: &Record,
     file: &At<PathBuf>,
     history: &TimeHistory,
-) -> Result<powerhouse_io::Record, Fault> {
+) -> Result<powerhouse_records::Record, Fault> {
     let refused = |text: &str| Err(Fault::refused(file.span(), text));
     if table.time_step.is_some() {
         return refused("`time_step` is about a file; the record is in memory and has its own");
@@ -484,10 +484,10 @@ fn in_memory(
     if !matches!(table.units, None | Some(Units::MetrePerSecondSquared)) {
         return refused("`units` is about a file; the record is in memory, in m/s2");
     }
-    Ok(powerhouse_io::Record {
+    Ok(powerhouse_records::Record {
         title: table.name.to_string(),
         step: history.step(),
         samples: history.acceleration(),
-        ..powerhouse_io::Record::default()
+        ..powerhouse_records::Record::default()
     })
 }

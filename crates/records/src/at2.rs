@@ -1,8 +1,8 @@
 //! PEER's AT2 format, whose header has several layouts.
 
-use super::channel::sample;
-use super::number::{fixed_width, number};
-use super::{
+use crate::channel::sample;
+use crate::number::{fixed_width, number};
+use crate::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, check_step,
 };
 
@@ -10,7 +10,7 @@ use super::{
 const HEADER_LINES: usize = 12;
 
 /// Content of the header.
-pub(super) struct Header {
+pub(crate) struct Header {
     /// Index of the line with the count.
     line: usize,
     count: u64,
@@ -21,7 +21,7 @@ pub(super) struct Header {
 
 /// Finds the header, if there is one: a line among the first twelve with `NPTS`, either as
 /// `NPTS= 4000, DT= .005 SEC` or as `4000 .005 NPTS, DT`. Comments belong to columns of text.
-pub(super) fn header(text: &str) -> Result<Option<Header>, RecordError> {
+pub(crate) fn header(text: &str) -> Result<Option<Header>, RecordError> {
     let mut above = Vec::new();
     for (line, content) in text.lines().take(HEADER_LINES).enumerate() {
         let upper = content.to_ascii_uppercase();
@@ -119,7 +119,7 @@ fn check_trailer(text: &str, line: usize) -> Result<(), RecordError> {
 }
 
 /// Reads the samples after the header.
-pub(super) fn read(
+pub(crate) fn read(
     text: &str,
     header: &Header,
     options: &RecordOptions,

@@ -1,6 +1,6 @@
 //! Accelerograms in plain text of many shapes, and what their titles declare.
 
-use powerhouse_io::{
+use powerhouse_records::{
     AccelerationUnit, Record, RecordColumns, RecordError, RecordFault, RecordOptions, parse_record,
 };
 

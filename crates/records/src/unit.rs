@@ -77,7 +77,7 @@ impl AccelerationUnit {
 }
 
 /// Whether a name is that of a unit of velocity or displacement.
-pub(super) fn is_of_other_motion(name: &str) -> bool {
+pub(crate) fn is_of_other_motion(name: &str) -> bool {
     let plain = name.trim().to_lowercase().replace("sec", "s");
     let plain = plain
         .replace([' ', '.', '·', '^', '('], "")

@@ -1,15 +1,15 @@
 //! ASCII format of K-NET and KiK-net (NIED, Japan): a header of lines with a key in 18 columns, then counts.
 
-use super::channel::{Channel, Fields, contains, first_behind, leading, missing, numbers, whole};
-use super::number::number;
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::channel::{Channel, Fields, contains, first_behind, leading, missing, numbers, whole};
+use crate::number::number;
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "K-NET or KiK-net ASCII";
+pub(crate) const NAME: &str = "K-NET or KiK-net ASCII";
 
 /// Lines of the header.
 const HEADER: usize = 17;
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     let mut lines = text.lines();
     lines
         .next()
@@ -19,7 +19,7 @@ pub(super) fn recognises(text: &str) -> bool {
             .any(|line| line.starts_with("Sampling Freq"))
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let header = &lines[..HEADER.min(lines.len())];
     let value = |key: &'static str| {
@@ -59,7 +59,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         .position(|line| line.starts_with("Memo"));
     let start = start.ok_or_else(|| missing(1, "Memo"))? + 1;
     let (samples, end) = numbers(&lines, start, Fields::Counts, None)?;
-    super::nothing_follows(&lines, end, |line| contains(line, "Origin Time"))?;
+    crate::nothing_follows(&lines, end, |line| contains(line, "Origin Time"))?;
     let (_, max) = value("Max. Acc").unwrap_or_default();
     let text = |key| value(key).map_or(String::new(), |(_, text)| text.to_string());
     let magnitude = first_behind(header, "Mag.");

@@ -1,12 +1,12 @@
 //! Times of samples: equal steps, gaps, and columns in the wrong order.
 
-use super::{RecordError, RecordFault, RecordOptions};
+use crate::{RecordError, RecordFault, RecordOptions};
 
 /// Largest deviation of a time from the uniform one, in steps.
-pub(super) const UNIFORMITY: f64 = 0.01;
+pub(crate) const UNIFORMITY: f64 = 0.01;
 
 /// Whether of two columns the second is of times and the first is not.
-pub(super) fn is_swapped(times: &[f64], samples: &[f64], options: &RecordOptions) -> bool {
+pub(crate) fn is_swapped(times: &[f64], samples: &[f64], options: &RecordOptions) -> bool {
     options.columns.is_none()
         && times.len() == samples.len()
         && times.len() > 3
@@ -15,7 +15,7 @@ pub(super) fn is_swapped(times: &[f64], samples: &[f64], options: &RecordOptions
 }
 
 /// Whether numbers rise by the same step.
-pub(super) fn is_uniform(values: &[f64]) -> bool {
+pub(crate) fn is_uniform(values: &[f64]) -> bool {
     let step = values.get(1).zip(values.first()).map(|(b, a)| b - a);
     step.is_some_and(|step| {
         let is_step = |pair: &[f64]| (pair[1] - pair[0] - step).abs() <= 2.0 * UNIFORMITY * step;
@@ -42,7 +42,7 @@ fn check_gaps(times: &[(usize, f64)]) -> Result<(), RecordError> {
 }
 
 /// Step of a time column; `None` if there is no such column.
-pub(super) fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
+pub(crate) fn uniform_step(times: &[(usize, f64)]) -> Result<Option<f64>, RecordError> {
     let ([(_, first), .., (last_line, last)], count) = (times, times.len()) else {
         return Ok(None);
     };

@@ -1,13 +1,13 @@
 //! COSMOS format (v1.20, 2001): per data set lines of text, integers, reals, comments, and samples behind a line that
 //! describes them; several data sets one after the other.
 
-use super::channel::{
+use crate::channel::{
     Channel, Fields, behind, contains, find, first_behind, leading, missing, numbers, whole,
 };
-use super::number::{fixed_width, number};
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::number::{fixed_width, number};
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "COSMOS";
+pub(crate) const NAME: &str = "COSMOS";
 
 /// Index of the step among the reals (ms), of the peak (in the unit of the samples), and of their number.
 const STEP: usize = 61;
@@ -15,7 +15,7 @@ const PEAK: usize = 63;
 /// A number of the reals that stands for none.
 const NONE: f64 = -999.0;
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     is_title(text.lines().next().unwrap_or_default())
 }
 
@@ -24,7 +24,7 @@ fn is_title(line: &str) -> bool {
     contains(line, "(format v") && contains(line, "text lines")
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let mut channels = Vec::new();
     let mut other = None;

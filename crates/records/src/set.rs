@@ -1,6 +1,6 @@
 //! Components of one station.
 
-use super::{Record, RecordError, RecordFault};
+use crate::{Record, RecordError, RecordFault};
 
 /// Treatment of components of unequal length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

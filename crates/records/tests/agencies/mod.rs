@@ -3,7 +3,9 @@
 mod files;
 
 use files::{Motion, afad, at2, cosmos, csmip_v1, csmip_v2, csmnc, cwb, esm, geonet, knet, smc};
-use powerhouse_io::{CountRule, Record, RecordError, RecordFault, RecordOptions, parse_record};
+use powerhouse_records::{
+    CountRule, Record, RecordError, RecordFault, RecordOptions, parse_record,
+};
 
 /// A file with the motions that it has, and what its header says of them.
 struct Case {
@@ -274,7 +276,7 @@ fn declarations_are_compared_with_the_header() {
         let name = case.name;
         for (unit, step) in [("cm/s2", 1.0), ("g", 1.0), ("mm/s2", 1.0), (case.unit, 1.1)] {
             let options = RecordOptions {
-                unit: powerhouse_io::AccelerationUnit::from_name(unit),
+                unit: powerhouse_records::AccelerationUnit::from_name(unit),
                 step: Some(case.motions[0].step * step),
                 channel: choice(&case).map(Into::into),
                 ..RecordOptions::default()

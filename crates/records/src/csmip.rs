@@ -2,14 +2,14 @@
 //! that use them: lines of text, integers, reals, then blocks of samples behind a line that describes them; channels
 //! one after the other.
 
-use super::channel::{
+use crate::channel::{
     Channel, Fields, behind, contains, find, first_behind, leading, missing, numbers, whole,
 };
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "CSMIP volume 1 or 2";
+pub(crate) const NAME: &str = "CSMIP volume 1 or 2";
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     let first = text.lines().next().unwrap_or_default();
     let title = contains(first, "corrected accelerogram");
     title && text.lines().take(80).any(|line| block(line).is_some())
@@ -61,7 +61,7 @@ fn unit(text: &str) -> Option<AccelerationUnit> {
         .find_map(of_word)
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let mut channels = Vec::new();
     let mut header = 0;

@@ -1,16 +1,16 @@
 //! Accelerograms in text of one or more columns, or of several values in a row.
 
-use super::channel::sample;
-use super::times::{UNIFORMITY, is_swapped, is_uniform, uniform_step};
-use super::title::Title;
-use super::{Record, RecordError, RecordFault, RecordOptions};
+use crate::channel::sample;
+use crate::times::{UNIFORMITY, is_swapped, is_uniform, uniform_step};
+use crate::title::Title;
+use crate::{Record, RecordError, RecordFault, RecordOptions};
 
 /// Lines of a file that a message shows.
 const SHOWN: usize = 4;
 /// Samples after the first one with which it is compared.
 const COMPARED: usize = 20;
 
-pub(super) const NAME: &str = "columns of text";
+pub(crate) const NAME: &str = "columns of text";
 
 /// A row of numbers.
 struct Row<'t> {
@@ -47,7 +47,7 @@ struct Leader {
     note: Option<String>,
 }
 
-pub(super) fn read(text: &str, options: &RecordOptions) -> Result<Record, RecordError> {
+pub(crate) fn read(text: &str, options: &RecordOptions) -> Result<Record, RecordError> {
     let content = |fault| RecordError::content(0, 0, fault);
     if let Some(wanted) = &options.channel {
         let (wanted, channels) = (wanted.clone(), "of text, which `columns` chooses".into());

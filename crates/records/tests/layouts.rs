@@ -1,6 +1,6 @@
 //! Rare layouts and faults of accelerograms.
 
-use powerhouse_io::{
+use powerhouse_records::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, parse_record,
 };
 

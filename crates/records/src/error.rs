@@ -153,7 +153,7 @@ pub enum RecordFault {
         /// Numbers of a row.
         width: usize,
     },
-    /// The number of samples differs from the declared one, under [`CountRule::AsDeclared`](super::CountRule::AsDeclared).
+    /// The number of samples differs from the declared one, under [`CountRule::AsDeclared`](crate::CountRule::AsDeclared).
     #[error("the header declares {declared} samples, the file has {found}")]
     Count {
         /// Declared number of samples.
@@ -222,7 +222,7 @@ pub enum RecordFault {
         found: usize,
     },
     /// Components of one station have time steps that differ by more than 1e-6 of the first; from
-    /// [`common_length`](super::common_length).
+    /// [`common_length`](crate::common_length).
     #[error("component {component} has the time step {found} s, the first one {expected} s")]
     StepsDiffer {
         /// Index of the component, from 0.
@@ -235,7 +235,7 @@ pub enum RecordFault {
 }
 
 impl RecordError {
-    pub(super) fn content(line: usize, column: usize, fault: RecordFault) -> Self {
+    pub(crate) fn content(line: usize, column: usize, fault: RecordFault) -> Self {
         Self::Content {
             file: None,
             line,
@@ -243,7 +243,7 @@ impl RecordError {
             fault,
         }
     }
-    pub(super) fn in_file(mut self, name: &Path) -> Self {
+    pub(crate) fn in_file(mut self, name: &Path) -> Self {
         if let Self::Content { file, .. } = &mut self {
             *file = Some(name.into());
         }

@@ -1,18 +1,18 @@
 //! Text format of the strong motion network of Taiwan (TSMIP, of the Central Weather Bureau): lines of `#Key: value`,
 //! then the time and three components.
 
-use super::channel::{Channel, leading, missing, sample, whole};
-use super::number::{fixed_width, number};
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::channel::{Channel, leading, missing, sample, whole};
+use crate::number::{fixed_width, number};
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "CWB or TSMIP text";
+pub(crate) const NAME: &str = "CWB or TSMIP text";
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     let mut header = text.lines().take(40);
     header.any(|line| line.starts_with("#StationCode:")) && text.contains("\n#DataSequence:")
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let is_header = |line: &&&str| line.trim().is_empty() || line.starts_with('#');
     let length = lines.iter().take_while(is_header).count();

@@ -1,4 +1,25 @@
-//! Accelerograms: formats of agencies, each recognised by its content, and columns of text.
+//! Accelerograms from files: formats of agencies, each recognised by its content, and columns of text.
+//!
+//! ```
+//! use powerhouse_records::{AccelerationUnit, RecordOptions, parse_record};
+//! let options = RecordOptions {
+//!     unit: Some(AccelerationUnit::MetrePerSecondSquared),
+//!     ..RecordOptions::default()
+//! };
+//! let record = parse_record(b"time,a\n0.00,0.1\n0.02,-0.3\n0.04,0.2\n", &options)?;
+//! assert_eq!((record.step, record.samples), (0.02, vec![0.1, -0.3, 0.2]));
+//!
+//! // What is not a number is an error with its line and column.
+//! let error = parse_record(b"0.00 0.1\n0.02 nan\n", &options).unwrap_err();
+//! assert_eq!(error.to_string(), "2:6: \"nan\" is not finite");
+//! # Ok::<(), powerhouse_records::RecordError>(())
+//! ```
+//!
+//! # Why so
+//! *Units are declared, not guessed.* A text may not state whether it is in g or m/s2; the caller must. What is certain
+//! is recognised and stated in [`Record::notes`]; what is not is refused.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
 
 mod afad;
 mod at2;
@@ -148,15 +169,15 @@ pub struct RecordOptions {
 /// [`RecordError`], with the file, line, column and fault.
 ///
 /// ```
-/// use powerhouse_io::{AccelerationUnit, RecordOptions, parse_record};
+/// use powerhouse_records::{AccelerationUnit, RecordOptions, parse_record};
 /// let options = RecordOptions { unit: Some(AccelerationUnit::Gravity), ..RecordOptions::default() };
 /// let record = parse_record(b"0.00, 0.0\n0.02, 0.5\n0.04, -0.25\n", &options)?;
 /// assert_eq!(record.samples[1], 0.5 * 9.80665);
 /// assert!((record.step - 0.02).abs() < 1e-15);
-/// # Ok::<(), powerhouse_io::RecordError>(())
+/// # Ok::<(), powerhouse_records::RecordError>(())
 /// ```
 pub fn read_record(file: &Path, options: &RecordOptions) -> Result<Record, RecordError> {
-    let bytes = crate::read_whole(file, LARGEST).map_err(|source| RecordError::File {
+    let bytes = powerhouse_io::read_whole(file, LARGEST).map_err(|source| RecordError::File {
         file: file.into(),
         source,
     })?;
@@ -278,7 +299,7 @@ fn other_format(bytes: &[u8], text: &str) -> Option<(&'static str, &'static str)
             EXPORT,
         ));
     }
-    if let Some(found) = crate::known_format(bytes) {
+    if let Some(found) = powerhouse_io::known_format(bytes) {
         return Some((found, EXPORT));
     }
     if start.starts_with(['<', '{']) {

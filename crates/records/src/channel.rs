@@ -1,7 +1,7 @@
 //! Channels of a file of an agency, and the choice of one.
 
-use super::number::{fixed_width, number};
-use super::{
+use crate::number::{fixed_width, number};
+use crate::{
     AccelerationUnit, CountRule, Record, RecordError, RecordFault, RecordOptions, check_step,
 };
 
@@ -10,30 +10,30 @@ const PEAK: f64 = 0.02;
 
 /// One component in a file, in the unit of the file.
 #[derive(Debug, Default)]
-pub(super) struct Channel {
+pub(crate) struct Channel {
     /// Number of the line that declares the samples, from 1.
-    pub(super) line: usize,
-    pub(super) component: String,
-    pub(super) station: String,
-    pub(super) event: String,
-    pub(super) start: String,
+    pub(crate) line: usize,
+    pub(crate) component: String,
+    pub(crate) station: String,
+    pub(crate) event: String,
+    pub(crate) start: String,
     /// Step (s).
-    pub(super) step: f64,
-    pub(super) unit: AccelerationUnit,
+    pub(crate) step: f64,
+    pub(crate) unit: AccelerationUnit,
     /// Factor of the samples to the unit; `None` is 1.
-    pub(super) scale: Option<f64>,
+    pub(crate) scale: Option<f64>,
     /// Whether the offset of the instrument is a part of the samples.
-    pub(super) has_offset: bool,
+    pub(crate) has_offset: bool,
     /// Declared number of samples.
-    pub(super) count: u64,
+    pub(crate) count: u64,
     /// Declared greatest absolute value in the unit.
-    pub(super) peak: Option<f64>,
-    pub(super) samples: Vec<f64>,
+    pub(crate) peak: Option<f64>,
+    pub(crate) samples: Vec<f64>,
 }
 
 /// How the numbers of a row are separated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Fields {
+pub(crate) enum Fields {
     /// By blanks, commas or signs.
     Separated,
     /// Likewise, and of integers of which each may be a sample.
@@ -44,7 +44,7 @@ pub(super) enum Fields {
 
 impl Fields {
     /// Width of the numbers of a format of Fortran in brackets, such as `(8f10.6)` or `(1E15.6)`.
-    pub(super) fn of_format(line: &str) -> Self {
+    pub(crate) fn of_format(line: &str) -> Self {
         let inner = line.rfind('(').map_or("", |at| &line[at..]);
         let letter = |c: char| "fFeEiIdDgG".contains(c);
         let width = inner.rfind(letter).and_then(|at| {
@@ -84,7 +84,7 @@ fn is_numeric(row: &str) -> bool {
 
 /// Numbers of the rows from line `from` (index) on, up to one that does not start with a number or, if there is a
 /// limit, to the row that contains the last of that many; and the index of the line behind them.
-pub(super) fn numbers(
+pub(crate) fn numbers(
     lines: &[&str],
     from: usize,
     fields: Fields,
@@ -108,7 +108,7 @@ pub(super) fn numbers(
 }
 
 /// Parses a sample; a number of nines that stands for a missing one is refused.
-pub(super) fn sample(word: &str, line: usize, column: usize) -> Result<f64, RecordError> {
+pub(crate) fn sample(word: &str, line: usize, column: usize) -> Result<f64, RecordError> {
     let value = number(word, line, column)?;
     let digits = word.trim_start_matches(['+', '-']);
     let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
@@ -128,7 +128,7 @@ pub(super) fn sample(word: &str, line: usize, column: usize) -> Result<f64, Reco
 }
 
 /// Index of the first line from `from` on that contains a text, in capitals or small letters.
-pub(super) fn find(lines: &[&str], from: usize, text: &str) -> Option<usize> {
+pub(crate) fn find(lines: &[&str], from: usize, text: &str) -> Option<usize> {
     let found = lines
         .iter()
         .skip(from)
@@ -137,7 +137,7 @@ pub(super) fn find(lines: &[&str], from: usize, text: &str) -> Option<usize> {
 }
 
 /// Whether a line contains a text, in capitals or small letters.
-pub(super) fn contains(line: &str, text: &str) -> bool {
+pub(crate) fn contains(line: &str, text: &str) -> bool {
     position(line, text).is_some()
 }
 
@@ -148,18 +148,18 @@ fn position(line: &str, text: &str) -> Option<usize> {
 }
 
 /// Text behind a key in a line, trimmed.
-pub(super) fn behind<'t>(line: &'t str, key: &str) -> Option<&'t str> {
+pub(crate) fn behind<'t>(line: &'t str, key: &str) -> Option<&'t str> {
     let at = position(line, key)? + key.len();
     line.get(at..).map(str::trim)
 }
 
 /// Text behind a key in the first of some lines that has it, trimmed.
-pub(super) fn first_behind<'t>(lines: &[&'t str], key: &str) -> Option<&'t str> {
+pub(crate) fn first_behind<'t>(lines: &[&'t str], key: &str) -> Option<&'t str> {
     lines.iter().find_map(|line| behind(line, key))
 }
 
 /// First number of a text, with its unit behind it.
-pub(super) fn leading(text: &str) -> Option<(f64, &str)> {
+pub(crate) fn leading(text: &str) -> Option<(f64, &str)> {
     let text = text.trim_start_matches(|c: char| c.is_whitespace() || c == '=' || c == ':');
     let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)));
     let (mut word, _) = text.split_at(end.unwrap_or(text.len()));
@@ -169,12 +169,12 @@ pub(super) fn leading(text: &str) -> Option<(f64, &str)> {
 }
 
 /// The error of a header that declares no such quantity.
-pub(super) fn missing(line: usize, what: &'static str) -> RecordError {
+pub(crate) fn missing(line: usize, what: &'static str) -> RecordError {
     RecordError::content(line, 0, RecordFault::Header { what })
 }
 
 /// Number behind a key in some of the lines, or the error that it is missing.
-pub(super) fn declared(
+pub(crate) fn declared(
     lines: &[&str],
     first: usize,
     key: &'static str,
@@ -188,7 +188,7 @@ pub(super) fn declared(
 }
 
 /// A declared count as an integer.
-pub(super) fn whole(line: usize, value: f64) -> Result<u64, RecordError> {
+pub(crate) fn whole(line: usize, value: f64) -> Result<u64, RecordError> {
     let text = value.to_string();
     let whole = value >= 0.0 && value.fract() == 0.0 && value <= 9e15;
     let fault = || RecordError::content(line, 0, RecordFault::NotANumber { text });
@@ -196,7 +196,7 @@ pub(super) fn whole(line: usize, value: f64) -> Result<u64, RecordError> {
 }
 
 /// The channel that the options name, as a record.
-pub(super) fn record(
+pub(crate) fn record(
     format: &'static str,
     channels: Vec<Channel>,
     options: &RecordOptions,

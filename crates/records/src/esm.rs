@@ -1,17 +1,17 @@
 //! ASCII format of the Engineering Strong Motion database (ESM), of ITACA and of AFAD's newer files: lines of `KEY:
 //! value`, then one sample in each line (header format DYNA).
 
-use super::channel::{Channel, Fields, leading, missing, numbers, whole};
-use super::number::number;
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::channel::{Channel, Fields, leading, missing, numbers, whole};
+use crate::number::number;
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "ESM or ITACA ASCII";
+pub(crate) const NAME: &str = "ESM or ITACA ASCII";
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     text.trim_start().starts_with("EVENT_NAME:") && text.contains("\nSAMPLING_INTERVAL_S:")
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let is_key = |line: &&&str| line.trim().is_empty() || line.contains(':');
     let length = lines.iter().take_while(is_key).count();
@@ -43,7 +43,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let (line, count) = value("NDATA")?;
     let count = whole(line, number(count, line, 0)?)?;
     let (samples, end) = numbers(&lines, length, Fields::Separated, None)?;
-    super::nothing_follows(&lines, end, |line| line.contains("EVENT_NAME:"))?;
+    crate::nothing_follows(&lines, end, |line| line.contains("EVENT_NAME:"))?;
     // The key names the unit of the peak.
     let peak = leading(text("PGA_CM/S^2")).filter(|_| unit == AccelerationUnit::Gal);
     Ok(vec![Channel {

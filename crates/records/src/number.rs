@@ -1,9 +1,9 @@
 //! Numbers in the notations of Fortran and spreadsheets.
 
-use super::{RecordError, RecordFault};
+use crate::{RecordError, RecordFault};
 
 /// Parses one number; `D` is an exponent letter too. `line` and `column` are its position.
-pub(super) fn number(text: &str, line: usize, column: usize) -> Result<f64, RecordError> {
+pub(crate) fn number(text: &str, line: usize, column: usize) -> Result<f64, RecordError> {
     let fault = |fault| RecordError::content(line, column, fault);
     let allowed = |c: char| c.is_ascii_digit() || "+-.eEdD".contains(c);
     let not_a_number = || {
@@ -54,7 +54,7 @@ fn continues(line: &str, from: usize, at: usize) -> bool {
 
 /// Splits a line of fixed-width numbers, which may touch where a sign separates them; each with its
 /// column, from 1.
-pub(super) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
+pub(crate) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
     let mut found = Vec::new();
     let mut start = None;
     let mut previous = ' ';

@@ -1,21 +1,21 @@
 //! Text format of AFAD's strong motion network (Turkey) until 2018: lines of `KEY : value`, then three components in
 //! gal.
 
-use super::channel::{
+use crate::channel::{
     Channel, behind, contains, declared, find, first_behind, leading, missing, sample, whole,
 };
-use super::number::fixed_width;
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::number::fixed_width;
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "AFAD text";
+pub(crate) const NAME: &str = "AFAD text";
 
 const MARK: &str = "STRONG GROUND MOTION RECORDS OF TURK";
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     text.lines().next().is_some_and(|line| contains(line, MARK))
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let head = &lines[..30.min(lines.len())];
     let (line, count) = declared(head, 0, "NUMBER OF DATA")?;

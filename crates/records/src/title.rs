@@ -1,9 +1,9 @@
 //! What lines above columns of numbers declare: unit, step, names of columns.
 
-use super::channel::contains;
-use super::number::number;
-use super::unit::is_of_other_motion;
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::channel::contains;
+use crate::number::number;
+use crate::unit::is_of_other_motion;
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
 const BRACKETS: [char; 4] = ['(', ')', '[', ']'];
 
@@ -31,27 +31,27 @@ const RATES: [&str; 5] = [
 
 /// Step that a line declares.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DeclaredStep {
+pub(crate) struct DeclaredStep {
     /// Number of the line, from 1.
-    pub(super) line: usize,
+    pub(crate) line: usize,
     /// Step (s).
-    pub(super) step: f64,
+    pub(crate) step: f64,
     /// Half of its last digit (s), if it may be rounded.
-    pub(super) tolerance: f64,
+    pub(crate) tolerance: f64,
 }
 
 /// What the lines above the numbers declare.
 #[derive(Debug, Default)]
-pub(super) struct Title<'t> {
+pub(crate) struct Title<'t> {
     /// Lines with their numbers, from 1.
-    pub(super) lines: Vec<(usize, &'t str)>,
+    pub(crate) lines: Vec<(usize, &'t str)>,
     /// The last of them, if it is not a comment and may name the columns.
-    pub(super) names: Option<(usize, &'t str)>,
+    pub(crate) names: Option<(usize, &'t str)>,
 }
 
 impl Title<'_> {
     /// The lines without signs of comments, in one.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let lines = self
             .lines
             .iter()
@@ -63,7 +63,7 @@ impl Title<'_> {
     }
 
     /// Names of the columns, if the last line has as many.
-    pub(super) fn columns(&self, width: usize) -> Option<(usize, Vec<String>)> {
+    pub(crate) fn columns(&self, width: usize) -> Option<(usize, Vec<String>)> {
         let &(number, line) = self.lines.last()?;
         let line = line.trim_start_matches(['#', '%']);
         let marks = ['\t', ';', ','];
@@ -78,7 +78,7 @@ impl Title<'_> {
     }
 
     /// Unit of acceleration, with its line, of the column of this index or of any line.
-    pub(super) fn unit(
+    pub(crate) fn unit(
         &self,
         width: usize,
         column: usize,
@@ -141,7 +141,7 @@ impl Title<'_> {
     }
 
     /// Step that some line declares.
-    pub(super) fn step(&self) -> Option<DeclaredStep> {
+    pub(crate) fn step(&self) -> Option<DeclaredStep> {
         self.lines.iter().find_map(|&(line, text)| {
             let lower = text.to_ascii_lowercase();
             let step = STEPS.iter().find_map(|key| behind(&lower, key));

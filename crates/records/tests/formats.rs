@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use powerhouse_io::{
+use powerhouse_records::{
     AccelerationUnit, CountRule, LengthRule, Record, RecordError, RecordFault, RecordOptions,
     common_length, parse_record, read_record,
 };

@@ -1,16 +1,16 @@
 //! SMC format of the U. S. Geological Survey: 11 lines of text, 48 integers, 50 reals, comments, samples in cm/s2.
 
-use super::channel::{Channel, Fields, first_behind, missing, numbers, whole};
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::channel::{Channel, Fields, first_behind, missing, numbers, whole};
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "USGS SMC";
+pub(crate) const NAME: &str = "USGS SMC";
 
 /// Lines of text, of integers and of reals.
 const LINES: [usize; 3] = [11, 6, 10];
 /// A number of the reals that stands for none.
 const NO_REAL: f64 = 1e38;
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     let first = text.lines().next().unwrap_or_default();
     let kind = first.trim_start();
     let of_kinds = [
@@ -27,7 +27,7 @@ pub(super) fn recognises(text: &str) -> bool {
             .is_some_and(|line| line.starts_with('*'))
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let title = lines[0].trim();
     if !title.contains("ACCELEROGRAM") {
@@ -53,7 +53,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         return Err(missing(behind_integers + 1, "samples per second"));
     }
     let (samples, end) = numbers(&lines, at, Fields::Width(10), None)?;
-    super::nothing_follows(&lines, end, |line| line.contains("ACCELEROGRAM"))?;
+    crate::nothing_follows(&lines, end, |line| line.contains("ACCELEROGRAM"))?;
     let extremes = [reals[29], reals[31]].map(f64::abs).into_iter();
     let of_text = |key| first_behind(&lines[..text_lines], key);
     let station = of_text("station =").unwrap_or_default();
@@ -83,8 +83,8 @@ fn numbers_of_reals(lines: &[&str], from: usize) -> Result<(Vec<f64>, usize), Re
     let mut found = Vec::new();
     let end = (from + LINES[2]).min(lines.len());
     for (at, line) in lines[..end].iter().enumerate().skip(from) {
-        for (column, word) in super::number::fixed_width(line) {
-            found.push(super::number::number(word, at + 1, column)?);
+        for (column, word) in crate::number::fixed_width(line) {
+            found.push(crate::number::number(word, at + 1, column)?);
         }
     }
     Ok((found, end))

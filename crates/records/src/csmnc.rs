@@ -1,24 +1,24 @@
 //! Text format of the China Strong Motion Network Center (CSMNC): lines of text, then samples in rows.
 
-use super::channel::{
+use crate::channel::{
     Channel, Fields, behind, contains, declared, find, first_behind, leading, missing, numbers,
     whole,
 };
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "CSMNC text";
+pub(crate) const NAME: &str = "CSMNC text";
 
 /// Lines among which the header is.
 const HEADER: usize = 20;
 /// The line of the header that has the number of samples and the step.
 const POINTS: &str = "NO. OF POINTS:";
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     let mut header = text.lines().take(HEADER);
     header.any(|line| contains(line, POINTS) && contains(line, "INTERVALS OF"))
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let header = &lines[..HEADER.min(lines.len())];
     let (line, count) = declared(header, 0, POINTS)?;
@@ -56,7 +56,7 @@ pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         return Err(RecordError::content(second + 1, 0, fault));
     }
     let (samples, end) = numbers(&lines, start, Fields::Separated, None)?;
-    super::nothing_follows(&lines, end, |_| false)?;
+    crate::nothing_follows(&lines, end, |_| false)?;
     let text = |key: &str| first_behind(header, key).unwrap_or_default();
     let word = |key: &str| {
         text(key)

@@ -1,12 +1,12 @@
 //! Volumes 1 and 2 of GeoNet (New Zealand; `.V1A`, `.V2A`): per component 16 lines of text, 4 of integers, 6 of
 //! reals, and blocks of acceleration, velocity and displacement in ten columns of eight characters.
 
-use super::channel::{
+use crate::channel::{
     Channel, Fields, behind, contains, declared, first_behind, leading, missing, numbers,
 };
-use super::{AccelerationUnit, RecordError, RecordFault};
+use crate::{AccelerationUnit, RecordError, RecordFault};
 
-pub(super) const NAME: &str = "GeoNet volume 1 or 2";
+pub(crate) const NAME: &str = "GeoNet volume 1 or 2";
 
 /// Lines of text, of integers and of reals.
 const TEXT: usize = 16;
@@ -14,7 +14,7 @@ const INTEGERS: usize = 4;
 const REALS: usize = 6;
 const WIDTH: Fields = Fields::Width(8);
 
-pub(super) fn recognises(text: &str) -> bool {
+pub(crate) fn recognises(text: &str) -> bool {
     let mut lines = text.lines();
     let first = lines.next().unwrap_or_default();
     contains(first, "corrected accelerogram")
@@ -22,7 +22,7 @@ pub(super) fn recognises(text: &str) -> bool {
         && lines.take(TEXT).any(|line| contains(line, "mm/s/s"))
 }
 
-pub(super) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
+pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let lines: Vec<&str> = text.lines().collect();
     let mut channels = Vec::new();
     let mut at = 0;
@@ -85,7 +85,7 @@ fn component(lines: &[&str], start: usize) -> Result<(Channel, usize), RecordErr
     let line = at;
     let mut blocks = Vec::new();
     for count in [acceleration, velocity, displacement] {
-        let count = super::channel::whole(integers + 4, count)?;
+        let count = crate::channel::whole(integers + 4, count)?;
         let (samples, end) = numbers(lines, at, WIDTH, Some(count))?;
         if samples.len() as u64 != count && !blocks.is_empty() {
             let (declared, found) = (count, samples.len());

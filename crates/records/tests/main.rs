@@ -1,0 +1,6 @@
+//! Reading of accelerograms.
+
+mod agencies;
+mod formats;
+mod layouts;
+mod text;
