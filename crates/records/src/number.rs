@@ -77,37 +77,3 @@ pub(crate) fn fixed_width(line: &str) -> Vec<(usize, &str)> {
     }
     found
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Numbers that touch are separated at their signs, but not at signs of exponents.
-    #[test]
-    fn numbers_without_a_separator_are_separated() {
-        let parts = fixed_width("  .123E-02-.456E-03 7.0D+01-8");
-        let texts: Vec<&str> = parts.iter().map(|part| part.1).collect();
-        assert_eq!(texts, [".123E-02", "-.456E-03", "7.0D+01", "-8"]);
-        assert_eq!(parts[1].0, 11);
-    }
-
-    /// Fortran's exponents are parsed; words and infinities are errors.
-    #[test]
-    fn numbers_are_finite() {
-        assert_eq!(number("-1.5D-3", 1, 1).unwrap(), -1.5e-3);
-        assert_eq!(number(".5", 1, 1).unwrap(), 0.5);
-        let fault = |text| match number(text, 3, 7) {
-            Err(RecordError::Content {
-                line: 3,
-                column: 7,
-                fault,
-                ..
-            }) => fault,
-            other => panic!("{other:?}"),
-        };
-        assert!(matches!(fault("nan"), RecordFault::NotFinite { .. }));
-        assert!(matches!(fault("1e999"), RecordFault::NotFinite { .. }));
-        assert!(matches!(fault("0x10"), RecordFault::NotANumber { .. }));
-        assert!(matches!(fault("--1"), RecordFault::NotANumber { .. }));
-    }
-}

@@ -475,3 +475,27 @@ fn what_is_not_certain_is_refused_with_the_key() {
             .contains("columns")
     );
 }
+
+/// Exponents of Fortran are read; words, infinities, hexadecimal numbers and doubled signs are refused at their place.
+#[test]
+fn numbers_are_decimal_and_finite() {
+    let options = RecordOptions {
+        unit: Some(AccelerationUnit::MetrePerSecondSquared),
+        ..RecordOptions::default()
+    };
+    let record = parse("0.00 -1.5D-3\n0.02 .5\n0.04 7.0D+01\n", &options).unwrap();
+    assert_eq!(record.samples, [-1.5e-3, 0.5, 70.0]);
+    for (number, is_finite) in [
+        ("nan", false),
+        ("1e999", false),
+        ("0x10", true),
+        ("--1", true),
+    ] {
+        let (line, found) = fault(&format!("0.00 0.1\n0.02 {number}\n0.04 0.3\n"), &options);
+        let expected = match is_finite {
+            true => matches!(found, RecordFault::NotANumber { .. }),
+            false => matches!(found, RecordFault::NotFinite { .. }),
+        };
+        assert!(line == 2 && expected, "{number}: {line} {found:?}");
+    }
+}

@@ -140,7 +140,9 @@ fn processed(
         };
         // A record that does not end at rest is rejected here, at its name.
         let signal = history.clone().into_signal(EndDisplacement::Declared(end));
-        let report = signal.map_err(refused)?.report();
+        let report = signal
+            .map_err(|error| without_rest(name.clone(), error))?
+            .report();
         let is_largest = peak(&history) >= table.peak.map_or(present, Positive::get) * ALMOST_ALL;
         let record = PreparedRecord {
             weak: weak.filter(|_| is_largest),
@@ -308,6 +310,20 @@ fn corrected(
             Ok((history, Some(report)))
         }
     }
+}
+
+/// Fault of a record that does not end at rest, with the keys that are the ways out.
+fn without_rest(name: core::ops::Range<usize>, error: WaveError) -> Fault {
+    let help = match error {
+        WaveError::EndVelocity { .. } => {
+            "`baseline = { kind = \"velocity-polynomial\", order = 5 }` of the record, or another kind"
+        }
+        WaveError::EndDisplacement { .. } => {
+            "`baseline = { kind = \"velocity-polynomial\", order = 5 }` of the record, or `end_displacement` where the ground stays displaced"
+        }
+        _ => return Fault::refused(name, error),
+    };
+    Fault::refused(name, error).with_help(help)
 }
 
 /// Part of a history between two times (s).

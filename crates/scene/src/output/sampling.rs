@@ -7,6 +7,9 @@ use crate::magnitude::rounded;
 
 /// Threshold of [`Column::roughness`]: that of a sinusoid with six samples per period.
 const ROUGH: f64 = 1.0;
+/// Greatest acceleration of a body at rest (m/s2), a ten-millionth of gravity: what moves it is rounding, which is rough
+/// whatever the interval.
+const REST: f64 = 1e-6;
 /// Least share of the greatest sample of an acceleration in its peak.
 const OF_PEAK: f64 = 0.95;
 /// Rows of band-limited accelerations to a period of the band.
@@ -34,8 +37,10 @@ pub(super) fn warnings(
                 Some(limited) => limited.peak(&of_band.times),
                 None => column.peak(&histories.times),
             };
-            roughness
-                .is_some_and(|roughness| roughness > ROUGH || share_of_peak(motion, peak) < OF_PEAK)
+            let (sampled, greatest) = peaks_of(motion, peak);
+            greatest > REST
+                && roughness
+                    .is_some_and(|roughness| roughness > ROUGH || sampled / greatest < OF_PEAK)
         };
         let motions = histories
             .columns
@@ -52,8 +57,8 @@ pub(super) fn warnings(
     warnings
 }
 
-/// Greatest sample of the components of a motion over their greatest peak.
-fn share_of_peak(motion: &[Column], peak: impl Fn(&Column) -> Option<(f64, f64)>) -> f64 {
+/// Greatest sample of the components of a motion, and their greatest peak.
+fn peaks_of(motion: &[Column], peak: impl Fn(&Column) -> Option<(f64, f64)>) -> (f64, f64) {
     let greatest = |values: &mut dyn Iterator<Item = f64>| {
         values.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
@@ -63,11 +68,36 @@ fn share_of_peak(motion: &[Column], peak: impl Fn(&Column) -> Option<(f64, f64)>
             .flat_map(|column| column.values.iter().copied()),
     );
     let peaks = motion.iter().filter_map(peak);
-    sampled / greatest(&mut peaks.map(|(peak, _)| peak))
+    (sampled, greatest(&mut peaks.map(|(peak, _)| peak)))
 }
 
 /// Name of a column without its component, and its unit, which identify one motion.
 fn motion_of(column: &Column) -> (&str, &str) {
     let name = column.name.rsplit_once('.');
     (name.map_or(&*column.name, |(name, _)| name), column.unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples that turn at each row are warned of in every unit of a motion, down to a millionth of gravity; what rounding makes
+    /// of a body at rest is not.
+    #[test]
+    fn rounding_is_no_motion() {
+        let warned = |amplitude: f64| {
+            let times: Vec<f64> = (0..50).map(|row| 0.01 * f64::from(row)).collect();
+            let turning = |row: usize| amplitude * (1.0 - 2.0 * (row % 2) as f64);
+            let column = Column::new("crown.ax", "m/s2", (0..50).map(turning).collect());
+            let histories = HistoryTable::new(times, vec![column]);
+            let none = HistoryTable::new(Vec::new(), Vec::new());
+            !warnings(&histories, &none, None).is_empty()
+        };
+        for amplitude in [9.81e-6, 1e-3, 30.0] {
+            assert!(warned(amplitude), "{amplitude}");
+        }
+        for amplitude in [1e-7, 1e-13] {
+            assert!(!warned(amplitude), "{amplitude}");
+        }
+    }
 }
