@@ -176,3 +176,32 @@ fn line(prefix: &str, progress: &Progress, rate: f64) -> String {
         progress.time
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line of progress has the share that is done, and the time that the steps not yet done take at the rate, whatever the
+    /// number of steps.
+    #[test]
+    fn a_line_tells_the_time_that_is_left() {
+        for (done, planned, rate, expected) in [
+            (
+                300,
+                1000,
+                7.0,
+                "a: 30 %, t = 0.125 s, 7 steps/s, 100 s left",
+            ),
+            (
+                960,
+                1920,
+                120.0,
+                "a: 50 %, t = 0.125 s, 120 steps/s, 8 s left",
+            ),
+            (64, 64, 32.0, "a: 100 %, t = 0.125 s, 32 steps/s, 0 s left"),
+        ] {
+            let progress = Progress::new(done, planned, 0.125);
+            assert_eq!(line("a:", &progress, rate), expected);
+        }
+    }
+}

@@ -87,13 +87,13 @@ fn snapshots_are_drawn_after_the_run() {
         "{}",
         text(&output.stdout)
     );
-    let table = read_table(
-        &block
-            .out()
-            .join("plots")
-            .join(text(&output.stdout).rsplit('/').next().unwrap().trim()),
-    )
-    .unwrap();
+    let shown = text(&output.stdout);
+    let table = block.out().join("plots");
+    let table = table.join(shown.rsplit('/').next().unwrap().trim());
+    let drawing = std::fs::read_to_string(table.with_extension("svg")).unwrap();
+    // Quantities are drawn, positions are not.
+    assert!(drawing.contains(">displacement.z<") && !drawing.contains(">z<"));
+    let table = read_table(&table).unwrap();
     let names: Vec<&str> = table.iter().map(|column| &*column.name).collect();
     assert_eq!(
         names,

@@ -482,6 +482,43 @@ fn a_prescribed_motion_is_met() {
     assert!(nodes.iter().map(across).fold(0.0, f64::max) > 1e-6);
 }
 
+/// A body that moves as its base does from the start goes on so, without a force: the velocity that it is given at nodes with
+/// prescribed motion counts.
+#[test]
+fn a_body_that_moves_with_its_base_is_not_accelerated() {
+    let mesh = hex_box([3, 2, 2], 1.0, 0.2);
+    let nodes = mesh.node_set("z0").unwrap().to_vec();
+    let speed = 0.3;
+    for direction in [Vec3::z(), Vec3::new(1.0, 2.0, 2.0) / 3.0] {
+        let mut model = Model::builder(&mesh)
+            .elements("rock", rock().boxed())
+            .prescribed(Prescribed {
+                nodes: nodes.clone(),
+                direction,
+                displacement: Box::new(move |t: f64| speed * t),
+            })
+            .build()
+            .unwrap();
+        let count = mesh.node_count();
+        let moving = vec![direction * speed; count];
+        model
+            .set_initial(&vec![Vec3::zeros(); count], &moving)
+            .unwrap();
+        let (observer, rows) = probe(nodes[0]);
+        let options = RunOptions::steps(40).with_step(StepChoice::Fixed(2e-5));
+        let mut observers = [observer];
+        run(&mut model, &Leapfrog, &options, &mut observers, &mut |_| {}).unwrap();
+        drop(observers);
+        let rows: Vec<_> = rows.iter().collect();
+        assert_eq!(rows.len(), 40);
+        for [t, _, _, _, vx, vy, vz, ax, ay, az] in rows {
+            let off = Vec3::new(vx, vy, vz) - direction * speed;
+            assert!(off.norm() < 1e-12, "{t}: {off}");
+            assert!(Vec3::new(ax, ay, az).norm() < 1e-6, "{t}: {ax} {ay} {az}");
+        }
+    }
+}
+
 /// Where a joint cuts periodic faces, two nodes stand at one place: each is tied to the one on its own
 /// side of the joint.
 #[test]

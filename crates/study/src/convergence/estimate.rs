@@ -256,6 +256,10 @@ mod tests {
         let found = estimate(&[14.0, 11.0, 10.0], &sizes, 0.3, 2.0);
         assert_eq!(found.trend, Trend::Converging);
         assert!(found.band.unwrap() >= 0.6);
+        // The error by the meshes alone, 0.125, is within the scatter.
+        let found = estimate(&[11.6, 10.4, 10.1], &sizes, 0.14, 2.0);
+        assert_eq!(found.trend, Trend::Converging);
+        assert!((found.band.unwrap() - 0.28).abs() < 1e-12);
         let quiet = estimate(&[10.0, 10.0, 10.0], &sizes, 0.3, 2.0);
         assert_eq!(quiet.band, Some(0.6));
     }

@@ -133,3 +133,42 @@ impl Damage {
         parts.collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use powerhouse::model::Vec3;
+
+    use super::*;
+
+    /// Shares of damage are those of the volume: of the whole set, and of its severely damaged part that which tension has damaged
+    /// most, to which elements with less damage do not belong.
+    #[test]
+    fn shares_refer_to_the_volume() {
+        let size = Vec3::new(4.0, 1.0, 1.0);
+        let mesh = Mesh::box_of_hexes(Vec3::zeros(), size, [4, 1, 1], STRUCTURE).unwrap();
+        // Volumes of 1, 3, 5 and 7 m3.
+        let mesh = mesh.map_positions(|at| Vec3::new(at.x * at.x, at.y, at.z));
+        let damage = Damage {
+            whole: vec![0.9, 0.8, 0.3, 0.0],
+            tension: vec![0.9, 0.1, 0.3, 0.0],
+            compression: vec![0.1, 0.8, 0.0, 0.0],
+            kinds: vec![3.0, 2.0, 1.0, 0.0],
+        };
+        let parts = damage.parts(&mesh.unwrap());
+        let part = &parts[0];
+        for (found, expected) in [
+            (part.volume, 16.0),
+            (part.mean, (0.9 + 3.0 * 0.8 + 5.0 * 0.3) / 16.0),
+            (part.greatest, 0.9),
+            (part.damaged, 9.0 / 16.0),
+            (part.tension, 5.0 / 16.0),
+            (part.compression, 3.0 / 16.0),
+            (part.both, 1.0 / 16.0),
+            (part.severe, 4.0 / 16.0),
+            (part.severe_tension, 1.0 / 4.0),
+        ] {
+            assert!((found - expected).abs() < 1e-12, "{part:?}");
+        }
+        assert_eq!((parts.len(), part.name.as_str()), (1, STRUCTURE));
+    }
+}
