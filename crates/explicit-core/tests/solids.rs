@@ -132,9 +132,12 @@ fn the_reported_step_is_just_below_the_true_limit_for_every_kernel() {
         let at_node = bounds
             .iter()
             .filter(|bound| mesh.nodes_of(bound.element).iter().any(has_node));
-        let worst = at_node.max_by(|a, b| a.frequency.total_cmp(&b.frequency));
-        let worst = worst.unwrap().element;
-        assert_eq!(element, mesh.element_tags()[worst as usize], "case {i}");
+        let highest = at_node.clone().map(|bound| bound.frequency);
+        let highest = highest.fold(0.0, f64::max);
+        // Several elements may have the same bound.
+        let mut worst = at_node.filter(|bound| bound.frequency >= highest * (1.0 - 1e-12));
+        let is_named = worst.any(|bound| mesh.element_tags()[bound.element as usize] == element);
+        assert!(is_named, "case {i}: {element}");
     }
 }
 
