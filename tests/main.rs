@@ -6,4 +6,5 @@ mod convergence;
 mod extremes;
 mod invariance;
 mod oracle;
+mod published;
 mod regression;
