@@ -48,7 +48,8 @@ impl Row {
         (self.computed - self.published) / self.scale
     }
     fn misses(&self) -> bool {
-        !(self.difference().abs() <= self.limit)
+        let size = self.difference().abs();
+        size.is_nan() || size > self.limit
     }
     /// Names and figures as cells of a table.
     fn cells(&self) -> String {
