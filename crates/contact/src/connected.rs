@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::ConstraintParts;
 
-/// Indices of pairs that nodes connect, set by set, in the order of the first pair of each.
-pub(crate) fn connected_pairs(pairs: &[[u32; 2]]) -> Vec<Vec<u32>> {
+/// Indices of pairs in the same part, part by part, in the order of the first pair of each.
+pub(crate) fn connected_pairs(pairs: &[[u32; 2]], parts: &ConstraintParts) -> Vec<Vec<u32>> {
     let mut group_of = BTreeMap::new();
-    for (group, nodes) in ConstraintParts::connected_by(pairs).iter().enumerate() {
+    for (group, nodes) in parts.iter().enumerate() {
         group_of.extend(nodes.iter().map(|&node| (node, group)));
     }
     let mut index_of = BTreeMap::new();

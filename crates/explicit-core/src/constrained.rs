@@ -1,16 +1,11 @@
 //! Velocity update of the nodes of constraints, most of which have a scalar mass only. This is hot code.
 
-use core::ops::Range;
-
-use powerhouse_model::{MassDampingRule, Quad, Vec3};
+use powerhouse_model::{MassDampingRule, Vec3};
 
 use crate::gather::SlotTable;
 use crate::groups::NodeGroup;
 use crate::nodes::{NodalArrays, Storage};
-
-/// Nodes per tile: each quantity is gathered for all nodes of a tile in one short loop, so that many
-/// memory loads overlap.
-pub(crate) const TILE: usize = 64;
+use crate::tiled::{TILE, TiledSlots};
 
 /// Displacement and velocities of some nodes of constraints, in their order.
 pub(crate) struct ConstrainedMotion<'a> {
@@ -36,12 +31,7 @@ struct ScalarKick {
 #[derive(Default)]
 pub(crate) struct ConstrainedNodes {
     nodes: Vec<u32>,
-    /// The first slot of each node.
-    slots: Vec<u32>,
-    /// All further slots: index of the node in its tile, and slot.
-    further: Vec<(u32, u32)>,
-    /// Further slots of each tile.
-    tiles: Vec<Range<u32>>,
+    slots: TiledSlots,
     /// Coefficients of nodes with a scalar mass only.
     scalar: Vec<ScalarKick>,
     /// Effective masses (kg) of these nodes.
@@ -51,23 +41,11 @@ pub(crate) struct ConstrainedNodes {
 impl ConstrainedNodes {
     /// From the engine nodes of all constraints, whose groups are the first ones.
     pub(crate) fn new(nodes: &[u32], groups: &[NodeGroup], slots: &SlotTable) -> Self {
-        let (mut further, mut tiles) = (Vec::new(), Vec::new());
-        for tile in nodes.chunks(TILE) {
-            let start = further.len() as u32;
-            for (index, &node) in tile.iter().enumerate() {
-                let others = &slots.of(node as usize)[1..];
-                further.extend(others.iter().map(|&slot| (index as u32, slot)));
-            }
-            tiles.push(start..further.len() as u32);
-        }
-        let first = nodes.iter().map(|&node| slots.of(node as usize)[0]);
         let own = groups.iter().take(nodes.len());
         let masses = own.map(|group| group.has_scalar_mass().then_some(0.0));
         Self {
             nodes: nodes.to_vec(),
-            slots: first.collect(),
-            further,
-            tiles,
+            slots: TiledSlots::new(nodes, slots),
             masses: masses.collect(),
             scalar: vec![ScalarKick::default(); nodes.len()],
         }
@@ -122,18 +100,7 @@ impl ConstrainedNodes {
                 *previous = arrays.velocity[node as usize].to_vector();
             }
         }
-        let mut sums = [Quad::<S>::default(); TILE];
-        for (sum, &slot) in sums.iter_mut().zip(&self.slots[start..start + count]) {
-            *sum = arrays.forces[slot as usize];
-        }
-        let further = &self.tiles[tile];
-        for &(index, slot) in &self.further[further.start as usize..further.end as usize] {
-            let add = &arrays.forces[slot as usize].values;
-            let sum = &mut sums[index as usize].values;
-            for c in 0..4 {
-                sum[c] = sum[c] + add[c];
-            }
-        }
+        let sums = self.slots.sums(tile, arrays);
         for i in 0..count {
             let g = start + i;
             let scalar = &self.scalar[g];

@@ -9,29 +9,86 @@
 //! `v+_i = v*_i + (a / s) m_i P_i q`, `q = W^-1 sum_j m_j (v*_j - v-_j)`, `W = I - (a / s) sum_j m_j^2 P_j`.
 //!
 //! Without dashpots and supports this is `dv_i <- mean + (dv_i - mean) / (1 + a)` of the changes of velocity without
-//! added inertia, with their mean by mass. A velocity that is prescribed is part of `v*`.
+//! added inertia, with their mean by mass. A velocity that is prescribed is part of `v*`. Where all `P_i` are diagonal, as
+//! they are but for oblique dashpots and supports, each direction is computed by itself.
 //!
 //! # Constraints
-//! One group of a fibre may be a node of a constraint. Its response to an impulse of the constraint is
-//! `P + (a / s) m^2 P W^-1 P`; the others follow what the constraint has changed.
+//! Groups of a fibre may be nodes of one constraint. The response of node `i` to an impulse of the constraint at node `j` is
+//! `P_i` where they are one, plus `(a / s) m_i P_i W^-1 m_j P_j`; the other groups follow: for changes `dv_j` of the nodes
+//! of the constraint `q = (I - (a / s) sum_k m_k^2 P_k)^-1 sum_j m_j dv_j`, with the sum over the other groups `k`.
 
 use core::ops::Range;
 
-use powerhouse_model::{Checksum, Mat3, Vec3};
+use powerhouse_model::{Checksum, Mat3, NodeCoupling, Vec3};
 use rayon::prelude::*;
 
 use crate::groups::{Coefficients, NodeGroup};
 
-/// Groups per parallel task.
+/// Groups and fibres per parallel task.
 const TASK: usize = 1024;
+const FIBRES_PER_TASK: usize = 256;
+/// No member.
+const NONE: u32 = u32::MAX;
 /// Eigenvalue of the common motion of a fibre below which supports hold all of it.
 const HELD: f64 = 1e-12;
+
+/// Linear map of velocities or impulses: a matrix, or the diagonal of one.
+trait Map: Copy + core::fmt::Debug + Send + Sync {
+    /// A symmetric matrix times a number.
+    fn scaled(matrix: &Mat3, factor: f64) -> Self;
+    fn times(&self, other: &Self) -> Self;
+    fn apply(&self, vector: &Vec3) -> Vec3;
+    /// Inverse of what is left of the identity, `I - sum`; its eigenvalues are positive.
+    fn inverse_of_rest(parts: impl Iterator<Item = Self>) -> Self;
+    fn matrix(&self) -> Mat3;
+}
+
+impl Map for Vec3 {
+    fn scaled(matrix: &Mat3, factor: f64) -> Self {
+        matrix.diagonal() * factor
+    }
+    fn times(&self, other: &Self) -> Self {
+        self.component_mul(other)
+    }
+    #[inline(always)]
+    fn apply(&self, vector: &Vec3) -> Vec3 {
+        self.component_mul(vector)
+    }
+    fn inverse_of_rest(parts: impl Iterator<Item = Self>) -> Self {
+        let rest = parts.fold(Self::repeat(1.0), |rest, part| rest - part);
+        rest.map(|rest| 1.0 / rest)
+    }
+    fn matrix(&self) -> Mat3 {
+        Mat3::from_diagonal(self)
+    }
+}
+
+impl Map for Mat3 {
+    fn scaled(matrix: &Mat3, factor: f64) -> Self {
+        matrix * factor
+    }
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+    fn apply(&self, vector: &Vec3) -> Vec3 {
+        self * vector
+    }
+    fn inverse_of_rest(parts: impl Iterator<Item = Self>) -> Self {
+        let rest = parts.fold(Self::identity(), |rest, part| rest - part);
+        rest.try_inverse().unwrap_or_else(Self::identity)
+    }
+    fn matrix(&self) -> Mat3 {
+        *self
+    }
+}
 
 /// A fibre of groups.
 #[derive(Clone, Debug)]
 struct GroupFibre {
-    /// Its groups among the members of all fibres; one of a constraint is the first.
+    /// Its groups among the members of all fibres, those of a constraint first.
     members: Range<usize>,
+    /// Those of a constraint.
+    bound: Range<usize>,
     /// Added inertia over mass (1).
     added: f64,
     /// Mass (kg).
@@ -40,41 +97,76 @@ struct GroupFibre {
 
 /// A group of a fibre.
 #[derive(Clone, Copy, Debug)]
-struct Member {
+struct Member<M> {
     group: u32,
     fibre: u32,
     /// Mass (kg).
     mass: f64,
     /// `(a / s) m P` (1/kg).
-    gain: Mat3,
+    gain: M,
 }
 
-/// Matrices of a fibre for a length of step.
+/// Maps of a fibre for a length of step.
 #[derive(Clone, Copy, Debug)]
-struct FibreMatrices {
+struct FibreMaps<M> {
     /// `W^-1`.
-    inner: Mat3,
-    /// `q` per change of velocity that a constraint makes at the first group (kg).
-    of_constraint: Mat3,
-    /// Response of the first group to an impulse of a constraint (1/kg).
-    response: Mat3,
+    inner: M,
+    /// `(I - (a / s) sum_k m_k^2 P_k)^-1` over the groups that are not of a constraint.
+    outer: M,
+}
+
+/// Fibres with one kind of maps.
+#[derive(Debug)]
+struct FibreSet<M> {
+    all: Vec<GroupFibre>,
+    /// Fibres with nodes of constraints, in the order of these.
+    constrained: Vec<u32>,
+    /// The groups of all fibres, fibre by fibre.
+    members: Vec<Member<M>>,
+    /// Indices of the members in rising order of their groups.
+    order: Vec<u32>,
+    /// Index of the member that each node of constraints is; [`NONE`] where it is none.
+    member_of: Vec<u32>,
+    maps: Vec<FibreMaps<M>>,
+    /// `q` of the present step, by fibre (N s): first of the predicted velocities, then of what constraints have changed.
+    pulls: Vec<Vec3>,
+    /// Velocity (m/s) before constraints, of the nodes of constraints in the order of `constrained`.
+    predicted: Vec<Vec3>,
+}
+
+impl<M> Default for FibreSet<M> {
+    fn default() -> Self {
+        Self {
+            all: Vec::new(),
+            constrained: Vec::new(),
+            members: Vec::new(),
+            order: Vec::new(),
+            member_of: Vec::new(),
+            maps: Vec::new(),
+            pulls: Vec::new(),
+            predicted: Vec::new(),
+        }
+    }
 }
 
 /// All fibres of a model.
 #[derive(Debug, Default)]
 pub(crate) struct Fibres {
-    all: Vec<GroupFibre>,
-    /// Fibres with a node of a constraint.
-    constrained: Vec<u32>,
-    /// The groups of all fibres, fibre by fibre.
-    members: Vec<Member>,
-    /// Indices of the members in rising order of their groups.
-    order: Vec<u32>,
-    matrices: Vec<FibreMatrices>,
-    /// `q` of the present step, by fibre (N s).
-    pulls: Vec<Vec3>,
-    /// Velocity (m/s) of the first group before constraints, of the fibres of `constrained`.
-    predicted: Vec<Vec3>,
+    /// Those all of whose groups have diagonal matrices.
+    diagonal: FibreSet<Vec3>,
+    full: FibreSet<Mat3>,
+}
+
+/// Evaluates an expression on both sets of fibres.
+macro_rules! on_both {
+    ($fibres:expr, $set:ident => $body:expr) => {{
+        {
+            let $set = &mut $fibres.diagonal;
+            $body;
+        }
+        let $set = &mut $fibres.full;
+        $body;
+    }};
 }
 
 impl Fibres {
@@ -86,42 +178,139 @@ impl Fibres {
         constrained: usize,
     ) -> Self {
         let mut found = Self::default();
-        for (index, (own, added)) in (0..).zip(fibres) {
-            let start = found.members.len();
-            found.members.extend(own.iter().map(|&group| Member {
-                group,
-                fibre: index,
-                mass: groups[group as usize].mass,
-                gain: Mat3::zeros(),
-            }));
-            found.all.push(GroupFibre {
-                members: start..found.members.len(),
-                added: *added,
-                mass: found.members[start..]
-                    .iter()
-                    .map(|member| member.mass)
-                    .sum(),
-            });
-            if (own[0] as usize) < constrained {
-                found.constrained.push(index);
+        for (own, added) in fibres {
+            let of_group = |group: &u32| &groups[*group as usize];
+            match own.iter().all(|group| of_group(group).is_diagonal()) {
+                true => found.diagonal.push(own, *added, groups, constrained),
+                false => found.full.push(own, *added, groups, constrained),
             }
         }
-        found.order = (0..found.members.len() as u32).collect();
-        let members = &found.members;
-        (found.order).sort_unstable_by_key(|&index| members[index as usize].group);
-        found.pulls = vec![Vec3::zeros(); found.all.len()];
-        found.predicted = vec![Vec3::zeros(); found.constrained.len()];
+        on_both!(found, set => set.finish(constrained));
         found
     }
 
     /// Whether there are none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.all.is_empty()
+        self.diagonal.all.is_empty() && self.full.all.is_empty()
     }
 
     /// A checksum of the groups of all fibres and of their added inertia.
     pub(crate) fn fingerprint(&self) -> u64 {
         let mut sum = Checksum::default();
+        self.diagonal.add_to(&mut sum);
+        self.full.add_to(&mut sum);
+        sum.value()
+    }
+
+    /// Computes the maps from the matrices of the groups.
+    pub(crate) fn prepare(&mut self, coefficients: &[Coefficients]) {
+        on_both!(self, set => set.prepare(coefficients));
+    }
+
+    /// What an impulse at a node of a constraint adds to its own velocity, beyond the response of its group by itself
+    /// (1/kg); zero without a fibre.
+    pub(crate) fn response(&self, group: usize, coefficients: &[Coefficients]) -> Mat3 {
+        let diagonal = self.diagonal.response([group; 2], coefficients);
+        let found = diagonal.or_else(|| self.full.response([group; 2], coefficients));
+        found.unwrap_or_else(Mat3::zeros)
+    }
+
+    /// Couplings of the nodes of a constraint, whose groups these are; without coefficients, with zeros for responses.
+    pub(crate) fn couplings(
+        &self,
+        own: &Range<usize>,
+        coefficients: &[Coefficients],
+    ) -> Vec<NodeCoupling> {
+        let mut found = self.diagonal.couplings(own, coefficients);
+        found.extend(self.full.couplings(own, coefficients));
+        found
+    }
+
+    /// Couples the new velocities (m/s) of the groups, which each has by itself, given those before.
+    pub(crate) fn couple(&mut self, previous: &[Vec3], next: &mut [Vec3]) {
+        on_both!(self, set => set.couple(previous, next));
+    }
+
+    /// Lets the other groups of fibres follow what a constraint, whose groups these are, has changed in new velocities
+    /// (m/s).
+    pub(crate) fn follow(&mut self, own: &Range<usize>, next: &mut [Vec3]) {
+        on_both!(self, set => set.follow(own, next));
+    }
+
+    /// Impulse (N s) of a constraint at one of its nodes beyond that on its group by itself, after the others have
+    /// [followed](Self::follow); zero without a fibre.
+    pub(crate) fn of_constraint(&self, group: usize) -> Vec3 {
+        let diagonal = self.diagonal.of_constraint(group);
+        let found = diagonal.or_else(|| self.full.of_constraint(group));
+        found.unwrap_or_else(Vec3::zeros)
+    }
+
+    /// Impulse (N s) of the inertia of a group between two velocities (m/s) of all groups, beyond that of the group by
+    /// itself; zero without a fibre.
+    pub(crate) fn of_inertia(&self, group: usize, previous: &[Vec3], next: &[Vec3]) -> Vec3 {
+        let diagonal = self.diagonal.of_inertia(group, previous, next);
+        let found = diagonal.or_else(|| self.full.of_inertia(group, previous, next));
+        found.unwrap_or_else(Vec3::zeros)
+    }
+
+    /// Kinetic energy of the added inertia of every fibre (J), `1/2 v- . M v+`, and `1/8 (v+ - v-) . M (v+ - v-)`; and
+    /// that of its mass at the mean velocity.
+    pub(crate) fn kinetic(&self, previous: &[Vec3], next: &[Vec3]) -> Vec<[f64; 3]> {
+        let mut all = self.diagonal.kinetic(previous, next);
+        all.extend(self.full.kinetic(previous, next));
+        all
+    }
+
+    /// Multiplies a vector of the leads of groups, in their free directions, by the root of the inverse of the inertia
+    /// that fibres have with unit masses, `(1 + a) I - a u u^T` with `u_i^2 = m_i / s`: with the inverse roots of the
+    /// masses on both sides its square is the inverse inertia of the model.
+    pub(crate) fn apply_inverse_root(&self, groups: &[NodeGroup], vector: &mut [Vec3]) {
+        self.diagonal.apply_inverse_root(groups, vector);
+        self.full.apply_inverse_root(groups, vector);
+    }
+}
+
+impl<M: Map> FibreSet<M> {
+    fn push(&mut self, own: &[u32], added: f64, groups: &[NodeGroup], constrained: usize) {
+        let (start, index) = (self.members.len(), self.all.len() as u32);
+        self.members.extend(own.iter().map(|&group| Member {
+            group,
+            fibre: index,
+            mass: groups[group as usize].mass,
+            gain: M::scaled(&Mat3::zeros(), 0.0),
+        }));
+        let bound = own.partition_point(|&group| (group as usize) < constrained);
+        let masses = self.members[start..].iter().map(|member| member.mass);
+        self.all.push(GroupFibre {
+            members: start..self.members.len(),
+            bound: start..start + bound,
+            added,
+            mass: masses.sum(),
+        });
+        if bound > 0 {
+            self.constrained.push(index);
+        }
+    }
+
+    fn finish(&mut self, constrained: usize) {
+        let members = &self.members;
+        self.order = (0..members.len() as u32).collect();
+        (self.order).sort_unstable_by_key(|&index| members[index as usize].group);
+        self.member_of = vec![NONE; constrained];
+        for (index, member) in (0..).zip(members) {
+            if let Some(own) = self.member_of.get_mut(member.group as usize) {
+                *own = index;
+            }
+        }
+        let all = &self.all;
+        let first = |fibre: &u32| members[all[*fibre as usize].members.start].group;
+        self.constrained.sort_unstable_by_key(first);
+        let bound = (self.constrained.iter()).map(|&fibre| all[fibre as usize].bound.len());
+        self.predicted = vec![Vec3::zeros(); bound.sum()];
+        self.pulls = vec![Vec3::zeros(); all.len()];
+    }
+
+    fn add_to(&self, sum: &mut Checksum) {
         for fibre in &self.all {
             sum.add_number(fibre.members.len() as u64);
             sum.add_number(fibre.added.to_bits());
@@ -129,63 +318,93 @@ impl Fibres {
         for member in &self.members {
             sum.add_number(member.group.into());
         }
-        sum.value()
     }
 
-    /// Computes the matrices from those of the groups.
-    pub(crate) fn prepare(&mut self, coefficients: &[Coefficients]) {
+    fn prepare(&mut self, coefficients: &[Coefficients]) {
         for member in &mut self.members {
             let GroupFibre { added, mass, .. } = self.all[member.fibre as usize];
-            member.gain =
-                coefficients[member.group as usize].inverse * (added / mass * member.mass);
+            let response = &coefficients[member.group as usize].inverse;
+            member.gain = M::scaled(response, added / mass * member.mass);
         }
         let members = &self.members;
-        let of = |fibre: &GroupFibre| {
-            let own = &members[fibre.members.clone()];
-            let kept = own.iter().fold(Mat3::identity(), |kept, member| {
-                kept - member.gain * member.mass
-            });
-            let inner = inverse(&kept);
-            let first = &own[0];
-            let around = first.gain * inner * first.mass;
-            let follows = inverse(&(Mat3::identity() + around));
-            let alone = coefficients[first.group as usize].inverse;
-            FibreMatrices {
-                inner,
-                of_constraint: inner * follows * first.mass,
-                response: alone + around * alone,
-            }
+        let inverse_without = |own: Range<usize>| {
+            let own = members[own].iter();
+            M::inverse_of_rest(own.map(|member| {
+                member
+                    .gain
+                    .times(&M::scaled(&Mat3::identity(), member.mass))
+            }))
         };
-        self.matrices = self.all.par_iter().map(of).collect();
+        let of = |fibre: &GroupFibre| FibreMaps {
+            inner: inverse_without(fibre.members.clone()),
+            outer: inverse_without(fibre.bound.end..fibre.members.end),
+        };
+        self.maps = self.all.par_iter().map(of).collect();
     }
 
-    fn member(&self, group: usize) -> Option<&Member> {
+    fn member(&self, group: usize) -> Option<&Member<M>> {
+        if let Some(&index) = self.member_of.get(group) {
+            return self.members.get(index as usize);
+        }
         let key = |index: &u32| self.members[*index as usize].group as usize;
         let place = self.order.binary_search_by_key(&group, key).ok()?;
         Some(&self.members[self.order[place] as usize])
     }
 
-    /// Response (1/kg) of a node of a constraint to its impulse; none for a group without a fibre.
-    pub(crate) fn response(&self, group: usize) -> Option<Mat3> {
-        let member = self.member(group)?;
-        Some(self.matrices[member.fibre as usize].response)
+    /// Velocity of a group per impulse on another one of its fibre, both of a constraint, beyond that of the group by
+    /// itself (1/kg); none for a group of no fibre here, zeros before the maps are known.
+    fn response(&self, groups: [usize; 2], coefficients: &[Coefficients]) -> Option<Mat3> {
+        let [first, second] = groups.map(|group| self.member(group));
+        let (first, second) = (first?, second?);
+        let Some(maps) = self.maps.get(first.fibre as usize) else {
+            return Some(Mat3::zeros());
+        };
+        let of_second = coefficients[second.group as usize].inverse * second.mass;
+        Some(first.gain.times(&maps.inner).matrix() * of_second)
     }
 
-    /// Couples the new velocities (m/s) of the groups, which each has by itself, given those before.
-    pub(crate) fn couple(&mut self, previous: &[Vec3], next: &mut [Vec3]) {
+    fn couplings(&self, own: &Range<usize>, coefficients: &[Coefficients]) -> Vec<NodeCoupling> {
+        let mut found = Vec::new();
+        for fibre in self.constrained_of(own) {
+            let bound = &self.members[self.all[fibre as usize].bound.clone()];
+            for (i, first) in bound.iter().enumerate() {
+                for second in &bound[i + 1..] {
+                    let groups = [first.group, second.group];
+                    let response = self.response(groups.map(|group| group as usize), coefficients);
+                    found.push(NodeCoupling {
+                        nodes: groups.map(|group| group - own.start as u32),
+                        response: response.unwrap_or_else(Mat3::zeros),
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    /// Fibres with nodes of a constraint, whose groups these are.
+    fn constrained_of(&self, own: &Range<usize>) -> impl Iterator<Item = u32> {
+        let first =
+            |fibre: &u32| self.members[self.all[*fibre as usize].members.start].group as usize;
+        let all = self.constrained.iter().copied();
+        let own = own.clone();
+        all.filter(move |fibre| own.contains(&first(fibre)))
+    }
+
+    fn couple(&mut self, previous: &[Vec3], next: &mut [Vec3]) {
         if self.all.is_empty() {
             return;
         }
         let (members, order) = (&self.members, &self.order);
         let new = &*next;
-        (self.pulls.par_iter_mut().zip(&self.all).zip(&self.matrices))
-            .with_min_len(64)
-            .for_each(|((pull, fibre), matrices)| {
-                let changed = members[fibre.members.clone()].iter().map(|member| {
+        (self.pulls.par_iter_mut().zip(&self.all).zip(&self.maps))
+            .with_min_len(FIBRES_PER_TASK)
+            .for_each(|((pull, fibre), maps)| {
+                let mut changed = Vec3::zeros();
+                for member in &members[fibre.members.clone()] {
                     let g = member.group as usize;
-                    (new[g] - previous[g]) * member.mass
-                });
-                *pull = matrices.inner * changed.sum::<Vec3>();
+                    changed += (new[g] - previous[g]) * member.mass;
+                }
+                *pull = maps.inner.apply(&changed);
             });
         let pulls = &self.pulls;
         let place = |group: usize| {
@@ -195,60 +414,62 @@ impl Fibres {
             let start = task * TASK;
             for &index in &order[place(start)..place(start + next.len())] {
                 let member = &members[index as usize];
-                next[member.group as usize - start] += member.gain * pulls[member.fibre as usize];
+                let pull = &pulls[member.fibre as usize];
+                next[member.group as usize - start] += member.gain.apply(pull);
             }
         });
-        for (predicted, &fibre) in self.predicted.iter_mut().zip(&self.constrained) {
-            let first = self.all[fibre as usize].members.start;
-            *predicted = next[members[first].group as usize];
+        let bound = (self.constrained.iter()).flat_map(|&f| self.all[f as usize].bound.clone());
+        for (predicted, index) in self.predicted.iter_mut().zip(bound) {
+            *predicted = next[members[index].group as usize];
         }
     }
 
-    /// Lets the other groups of fibres follow what constraints have changed in new velocities (m/s).
-    pub(crate) fn follow(&self, next: &mut [Vec3]) {
-        for (predicted, &fibre) in self.predicted.iter().zip(&self.constrained) {
-            let own = &self.members[self.all[fibre as usize].members.clone()];
-            let change = next[own[0].group as usize] - predicted;
-            if change != Vec3::zeros() {
-                let pull = self.matrices[fibre as usize].of_constraint * change;
-                for member in &own[1..] {
-                    next[member.group as usize] += member.gain * pull;
+    fn follow(&mut self, own: &Range<usize>, next: &mut [Vec3]) {
+        let mut start = 0;
+        for &index in &self.constrained {
+            let fibre = &self.all[index as usize];
+            let bound = &self.members[fibre.bound.clone()];
+            let predicted = &self.predicted[start..start + bound.len()];
+            start += bound.len();
+            if !own.contains(&(bound[0].group as usize)) {
+                continue;
+            }
+            let mut changed = Vec3::zeros();
+            for (member, before) in bound.iter().zip(predicted) {
+                changed += (next[member.group as usize] - before) * member.mass;
+            }
+            let pull = self.maps[index as usize].outer.apply(&changed);
+            self.pulls[index as usize] = pull;
+            if pull != Vec3::zeros() {
+                for member in &self.members[fibre.bound.end..fibre.members.end] {
+                    next[member.group as usize] += member.gain.apply(&pull);
                 }
             }
         }
     }
 
-    /// Impulse (N s) that a constraint needs for a change of the velocity (m/s) of a node beyond that of its group by
-    /// itself, because the other groups of the fibre follow; zero without a fibre.
-    pub(crate) fn of_constraint(&self, group: usize, change: &Vec3) -> Vec3 {
-        self.member(group).map_or_else(Vec3::zeros, |member| {
-            let pull = self.matrices[member.fibre as usize].of_constraint * change;
-            self.beyond(member, pull)
-        })
+    fn of_constraint(&self, group: usize) -> Option<Vec3> {
+        let member = self.member(group)?;
+        Some(self.beyond(member, self.pulls[member.fibre as usize]))
     }
 
-    /// Impulse (N s) of the inertia of a group between two velocities (m/s) of all groups, beyond that of the group by
-    /// itself; zero without a fibre.
-    pub(crate) fn of_inertia(&self, group: usize, previous: &[Vec3], next: &[Vec3]) -> Vec3 {
-        self.member(group).map_or_else(Vec3::zeros, |member| {
-            let own = &self.members[self.all[member.fibre as usize].members.clone()];
-            let changed = own.iter().map(|other| {
-                let g = other.group as usize;
-                (next[g] - previous[g]) * other.mass
-            });
-            self.beyond(member, changed.sum())
-        })
+    fn of_inertia(&self, group: usize, previous: &[Vec3], next: &[Vec3]) -> Option<Vec3> {
+        let member = self.member(group)?;
+        let own = &self.members[self.all[member.fibre as usize].members.clone()];
+        let changed = own.iter().map(|other| {
+            let g = other.group as usize;
+            (next[g] - previous[g]) * other.mass
+        });
+        Some(self.beyond(member, changed.sum()))
     }
 
     /// The impulse (N s) of a member in the product of vectors, for a change of the momentum of its fibre (N s).
-    fn beyond(&self, member: &Member, changed: Vec3) -> Vec3 {
+    fn beyond(&self, member: &Member<M>, changed: Vec3) -> Vec3 {
         let GroupFibre { added, mass, .. } = self.all[member.fibre as usize];
         changed * (-added / mass * member.mass)
     }
 
-    /// Kinetic energy of the added inertia of every fibre (J), `1/2 v- . M v+`, and `1/8 (v+ - v-) . M (v+ - v-)`; and
-    /// that of its mass at the mean velocity.
-    pub(crate) fn kinetic(&self, previous: &[Vec3], next: &[Vec3]) -> Vec<[f64; 3]> {
+    fn kinetic(&self, previous: &[Vec3], next: &[Vec3]) -> Vec<[f64; 3]> {
         let of = |fibre: &GroupFibre| {
             let own = &self.members[fibre.members.clone()];
             let mean = |velocity: &[Vec3]| {
@@ -270,10 +491,7 @@ impl Fibres {
         self.all.par_iter().map(of).collect()
     }
 
-    /// Multiplies a vector of the leads of groups, in their free directions, by the root of the inverse of the inertia
-    /// that fibres have with unit masses, `(1 + a) I - a u u^T` with `u_i^2 = m_i / s`: with the inverse roots of the
-    /// masses on both sides its square is the inverse inertia of the model.
-    pub(crate) fn apply_inverse_root(&self, groups: &[NodeGroup], vector: &mut [Vec3]) {
+    fn apply_inverse_root(&self, groups: &[NodeGroup], vector: &mut [Vec3]) {
         for fibre in &self.all {
             let own = self.members[fibre.members.clone()].iter().map(|member| {
                 let root = (member.mass / fibre.mass).sqrt();
@@ -286,13 +504,15 @@ impl Fibres {
                 sum += vector[group.members[0] as usize] * root;
             }
             let alone = 1.0 / (1.0 + fibre.added).sqrt();
-            let eigen = common.symmetric_eigen();
+            let (values, axes) = match common == Mat3::from_diagonal(&common.diagonal()) {
+                true => (common.diagonal(), Mat3::identity()),
+                false => {
+                    let eigen = common.symmetric_eigen();
+                    (eigen.eigenvalues, eigen.eigenvectors)
+                }
+            };
             let mut shared = Vec3::zeros();
-            for (&value, axis) in eigen
-                .eigenvalues
-                .iter()
-                .zip(eigen.eigenvectors.column_iter())
-            {
+            for (&value, axis) in values.iter().zip(axes.column_iter()) {
                 if value > HELD {
                     let together = 1.0 / (1.0 + fibre.added * (1.0 - value)).sqrt();
                     shared += axis * (axis.dot(&sum) * (together - alone) / value);
@@ -304,9 +524,4 @@ impl Fibres {
             }
         }
     }
-}
-
-/// Inverse of a matrix whose eigenvalues are positive.
-fn inverse(matrix: &Mat3) -> Mat3 {
-    matrix.try_inverse().unwrap_or_else(Mat3::identity)
 }

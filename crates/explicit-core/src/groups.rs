@@ -2,30 +2,33 @@
 //! the nodes of a group have one common motion.
 //!
 //! # Order of the groups
-//! Groups are stored in one list, in three consecutive ranges:
+//! Groups are stored in one list, in four consecutive ranges:
 //! 1. the nodes of constraints (joints), constraint by constraint in the order of the constraint's nodes, so that
 //!    each constraint takes its velocities as one slice; there are [`ConstrainedNodes::count`] of them;
 //! 2. all other groups in rising order of their lead nodes;
-//! 3. roller nodes (one node fixed along coordinate axes, with a mass only), in rising order.
+//! 3. those nodes of fibres that were plain or roller nodes without ([`FibreNodes`]), in rising order;
+//! 4. roller nodes (one node fixed along coordinate axes, with a mass only), in rising order.
 //!
-//! Groups of the first two ranges have their velocity updated here, before the pass over all nodes; their number is
+//! Groups of the first three ranges have their velocity updated here, before the pass over all nodes; their number is
 //! [`Groups::kicked`], which is the length of [`GroupMotion::next`] and [`GroupMotion::previous`]. Roller nodes are
 //! updated by the pass itself ([`RollerNodes`]) and have no entry there. [`GroupMotion`]'s `displacement` covers
-//! the first range, its `stretch` the second. The order is made by `GroupPlan::finish`.
+//! the first range, its `stretch` the second and third. The order is made by `GroupPlan::finish`.
 
 use core::ops::Range;
 
-use powerhouse_model::{DeviceGroup, MassDampingRule, Mat3, Vec3};
+use powerhouse_model::{DeviceGroup, MassDampingRule, Mat3, NodeCoupling, Vec3};
 
 use rayon::prelude::*;
 
 use crate::condition::Condition;
-use crate::constrained::{ConstrainedMotion, ConstrainedNodes, TILE};
+use crate::constrained::{ConstrainedMotion, ConstrainedNodes};
 use crate::effective_mass::inverse;
+use crate::fibre_nodes::FibreNodes;
 use crate::fibres::Fibres;
 use crate::gather::{CHUNK, SlotTable};
 use crate::nodes::{NodalArrays, Storage};
 use crate::roller_nodes::{RollerNode, RollerNodes};
+use crate::tiled::TILE;
 
 /// Pseudo-mass of an orphan node (one without active elements), over the least mass of a node of the model.
 const ORPHAN_MASS: f64 = 1e-12;
@@ -60,6 +63,16 @@ pub(crate) struct Coefficients {
     pub(crate) lift: Mat3,
 }
 
+fn is_diagonal(matrix: &Mat3) -> bool {
+    *matrix == Mat3::from_diagonal(&matrix.diagonal())
+}
+
+/// The coordinate axis along which a unit vector lies; none for an oblique one.
+fn axis_of(direction: &Vec3) -> Option<usize> {
+    let axis = direction.iamax();
+    (direction.abs().sum() == direction[axis].abs()).then_some(axis)
+}
+
 impl NodeGroup {
     /// Impulse (N s) of inertia, dashpot and spring in a step between two velocities (m/s),
     /// `A v+ - (M - dt/2 C + dt^2/4 K) v-`.
@@ -73,6 +86,12 @@ impl NodeGroup {
         let spring = self.spring * (after - before) * (0.25 * step * step);
         let dashpot = self.dashpot * (after + before) * (0.5 * step);
         after * mass - before * old + dashpot + spring
+    }
+
+    /// Whether the group has no dashpot, spring, mass damping or prescribed motion, whose forces do work.
+    fn is_bare(&self) -> bool {
+        let still = self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros();
+        still && self.mass_damping == 0.0 && self.condition.prescribed.is_empty()
     }
 
     /// Contributions (kg) of mass and mass damping to `A` and to the factor of the old velocity; of a group in a
@@ -90,30 +109,44 @@ impl NodeGroup {
         (self.mass <= 0.0).then(|| self.condition.project(&nothing()).0)
     }
 
-    /// Whether the group is one node with a positive mass and no fixed direction, dashpot, spring or fibre.
+    /// Whether the group is one node with a positive mass and no fixed direction, dashpot or spring.
     pub(crate) fn has_scalar_mass(&self) -> bool {
         let free = self.condition.directions().is_empty();
-        let alone = self.members.len() == 1 && self.mass > 0.0 && self.added == 0.0;
+        let alone = self.members.len() == 1 && self.mass > 0.0;
         alone && free && self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros()
     }
 
     /// The coordinate axes along which the group is fixed, if it is one node with a mass only that is fixed along
-    /// coordinate axes or not at all; none for any other group.
+    /// coordinate axes or not at all, and has no fibre; none for any other group.
     pub(crate) fn held_axes(&self) -> Option<[bool; 3]> {
+        self.axes().filter(|_| self.added == 0.0)
+    }
+
+    /// Whether the group is a node of a fibre that would be a roller node or a plain one without.
+    pub(crate) fn is_fibre_node(&self) -> bool {
+        self.added > 0.0 && self.mass > 0.0 && self.axes().is_some()
+    }
+
+    /// The same axes with a fibre or without.
+    fn axes(&self) -> Option<[bool; 3]> {
         let free = self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros();
-        let alone = self.members.len() == 1 && self.added == 0.0;
-        if !alone || !free || !self.condition.prescribed.is_empty() {
+        let alone = self.members.len() == 1 && self.condition.prescribed.is_empty();
+        if !alone || !free {
             return None;
         }
         let mut held = [false; 3];
         for direction in self.condition.directions() {
-            let axis = direction.iamax();
-            if direction.abs().sum() != direction[axis].abs() {
-                return None;
-            }
-            held[axis] = true;
+            held[axis_of(direction)?] = true;
         }
         Some(held)
+    }
+
+    /// Whether all its matrices are diagonal: dashpot and spring are, and fixed and prescribed directions are coordinate
+    /// axes.
+    pub(crate) fn is_diagonal(&self) -> bool {
+        let along_axes = |direction| axis_of(direction).is_some();
+        let matrices = [&self.dashpot, &self.spring];
+        matrices.into_iter().all(is_diagonal) && self.condition.directions().iter().all(along_axes)
     }
 
     fn coefficients(&self, rule: MassDampingRule, step: f64) -> Coefficients {
@@ -129,6 +162,14 @@ impl NodeGroup {
             };
         }
         let (mass, old) = self.effective_mass(rule, step);
+        if let (true, Some(held)) = (self.is_fibre_node(), self.axes()) {
+            let free = Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 }));
+            return Coefficients {
+                carry: Mat3::from_diagonal(&(free * (old / mass))),
+                inverse: Mat3::from_diagonal(&(free / mass)),
+                lift: Mat3::zeros(),
+            };
+        }
         let spring = self.spring * (0.25 * step * step);
         let added = self.dashpot * (0.5 * step) + spring;
         let (inverse, lift) = self.condition.project(&inverse(mass, &added));
@@ -233,6 +274,8 @@ pub(crate) struct DiagonalGroup {
     is_diagonal: bool,
     /// Whether the group has a prescribed motion.
     is_prescribed: bool,
+    /// Whether it has a mass only.
+    is_bare: bool,
     carry: Vec3,
     /// `P` times the step (s/kg).
     response: Vec3,
@@ -244,7 +287,6 @@ pub(crate) struct DiagonalGroup {
 
 impl DiagonalGroup {
     fn new(group: &NodeGroup, matrices: &Coefficients, step: f64) -> Self {
-        let is_diagonal = |m: &Mat3| *m == Mat3::from_diagonal(&m.diagonal());
         let all = [
             &matrices.carry,
             &matrices.inverse,
@@ -260,6 +302,7 @@ impl DiagonalGroup {
             dashpot: group.dashpot.diagonal(),
             mass_damping: group.mass_damping,
             is_prescribed: !group.condition.prescribed.is_empty(),
+            is_bare: group.is_bare(),
         }
     }
 }
@@ -277,14 +320,25 @@ pub(crate) struct Groups {
     pub(crate) origin: Vec<Vec3>,
     /// Indices of the groups with a prescribed motion.
     pub(crate) prescribed: Vec<u32>,
+    /// Nodes of fibres whose groups are the last of those that are kicked.
+    fibre_nodes: FibreNodes,
     pub(crate) fibres: Fibres,
 }
 
 impl Groups {
     /// Groups in the order that the module page states; `constrained` are the engine nodes of constraints.
     pub(crate) fn new(groups: Vec<NodeGroup>, constrained: &[u32], slots: &SlotTable) -> Self {
+        let motion = GroupMotion::new(&groups, constrained.len(), slots.node_count());
+        let kicked = &groups[..motion.next.len()];
+        let others = &kicked[constrained.len()..];
+        let last = others
+            .iter()
+            .rev()
+            .take_while(|group| group.is_fibre_node());
+        let of_fibres = &kicked[kicked.len() - last.count()..];
         Self {
-            motion: GroupMotion::new(&groups, constrained.len(), slots.node_count()),
+            fibre_nodes: FibreNodes::new(of_fibres, slots),
+            motion,
             constrained: ConstrainedNodes::new(constrained, &groups, slots),
             coefficients: Vec::new(),
             diagonal: Vec::new(),
@@ -326,6 +380,8 @@ impl Groups {
             .map(|(group, matrices)| DiagonalGroup::new(group, matrices, step))
             .collect();
         self.constrained.prepare(&self.groups, rule, step);
+        let last = self.coefficients.len() - self.fibre_nodes.count();
+        (self.fibre_nodes).prepare(&self.coefficients[last..], step);
         self.fibres.prepare(&self.coefficients);
     }
 
@@ -336,19 +392,27 @@ impl Groups {
 
     /// Response (1/kg) of a group of a constraint to its impulse, in the free directions.
     pub(crate) fn response(&self, group: usize) -> Mat3 {
-        let of_fibre = self.fibres.response(group);
-        of_fibre.unwrap_or(self.coefficients[group].inverse)
+        self.coefficients[group].inverse + self.fibres.response(group, &self.coefficients)
     }
 
-    /// Impulse (N s) by which a constraint changes the predicted velocity of a group by `change` (m/s).
+    /// Couplings of the nodes of a constraint by fibres, whose groups these are.
+    pub(crate) fn couplings(&self, own: &Range<usize>) -> Vec<NodeCoupling> {
+        self.fibres.couplings(own, &self.coefficients)
+    }
+
+    /// Impulse (N s) by which a constraint has changed the predicted velocity of a group by `change` (m/s), once the
+    /// groups of its fibre have followed.
     pub(crate) fn correction(
         &self,
         group: usize,
         prepared: (MassDampingRule, f64),
         change: &Vec3,
     ) -> Vec3 {
-        let own = self.groups[group].impulse(prepared, &Vec3::zeros(), change);
-        own + self.fibres.of_constraint(group, change)
+        let own = match self.constrained.scalar_mass(group) {
+            Some(mass) => change * mass,
+            None => self.groups[group].impulse(prepared, &Vec3::zeros(), change),
+        };
+        own + self.fibres.of_constraint(group)
     }
 
     /// Impulse (N s) of inertia, dashpot and spring of a group in the present step, `A v+ - (M - dt/2 C + dt^2/4 K) v-`.
@@ -364,9 +428,15 @@ impl Groups {
         self.fibres.couple(previous, next);
     }
 
-    /// Lets the groups of fibres follow what constraints have changed at one of them.
-    pub(crate) fn follow_constraints(&mut self) {
-        self.fibres.follow(&mut self.motion.next);
+    /// Lets the groups of fibres follow what a constraint, whose groups these are, has changed.
+    pub(crate) fn follow_constraint(&mut self, own: &Range<usize>) {
+        self.fibres.follow(own, &mut self.motion.next);
+    }
+
+    /// Whether no force does work at a group, but those of a constraint.
+    #[inline]
+    pub(crate) fn is_bare(&self, group: usize) -> bool {
+        self.diagonal[group].is_bare
     }
 
     /// Diagonal coefficients of a group without constraint and prescribed motion, and the elongation (m) of its spring
@@ -376,12 +446,6 @@ impl Groups {
         let stretch = &self.motion.stretch[group.checked_sub(self.constrained.count())?];
         let group = &self.diagonal[group];
         (group.is_diagonal && !group.is_prescribed).then_some((group, stretch))
-    }
-
-    /// Effective mass (kg) of a group of a constraint with a scalar mass only; none for other groups.
-    #[inline]
-    pub(crate) fn scalar_mass(&self, group: usize) -> Option<f64> {
-        self.constrained.scalar_mass(group)
     }
 
     /// The kicked groups with their present coefficients, for a device.
@@ -418,6 +482,7 @@ impl Groups {
             diagonal,
             constrained,
             origin,
+            fibre_nodes,
             ..
         } = self;
         // Velocity before and after the step, and elongation of the spring.
@@ -462,6 +527,12 @@ impl Groups {
                 };
                 constrained.kick((tile, moved), own, arrays, &applied, kicked);
             });
+        let others = other_next.len() - fibre_nodes.count();
+        let (other_next, next) = other_next.split_at_mut(others);
+        let (other_previous, previous) = other_previous.split_at_mut(others);
+        fibre_nodes.kick(moved.is_some(), (previous, next), arrays, |node| {
+            applied(count + others + node)
+        });
         other_next
             .par_iter_mut()
             .zip(other_previous)

@@ -130,6 +130,7 @@ mod device;
 mod effective_mass;
 mod engine;
 mod exact;
+mod fibre_nodes;
 mod fibres;
 mod gather;
 mod groups;
@@ -151,6 +152,7 @@ mod stable_step;
 mod stage;
 mod statics;
 mod subdomain;
+mod tiled;
 mod view;
 mod weight;
 

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, Rotation3, Unit};
-use powerhouse_contact::{Frictionless, Joint};
+use powerhouse_contact::{Frictionless, Joint, TiedPairs};
 use powerhouse_elements::NodalForce;
-use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
+use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
-    BlockFactory, BoundaryParts, ElementKind, EnergyCheck, Fibre, JointPair, Mat3, Mesh, ModelSpec,
-    NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError, RunOptions, RunReport, State,
-    StepChoice, Support, TimeIntegrator, Vec3,
+    BlockFactory, BoundaryParts, ElementKind, EnergyCheck, Engine, Fibre, JointPair, Mat3, Mesh,
+    ModelSpec, NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError, RunOptions,
+    RunReport, State, StepChoice, Support, ThreadRanks, TimeIntegrator, Vec3,
 };
 
 use crate::support::{Links, StopAfter, dense, hex_box, random_vectors, same_bits_over_threads};
@@ -439,91 +439,20 @@ fn a_body_with_fibres_falls_with_its_true_mass() {
     }
 }
 
-/// Two bars that meet at a joint with a fibre at the end of one of them, whose chain of short bars it slows: the
-/// joint's impulse is that of the fibre's inertia. The pair has one velocity right after the impact, momentum is
-/// conserved to rounding, the balance of energy closes with the loss of the impact, and the long bars part with the
-/// velocities of elastic bars.
-#[test]
-fn a_joint_with_a_fibre_on_one_side_takes_an_impact() {
-    for (along, added, thin) in [
-        (Vec3::x(), 3.0, 0.02),
-        (Vec3::new(0.6, 0.0, -0.8), 8.0, 0.01),
-    ] {
-        // Two bars of 1 m in 40 pieces, the second of which ends in three thin pieces at the joint.
-        let mut builder = Mesh::builder();
-        let mut places: Vec<f64> = (0..=40).map(|i| 0.025 * f64::from(i)).collect();
-        places.extend((0..4).map(|i| 1.0 + thin * f64::from(i)));
-        places.extend((1..=40).map(|i| 1.0 + 3.0 * thin + 0.025 * f64::from(i)));
-        for (tag, place) in (1..).zip(&places) {
-            builder.node(tag, along * *place);
-        }
-        for tag in (1..places.len() as u64).filter(|tag| *tag != 41) {
-            builder.element(tag, ElementKind::Bar2, &[tag, tag + 1], &["bar"]);
-        }
-        let mesh = builder.build().unwrap();
-        let bar = || Links::new("bar", ElementKind::Bar2, 9.0e9, 0.5, 2700.0).boxed();
-        let pair = JointPair::new([40, 41], along, 0.5);
-        let build = |with_fibre: bool| {
-            let joint = Joint::new("seam", vec![pair], Frictionless).unwrap();
-            let mut model = Model::builder(&mesh)
-                .elements("bar", bar())
-                .constraint(Box::new(joint))
-                .build()
-                .unwrap();
-            let fibres = [of(&[41, 42, 43, 44], added)];
-            model
-                .set_fibres(if with_fibre { &fibres } else { &[] })
-                .unwrap();
-            let speed = |node: usize| along * if node <= 40 { 1.0 } else { 0.0 };
-            let count = mesh.node_count();
-            let velocity: Vec<Vec3> = (0..count).map(speed).collect();
-            model
-                .set_initial(&vec![Vec3::zeros(); count], &velocity)
-                .unwrap();
-            model
-        };
-        let mass: f64 = (0..mesh.node_count() as u32)
-            .map(|n| build(true).mass(n))
-            .sum();
-        let mut found = Vec::new();
-        for with_fibre in [true, false] {
-            let mut model = build(with_fibre);
-            let step = 0.9 * model.stable_step(&Leapfrog).unwrap().step;
-            steps(&mut model, 1, step);
-            let [first, second] = [40, 41].map(|node| model.velocity(node));
-            assert!((first - second).norm() < 1e-13, "{first} {second}");
-            // Longer than a wave takes to the ends and back: the bars have parted.
-            let duration = 2.6 / (9.0e9_f64 / 2700.0).sqrt();
-            let report = steps(&mut model, (duration / step) as u64, step);
-            assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
-            assert!(column(&report, "impact") > 0.0);
-            let momentum: Vec3 = (0..mesh.node_count() as u32)
-                .map(|node| model.velocity(node) * model.mass(node))
-                .sum();
-            let before: f64 = (0..=40).map(|node| model.mass(node)).sum();
-            assert!(
-                (momentum - along * before).norm() < 1e-12 * mass,
-                "{momentum}"
-            );
-            let of_first: Vec3 = (0..=40).map(|n| model.velocity(n) * model.mass(n)).sum();
-            found.push(of_first.dot(&along) / before);
-        }
-        // Of equal bars the first is left at rest; of these, the second is a little longer.
-        assert!((found[0] - found[1]).abs() < 0.01, "{added}: {found:?}");
-        assert!(found[1].abs() < 0.06, "{found:?}");
-    }
-}
-
-/// Fibres of which a node does not exist or has no mass, with two nodes of joints, or an added inertia out of range
-/// are refused with the node, before a run; the model is as before.
+/// Fibres of which a node does not exist or has no mass, with nodes of two joints or two of a constraint that cannot be
+/// solved so, or an added inertia out of range are refused with the node, before a run; the model is as before.
 #[test]
 fn impossible_fibres_are_refused_by_name() {
     let mesh = hex_box([2, 2, 2], 1.0, 0.1);
-    let joint = JointPair::new([0, 26], Vec3::z(), 1.0);
-    let joint = Joint::new("seam", vec![joint], Frictionless).unwrap();
+    let joint = |name: &str, nodes| {
+        let pair = JointPair::new(nodes, Vec3::z(), 1.0);
+        Box::new(Joint::new(name, vec![pair], Frictionless).unwrap())
+    };
     let mut model = Model::builder(&mesh)
         .elements("rock", rock().boxed())
-        .constraint(Box::new(joint))
+        .constraint(joint("seam", [0, 26]))
+        .constraint(joint("crack", [2, 8]))
+        .constraint(Box::new(TiedPairs::new("tie", &[[18, 20]]).unwrap()))
         .build()
         .unwrap();
     let step = model.stable_step(&Leapfrog).unwrap().step;
@@ -532,12 +461,16 @@ fn impossible_fibres_are_refused_by_name() {
         (vec![of(&[3, 4], -1.0)], "added inertia"),
         (vec![of(&[3, 4], f64::NAN)], "added inertia"),
         (
-            vec![of(&[0, 5, 26], 1.0)],
-            "cannot be in a fibre: another node of a joint",
+            vec![of(&[0, 5, 8], 1.0)],
+            "cannot be in a fibre: a node of another joint",
         ),
         (
-            vec![of(&[0, 5], 1.0), of(&[5, 26], 1.0)],
-            "cannot be in a fibre",
+            vec![of(&[0, 5], 1.0), of(&[5, 8], 1.0)],
+            "cannot be in a fibre: a node of another joint",
+        ),
+        (
+            vec![of(&[0, 5], 1.0), of(&[18, 19, 20], 1.0)],
+            "cannot be in a fibre: its constraint cannot be solved",
         ),
     ] {
         let refused = model.set_fibres(&fibres).unwrap_err();
@@ -545,5 +478,23 @@ fn impossible_fibres_are_refused_by_name() {
         assert!(text.contains(said), "{text}");
     }
     assert_eq!(model.stable_step(&Leapfrog).unwrap().step, step);
-    model.set_fibres(&[of(&[0, 5], 1.0)]).unwrap();
+    model.set_fibres(&[of(&[0, 5, 26], 1.0)]).unwrap();
+}
+
+/// A model that several ranks share refuses fibres on all of them, and takes none.
+#[test]
+fn ranks_refuse_fibres() {
+    let mesh = hex_box([6, 4, 4], 1.0, 0.1);
+    let found = ThreadRanks::run(2, |ranks| {
+        let spec = Model::builder(&mesh).elements("rock", rock().boxed());
+        let engine = ExplicitOnRanks::new(Box::new(ranks));
+        let mut model = engine.build(spec.block_size(16)).unwrap();
+        model.set_fibres(&[]).unwrap();
+        let refused = model.set_fibres(&[of(&[0, 1], 3.0)]).unwrap_err();
+        Ok((refused.to_string(), model.element_frequencies().is_none()))
+    });
+    for of_rank in found {
+        let (refused, is_without) = of_rank.unwrap();
+        assert!(refused.contains("fibres") && is_without, "{refused}");
+    }
 }

@@ -3,6 +3,7 @@
 mod energy;
 mod exact;
 mod fibres;
+mod fibres_at_joints;
 mod loads;
 mod motion;
 mod ranks;

@@ -7,7 +7,8 @@ use crate::{
 /// Motion of a constraint's nodes as the integrator predicts it without the constraint.
 ///
 /// All slices are in the order of [`Constraint::nodes`]. A constraint changes `velocity` by
-/// `step * inverse_mass * force`, nothing else; the engine then moves the nodes.
+/// `step * inverse_mass * force`, and that of [coupled](Constraint::couple) nodes by what these forces do to them, nothing
+/// else; the engine then moves the nodes.
 #[non_exhaustive]
 pub struct PredictedMotion<'a> {
     /// Number of the step, from 0.
@@ -114,6 +115,17 @@ pub struct DividedWork<'a> {
     pub work: &'a [ConstraintWork],
 }
 
+/// Coupling of two nodes of a constraint by inertia that they share, as in a [fibre](crate::Fibre): an impulse on either
+/// moves the other, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeCoupling {
+    /// Indices of the nodes in [`Constraint::nodes`].
+    pub nodes: [u32; 2],
+    /// Velocity of the first node per impulse on the second (1/kg); its transpose is that of the second per impulse on
+    /// the first.
+    pub response: Mat3,
+}
+
 /// Condition on the motion of some nodes, enforced by correcting predicted velocities.
 ///
 /// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step, and
@@ -154,6 +166,12 @@ pub trait Constraint: Send {
     /// [`nodes`](Self::nodes)). Called before the first step and whenever they change, so that what
     /// depends on them alone is computed once.
     fn prepare(&mut self, _step: f64, _inverse_mass: &[Mat3]) {}
+    /// Sets the couplings between its nodes, in place of those before: from the next [`prepare`](Self::prepare) on an
+    /// impulse changes the velocities of coupled nodes, too, and coupled nodes are in one [part](Self::parts). Returns
+    /// whether it is solved so; by default only without couplings.
+    fn couple(&mut self, couplings: &[NodeCoupling]) -> bool {
+        couplings.is_empty()
+    }
     /// Corrects the predicted velocities and returns the work of its forces in this step, from which the energy balance is
     /// computed.
     ///

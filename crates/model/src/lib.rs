@@ -74,7 +74,7 @@ pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use checksum::Checksum;
-pub use constraint::{Constraint, ConstraintWork, DividedWork, PredictedMotion};
+pub use constraint::{Constraint, ConstraintWork, DividedWork, NodeCoupling, PredictedMotion};
 pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,

@@ -1,9 +1,12 @@
-//! Groups of connected pairs: pairs that share nodes, or whose effective masses differ between directions.
+//! Groups of connected pairs: pairs that share nodes, have nodes that inertia couples, or whose effective masses differ
+//! between directions.
+
+use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector};
 use powerhouse_model::{
     ConstraintWork, ContactLaw, ContactState, JointInput, JointPair, JointRecord, JointState, Mat3,
-    PredictedMotion, Vec3,
+    NodeCoupling, PredictedMotion, Vec3,
 };
 
 use super::bookkeeping::{PairStep, bond_energy, update_by_step};
@@ -11,6 +14,46 @@ use super::isolated::held_back;
 use super::matrices::Matrices;
 use super::solve::{Contact, Effort, solve};
 use super::{Members, Side};
+
+/// Couplings of the nodes of a joint by inertia that they share, by the node on which an impulse acts.
+#[derive(Debug)]
+pub(super) struct Couplings(HashMap<u32, Vec<(u32, Mat3)>>);
+
+impl Couplings {
+    pub(super) fn new(couplings: &[NodeCoupling]) -> Self {
+        let mut moved: HashMap<u32, Vec<(u32, Mat3)>> = HashMap::new();
+        for NodeCoupling {
+            nodes: [first, second],
+            response,
+        } in couplings
+        {
+            let mut add = |by, of, response| moved.entry(by).or_default().push((of, response));
+            add(*second, *first, *response);
+            add(*first, *second, response.transpose());
+        }
+        Self(moved)
+    }
+
+    /// Whether a node is coupled with others.
+    pub(super) fn has(&self, node: u32) -> bool {
+        self.0.contains_key(&node)
+    }
+
+    /// Nodes that an impulse on a node moves beside it, with their velocities per impulse (1/kg).
+    fn moved_by(&self, node: u32) -> &[(u32, Mat3)] {
+        self.0.get(&node).map_or(&[], |moved| &moved[..])
+    }
+}
+
+/// Node that impulses on a pair move, beside those of the pair.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    /// Index among the pairs of the group.
+    pair: u32,
+    node: u32,
+    /// Velocity per impulse (1/kg).
+    response: Mat3,
+}
 
 /// Group of pairs that nodes connect.
 #[derive(Clone, Debug)]
@@ -21,11 +64,12 @@ pub(super) struct Group {
     nodes: Vec<[u32; 2]>,
     /// Inverse effective masses of the nodes (1/kg).
     inverse_mass: Vec<[Mat3; 2]>,
+    moved: Vec<Moved>,
     /// Relative velocities of pairs per impulses on pairs, `G` (1/kg).
     coupling: DMatrix<f64>,
     matrices: Matrices,
-    /// Spanning tree of the nodes: pairs in an order in which each but the first shares a node with an
-    /// earlier one, and the node of each that follows the other one.
+    /// Spanning trees of the nodes, one for each set of pairs that nodes connect: pairs in an order in which each but the
+    /// first of a set shares a node with an earlier one, and the node of each that follows the other one.
     branches: Vec<Branch>,
 }
 
@@ -48,6 +92,7 @@ impl Group {
         let none = DMatrix::zeros(0, 0);
         Self {
             inverse_mass: Vec::new(),
+            moved: Vec::new(),
             matrices: Matrices::new(&none, &[]),
             coupling: none,
             branches: Vec::new(),
@@ -61,9 +106,35 @@ impl Group {
         self.pairs.len()
     }
 
-    /// Builds the matrices for inverse effective masses of all nodes of the joint.
-    pub(super) fn prepare(&mut self, pairs: &[JointPair], inverse_mass: &[Mat3]) {
+    /// Builds the matrices for inverse effective masses and couplings of all nodes of the joint.
+    pub(super) fn prepare(
+        &mut self,
+        pairs: &[JointPair],
+        inverse_mass: &[Mat3],
+        couplings: &Couplings,
+    ) {
         let of = |node: u32| inverse_mass[node as usize];
+        // Velocity of a node per impulse on another.
+        let response = |node: u32, by: u32| {
+            if node == by {
+                return Some(of(node));
+            }
+            let mut moved = couplings.moved_by(by).iter();
+            moved
+                .find(|(other, _)| *other == node)
+                .map(|(_, response)| *response)
+        };
+        self.moved.clear();
+        for (pair, nodes) in (0..).zip(&self.nodes) {
+            for (by, sign) in nodes.iter().zip([1.0, -1.0]) {
+                let moved = couplings.moved_by(*by).iter();
+                self.moved.extend(moved.map(|(node, response)| Moved {
+                    pair,
+                    node: *node,
+                    response: response * sign,
+                }));
+            }
+        }
         self.inverse_mass = self.nodes.iter().map(|nodes| nodes.map(of)).collect();
         let frames: Vec<Mat3> = (self.pairs.iter())
             .map(|&pair| {
@@ -78,9 +149,10 @@ impl Group {
             for (b, other) in self.nodes.iter().enumerate() {
                 let mut sum = Mat3::zeros();
                 for (i, node) in own.iter().enumerate() {
-                    for j in (0..2).filter(|&j| other[j] == *node) {
-                        let sign = if i == j { 1.0 } else { -1.0 };
-                        sum += of(*node) * sign;
+                    for (j, by) in other.iter().enumerate() {
+                        if let Some(response) = response(*node, *by) {
+                            sum += response * if i == j { 1.0 } else { -1.0 };
+                        }
                     }
                 }
                 let block = frames[a] * sum * frames[b].transpose();
@@ -224,6 +296,13 @@ impl Group {
             motion.velocity[nodes[0] as usize] += first * impulse;
             motion.velocity[nodes[1] as usize] -= second * impulse;
         }
+        for moved in &self.moved {
+            let local: Vec3 = impulses
+                .fixed_rows::<3>(3 * moved.pair as usize)
+                .into_owned();
+            let impulse = pairs[self.pairs[moved.pair as usize] as usize].to_global(&local);
+            motion.velocity[moved.node as usize] += moved.response * impulse;
+        }
     }
 
     /// Gives nodes that all stick together the same velocity, to the last bit. Pairs that cannot all be held back to where they
@@ -288,16 +367,14 @@ fn advance<L: ContactLaw>(
     (response.dilation, new)
 }
 
-/// Spanning tree over the nodes of pairs, from the node of the greatest mass; nodes that are held in
+/// Spanning trees over the nodes of pairs, each from the node of the greatest mass; nodes that are held in
 /// some direction follow no other.
 fn branches(
     nodes: &[[u32; 2]],
     mobility: impl Fn(u32) -> f64,
     movable: impl Fn(u32) -> bool,
 ) -> Vec<Branch> {
-    let all = nodes.iter().flatten().copied();
-    let root = all.min_by(|&a, &b| mobility(a).total_cmp(&mobility(b)).then(a.cmp(&b)));
-    let mut reached: Vec<u32> = root.into_iter().collect();
+    let mut reached: Vec<u32> = Vec::new();
     let mut branches = Vec::new();
     loop {
         let next = nodes
@@ -312,12 +389,19 @@ fn branches(
                 };
                 Some((pair as u32, follower, node))
             });
-        let Some((pair, follower, node)) = next else {
-            return branches;
-        };
-        reached.push(node);
-        if movable(node) {
-            branches.push(Branch { pair, follower });
+        if let Some((pair, follower, node)) = next {
+            reached.push(node);
+            if movable(node) {
+                branches.push(Branch { pair, follower });
+            }
+            continue;
+        }
+        let rest = nodes.iter().flatten().copied();
+        let rest = rest.filter(|node| !reached.contains(node));
+        let root = rest.min_by(|&a, &b| mobility(a).total_cmp(&mobility(b)).then(a.cmp(&b)));
+        match root {
+            Some(root) => reached.push(root),
+            None => return branches,
         }
     }
 }

@@ -16,13 +16,13 @@ use std::collections::{HashMap, HashSet};
 
 use powerhouse_model::{
     Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, DividedWork,
-    JointHistory, JointPair, JointRecord, JointState, JointView, Mat3, ModelError, PredictedMotion,
-    Renewal, RunError, StateError, Vec3,
+    JointHistory, JointPair, JointRecord, JointState, JointView, Mat3, ModelError, NodeCoupling,
+    PredictedMotion, Renewal, RunError, StateError, Vec3,
 };
 
 use crate::ContactError;
 use crate::connected::connected_pairs;
-use group::Group;
+use group::{Couplings, Group};
 use history::{PairHistories, in_order_of, initial_history, restored_history};
 use isolated::{IsolatedPair, isotropic_masses};
 use relaxation::Start;
@@ -147,7 +147,9 @@ pub struct Joint<L> {
     first_nodes: Vec<u32>,
     /// Work of each pair in the last step.
     work: Vec<ConstraintWork>,
-    /// Sets of pairs that nodes connect.
+    /// Couplings of its nodes by inertia that they share.
+    couplings: Vec<NodeCoupling>,
+    /// Sets of pairs that nodes connect, directly or by couplings.
     connected: Vec<Vec<u32>>,
     isolated_count: usize,
     groups: Vec<Group>,
@@ -220,6 +222,7 @@ impl<L: ContactLaw> Joint<L> {
         pairs: Vec<JointPair>,
     ) -> Self {
         let of_pairs: Vec<[u32; 2]> = pairs.iter().map(|pair| pair.nodes).collect();
+        let parts = ConstraintParts::connected_by(&of_pairs);
         let (mut nodes, mut index_of) = (Vec::new(), HashMap::new());
         let mut index = |node: u32| {
             *index_of.entry(node).or_insert_with(|| {
@@ -232,7 +235,8 @@ impl<L: ContactLaw> Joint<L> {
             first_nodes: pair_nodes.iter().map(|&[first, _]| first).collect(),
             work: vec![ConstraintWork::default(); pairs.len()],
             pair_nodes,
-            connected: connected_pairs(&of_pairs),
+            connected: connected_pairs(&of_pairs, &parts),
+            couplings: Vec::new(),
             name,
             members,
             nodes,
@@ -356,8 +360,26 @@ impl<L: ContactLaw> Constraint for Joint<L> {
     }
 
     fn parts(&self) -> ConstraintParts {
-        let pairs: Vec<[u32; 2]> = self.pairs.iter().map(|pair| pair.nodes).collect();
-        ConstraintParts::connected_by(&pairs)
+        let coupled = self.couplings.iter().map(|coupling| coupling.nodes);
+        let coupled: Vec<[u32; 2]> = coupled
+            .map(|nodes| nodes.map(|node| self.nodes[node as usize]))
+            .collect();
+        let pairs = self.pairs.iter().map(|pair| &pair.nodes);
+        ConstraintParts::merged(pairs.chain(&coupled).map(|nodes| &nodes[..]))
+    }
+
+    fn couple(&mut self, couplings: &[NodeCoupling]) -> bool {
+        let nodes = |all: &[NodeCoupling]| -> Vec<[u32; 2]> {
+            all.iter().map(|coupling| coupling.nodes).collect()
+        };
+        let is_connected = nodes(couplings) == nodes(&self.couplings);
+        self.couplings = couplings.to_vec();
+        if !is_connected {
+            let pairs: Vec<[u32; 2]> = self.pairs.iter().map(|pair| pair.nodes).collect();
+            self.connected = connected_pairs(&pairs, &self.parts());
+        }
+        self.prepared = None;
+        true
     }
 
     fn keep_parts(&mut self, kept: &[bool]) -> bool {
@@ -376,10 +398,13 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         self.work.fill(ConstraintWork::default());
         let mut isolated = Vec::new();
         self.groups.clear();
+        let couplings = Couplings::new(&self.couplings);
         for connected in &self.connected {
             let nodes = connected.iter().map(|&p| self.pair_nodes[p as usize]);
             let pair_nodes: Vec<[u32; 2]> = nodes.collect();
-            if let ([index], [nodes]) = (&connected[..], &pair_nodes[..]) {
+            if let ([index], [nodes]) = (&connected[..], &pair_nodes[..])
+                && !couplings.has(nodes[0])
+            {
                 let masses = nodes.map(|node| &inverse_mass[node as usize]);
                 let (pair, side) = (self.pairs[*index as usize], self.sides[*index as usize]);
                 let record = &self.records[*index as usize];
@@ -402,7 +427,7 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 }
             }
             let mut group = Group::new(connected.clone(), pair_nodes);
-            group.prepare(&self.pairs, inverse_mass);
+            group.prepare(&self.pairs, inverse_mass, &couplings);
             self.groups.push(group);
         }
         self.unresolved = self.unresolved_by(step, inverse_mass);

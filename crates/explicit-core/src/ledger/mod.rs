@@ -290,10 +290,7 @@ impl Ledger {
         }
         for (g, before) in own.zip(predicted) {
             let after = groups.motion.next[g];
-            let impulse = match groups.scalar_mass(g) {
-                Some(mass) => (after - before) * mass,
-                None => groups.correction(g, (rule, step), &(after - before)),
-            };
+            let impulse = groups.correction(g, (rule, step), &(after - before));
             let halves = [groups.motion.previous[g], after].map(|v| 0.5 * impulse.dot(&v));
             let Some(range) = self.ranges.get_mut(self.range_of_group[g] as usize) else {
                 continue;

@@ -175,7 +175,7 @@ impl MidStep<'_> {
     }
 
     fn add_group(&self, g: usize, halves: &mut [NodalWork<f64>; 2]) {
-        if self.mass_damping.is_empty() && self.groups.scalar_mass(g).is_some() {
+        if self.groups.is_bare(g) {
             return;
         }
         let motion = &self.groups.motion;

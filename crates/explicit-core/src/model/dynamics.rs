@@ -405,6 +405,9 @@ impl Model {
                 let orphan = self.groups.groups[g].orphan_inverse(least);
                 *inverse = orphan.unwrap_or_else(|| self.groups.response(g));
             }
+            bound
+                .constraint
+                .couple(&self.groups.couplings(&bound.groups));
             bound.constraint.prepare(step, &bound.inverse_mass);
         }
     }
@@ -451,6 +454,7 @@ impl Model {
                 motion.next,
                 &bound.inverse_mass,
             ))?;
+            groups.follow_constraint(&bound.groups);
             if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
                 let own = (index, bound.groups.clone());
                 // The work of a constraint that is not divided is accounted at its first node.
@@ -464,7 +468,6 @@ impl Model {
                 profiler.constraints[index] += start.elapsed();
             }
         }
-        groups.follow_constraints();
         Ok(())
     }
 

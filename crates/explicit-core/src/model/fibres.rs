@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::{EngineError, Fibre, FrequencyBound, ModelError, Vec3};
+use powerhouse_model::{EngineError, Fibre, FrequencyBound, Mat3, ModelError, NodeCoupling, Vec3};
 
 use super::Model;
 use crate::fibres::Fibres;
@@ -34,8 +34,8 @@ impl Model {
     /// nodes, or nodes that move as one, are one; those without relative motion are left out.
     ///
     /// # Errors
-    /// [`EngineError::FibreNode`] for a node without mass or a second node of constraints in one fibre;
-    /// [`EngineError::UnknownNode`]; an added inertia out of range; a model on several ranks or with a device.
+    /// [`EngineError::FibreNode`] for a node without mass, nodes of two constraints in one fibre, or two of a constraint
+    /// that cannot be solved so ([`couple`](powerhouse_model::Constraint::couple)); [`EngineError::UnknownNode`]; an added inertia out of range; a model on several ranks or with a device.
     pub fn set_fibres(&mut self, fibres: &[Fibre]) -> Result<(), ModelError> {
         let is_wanted = fibres.iter().any(|fibre| fibre.added > 0.0);
         if is_wanted && !self.ranks.is_single() {
@@ -47,9 +47,12 @@ impl Model {
         }
         let lead_of = self.leads();
         let found = self.fibres_of_leads(fibres, &lead_of)?;
+        // Of a model that is refused these fibres the constraints are prepared for those before again.
+        self.prepared = None;
+        self.couple_constraints(&found)?;
         self.complete_kick();
         self.regroup(&found);
-        (self.prepared, self.spectrum) = (None, None);
+        self.spectrum = None;
         Ok(())
     }
 
@@ -96,14 +99,17 @@ impl Model {
             }
             leads.sort_unstable();
             leads.dedup();
-            let is_constrained = |lead: &&u32| {
-                let group = self.group_of[**lead as usize];
-                group.is_some_and(|group| (group as usize) < self.groups.constrained())
+            let constraint_of = |lead: &u32| {
+                let group = self.group_of[*lead as usize]? as usize;
+                let mut all = self.constraints.iter();
+                all.position(|bound| bound.groups().contains(&group))
             };
-            if let Some(&second) = leads.iter().filter(is_constrained).nth(1) {
+            let mut bound = leads.iter().map(|lead| (lead, constraint_of(lead)));
+            let first = bound.find_map(|(_, constraint)| constraint);
+            if let Some((&node, _)) = bound.find(|(_, own)| own.is_some() && *own != first) {
                 return Err(EngineError::FibreNode {
-                    node: self.node_tag(second as usize),
-                    reason: "another node of a joint is in the same one",
+                    node: self.node_tag(node as usize),
+                    reason: "a node of another joint is in the same one",
                 });
             }
             if leads.len() > 1 {
@@ -111,6 +117,40 @@ impl Model {
             }
         }
         Ok(found)
+    }
+
+    /// Lets constraints know which of their nodes fibres couple, with responses that are yet to be computed.
+    fn couple_constraints(&mut self, fibres: &[LeadFibre]) -> Result<(), EngineError> {
+        for index in 0..self.constraints.len() {
+            let own = self.constraints[index].groups();
+            let mut couplings = Vec::new();
+            let mut second = None;
+            for (leads, _) in fibres {
+                let groups = leads.iter().filter_map(|&lead| {
+                    let group = self.group_of[lead as usize]?;
+                    own.contains(&(group as usize))
+                        .then(|| (lead, group - own.start as u32))
+                });
+                let bound: Vec<(u32, u32)> = groups.collect();
+                for (i, &(_, first)) in bound.iter().enumerate() {
+                    for &(lead, other) in &bound[i + 1..] {
+                        second.get_or_insert(lead);
+                        couplings.push(NodeCoupling {
+                            nodes: [first, other],
+                            response: Mat3::zeros(),
+                        });
+                    }
+                }
+            }
+            let is_solved = self.constraints[index].constraint.couple(&couplings);
+            if let (false, Some(node)) = (is_solved, second) {
+                return Err(EngineError::FibreNode {
+                    node: self.node_tag(node as usize),
+                    reason: "its constraint cannot be solved with another of its nodes in the same one",
+                });
+            }
+        }
+        Ok(())
     }
 
     fn mesh_node(&self, node: u32) -> u32 {
@@ -156,7 +196,10 @@ impl Model {
         others.sort_unstable_by_key(|group| group.members[0]);
         let (rollers, others): (Vec<_>, Vec<_>) =
             (others.into_iter()).partition(|group| group.held_axes().is_some());
+        let (of_fibres, others): (Vec<_>, Vec<_>) =
+            (others.into_iter()).partition(NodeGroup::is_fibre_node);
         groups.extend(others);
+        groups.extend(of_fibres);
         groups.extend(rollers);
         self.group_of.fill(None);
         for (index, group) in (0..).zip(&groups) {

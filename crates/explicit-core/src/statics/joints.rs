@@ -145,6 +145,8 @@ impl Model {
         for bound in &mut constraints {
             let leads = bound.nodes().iter().map(|&node| self.lead(node));
             let inverse: Vec<Mat3> = leads.map(|lead| inverse[lead]).collect();
+            // Static solutions do not know fibres.
+            bound.constraint.couple(&[]);
             bound.constraint.prepare(step, &inverse);
         }
         self.constraints = constraints;
