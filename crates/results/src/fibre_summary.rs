@@ -21,6 +21,12 @@ pub struct FibreSummary {
     /// Decrease of a frequency as high as that of the input, as estimated before the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predicted: Option<f64>,
+    /// Relative error of accelerations and shear forces, as estimated before the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_of_accelerations: Option<f64>,
+    /// Relative error of axial forces and moments, as estimated before the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_of_forces: Option<f64>,
     /// Largest kinetic energy of the added inertia over that of the masses of the fibres: twice the decrease of the
     /// frequencies of their motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -38,6 +44,8 @@ impl FibreSummary {
             sets: choice.sets.clone(),
             most_added: choice.most_added(),
             predicted: choice.shift.and_then(|shift| shift.of_input),
+            error_of_accelerations: choice.shift.and_then(|shift| shift.of_accelerations),
+            error_of_forces: choice.shift.and_then(|shift| shift.of_forces),
             share: results.share_of_fibres(),
         })
     }

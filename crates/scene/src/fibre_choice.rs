@@ -61,7 +61,8 @@ pub struct FibreChoice {
     pub sets: Vec<String>,
     /// Joints with nodes in fibres.
     pub joints: Vec<String>,
-    /// Number of short edges that are in no fibre because it would have two nodes of joints or too many nodes.
+    /// Number of short edges that are in no fibre because it would have nodes of joints that are solved apart, or too many
+    /// nodes.
     pub cut_edges: usize,
     /// Number of fibres that were left out because they are longer than a fifth of the shortest wavelength.
     pub thick: usize,
@@ -136,7 +137,7 @@ impl fmt::Display for FibreChoice {
         if self.cut_edges > 0 {
             write!(
                 f,
-                "; {} short edges were left out, which would join two nodes of joints or more than {MOST_NODES} nodes",
+                "; {} short edges were left out, which would join nodes of joints that share none, or more than {MOST_NODES} nodes",
                 self.cut_edges
             )?;
         }

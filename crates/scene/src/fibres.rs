@@ -9,8 +9,8 @@
 //! long a step it permits by itself; the inertia that it lacks for the requested step follows from the square. The step
 //! that is reached is computed afterwards, from the whole model.
 //!
-//! *Edges join nodes from the shortest on*, and one that would bring two nodes of joints, or too many nodes, into one
-//! fibre is left out: pairs of a joint are solved each with the inertia of its own nodes.
+//! *Edges join nodes from the shortest on*, and one that would bring nodes of joints that are solved apart, or too many
+//! nodes, into one fibre is left out: pairs are solved together where a fibre has nodes of several.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -20,7 +20,8 @@ use powerhouse_model::{
 };
 
 use crate::body::Piece;
-use crate::fibre_price::StaticShape;
+use crate::fibre_price::ClampedMode;
+use crate::input_spectrum::InputSpectrum;
 use crate::resolution::PER_WAVELENGTH;
 use crate::{Error, FibreChoice, FibreOptions, Scene};
 
@@ -90,13 +91,13 @@ pub(crate) struct FibreSite {
     parts: Vec<FibrePart>,
     /// Node that stands for those with which a node moves as one.
     stands_for: Vec<u32>,
-    /// Whether such a node is one of a joint or of another constraint.
-    jointed: Vec<bool>,
+    /// Constraint of such a node: one number for joints that are solved together, one for each node of other constraints.
+    constraint_of: Vec<Option<u32>>,
     /// Names of the joints, with such nodes of theirs.
     joints: Vec<(String, Vec<u32>)>,
-    /// Shape of the structure in its slowest motion, and highest frequency (Hz) of the input, if they are known.
-    shape: Option<StaticShape>,
-    input: Option<f64>,
+    /// Slowest mode of the structure, and spectrum of the input, if they are known.
+    mode: Option<ClampedMode>,
+    input: Option<InputSpectrum>,
 }
 
 impl Scene {
@@ -170,11 +171,19 @@ impl Scene {
             (joint.name.clone(), nodes.map(of).collect())
         });
         let joints: Vec<(String, Vec<u32>)> = joints.collect();
-        let of_others = self.constraints.iter().flat_map(|own| own.nodes());
-        let of_others: Vec<u32> = of_others.map(|&node| of(node)).collect();
-        let mut jointed = vec![false; stands_for.len()];
-        for &node in joints.iter().flat_map(|(_, nodes)| nodes).chain(&of_others) {
-            jointed[node as usize] = true;
+        // Joints with common nodes are solved together.
+        let mut solved = DisjointSets::new(stands_for.len());
+        for (_, nodes) in &joints {
+            nodes
+                .windows(2)
+                .for_each(|pair| solved.join(pair[0], pair[1]));
+        }
+        let mut constraint_of = vec![None; stands_for.len()];
+        for &node in joints.iter().flat_map(|(_, nodes)| nodes) {
+            constraint_of[node as usize] = Some(solved.root(node));
+        }
+        for &node in self.constraints.iter().flat_map(|own| own.nodes()) {
+            constraint_of[of(node) as usize] = Some(of(node));
         }
         let part_of = self.part_of_elements()?;
         let parts = self.parts.iter().map(|part| FibrePart {
@@ -192,21 +201,18 @@ impl Scene {
             }
         }
         let is_priced = self.prices_fibres || self.fibres.is_some();
-        let (shape, input) = match is_priced {
-            true => (
-                self.static_shape(pieces, present)?,
-                self.highest_of_input()?,
-            ),
+        let (mode, input) = match is_priced {
+            true => (self.clamped_mode(pieces, present)?, self.input_spectrum()?),
             false => (None, None),
         };
         Ok(FibreSite {
-            shape,
+            mode,
             input,
             mesh: self.mesh.clone(),
             part_of,
             parts,
             stands_for,
-            jointed,
+            constraint_of,
             joints,
         })
     }
@@ -283,9 +289,9 @@ impl FibreSite {
             |(_, nodes): &&(String, Vec<u32>)| nodes.iter().any(|n| in_fibres.contains(n));
         let joints = self.joints.iter().filter(touches);
         let joints = joints.map(|(name, _)| name.clone()).collect();
-        let shape = self.shape.as_ref();
+        let (mode, input) = (self.mode.as_ref(), self.input.as_ref());
         Ok(FibreChoice {
-            shift: shape.map(|shape| shape.shift(&found.fibres, self.input)),
+            shift: mode.map(|mode| mode.shift(&found.fibres, model, input)),
             factor: options.factor,
             sets: sets.collect(),
             joints,
@@ -379,9 +385,9 @@ impl FibreSite {
         let class = |edge: &ShortEdge| (1e6 * edge.length.ln()).round() as i64;
         short.sort_by_key(|edge| (class(edge), edge.nodes));
         let mut sets = DisjointSets::new(self.stands_for.len());
-        // Number of nodes and of nodes of joints of each set, by its representative.
-        let mut sizes: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
-        let alone = |node: u32| [1, usize::from(self.jointed[node as usize])];
+        // Number of nodes of each set and constraint of some of them, by its representative.
+        let mut sizes: BTreeMap<u32, (usize, Option<u32>)> = BTreeMap::new();
+        let alone = |node: u32| (1, self.constraint_of[node as usize]);
         let (mut kept, mut cut) = (Vec::new(), BTreeSet::new());
         for edge in short {
             let [a, b] = edge.nodes.map(|node| sets.root(node));
@@ -390,14 +396,15 @@ impl FibreSite {
                     let known = sizes.get(&root).copied();
                     known.unwrap_or_else(|| alone(root))
                 });
-                let together = [first[0] + second[0], first[1] + second[1]];
-                if together[0] > MOST_NODES || together[1] > 1 {
+                let count = first.0 + second.0;
+                let are_apart = first.1.is_some() && second.1.is_some() && first.1 != second.1;
+                if count > MOST_NODES || are_apart {
                     // Elements share it.
                     cut.insert(edge.nodes);
                     continue;
                 }
                 sets.join(a, b);
-                sizes.insert(sets.root(a), together);
+                sizes.insert(sets.root(a), (count, first.1.or(second.1)));
             }
             kept.push(edge);
         }
@@ -485,8 +492,8 @@ mod tests {
         }
     }
 
-    /// A fibre has one node of joints at most, 18 nodes at most, and counts nodes that move as one once; in sets that
-    /// are not named it is not longer than twice the longest edge.
+    /// A fibre has nodes of joints that are solved together alone, 18 nodes at most, and counts nodes that move as one
+    /// once; in sets that are not named it is not longer than twice the longest edge.
     #[test]
     fn fibres_are_cut_where_joints_or_their_number_of_nodes_demand_it() {
         let (mut site, bounds) = plate(4);
@@ -496,17 +503,23 @@ mod tests {
             let at = nodes.filter(|(_, x)| (x.z - height).abs() < 1e-9);
             at.map(|(node, _)| node).collect()
         };
-        for height in [0.0, 0.4] {
-            for node in of_height(&site, height) {
-                site.jointed[node] = true;
+        for (top, expected, cut) in [(7, [(5, 20)], 0), (8, [(4, 20)], 20)] {
+            for (height, joint) in [(0.0, 7), (0.4, top)] {
+                for node in of_height(&site, height) {
+                    site.constraint_of[node] = Some(joint);
+                }
             }
+            let found = site.find(&options, &bounds, limit);
+            assert_eq!((&sizes(&found)[..], found.cut_edges), (&expected[..], cut));
         }
-        let found = site.find(&options, &bounds, limit);
-        assert_eq!((sizes(&found), found.cut_edges), (vec![(4, 20)], 20));
         let jointed = |fibre: &Fibre| {
-            let nodes = fibre.nodes.iter();
-            nodes.filter(|node| site.jointed[**node as usize]).count()
+            let own = fibre
+                .nodes
+                .iter()
+                .filter_map(|&node| site.constraint_of[node as usize]);
+            own.collect::<BTreeSet<u32>>().len()
         };
+        let found = site.find(&options, &bounds, limit);
         assert!(found.fibres.iter().all(|fibre| jointed(fibre) == 1));
         // The faces at the ends of the plate move as one.
         let (mut site, bounds) = plate(4);

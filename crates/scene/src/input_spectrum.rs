@@ -17,6 +17,56 @@ const ALMOST_ALL: f64 = 0.99;
 /// Energy spectrum of acceleration: frequency (Hz) and energy of each line.
 pub type EnergySpectrum = Vec<(f64, f64)>;
 
+/// Spectrum of an input that moves.
+#[derive(Clone, Debug)]
+pub(crate) struct InputSpectrum {
+    lines: EnergySpectrum,
+    highest: f64,
+}
+
+impl InputSpectrum {
+    /// None without motion.
+    fn new(lines: EnergySpectrum) -> Option<Self> {
+        let whole: f64 = lines.iter().map(|(_, energy)| energy).sum();
+        let mut below = 0.0;
+        let line = lines.iter().find(|(_, energy)| {
+            below += energy;
+            below >= ALMOST_ALL * whole
+        });
+        let highest = line.filter(|_| whole > 0.0)?.0;
+        Some(Self { lines, highest })
+    }
+
+    /// Frequency (Hz) below which it has almost all (99 %) of the energy of its acceleration.
+    pub(crate) fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    /// Root of the mean of the square of a function of frequency (Hz), weighted by the energy of acceleration and by that of
+    /// velocity, over the frequencies below which it has almost all of the first.
+    pub(crate) fn root_mean_squares(&self, of: impl Fn(f64) -> f64) -> [f64; 2] {
+        let of_velocity = |frequency: f64| match frequency > 0.0 {
+            true => frequency.powi(-2),
+            false => 0.0,
+        };
+        [
+            self.root_mean_square(&of, |_| 1.0),
+            self.root_mean_square(&of, of_velocity),
+        ]
+    }
+
+    fn root_mean_square(&self, of: impl Fn(f64) -> f64, weight: impl Fn(f64) -> f64) -> f64 {
+        let (mut sum, mut whole) = (0.0, 0.0);
+        let within = (self.lines.iter()).take_while(|(frequency, _)| *frequency <= self.highest);
+        for &(frequency, energy) in within {
+            let energy = energy * weight(frequency);
+            sum += energy * of(frequency).powi(2);
+            whole += energy;
+        }
+        (sum / whole.max(f64::MIN_POSITIVE)).sqrt()
+    }
+}
+
 impl Scene {
     /// The spectrum of the incident field at the middle of the top of the mesh; `None` without a field.
     ///
@@ -76,12 +126,12 @@ impl Scene {
         })
     }
 
-    /// Frequency (Hz) below which the input has almost all (99 %) of the energy of its acceleration: the incident
-    /// field, or of a scene without one its records; `None` without motion.
+    /// The spectrum of the input with the highest frequencies: the incident field, or of a scene without one its records;
+    /// `None` without motion.
     ///
     /// # Errors
     /// As [`incident_spectrum`](Self::incident_spectrum).
-    pub(crate) fn highest_of_input(&self) -> Result<Option<f64>, Error> {
+    pub(crate) fn input_spectrum(&self) -> Result<Option<InputSpectrum>, Error> {
         let mut spectra: Vec<EnergySpectrum> = self.incident_spectrum()?.into_iter().collect();
         if spectra.is_empty() {
             spectra = self
@@ -89,15 +139,7 @@ impl Scene {
                 .map(|(_, spectrum)| spectrum)
                 .collect();
         }
-        let highest = spectra.iter().filter_map(|spectrum| {
-            let whole: f64 = spectrum.iter().map(|(_, energy)| energy).sum();
-            let mut below = 0.0;
-            let line = spectrum.iter().find(|(_, energy)| {
-                below += energy;
-                below >= ALMOST_ALL * whole
-            });
-            line.filter(|_| whole > 0.0).map(|line| line.0)
-        });
-        Ok(highest.reduce(f64::max))
+        let moving = spectra.into_iter().filter_map(InputSpectrum::new);
+        Ok(moving.max_by(|a, b| a.highest.total_cmp(&b.highest)))
     }
 }

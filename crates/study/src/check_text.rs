@@ -177,7 +177,7 @@ fn fibres(out: &mut String, choices: &[FibreChoice]) {
     if !choices.is_empty() {
         line!(
             out,
-            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, estimated decrease of frequencies; a step with them takes longer than one without"
+            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, estimated decrease of frequencies"
         );
     }
     for choice in choices {
@@ -187,9 +187,9 @@ fn fibres(out: &mut String, choices: &[FibreChoice]) {
                 shift.natural,
                 100.0 * shift.of_natural
             );
-            match (shift.input, shift.of_input) {
-                (Some(input), Some(of_input)) => format!(
-                    "{natural}; motion at {input:.1} Hz, the highest of the input: about -{:.2} %",
+            match (shift.input, shift.of_input, shift.of_accelerations, shift.of_forces) {
+                (Some(input), Some(of_input), Some(of_accelerations), Some(of_forces)) => format!(
+                    "{natural}; motion at {input:.1} Hz, the highest of the input: about -{:.2} %; errors of accelerations and shear forces about {of_accelerations:.1e}, of axial forces and moments {of_forces:.1e}",
                     100.0 * of_input
                 ),
                 _ => natural,
