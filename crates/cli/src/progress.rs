@@ -184,7 +184,7 @@ mod tests {
     /// A line of progress has the share that is done, and the time that the steps not yet done take at the rate, whatever the
     /// number of steps.
     #[test]
-    fn a_line_tells_the_time_that_is_left() {
+    fn a_line_has_the_time_that_is_left() {
         for (done, planned, rate, expected) in [
             (
                 300,

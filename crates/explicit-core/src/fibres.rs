@@ -39,7 +39,7 @@ trait Map: Copy + core::fmt::Debug + Send + Sync {
     fn times(&self, other: &Self) -> Self;
     fn apply(&self, vector: &Vec3) -> Vec3;
     /// Inverse of what is left of the identity, `I - sum`; its eigenvalues are positive.
-    fn inverse_of_rest(parts: impl Iterator<Item = Self>) -> Self;
+    fn inverse_of_remainder(parts: impl Iterator<Item = Self>) -> Self;
     fn matrix(&self) -> Mat3;
 }
 
@@ -54,7 +54,7 @@ impl Map for Vec3 {
     fn apply(&self, vector: &Vec3) -> Vec3 {
         self.component_mul(vector)
     }
-    fn inverse_of_rest(parts: impl Iterator<Item = Self>) -> Self {
+    fn inverse_of_remainder(parts: impl Iterator<Item = Self>) -> Self {
         let rest = parts.fold(Self::repeat(1.0), |rest, part| rest - part);
         rest.map(|rest| 1.0 / rest)
     }
@@ -73,7 +73,7 @@ impl Map for Mat3 {
     fn apply(&self, vector: &Vec3) -> Vec3 {
         self * vector
     }
-    fn inverse_of_rest(parts: impl Iterator<Item = Self>) -> Self {
+    fn inverse_of_remainder(parts: impl Iterator<Item = Self>) -> Self {
         let rest = parts.fold(Self::identity(), |rest, part| rest - part);
         rest.try_inverse().unwrap_or_else(Self::identity)
     }
@@ -329,7 +329,7 @@ impl<M: Map> FibreSet<M> {
         let members = &self.members;
         let inverse_without = |own: Range<usize>| {
             let own = members[own].iter();
-            M::inverse_of_rest(own.map(|member| {
+            M::inverse_of_remainder(own.map(|member| {
                 member
                     .gain
                     .times(&M::scaled(&Mat3::identity(), member.mass))

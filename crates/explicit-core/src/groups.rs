@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use crate::condition::Condition;
 use crate::constrained::{ConstrainedMotion, ConstrainedNodes};
+use crate::diagonal_group::DiagonalGroup;
 use crate::effective_mass::inverse;
 use crate::fibre_nodes::FibreNodes;
 use crate::fibres::Fibres;
@@ -63,7 +64,7 @@ pub(crate) struct Coefficients {
     pub(crate) lift: Mat3,
 }
 
-fn is_diagonal(matrix: &Mat3) -> bool {
+pub(crate) fn is_diagonal(matrix: &Mat3) -> bool {
     *matrix == Mat3::from_diagonal(&matrix.diagonal())
 }
 
@@ -89,7 +90,7 @@ impl NodeGroup {
     }
 
     /// Whether the group has no dashpot, spring, mass damping or prescribed motion, whose forces do work.
-    fn is_bare(&self) -> bool {
+    pub(crate) fn is_bare(&self) -> bool {
         let still = self.dashpot == Mat3::zeros() && self.spring == Mat3::zeros();
         still && self.mass_damping == 0.0 && self.condition.prescribed.is_empty()
     }
@@ -262,47 +263,6 @@ impl GroupMotion {
             displacement: &mut self.displacement[groups.clone()],
             previous: &mut self.previous[groups.clone()],
             next: &mut self.next[groups],
-        }
-    }
-}
-
-/// Diagonal form of the coefficients of a group of one node, valid where all its matrices are diagonal, as on the
-/// faces of a box; it takes two cache lines instead of eight.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DiagonalGroup {
-    lead: u32,
-    is_diagonal: bool,
-    /// Whether the group has a prescribed motion.
-    is_prescribed: bool,
-    /// Whether it has a mass only.
-    is_bare: bool,
-    carry: Vec3,
-    /// `P` times the step (s/kg).
-    response: Vec3,
-    /// Spring (N/m), dashpot (N s/m) and mass damping (kg/s).
-    pub(crate) spring: Vec3,
-    pub(crate) dashpot: Vec3,
-    pub(crate) mass_damping: f64,
-}
-
-impl DiagonalGroup {
-    fn new(group: &NodeGroup, matrices: &Coefficients, step: f64) -> Self {
-        let all = [
-            &matrices.carry,
-            &matrices.inverse,
-            &group.spring,
-            &group.dashpot,
-        ];
-        Self {
-            lead: group.members[0],
-            is_diagonal: group.members.len() == 1 && all.into_iter().all(is_diagonal),
-            carry: matrices.carry.diagonal(),
-            response: matrices.inverse.diagonal() * step,
-            spring: group.spring.diagonal(),
-            dashpot: group.dashpot.diagonal(),
-            mass_damping: group.mass_damping,
-            is_prescribed: !group.condition.prescribed.is_empty(),
-            is_bare: group.is_bare(),
         }
     }
 }

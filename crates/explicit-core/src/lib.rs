@@ -127,6 +127,7 @@ mod applied;
 mod condition;
 mod constrained;
 mod device;
+mod diagonal_group;
 mod effective_mass;
 mod engine;
 mod exact;

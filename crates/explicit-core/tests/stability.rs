@@ -146,11 +146,11 @@ fn the_report_names_who_limits() {
         (LimitingTerm::MassDamping, 2e-9)
     );
     // Whichever set has the damping.
-    for [of_stiff, of_rest] in [[1e9, 0.0], [0.0, 1e9], [1e8, 1e9]] {
+    for [of_stiff, of_rock] in [[1e9, 0.0], [0.0, 1e9], [1e8, 1e9]] {
         let concrete = Links::new("concrete", ElementKind::Hex8, 36.0e9, 0.3, 2700.0);
         let mut model = Model::builder(&mesh)
             .elements(stiff.clone(), concrete.damped(of_stiff, 0.0).boxed())
-            .elements(rest.clone(), rock().damped(of_rest, 0.0).boxed())
+            .elements(rest.clone(), rock().damped(of_rock, 0.0).boxed())
             .build()
             .unwrap();
         let report = model.stable_step(&Leapfrog).unwrap();
