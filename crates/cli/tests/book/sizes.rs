@@ -276,6 +276,11 @@ const TOOL: &str = "it needs a tool that is not part of a toolchain";
 /// Commands that are not of the project, or that need more than a build of it.
 const OTHERS: &[Left] = &[
     left("cargo test", TESTS),
+    left("cargo test --test shelves published", TESTS),
+    left(
+        "cargo test --release --test shelves petersson -- --ignored",
+        TESTS,
+    ),
     left(
         "cargo test --release --test cli book -- --ignored --nocapture",
         TESTS,
