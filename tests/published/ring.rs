@@ -21,10 +21,6 @@ pub(super) struct Forces {
     pub(super) moment: f64,
 }
 
-fn shear(medium: ElasticMedium) -> f64 {
-    medium.young / (2.0 * (1.0 + medium.poisson))
-}
-
 impl Ring {
     /// Bending stiffness of the ring as a plate, `E I / (1 - nu^2)` (N m).
     fn bending(&self) -> f64 {
@@ -74,7 +70,7 @@ impl Ring {
     }
     /// Penzien (2000) with `alpha = (12 or 24) E_l I c / (d^3 G_m (1 - nu_l^2))`.
     fn penzien(&self, tau: f64, thrusts: f64, c: f64) -> Forces {
-        let (d, modulus) = (2.0 * self.radius, shear(self.ground));
+        let (d, modulus) = (2.0 * self.radius, self.ground.shear());
         let alpha = thrusts * self.bending() * c / (d.powi(3) * modulus);
         let distortion =
             4.0 * (1.0 - self.ground.poisson) / (alpha + 1.0) * 0.5 * d * tau / modulus;
@@ -164,7 +160,7 @@ fn stresses(r: f64) -> [[f64; 4]; 3] {
 
 /// Radial displacement over `cos 2 theta` and that around over `sin 2 theta`, in plane strain.
 fn displacements(r: f64, medium: ElasticMedium) -> [[f64; 4]; 2] {
-    let (nu, twice) = (medium.poisson, 2.0 * shear(medium));
+    let (nu, twice) = (medium.poisson, 2.0 * medium.shear());
     let r3 = r.powi(3);
     [
         [-2.0 * r, 2.0 / r3, -4.0 * nu * r3, 4.0 * (1.0 - nu) / r],

@@ -7,6 +7,7 @@
 //! * `oracle`: the engine against a naive one that shares no code with it.
 //! * `extremes`: the stable step, and components that must not reduce it.
 //! * `regression`: stored results, with a log of the reasons of their changes.
+//! * `published`: what others measured and published, against `docs/validated.md`.
 //! * `architecture`: the shape of the workspace.
 //!
 //! All tests use the public interfaces of the crates. A test whose set-up fails panics with the reason.

@@ -56,7 +56,7 @@ pub(crate) struct PlotArguments {
 struct Corners(Vec<Vec3>);
 
 /// Measure of a motion.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// The motion over time.
     Time,
@@ -95,8 +95,8 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         );
         return Err(message.into());
     }
-    let is_floor = matches!(arguments.of, Kind::FloorSpectrum);
-    if !arguments.damping.is_empty() && !is_floor && !matches!(arguments.of, Kind::Response) {
+    let is_floor = arguments.of == Kind::FloorSpectrum;
+    if !arguments.damping.is_empty() && !is_floor && arguments.of != Kind::Response {
         let ways = "`--damping` is that of response spectra: give `--of response` or `--of floor-spectrum`";
         return Err(ways.into());
     }
@@ -122,33 +122,19 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         }
         return Ok(ExitCode::SUCCESS);
     }
-    if is_floor {
-        return floor(arguments);
-    }
-    let motions = RecordedMotions::with_names(&tables, &arguments.histories)?;
+    let dampings = match arguments.damping.is_empty() {
+        true => DAMPINGS.into(),
+        false => arguments.damping.clone(),
+    };
     let measure = match arguments.of {
-        Kind::Time | Kind::FloorSpectrum => Measure::Time,
+        Kind::FloorSpectrum => return floor(arguments, dampings),
+        Kind::Time => Measure::Time,
         Kind::Response => Measure::Response,
         Kind::Fourier => Measure::Fourier,
         Kind::Husid => Measure::Husid,
     };
-    let dampings = match arguments.damping.is_empty() {
-        true => DAMPINGS.into(),
-        false => arguments.damping,
-    };
-    let mut columns = Vec::new();
-    for name in &arguments.histories {
-        let mut found = motions.named(name)?;
-        // Of a history that is named as a whole the accelerations have spectra.
-        if measure != Measure::Time && found.len() > 1 {
-            found.retain(|column| column.unit == "m/s2");
-        }
-        for column in found {
-            if !columns.contains(&column) {
-                columns.push(column);
-            }
-        }
-    }
+    let motions = RecordedMotions::with_names(&tables, &arguments.histories)?;
+    let columns = motions.all_named(&arguments.histories, measure != Measure::Time)?;
     let plot = MotionPlot {
         measure,
         columns,
@@ -165,16 +151,13 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
 }
 
 /// Draws floor spectra of one or several results.
-fn floor(arguments: PlotArguments) -> Outcome {
+fn floor(arguments: PlotArguments, dampings: Vec<f64>) -> Outcome {
     let folders = std::iter::once(arguments.folder).chain(arguments.with);
     let results = folders.map(RecordedMotions::of_folder);
     let results: Vec<RecordedMotions> = results.collect::<Result<_, _>>()?;
     let plot = FloorPlot {
         histories: arguments.histories,
-        dampings: match arguments.damping.is_empty() {
-            true => DAMPINGS.into(),
-            false => arguments.damping,
-        },
+        dampings,
         broaden: arguments.broaden.unwrap_or(0.0),
     };
     let files = plot.write(&results, arguments.out.as_deref())?;

@@ -210,12 +210,12 @@ impl Fibres {
     /// What an impulse at a node of a constraint adds to its own velocity, beyond the response of its group by itself
     /// (1/kg); zero without a fibre.
     pub(crate) fn response(&self, group: usize, coefficients: &[Coefficients]) -> Mat3 {
-        let diagonal = self.diagonal.response([group; 2], coefficients);
-        let found = diagonal.or_else(|| self.full.response([group; 2], coefficients));
+        let diagonal = self.diagonal.response(group, coefficients);
+        let found = diagonal.or_else(|| self.full.response(group, coefficients));
         found.unwrap_or_else(Mat3::zeros)
     }
 
-    /// Couplings of the nodes of a constraint, whose groups these are; without coefficients, with zeros for responses.
+    /// Couplings of the nodes of a constraint, whose groups these are.
     pub(crate) fn couplings(
         &self,
         own: &Range<usize>,
@@ -351,16 +351,22 @@ impl<M: Map> FibreSet<M> {
         Some(&self.members[self.order[place] as usize])
     }
 
-    /// Velocity of a group per impulse on another one of its fibre, both of a constraint, beyond that of the group by
-    /// itself (1/kg); none for a group of no fibre here, zeros before the maps are known.
-    fn response(&self, groups: [usize; 2], coefficients: &[Coefficients]) -> Option<Mat3> {
-        let [first, second] = groups.map(|group| self.member(group));
-        let (first, second) = (first?, second?);
-        let Some(maps) = self.maps.get(first.fibre as usize) else {
-            return Some(Mat3::zeros());
-        };
+    fn response(&self, group: usize, coefficients: &[Coefficients]) -> Option<Mat3> {
+        let member = self.member(group)?;
+        Some(self.between(member, member, coefficients))
+    }
+
+    /// Velocity of a member per impulse on one of its fibre, both of a constraint, beyond that of the group by itself
+    /// (1/kg).
+    fn between(
+        &self,
+        first: &Member<M>,
+        second: &Member<M>,
+        coefficients: &[Coefficients],
+    ) -> Mat3 {
+        let maps = &self.maps[first.fibre as usize];
         let of_second = coefficients[second.group as usize].inverse * second.mass;
-        Some(first.gain.times(&maps.inner).matrix() * of_second)
+        first.gain.times(&maps.inner).matrix() * of_second
     }
 
     fn couplings(&self, own: &Range<usize>, coefficients: &[Coefficients]) -> Vec<NodeCoupling> {
@@ -369,11 +375,9 @@ impl<M: Map> FibreSet<M> {
             let bound = &self.members[self.all[fibre as usize].bound.clone()];
             for (i, first) in bound.iter().enumerate() {
                 for second in &bound[i + 1..] {
-                    let groups = [first.group, second.group];
-                    let response = self.response(groups.map(|group| group as usize), coefficients);
                     found.push(NodeCoupling {
-                        nodes: groups.map(|group| group - own.start as u32),
-                        response: response.unwrap_or_else(Mat3::zeros),
+                        nodes: [first, second].map(|member| member.group - own.start as u32),
+                        response: self.between(first, second, coefficients),
                     });
                 }
             }

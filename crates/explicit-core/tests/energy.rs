@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::support::{Links, hex_box, random_vectors};
+use crate::support::{Links, energy_of, hex_box, random_vectors};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
@@ -49,15 +49,6 @@ fn go(
     run(model, integrator, options, &mut [], &mut |_| {})
 }
 
-fn column(report: &RunReport, name: &str) -> f64 {
-    report
-        .energies
-        .iter()
-        .find(|(column, _)| *column == name)
-        .unwrap()
-        .1
-}
-
 /// Over 1e5 steps of a box with input, dashpots and springs the ledger closes to 1e-12 of the
 /// input work, far below the required 1e-9.
 #[test]
@@ -66,9 +57,9 @@ fn an_elastic_box_with_input_and_dashpots_closes() {
     let mut model = box_with_input(&mesh, rock()).build().unwrap();
     let options = RunOptions::steps(100_000).with_energy(EnergyCheck::every(5_000));
     let report = go(&mut model, &Leapfrog, &options).unwrap();
-    let input = column(&report, "loads");
-    assert!(input > 0.0 && column(&report, "dashpots") > 0.5 * input);
-    assert!(column(&report, "residual").abs() < 1e-12 * input);
+    let input = energy_of(&report, "loads");
+    assert!(input > 0.0 && energy_of(&report, "dashpots") > 0.5 * input);
+    assert!(energy_of(&report, "residual").abs() < 1e-12 * input);
 }
 
 /// Mass damping (implicit and lagged), stiffness damping, supports along an axis and oblique to it, a
@@ -108,9 +99,9 @@ fn the_balance_has_every_nodal_term() {
             "prescribed motion",
         ] {
             assert!(
-                column(&report, name).abs() > 1e-3,
+                energy_of(&report, name).abs() > 1e-3,
                 "{name}: {}",
-                column(&report, name)
+                energy_of(&report, name)
             );
         }
         assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
@@ -170,7 +161,7 @@ fn the_balance_has_the_loss_of_an_impact() {
         )
     };
     let report = glued(1.0).unwrap();
-    assert!(column(&report, "impact") > 0.0);
+    assert!(energy_of(&report, "impact") > 0.0);
     assert!(report.energy_residual < 1e-13);
     assert!(matches!(glued(0.9), Err(RunError::EnergyResidual { .. })));
 }
@@ -209,7 +200,7 @@ fn a_body_at_rest_between_great_forces_is_no_fault() {
     for force in [1.0e3, 1.0e7, 1.0e11] {
         let report = pressed(force, 0.0, 1.0).unwrap();
         assert!(report.energy_residual < 1e-7, "{force}: {report:?}");
-        let rounding = column(&report, "kinetic").sqrt();
+        let rounding = energy_of(&report, "kinetic").sqrt();
         assert!(rounding > 0.0, "{force}: nothing moves");
         // A limit below rounding is taken at its word.
         let found = limited(force, 0.0, 1.0, Some(1e-30));
@@ -302,7 +293,7 @@ fn the_work_of_constant_loads_is_that_of_their_displacement() {
     ] {
         let ((once, own), (each, other)) = (moved(precision, true), moved(precision, false));
         assert_eq!(once.displacement, each.displacement);
-        let (own_work, work) = (column(&own, "loads"), column(&other, "loads"));
+        let (own_work, work) = (energy_of(&own, "loads"), energy_of(&other, "loads"));
         assert!(work.abs() > 1e-3);
         assert!(
             (own_work - work).abs() < close * work.abs(),
@@ -329,7 +320,7 @@ fn motions_below_single_precision_are_no_fault() {
         go(&mut model, &Leapfrog, &options).unwrap()
     };
     let (double, single) = (report(Precision::F64), report(Precision::F32));
-    let lost = column(&single, "residual").abs() / column(&double, "loads");
+    let lost = energy_of(&single, "residual").abs() / energy_of(&double, "loads");
     assert!(lost > 1e-2, "{lost}: single precision holds this motion");
 }
 
@@ -447,7 +438,7 @@ fn kinetic_energy_is_never_negative() {
         let mut model = box_with_input(&mesh, rock()).build().unwrap();
         let options = RunOptions::steps(steps).with_energy(EnergyCheck::every(1));
         let report = go(&mut model, &Leapfrog, &options).unwrap();
-        let [kinetic, rest] = ["kinetic", "time step"].map(|name| column(&report, name));
+        let [kinetic, rest] = ["kinetic", "time step"].map(|name| energy_of(&report, name));
         assert!(kinetic >= 0.0 && rest <= 0.0, "{steps}: {kinetic} {rest}");
         assert!(report.energy_residual < 1e-11);
         turned += usize::from(kinetic + rest < 0.0);
@@ -466,7 +457,7 @@ fn kinetic_energy_is_never_negative() {
         model.set_initial(&still, &noise).unwrap();
         let options = RunOptions::steps(steps).with_energy(EnergyCheck::every(1));
         let report = go(&mut model, &Leapfrog, &options).unwrap();
-        let [kinetic, rest] = ["kinetic", "time step"].map(|name| column(&report, name));
+        let [kinetic, rest] = ["kinetic", "time step"].map(|name| energy_of(&report, name));
         assert!(kinetic >= 0.0 && rest <= 0.0, "{steps}: {kinetic} {rest}");
         turned += usize::from(kinetic + rest < 0.0);
     }

@@ -8,33 +8,17 @@ use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
     BlockFactory, BoundaryParts, ElementKind, EnergyCheck, Engine, Fibre, JointPair, Mat3, Mesh,
-    ModelSpec, NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError, RunOptions,
-    RunReport, State, StepChoice, Support, ThreadRanks, TimeIntegrator, Vec3,
+    ModelSpec, NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError, RunOptions, State,
+    StepChoice, Support, ThreadRanks, TimeIntegrator, Vec3,
 };
 
-use crate::support::{Links, StopAfter, dense, hex_box, random_vectors, same_bits_over_threads};
+use crate::support::{
+    Links, StopAfter, balanced_steps, dense, energy_of, fibre_of, hex_box, random_vectors,
+    same_bits_over_threads,
+};
 
 fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)
-}
-
-fn of(nodes: &[u32], added: f64) -> Fibre {
-    Fibre {
-        nodes: nodes.to_vec(),
-        added,
-    }
-}
-
-fn steps(model: &mut Model, count: u64, step: f64) -> RunReport {
-    let options = RunOptions::steps(count)
-        .with_step(StepChoice::Fixed(step))
-        .with_energy(EnergyCheck::every(1));
-    run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap()
-}
-
-fn column(report: &RunReport, name: &str) -> f64 {
-    let found = (report.energies.iter()).find(|(column, _)| *column == name);
-    found.unwrap().1
 }
 
 /// Bars at places along a line, with nodes tagged from 1; a set for each bar.
@@ -88,7 +72,7 @@ fn a_fibre_of_two_masses_shifts_the_frequency_that_strains_it() {
         let outer = 0.5 * density * area;
         let inner = outer * (1.0 + thin);
         let (k, middle) = (young * area, young * area / thin);
-        model.set_fibres(&[of(&[1, 2], added)]).unwrap();
+        model.set_fibres(&[fibre_of(&[1, 2], added)]).unwrap();
         // Strained: both masses of a half, M u'' = -K u with K = [k, -k; -k, k + 2 middle].
         let slow = inner * (1.0 + added);
         let half = 0.5 * (k / outer + (k + 2.0 * middle) / slow);
@@ -112,9 +96,9 @@ fn a_fibre_of_two_masses_shifts_the_frequency_that_strains_it() {
             let before = (1.0 - angle.cos()) / step;
             let velocity: Vec<Vec3> = shape.iter().map(|value| value * before).collect();
             let mut model = chain();
-            model.set_fibres(&[of(&[2, 1], added)]).unwrap();
+            model.set_fibres(&[fibre_of(&[2, 1], added)]).unwrap();
             model.set_initial(&shape, &velocity).unwrap();
-            let report = steps(&mut model, 333, step);
+            let report = balanced_steps(&mut model, 333, StepChoice::Fixed(step));
             assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
             for (node, shape) in (0..).zip(&shape) {
                 let exact = shape * (333.0 * angle).cos();
@@ -266,8 +250,8 @@ fn momentum_is_conserved() {
         };
         let before = momenta(&model);
         let step = model.stable_step(&Leapfrog).unwrap().step;
-        let report = steps(&mut model, 500, step);
-        assert!(column(&report, "added inertia") > 0.0);
+        let report = balanced_steps(&mut model, 500, StepChoice::Fixed(step));
+        assert!(energy_of(&report, "added inertia") > 0.0);
         for (before, after) in before.iter().zip(momenta(&model)) {
             let error = (after - before).norm() / before.norm();
             // The rounding of 500 steps.
@@ -342,7 +326,7 @@ fn the_balance_has_the_added_inertia() {
                 "dashpots",
                 "prescribed motion",
             ] {
-                let energy = column(&report, name);
+                let energy = energy_of(&report, name);
                 assert!(energy.abs() > 1e-6, "{name}: {energy}");
             }
             let residual = report.energy_residual;
@@ -428,14 +412,14 @@ fn a_body_with_fibres_falls_with_its_true_mass() {
             .set_fibres(&columns_of(counts, |node| added * (node % 3) as f64))
             .unwrap();
         let step = 1e-5;
-        let report = steps(&mut model, 1000, step);
+        let report = balanced_steps(&mut model, 1000, StepChoice::Fixed(step));
         // Of central differences from rest, half a step after the velocity.
         let fallen = gravity * (step * step * 0.5 * 1000.0 * 1001.0);
         for node in 0..mesh.node_count() as u32 {
             let error = (model.displacement(node) - fallen).norm() / fallen.norm();
             assert!(error < 1e-12, "{added}, node {node}: {error:e}");
         }
-        assert!(column(&report, "added inertia") < 1e-20 * column(&report, "kinetic"));
+        assert!(energy_of(&report, "added inertia") < 1e-20 * energy_of(&report, "kinetic"));
     }
 }
 
@@ -457,19 +441,19 @@ fn impossible_fibres_are_refused_by_name() {
         .unwrap();
     let step = model.stable_step(&Leapfrog).unwrap().step;
     for (fibres, said) in [
-        (vec![of(&[3, 99], 1.0)], "node index 99"),
-        (vec![of(&[3, 4], -1.0)], "added inertia"),
-        (vec![of(&[3, 4], f64::NAN)], "added inertia"),
+        (vec![fibre_of(&[3, 99], 1.0)], "node index 99"),
+        (vec![fibre_of(&[3, 4], -1.0)], "added inertia"),
+        (vec![fibre_of(&[3, 4], f64::NAN)], "added inertia"),
         (
-            vec![of(&[0, 5, 8], 1.0)],
+            vec![fibre_of(&[0, 5, 8], 1.0)],
             "cannot be in a fibre: a node of another joint",
         ),
         (
-            vec![of(&[0, 5], 1.0), of(&[5, 8], 1.0)],
+            vec![fibre_of(&[0, 5], 1.0), fibre_of(&[5, 8], 1.0)],
             "cannot be in a fibre: a node of another joint",
         ),
         (
-            vec![of(&[0, 5], 1.0), of(&[18, 19, 20], 1.0)],
+            vec![fibre_of(&[0, 5], 1.0), fibre_of(&[18, 19, 20], 1.0)],
             "cannot be in a fibre: its constraint cannot be solved",
         ),
     ] {
@@ -478,7 +462,7 @@ fn impossible_fibres_are_refused_by_name() {
         assert!(text.contains(said), "{text}");
     }
     assert_eq!(model.stable_step(&Leapfrog).unwrap().step, step);
-    model.set_fibres(&[of(&[0, 5, 26], 1.0)]).unwrap();
+    model.set_fibres(&[fibre_of(&[0, 5, 26], 1.0)]).unwrap();
 }
 
 /// A model that several ranks share refuses fibres on all of them, and takes none.
@@ -490,7 +474,7 @@ fn ranks_refuse_fibres() {
         let engine = ExplicitOnRanks::new(Box::new(ranks));
         let mut model = engine.build(spec.block_size(16)).unwrap();
         model.set_fibres(&[]).unwrap();
-        let refused = model.set_fibres(&[of(&[0, 1], 3.0)]).unwrap_err();
+        let refused = model.set_fibres(&[fibre_of(&[0, 1], 3.0)]).unwrap_err();
         Ok((refused.to_string(), model.element_frequencies().is_none()))
     });
     for of_rank in found {

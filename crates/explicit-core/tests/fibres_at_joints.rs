@@ -4,36 +4,16 @@ use nalgebra::{DMatrix, DVector};
 use powerhouse_contact::{
     Cohesive, CohesiveParameters, Frictionless, Joint, StrengthReduction, Tied,
 };
-use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model};
 use powerhouse_model::{
-    Constraint, ContactLaw, ElementKind, EnergyCheck, Fibre, JointPair, Mesh, Prescribed,
-    RunOptions, RunReport, StepChoice, Vec3,
+    Constraint, ContactLaw, ElementKind, JointPair, Mesh, Prescribed, StepChoice, Vec3,
 };
 
-use crate::support::Links;
+use crate::support::{Links, balanced_steps, energy_of, fibre_of};
 
 const YOUNG: f64 = 9.0e9;
 const AREA: f64 = 0.5;
 const DENSITY: f64 = 2700.0;
-
-fn of(nodes: &[u32], added: f64) -> Fibre {
-    Fibre {
-        nodes: nodes.to_vec(),
-        added,
-    }
-}
-
-fn steps(model: &mut Model, count: u64, step: f64) -> RunReport {
-    let options = RunOptions::steps(count)
-        .with_step(StepChoice::Unchecked(step))
-        .with_energy(EnergyCheck::every(1));
-    run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap()
-}
-
-fn column(report: &RunReport, name: &str) -> f64 {
-    let found = (report.energies.iter()).find(|(column, _)| *column == name);
-    found.unwrap().1
-}
 
 /// Pieces of a bar between places along a line, with nodes tagged from 1, but for gaps after some nodes (indices).
 fn pieces(places: &[f64], along: Vec3, gaps: &[usize]) -> Mesh {
@@ -79,7 +59,7 @@ fn both_ends_of_a_fibre_may_be_tied() {
         let mut model = bar(&mesh, joint(&[[1, 2], [3, 4]], along, Tied))
             .build()
             .unwrap();
-        model.set_fibres(&[of(&[2, 3], added)]).unwrap();
+        model.set_fibres(&[fibre_of(&[2, 3], added)]).unwrap();
         let (outer, own) = (0.5 * DENSITY * AREA, 0.5 * DENSITY * AREA * thin);
         let (k, middle) = (YOUNG * AREA, YOUNG * AREA / thin);
         let (slow, inner) = (outer + own * (1.0 + added), outer + own);
@@ -99,7 +79,7 @@ fn both_ends_of_a_fibre_may_be_tied() {
             let velocity = shape.map(|value| value * before);
             model.set_initial(&shape, &velocity).unwrap();
             let start = model.state();
-            let report = steps(&mut model, 333, step);
+            let report = balanced_steps(&mut model, 333, StepChoice::Unchecked(step));
             assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
             for (node, shape) in (0..).zip(&shape) {
                 let exact = shape * (333.0 * angle).cos();
@@ -121,7 +101,7 @@ fn impulses_at_both_ends_of_a_fibre_are_solved_together() {
         let mut model = bar(&mesh, joint(&[[1, 2], [4, 5]], along, Frictionless))
             .build()
             .unwrap();
-        model.set_fibres(&[of(&[2, 3, 4], added)]).unwrap();
+        model.set_fibres(&[fibre_of(&[2, 3, 4], added)]).unwrap();
         let masses: Vec<f64> = (0..7).map(|node| model.mass(node)).collect();
         let mut inertia = DMatrix::from_diagonal(&DVector::from_column_slice(&masses));
         let sum: f64 = masses[2..5].iter().sum();
@@ -171,7 +151,7 @@ fn impulses_at_both_ends_of_a_fibre_are_solved_together() {
             let still = vec![Vec3::zeros(); 7];
             model.set_initial(&still, &velocity).unwrap();
             let start = model.state();
-            let report = steps(&mut model, 1, 1e-6);
+            let report = balanced_steps(&mut model, 1, StepChoice::Unchecked(1e-6));
             assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
             for node in 0..7 {
                 let exact = along * (after[node] - speeds[node]) + velocity[node];
@@ -220,7 +200,7 @@ fn a_joint_with_a_fibre_on_one_side_takes_an_impact() {
                 .constraint(Box::new(joint))
                 .build()
                 .unwrap();
-            let fibres = [of(&[41, 42, 43, 44], added)];
+            let fibres = [fibre_of(&[41, 42, 43, 44], added)];
             model
                 .set_fibres(if with_fibre { &fibres } else { &[] })
                 .unwrap();
@@ -239,7 +219,7 @@ fn a_joint_with_a_fibre_on_one_side_takes_an_impact() {
         for with_fibre in [true, false] {
             let mut model = build(with_fibre);
             let step = 0.9 * model.stable_step(&Leapfrog).unwrap().step;
-            let of_impact = steps(&mut model, 2, step);
+            let of_impact = balanced_steps(&mut model, 2, StepChoice::Unchecked(step));
             // Effective inverse masses of the two nodes.
             let inverse = |node: u32| 1.0 / model.mass(node);
             let mut mobility = inverse(40) + inverse(41);
@@ -247,13 +227,17 @@ fn a_joint_with_a_fibre_on_one_side_takes_an_impact() {
                 let whole = 1.0 / (41..45).map(|node| model.mass(node)).sum::<f64>();
                 mobility = inverse(40) + whole + (inverse(41) - whole) / (1.0 + added);
             }
-            let lost = column(&of_impact, "impact") * 2.0 * mobility;
+            let lost = energy_of(&of_impact, "impact") * 2.0 * mobility;
             assert!((lost - 1.0).abs() < 1e-9, "{added}: {lost}");
             let [first, second] = [40, 41].map(|node| model.velocity(node));
             assert!((first - second).norm() < 1e-13, "{first} {second}");
             // Longer than a wave takes to the ends and back: the bars have parted.
             let duration = 2.6 / (9.0e9_f64 / 2700.0).sqrt();
-            let report = steps(&mut model, (duration / step) as u64, step);
+            let report = balanced_steps(
+                &mut model,
+                (duration / step) as u64,
+                StepChoice::Unchecked(step),
+            );
             assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
             let momentum: Vec3 = (0..mesh.node_count() as u32)
                 .map(|node| model.velocity(node) * model.mass(node))
@@ -284,7 +268,7 @@ fn spalling(fibre: bool, law: CohesiveParameters) -> (Mesh, Model) {
         .unwrap();
     if fibre {
         model
-            .set_fibres(&[of(&[111, 112, 113, 114, 115], 8.0)])
+            .set_fibres(&[fibre_of(&[111, 112, 113, 114, 115], 8.0)])
             .unwrap();
     }
     (mesh, model)
@@ -335,13 +319,17 @@ fn a_spall_is_that_without_fibres() {
             };
             let count = mesh.node_count() as u32;
             let before = momentum(&model, 0..count);
-            let report = steps(&mut model, (18.0 / (speed * step)) as u64, step);
+            let report = balanced_steps(
+                &mut model,
+                (18.0 / (speed * step)) as u64,
+                StepChoice::Unchecked(step),
+            );
             assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
             let error = (momentum(&model, 0..count) - before).abs() / before;
             assert!(error < 1e-11, "{error:e}");
             [
                 momentum(&model, 111..count),
-                column(&report, "bond"),
+                energy_of(&report, "bond"),
                 model.joints().next().unwrap().records[0]
                     .first_crack
                     .unwrap(),
@@ -384,15 +372,18 @@ fn cohesive_cycles_are_those_without_fibres() {
                 .build()
                 .unwrap();
             if fibre {
-                model.set_fibres(&[of(&[11, 12, 13, 14], added)]).unwrap();
+                model
+                    .set_fibres(&[fibre_of(&[11, 12, 13, 14], added)])
+                    .unwrap();
             }
             let step = 0.9 * 0.01 / (YOUNG / DENSITY).sqrt();
-            let report = steps(&mut model, (0.2 / step) as u64, step);
+            let report =
+                balanced_steps(&mut model, (0.2 / step) as u64, StepChoice::Unchecked(step));
             assert!(report.energy_residual < 1e-12, "{}", report.energy_residual);
             let opening = model.joints().next().unwrap().records[0].peak_opening;
             [
-                column(&report, "bond"),
-                column(&report, "prescribed motion"),
+                energy_of(&report, "bond"),
+                energy_of(&report, "prescribed motion"),
                 opening,
             ]
         });

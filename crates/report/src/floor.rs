@@ -3,11 +3,14 @@
 
 use std::path::{Path, PathBuf};
 
-use powerhouse::io::{Plot, TableColumn, write_noted_table, write_plot};
+use powerhouse::io::TableColumn;
 use powerhouse::wavefield::{TimeHistory, broadened_spectrum};
 use powerhouse_study::StudyError;
 
-use crate::motion::{ACCELERATION, LONGEST_PERIOD, PLOTS, RecordedMotions, SHORTEST_PERIOD};
+use crate::motion::{
+    ACCELERATION, LONGEST_PERIOD, PLOTS, RecordedMotions, SHORTEST_PERIOD, geometric, percent,
+    write_drawn,
+};
 
 /// Number of frequencies in geometric progression.
 const FREQUENCIES: usize = 300;
@@ -35,11 +38,8 @@ impl FloorEnvelope {
     /// One up to the frequency (Hz) to which all motions hold, of which the shortest period (s) is given.
     pub(crate) fn new(shortest: f64, broaden: f64) -> Self {
         let shortest = shortest.clamp(SHORTEST_PERIOD, LONGEST_PERIOD);
-        let ratio = LONGEST_PERIOD / shortest;
-        let frequency =
-            |index: usize| ratio.powf(index as f64 / (FREQUENCIES - 1) as f64) / LONGEST_PERIOD;
         Self {
-            frequencies: (0..FREQUENCIES).map(frequency).collect(),
+            frequencies: geometric(1.0 / LONGEST_PERIOD, 1.0 / shortest, FREQUENCIES),
             broaden,
         }
     }
@@ -81,29 +81,19 @@ impl FloorPlot {
         let [first, ..] = results else {
             return Ok(table);
         };
-        let mut columns: Vec<&TableColumn> = Vec::new();
-        for name in &self.histories {
-            let mut found = first.named(name)?;
-            // Of a history that is named as a whole the accelerations have spectra.
-            if found.len() > 1 {
-                found.retain(|column| column.unit == ACCELERATION);
-            }
-            found.retain(|column| !columns.contains(column));
-            columns.extend(found);
-        }
-        for column in columns {
+        for column in first.all_named(&self.histories, true)? {
             let motions = results.iter().map(|one| {
                 let same = one.named(&column.name)?;
                 one.acceleration(same[0])
             });
             let motions = motions.collect::<Result<Vec<_>, _>>()?;
             for &damping in &self.dampings {
-                let mut name = format!("{} {} %", column.name, (1e4 * damping).round() / 1e2);
+                let mut name = format!("{} {} %", column.name, percent(damping));
                 if results.len() > 1 {
                     name += &format!(", greatest of {}", results.len());
                 }
                 if self.broaden > 0.0 {
-                    name += &format!(", peaks +-{} %", (1e4 * self.broaden).round() / 1e2);
+                    name += &format!(", peaks +-{} %", percent(self.broaden));
                 }
                 let ordinates = envelope.ordinates(&motions, damping)?;
                 table.push(TableColumn::new(name, ACCELERATION, ordinates));
@@ -136,11 +126,8 @@ impl FloorPlot {
                 folder.join(PLOTS).join(format!("{name}.svg"))
             }
         };
-        let numbers = drawing.with_extension("csv");
         let notes: Vec<String> = results.iter().flat_map(notes).collect();
-        write_noted_table(&numbers, &notes, &table).map_err(powerhouse::Error::from)?;
-        write_plot(&drawing, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
-        Ok([drawing, numbers])
+        write_drawn(drawing, &notes, &table)
     }
 }
 

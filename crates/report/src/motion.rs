@@ -210,6 +210,27 @@ impl RecordedMotions {
             }),
         }
     }
+    /// The columns of some names, each once; of a history that is named as a whole the accelerations alone if they are
+    /// `of_accelerations`.
+    ///
+    /// # Errors
+    /// [`StudyError::NoSuchColumn`].
+    pub fn all_named(
+        &self,
+        names: &[String],
+        of_accelerations: bool,
+    ) -> Result<Vec<&TableColumn>, StudyError> {
+        let mut columns: Vec<&TableColumn> = Vec::new();
+        for name in names {
+            let mut found = self.named(name)?;
+            if of_accelerations && found.len() > 1 {
+                found.retain(|column| column.unit == ACCELERATION);
+            }
+            found.retain(|column| !columns.contains(column));
+            columns.extend(found);
+        }
+        Ok(columns)
+    }
     /// The acceleration of a column at short equal intervals, band-limited if the run has recorded it so.
     ///
     /// # Errors
@@ -290,15 +311,12 @@ impl RecordedMotions {
                 self.folder.join(PLOTS).join(format!("{name}.svg"))
             }
         };
-        let numbers = drawing.with_extension("csv");
         let notes = self.warnings().into_iter();
         let mut notes: Vec<String> = notes.map(|text| format!("warning: {text}")).collect();
         if plot.measure != Measure::Time {
             notes.push(self.source(&plot.columns).note());
         }
-        write_noted_table(&numbers, &notes, &table).map_err(powerhouse::Error::from)?;
-        write_plot(&drawing, &Plot::of_table("", &table)).map_err(powerhouse::Error::from)?;
-        Ok([drawing, numbers])
+        write_drawn(drawing, &notes, &table)
     }
     /// A file for a plot, which is not beside the tables of the run.
     pub(crate) fn outside<'f>(&self, file: &'f Path) -> Result<&'f Path, StudyError> {
@@ -345,13 +363,35 @@ impl RecordedMotions {
     }
 }
 
+/// Writes a table below its notes as a plot (SVG) and, beside it, as numbers (CSV). Returns the two files.
+pub(crate) fn write_drawn(
+    drawing: PathBuf,
+    notes: &[String],
+    table: &[TableColumn],
+) -> Result<[PathBuf; 2], StudyError> {
+    let numbers = drawing.with_extension("csv");
+    write_noted_table(&numbers, notes, table).map_err(powerhouse::Error::from)?;
+    write_plot(&drawing, &Plot::of_table("", table)).map_err(powerhouse::Error::from)?;
+    Ok([drawing, numbers])
+}
+
 /// The periods (s) of response spectra, from the shortest one (s) for which the motions hold.
 pub(crate) fn periods(resolved: f64) -> Vec<f64> {
     let shortest = resolved.clamp(SHORTEST_PERIOD, LONGEST_PERIOD);
-    let ratio = LONGEST_PERIOD / shortest;
-    (0..PERIODS)
-        .map(|index| shortest * ratio.powf(index as f64 / (PERIODS - 1) as f64))
+    geometric(shortest, LONGEST_PERIOD, PERIODS)
+}
+
+/// So many numbers in geometric progression.
+pub(crate) fn geometric(first: f64, last: f64, count: usize) -> Vec<f64> {
+    let ratio = last / first;
+    (0..count)
+        .map(|index| first * ratio.powf(index as f64 / (count - 1) as f64))
         .collect()
+}
+
+/// A share in per cent, to hundredths.
+pub(crate) fn percent(share: f64) -> f64 {
+    (1e4 * share).round() / 1e2
 }
 
 fn response(
@@ -366,7 +406,7 @@ fn response(
             .iter()
             .map(|response| response.acceleration)
             .collect();
-        let name = format!("{name} {} %", (1e4 * damping).round() / 1e2);
+        let name = format!("{name} {} %", percent(damping));
         table.push(TableColumn::new(name, ACCELERATION, accelerations));
     }
     Ok(table)

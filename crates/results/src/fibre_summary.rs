@@ -37,15 +37,16 @@ impl FibreSummary {
     /// The fibres of a run; none of a run without.
     pub fn of(results: &Results) -> Option<Self> {
         let choice = results.fibres.as_ref()?;
+        let of_input = choice.shift.and_then(|shift| shift.of_input);
         Some(Self {
             factor: choice.factor,
             gain: choice.gain(),
             fibres: choice.fibres.len(),
             sets: choice.sets.clone(),
             most_added: choice.most_added(),
-            predicted: choice.shift.and_then(|shift| shift.of_input),
-            error_of_accelerations: choice.shift.and_then(|shift| shift.of_accelerations),
-            error_of_forces: choice.shift.and_then(|shift| shift.of_forces),
+            predicted: of_input.map(|input| input.shift),
+            error_of_accelerations: of_input.map(|input| input.of_accelerations),
+            error_of_forces: of_input.map(|input| input.of_forces),
             share: results.share_of_fibres(),
         })
     }

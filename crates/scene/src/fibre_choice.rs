@@ -158,7 +158,8 @@ impl FibreChoice {
     /// # Errors
     /// [`Error::FibreShift`].
     pub(crate) fn check(&self, options: &FibreOptions) -> Result<(), Error> {
-        let shift = self.shift.and_then(|shift| shift.of_input).unwrap_or(0.0);
+        let of_input = self.shift.and_then(|shift| shift.of_input);
+        let shift = of_input.map_or(0.0, |input| input.shift);
         match shift <= options.most_shift {
             true => Ok(()),
             false => Err(Error::FibreShift {

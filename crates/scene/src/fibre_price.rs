@@ -46,15 +46,23 @@ pub struct FibreShift {
     pub natural: f64,
     /// By how much the fibres lower that frequency (1).
     pub of_natural: f64,
-    /// Frequency (Hz) below which the input has 99 % of the energy of its acceleration; none without input.
-    pub input: Option<f64>,
-    /// Estimated relative decrease of a frequency of motion as high as that of the input (1).
-    pub of_input: Option<f64>,
-    /// Estimated relative error of accelerations, and so of shear forces: the same decrease for all motion of the input,
-    /// weighted by the energy of its acceleration (1).
-    pub of_accelerations: Option<f64>,
+    /// What the fibres do to the motion of the input; none without input.
+    pub of_input: Option<InputShift>,
+}
+
+/// What fibres do to the motion of an input, estimated before the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct InputShift {
+    /// Frequency (Hz) below which the input has 99 % of the energy of its acceleration.
+    pub frequency: f64,
+    /// Relative decrease of a frequency of motion as high as that (1).
+    pub shift: f64,
+    /// Relative error of accelerations, and so of shear forces: the same decrease for all motion of the input, weighted by
+    /// the energy of its acceleration (1).
+    pub of_accelerations: f64,
     /// The same of axial forces and moments, which follow the strain of the ground: weighted by the energy of velocity (1).
-    pub of_forces: Option<f64>,
+    pub of_forces: f64,
 }
 
 impl fmt::Display for FibreShift {
@@ -65,21 +73,18 @@ impl fmt::Display for FibreShift {
             self.natural,
             100.0 * self.of_natural
         )?;
-        if let (Some(input), Some(shift)) = (self.input, self.of_input) {
-            write!(
-                f,
-                ", and motion at {input:.1} Hz, below which the input has 99 % of its energy, by {:.2} % (an estimate)",
-                100.0 * shift
-            )?;
-        }
-        match (self.of_accelerations, self.of_forces) {
-            (Some(of_accelerations), Some(of_forces)) => write!(
-                f,
-                "; errors of accelerations and shear forces are about {:.1e}, of axial forces and moments {:.1e}",
-                of_accelerations, of_forces
-            ),
-            _ => Ok(()),
-        }
+        let Some(input) = self.of_input else {
+            return Ok(());
+        };
+        write!(
+            f,
+            ", and motion at {:.1} Hz, below which the input has 99 % of its energy, by {:.2} % (an estimate); \
+             errors of accelerations and shear forces are about {:.1e}, of axial forces and moments {:.1e}",
+            input.frequency,
+            100.0 * input.shift,
+            input.of_accelerations,
+            input.of_forces
+        )
     }
 }
 
@@ -127,14 +132,18 @@ impl ClampedMode {
             });
             0.5 * (of_structure + of_ground)
         };
-        let errors = input.map(|input| input.root_mean_squares(at));
         FibreShift {
             natural,
             of_natural: 1.0 - 1.0 / (1.0 + in_mode).sqrt(),
-            input: input.map(InputSpectrum::highest),
-            of_input: input.map(|input| at(input.highest())),
-            of_accelerations: errors.map(|[of_accelerations, _]| of_accelerations),
-            of_forces: errors.map(|[_, of_forces]| of_forces),
+            of_input: input.map(|input| {
+                let [of_accelerations, of_forces] = input.root_mean_squares(at);
+                InputShift {
+                    frequency: input.highest(),
+                    shift: at(input.highest()),
+                    of_accelerations,
+                    of_forces,
+                }
+            }),
         }
     }
 }
@@ -401,7 +410,7 @@ mod tests {
             let expected = 0.5 * choice.most_added() * 4.6478 * square / (length * length);
             let error = shift.of_natural / expected - 1.0;
             assert!(error.abs() < 0.04, "{length} m: {shift:?}, {expected}");
-            assert!(shift.of_input.is_none() && shift.of_forces.is_none());
+            assert!(shift.of_input.is_none());
         }
     }
 }

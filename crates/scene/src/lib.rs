@@ -65,7 +65,7 @@ pub use boundary::Boundary;
 pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use fibre_choice::{FibreChoice, FibreOptions};
-pub use fibre_price::FibreShift;
+pub use fibre_price::{FibreShift, InputShift};
 pub use input_spectrum::EnergySpectrum;
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use layers::LayerError;

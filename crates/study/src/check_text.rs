@@ -187,12 +187,12 @@ fn fibres(out: &mut String, choices: &[FibreChoice]) {
                 shift.natural,
                 100.0 * shift.of_natural
             );
-            match (shift.input, shift.of_input, shift.of_accelerations, shift.of_forces) {
-                (Some(input), Some(of_input), Some(of_accelerations), Some(of_forces)) => format!(
-                    "{natural}; motion at {input:.1} Hz, the highest of the input: about -{:.2} %; errors of accelerations and shear forces about {of_accelerations:.1e}, of axial forces and moments {of_forces:.1e}",
-                    100.0 * of_input
+            match shift.of_input {
+                Some(input) => format!(
+                    "{natural}; motion at {:.1} Hz, the highest of the input: about -{:.2} %; errors of accelerations and shear forces about {:.1e}, of axial forces and moments {:.1e}",
+                    input.frequency, 100.0 * input.shift, input.of_accelerations, input.of_forces
                 ),
-                _ => natural,
+                None => natural,
             }
         });
         line!(

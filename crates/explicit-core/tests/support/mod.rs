@@ -4,10 +4,12 @@
 use std::sync::{Arc, Mutex};
 
 use nalgebra::DMatrix;
+use powerhouse_explicit_core::{Leapfrog, Model, run};
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, CheckpointSink, ElementBlock,
-    ElementFault, ElementKind, FrequencyBound, HistoryField, Mat3, Mesh, ModelError, NodalView,
-    NodalViewMut, Operator, Precision, Progress, Quad, Rayleigh, SavedRun, State, Stress, Vec3,
+    ElementFault, ElementKind, EnergyCheck, Fibre, FrequencyBound, HistoryField, Mat3, Mesh,
+    ModelError, NodalView, NodalViewMut, Operator, Precision, Progress, Quad, Rayleigh, RunOptions,
+    RunReport, SavedRun, State, StepChoice, Stress, Vec3,
 };
 
 /// Elements whose nodes are joined by links of stiffness `young * area / length`.
@@ -409,4 +411,26 @@ impl CheckpointSink for StopAfter {
         *self.1.lock().unwrap() = Some(saved);
         Err(ModelError::refused("test", "stopped"))
     }
+}
+
+/// A fibre of nodes with an added inertia over mass (1).
+pub(crate) fn fibre_of(nodes: &[u32], added: f64) -> Fibre {
+    Fibre {
+        nodes: nodes.to_vec(),
+        added,
+    }
+}
+
+/// Runs so many steps of a length (s), each with its balance of energy.
+pub(crate) fn balanced_steps(model: &mut Model, count: u64, step: StepChoice) -> RunReport {
+    let options = RunOptions::steps(count)
+        .with_step(step)
+        .with_energy(EnergyCheck::every(1));
+    run(model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap()
+}
+
+/// A term of the balance of energy (J).
+pub(crate) fn energy_of(report: &RunReport, name: &str) -> f64 {
+    let mut terms = report.energies.iter();
+    terms.find(|(term, _)| *term == name).unwrap().1
 }
