@@ -26,6 +26,25 @@ fn ring(flexibility: f64) -> Ring {
     ring.with_flexibility(flexibility)
 }
 
+/// Sections of a scene at an angle (degrees) from springline and crown, as changes of it.
+fn sections_at(degrees: f64) -> [String; 4] {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    [
+        format!(
+            "output.section.springline.at=[{}, 0.5, {}]",
+            5.0 * cos,
+            5.0 * sin
+        ),
+        format!("output.section.springline.normal=[{}, 0, {cos}]", -sin),
+        format!(
+            "output.section.crown.at=[{}, 0.5, {}]",
+            5.0 * sin,
+            5.0 * cos
+        ),
+        format!("output.section.crown.normal=[{}, 0, {sin}]", -cos),
+    ]
+}
+
 /// Mean thrust (N/m, pressure positive), and the parts of thrust and moment that vary as `cos 2 theta`.
 fn forces(scene: &str, changes: &[String]) -> (f64, Forces) {
     let results = run(scene, changes);
@@ -103,6 +122,46 @@ fn ovaling_of_linings() {
     compare("Wang", &wang);
     compare("Penzien", &penzien);
     compare("Exact ring", &exact);
+}
+
+/// Sections on the planes of symmetry, in the brick beside them and elsewhere show the thrust and the moment of the exact ring, which
+/// vary as `cos 2 theta`, and no shear on the planes: a lining that slips, whose pressure of the ground is half a brick's beside the plane.
+#[test]
+fn sections_on_and_beside_a_plane_of_symmetry() {
+    let exact = ring(5.0).exact(SHEAR, true);
+    for degrees in [0.0_f64, 0.6, 1.875, 3.0, 5.625, 9.0] {
+        let mut changes = sections_at(degrees).to_vec();
+        changes.push(format!("material.ground.young={}", ring(5.0).ground.young));
+        let results = run("ovaling_slip.toml", &changes);
+        let last = |name: &str| {
+            let column = results.sections.column(name).expect("a section");
+            *column.values.last().expect("a row")
+        };
+        let varying = |force: &str| {
+            let [at_springline, at_crown] =
+                ["springline", "crown"].map(|place| last(&format!("{place}.{force}_per_metre")));
+            (0.5 * (at_springline - at_crown)).abs() / (2.0 * degrees).to_radians().cos()
+        };
+        let (thrust, moment) = (varying("axial"), varying("moment"));
+        assert!(
+            (thrust / exact.thrust - 1.0).abs() < 0.03,
+            "{degrees}: {thrust}, {exact:?}"
+        );
+        assert!(
+            (moment / exact.moment - 1.0).abs() < 0.03,
+            "{degrees}: {moment}, {exact:?}"
+        );
+        if degrees == 0.0 {
+            for place in ["springline", "crown"] {
+                let shear = last(&format!("{place}.shear_per_metre"));
+                let axial = last(&format!("{place}.axial_per_metre"));
+                assert!(
+                    shear.abs() < 5e-3 * axial.abs(),
+                    "{place}: {shear} of {axial}"
+                );
+            }
+        }
+    }
 }
 
 /// A lining that takes all that an excavation releases under unequal stresses, against Einstein & Schwartz (1979): within 5 %.

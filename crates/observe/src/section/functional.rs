@@ -6,7 +6,7 @@ use powerhouse_model::{Mesh, StepView, Vec3};
 pub(super) const RESULTANTS: usize = 6;
 
 /// Largest number of nodes of a solid element (tetrahedron with midpoints).
-const MOST_NODES: usize = 10;
+pub(super) const MOST_NODES: usize = 10;
 
 /// Six linear functionals of the internal forces `f` of some elements: virtual works `sum_e sum_a w_a . f_ea`.
 #[derive(Clone, Debug)]

@@ -3,6 +3,7 @@
 mod functional;
 mod pieces;
 mod plane;
+mod ramp;
 mod ring;
 
 use powerhouse_model::{
@@ -87,9 +88,11 @@ pub struct SectionGeometry {
 /// element, because it uses the nodal forces of the solution itself.
 ///
 /// Loads and inertia within the element length around the plane count by halves, which is right
-/// where they are uniform; the error is of second order in that length. Where the elements
-/// end next to the plane the linear range is shortened to their extent, so that a plane may lie on
-/// the end of a pillar; an oblique end within that length is not recognised.
+/// where they are uniform; the error is of second order in that length. A plane may lie on an end of the elements, such as the foot
+/// of a pillar or the springline of a half model, or near it, the end being at any angle to the plane: the motion is constant on the
+/// whole end face, so that its support does no work, and the resultants of up to three ramps beside the end are extrapolated to the
+/// plane. A body of a single element between two ends shows its mean. Where the elements on the two sides of a plane differ in length,
+/// two ramps are interpolated in the same way.
 ///
 /// Cost: at each observation the law is evaluated once more in the elements next to the plane.
 /// Memory: per section 144 bytes a node of each of these elements; 8 per column and row.
@@ -194,9 +197,14 @@ impl SectionForces {
         })?;
         let geometry = intersection.geometry(mesh, section, along);
         let axes = [geometry.normal, geometry.across, geometry.along];
+        let ramp = intersection.ramp(mesh, &chosen);
+        let share = |node: u32| {
+            let position = mesh.positions()[node as usize];
+            ramp.factor((position - section.point).dot(&normal))
+        };
         let virtual_motion = |node: u32| {
             let position = &mesh.positions()[node as usize];
-            let share = intersection.ramp(position);
+            let share = share(node);
             core::array::from_fn(|k| {
                 let rigid = match k {
                     0..3 => axes[k],
@@ -205,7 +213,12 @@ impl SectionForces {
                 rigid * share
             })
         };
-        let strained = intersection.strained(mesh, &chosen);
+        let is_strained = |&element: &u32| {
+            let mut shares = mesh.nodes_of(element).iter().map(|&node| share(node));
+            let first = shares.next();
+            shares.any(|other| Some(other) != first)
+        };
+        let strained: Vec<u32> = chosen.iter().copied().filter(is_strained).collect();
         let functional = Functional::new(mesh, &strained, virtual_motion);
         {
             let mut table = self.recording.lock();

@@ -75,7 +75,7 @@ pub(super) fn joined_by_nodes(mesh: &Mesh, elements: &[u32]) -> (DisjointSets, H
 }
 
 /// Sets of the indices of elements that are connected by common nodes, or by nodes within a distance (m) of each other.
-fn connected(mesh: &Mesh, elements: &[u32], tolerance: f64) -> DisjointSets {
+pub(super) fn connected(mesh: &Mesh, elements: &[u32], tolerance: f64) -> DisjointSets {
     let (mut sets, first_of) = joined_by_nodes(mesh, elements);
     let oblique = Vec3::from(OBLIQUE);
     let place = |(node, index): (u32, u32)| {

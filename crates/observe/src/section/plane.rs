@@ -3,6 +3,7 @@
 use powerhouse_model::{ElementKind, Mesh, Vec3};
 
 use super::pieces::pieces;
+use super::ramp::Ramp;
 use super::{CrossSection, SectionGeometry};
 
 /// A plane that divides space; the normal points to the positive side.
@@ -20,6 +21,14 @@ impl Plane {
     /// Signed distance (m) of a position, negative on the negative side.
     pub(super) fn distance(&self, position: &Vec3) -> f64 {
         self.normal.dot(&(position - self.point))
+    }
+    /// The same plane seen from its other side.
+    pub(super) fn reversed(&self) -> Self {
+        Self {
+            normal: -self.normal,
+            own_positive: !self.own_positive,
+            ..*self
+        }
     }
     /// Whether a position belongs to the positive side.
     pub(super) fn positive(&self, position: &Vec3) -> bool {
@@ -109,20 +118,19 @@ impl PlaneArea {
     }
 }
 
-/// Intersection of a plane with elements, and the ramp of the virtual motion across it.
+/// Intersection of a plane with elements.
 pub(super) struct Intersection {
     plane: Plane,
     polygons: PlaneArea,
     /// Elements that the plane intersects.
     elements: Vec<u32>,
-    /// Signed distances (m) from the plane between which the virtual motion increases from zero to one.
-    ramp: (f64, f64),
+    /// Mean length (m) of these elements across the plane.
+    length: f64,
 }
 
 /// Intersection of a plane with elements; none without area.
 pub(super) fn intersect(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<Intersection> {
     let mut polygons = PlaneArea::default();
-    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut cut, mut lengths) = (Vec::new(), 0.0);
     for &element in elements {
         let nodes = mesh.nodes_of(element).iter();
@@ -131,7 +139,6 @@ pub(super) fn intersect(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<I
         let (low, high) = distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| {
             (low.min(d), high.max(d))
         });
-        (lowest, highest) = (lowest.min(low), highest.max(high));
         let above = corners
             .iter()
             .filter(|corner| plane.positive(corner))
@@ -142,33 +149,19 @@ pub(super) fn intersect(mesh: &Mesh, plane: Plane, elements: &[u32]) -> Option<I
             lengths += high - low;
         }
     }
-    let half = 0.5 * lengths / cut.len() as f64;
+    let length = lengths / cut.len() as f64;
     (polygons.area > 0.0).then_some(Intersection {
         plane,
         polygons,
         elements: cut,
-        ramp: (lowest.max(-half), highest.min(half)),
+        length,
     })
 }
 
 impl Intersection {
-    /// Factor of the virtual motion: zero on the negative side, one on the positive side, linear between them.
-    pub(super) fn ramp(&self, position: &Vec3) -> f64 {
-        let (from, to) = self.ramp;
-        ((self.plane.distance(position) - from) / (to - from)).clamp(0.0, 1.0)
-    }
-
-    /// The elements that the virtual motion strains.
-    pub(super) fn strained(&self, mesh: &Mesh, elements: &[u32]) -> Vec<u32> {
-        let strained = |&element: &u32| {
-            let nodes = mesh.nodes_of(element).iter();
-            let shares = nodes.map(|&node| self.ramp(&mesh.positions()[node as usize]));
-            let (low, high) = shares.fold((1.0_f64, 0.0_f64), |(low, high), share| {
-                (low.min(share), high.max(share))
-            });
-            high > 0.0 && low < 1.0
-        };
-        elements.iter().copied().filter(strained).collect()
+    /// The ramp across the plane of a virtual motion of the given elements.
+    pub(super) fn ramp(&self, mesh: &Mesh, elements: &[u32]) -> Ramp {
+        Ramp::across(mesh, &self.plane, elements, &self.elements, self.length)
     }
 
     pub(super) fn geometry(

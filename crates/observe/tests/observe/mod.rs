@@ -9,6 +9,7 @@ mod plain;
 mod principal;
 mod ring;
 mod section;
+mod section_ends;
 mod snapshots;
 
 use powerhouse_model::{Observer, StepView, Stress, Vec3};
