@@ -54,6 +54,8 @@ pub enum Finding {
         limit: f64,
         /// Uniaxial compressive strength (Pa).
         strength: f64,
+        /// Strains at the strength (1) in elements of widths of 0.1 and 1 m.
+        strains: [f64; 2],
     },
     /// Poisson's ratio is above 0.49, so near 0.5 that elements lock and the stable step decreases.
     NearlyIncompressible {
@@ -88,10 +90,17 @@ impl fmt::Display for Finding {
                 "the compressive strength requires a cohesion of {in_force:.4e} Pa under \
                  confinement, not the listed {listed:.4e} Pa"
             ),
-            Self::Hardening { limit, strength } => write!(
+            Self::Hardening {
+                limit,
+                strength,
+                strains: [narrow, wide],
+            } => write!(
                 f,
                 "crushing begins at {limit:.4e} Pa and hardens up to {strength:.4e} Pa: the energy \
-                 that it dissipates depends on the mesh"
+                 that it dissipates depends on the mesh, and the strength is at a strain of {:.2} per mille in elements \
+                 of 0.1 m, of {:.2} in those of 1 m (concrete: some 2)",
+                1e3 * narrow,
+                1e3 * wide
             ),
             Self::NearlyIncompressible { poisson } => write!(
                 f,
@@ -197,7 +206,11 @@ impl LeeFenves {
             (p.compression_limit, p.compression_strength)
         };
         let hardens = differ(strength, limit);
-        let hardening = hardens.then_some(Finding::Hardening { limit, strength });
+        let hardening = hardens.then_some(Finding::Hardening {
+            limit,
+            strength,
+            strains: [0.1, 1.0].map(|size| self.strain_at_strength(size)),
+        });
         let all = hardening
             .into_iter()
             .chain(Finding::of_medium(&self.parameters().medium));

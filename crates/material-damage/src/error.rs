@@ -58,7 +58,8 @@ pub enum MaterialError {
     },
     /// No strain was found whose stress is the target, as past a peak, on the path of a [`PointDriver`](crate::PointDriver).
     #[error(
-        "step {step}: the stress misses its target by {residual} Pa (tolerance {tolerance} Pa)"
+        "step {step}: the stress misses its target by {residual} Pa (tolerance {tolerance} Pa): beyond its strength a material does not bear a \
+         prescribed stress; prescribe a strain there"
     )]
     Unreachable {
         /// Index of the step since the driver was created, from 0.

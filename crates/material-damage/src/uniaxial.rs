@@ -88,6 +88,15 @@ impl UniaxialCurve {
         self.length / (self.lost + self.steepest)
     }
 
+    /// Strain (1) at the greatest stress in an element of a width (m), elastic strain with a modulus (Pa) included.
+    pub(crate) fn strain_at_peak(&self, size: f64, young: f64) -> f64 {
+        let a = self.hardening;
+        // (1 + a) z - a z^2 is greatest at this z = exp(-b e).
+        let z = if a > 1.0 { (1.0 + a) / (2.0 * a) } else { 1.0 };
+        let stress = self.limit * z * (1.0 + a - a * z);
+        -z.ln() / self.rate(size) + stress / (young * z.powf(self.damage))
+    }
+
     /// Softening rate `b` in an element of a width (m); in one too wide the greatest that can be followed.
     #[inline(always)]
     pub(crate) fn rate<L: Lane>(&self, size: L) -> L {

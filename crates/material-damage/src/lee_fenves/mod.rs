@@ -197,6 +197,13 @@ impl LeeFenves {
         &self.parameters
     }
 
+    /// Strain (1, positive) at the uniaxial compressive strength in an element of a width (m). Where `f_0 < f_c` the rise belongs to the
+    /// crushing energy, and the strain increases as the width decreases.
+    pub fn strain_at_strength(&self, size: f64) -> f64 {
+        let young = self.parameters.medium.young;
+        self.compression.strain_at_peak(size, young)
+    }
+
     /// Largest width of an element that dissipates its fracture energies without snap-back (m).
     pub fn largest_size(&self) -> f64 {
         let crushing = self.compression.largest_size();

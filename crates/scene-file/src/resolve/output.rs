@@ -3,7 +3,7 @@
 use core::ops::Range;
 use std::collections::BTreeMap;
 
-use powerhouse_model::Vec3;
+use powerhouse_model::{ModelError, Vec3};
 use powerhouse_observe::{
     AccelerationRule, CrossSection, JointQuantities, Motion, ObservationPoint, Place,
     SectionReinforcement, SectionRing, SnapshotFields, StressPlace,
@@ -471,9 +471,9 @@ fn ring(names: &Names, request: &Ring, plan: OutputPlan) -> Result<OutputPlan, F
     let bars = request.reinforcement.as_deref().map(reinforcement);
     plan.ring(names.mesh, &request.set, &ring, bars)
         .map_err(|error| {
-            let problem = Problem::Value {
-                found: error.to_string(),
-                expected: "a point in the opening that the lining is around, and its axis".into(),
+            let problem = match error {
+                ModelError::Refused { source, .. } => Problem::Refused(source),
+                other => Problem::Refused(other.into()),
             };
             Fault::new(request.centre.span(), problem)
         })
