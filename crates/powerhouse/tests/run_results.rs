@@ -339,6 +339,43 @@ fn ring() -> Mesh {
         .unwrap()
 }
 
+/// A section whose plane cuts a face at which the ring ends is warned of by name; one on the face, or beside it, is not.
+#[test]
+fn a_section_through_an_end_of_a_ring_is_warned_of() {
+    for (height, slope, warned) in [
+        (0.0, 0.0, false),
+        (0.0, 0.5, true),
+        (0.05, -0.6, true),
+        (0.9, 0.1, false),
+    ] {
+        let point = Vec3::new(-5.0, 1.0, height - 20.0);
+        let cut = CrossSection {
+            name: "end".into(),
+            point,
+            normal: Vec3::new(slope, 0.0, 1.0),
+            along: Vec3::y(),
+            within: Some((point - Vec3::repeat(3.0), point + Vec3::repeat(3.0))),
+        };
+        let concrete = Material::from(LinearElastic::new(media::CONCRETE));
+        let scene = Scene::new("ring", ring())
+            .part(Part::new("lining", concrete))
+            .with_duration(0.001)
+            .with_output(OutputPlan::default().cut("lining", cut));
+        let simulation = scene.prepare().unwrap();
+        let remarks = simulation.remarks().iter();
+        let texts: Vec<String> = remarks
+            .filter(|remark| remark.is_warning())
+            .map(ToString::to_string)
+            .collect();
+        let named = "section 'end' cuts a face at which 'lining' ends";
+        assert_eq!(
+            texts.iter().any(|text| text.contains(named)),
+            warned,
+            "{height} {slope}: {texts:?}"
+        );
+    }
+}
+
 /// A section that cuts two sides of a ring has a warning with the centre and extents of both and the values of `half_extent`
 /// that take one: in the remarks, in the head of the table of sections and in the summary. With such a value there is
 /// none, beyond it there is.

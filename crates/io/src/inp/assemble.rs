@@ -27,11 +27,11 @@ pub(super) fn assemble(
 ) -> Result<(Mesh, InpReport), Located> {
     collapse(&mut raw, options.first_order);
     let raw = &raw;
-    check_nodes(raw)?;
+    let found = found_nodes(raw)?;
     let curved = curved(raw);
     let sets = sets::read(bytes, raw)?;
     let places = places(raw);
-    let (mut mesh, index) = build(raw, &sets, options)?;
+    let (mut mesh, index) = build(raw, found, &sets, options)?;
     let at_start = |error: MeshError| Located::new("", 0, error);
     let (ungrouped_elements, has_element_sets) =
         element_sets(&mut mesh, raw, &sets, &places).map_err(at_start)?;
@@ -108,22 +108,24 @@ fn collapse(raw: &mut RawMesh, first_order: bool) {
     }
 }
 
-/// Refuses elements with nodes that do not exist or occur twice.
-fn check_nodes(raw: &RawMesh) -> Result<(), Located> {
+/// Index in the file of each node of the elements, at its place in their list; an error for nodes that do not exist or
+/// occur twice.
+fn found_nodes(raw: &RawMesh) -> Result<Vec<u32>, Located> {
+    let mut found = vec![UNUSED; raw.elements.nodes.len()];
     for raw_element in &raw.elements.elements {
         let nodes = raw.elements.nodes_of(raw_element);
         let element = raw_element.tag;
         let fault = |fault: MeshError| Located::new("*ELEMENT", raw_element.offset, fault);
         for (local, &node) in nodes.iter().enumerate() {
-            if !raw.nodes.index.contains_key(&node) {
-                return Err(fault(MeshError::DanglingNode { element, node }));
-            }
+            let index = raw.nodes.index.get(&node);
+            let index = index.ok_or_else(|| fault(MeshError::DanglingNode { element, node }))?;
+            found[raw_element.first + local] = *index;
             if nodes[..local].contains(&node) && !raw_element.shape.is_facet() {
                 return Err(fault(MeshError::RepeatedNode { element, node }));
             }
         }
     }
-    Ok(())
+    Ok(found)
 }
 
 /// Finds curved edges.
@@ -162,6 +164,7 @@ fn place(places: &Option<Vec<u32>>, element: u32) -> Option<u32> {
 /// The mesh with the facet sets of shells alone, and the index in it of each node of the file.
 fn build(
     raw: &RawMesh,
+    found: Vec<u32>,
     sets: &AllSets,
     options: MeshOptions<'_>,
 ) -> Result<(Mesh, Vec<u32>), Located> {
@@ -178,11 +181,16 @@ fn build(
         element
             .shape
             .in_mesh_order(own, options.first_order, &mut nodes);
-        for node in &nodes {
-            index[raw.nodes.index[node] as usize] = 0;
+        if nodes.len() == own.len() {
+            let found = &found[element.first..][..own.len()];
+            found.iter().for_each(|&node| index[node as usize] = 0);
+        } else {
+            let found = nodes.iter().map(|node| raw.nodes.index[node]);
+            found.for_each(|node| index[node as usize] = 0);
         }
         builder.element(element.tag, kind, &nodes, &no_sets);
     }
+    drop(found);
     for set in &sets.elements.list {
         for &member in &set.members {
             let element = &raw.elements.elements[member as usize];

@@ -56,6 +56,9 @@ pub struct SectionGeometry {
     pub across: Vec3,
     /// Number of elements that the plane intersects.
     pub elements: usize,
+    /// Whether the plane cuts a face at which the elements end: what acts on the part of the face beyond the plane is missing, and a
+    /// share of what supports it is not.
+    pub cuts_end: bool,
     /// Pieces of the section whose elements do not touch each other: more than one where the plane cuts, say, the crown
     /// and the invert of a lining, whose forces and moments are then those of both about the common centroid.
     pub pieces: Vec<SectionPiece>,
@@ -195,9 +198,10 @@ impl SectionForces {
                     .is_some(),
             }
         })?;
-        let geometry = intersection.geometry(mesh, section, along);
-        let axes = [geometry.normal, geometry.across, geometry.along];
         let ramp = intersection.ramp(mesh, &chosen);
+        let mut geometry = intersection.geometry(mesh, section, along);
+        geometry.cuts_end = ramp.cuts_end;
+        let axes = [geometry.normal, geometry.across, geometry.along];
         let share = |node: u32| {
             let position = mesh.positions()[node as usize];
             ramp.factor((position - section.point).dot(&normal))

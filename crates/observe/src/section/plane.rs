@@ -181,6 +181,7 @@ impl Intersection {
             along,
             across,
             elements: self.elements.len(),
+            cuts_end: false,
             pieces: pieces(mesh, &self.plane, &self.elements, [along, across]),
         }
     }

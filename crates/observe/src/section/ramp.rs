@@ -30,6 +30,8 @@ const APART: f64 = 0.25;
 pub(super) struct Ramp {
     /// Weights, whose sum is one, of simple ramps.
     parts: Vec<(f64, Range)>,
+    /// Whether the plane cuts a face at which the body ends, whose support then does work.
+    pub(super) cuts_end: bool,
 }
 
 /// Factor of a simple ramp.
@@ -48,8 +50,18 @@ impl Ramp {
         length: f64,
     ) -> Self {
         let near = around(mesh, plane, elements, cut, REACH * length);
-        let low = end(mesh, plane, &near);
-        let high = -end(mesh, &plane.reversed(), &near);
+        let ends = [*plane, plane.reversed()].map(|plane| end(mesh, &plane, &near));
+        let is_cut = |end: &End| end.highest > CENTRED * length;
+        let cuts_end = (ends.iter()).any(|end| is_cut(end) && end.lowest > -REACH * length);
+        let limits = ends.each_ref().map(|end| match is_cut(end) {
+            true => end.lowest,
+            false => end.highest,
+        });
+        // Two faces that nearly meet in the plane leave no room.
+        let [low, high] = match limits[0] + limits[1] < -0.25 * length {
+            true => [limits[0], -limits[1]],
+            false => [ends[0].lowest, -ends[1].lowest],
+        };
         let from = match high - low > length {
             true => (-0.5 * length).max(low).min(high - length),
             false => low,
@@ -82,6 +94,7 @@ impl Ramp {
         }
         Self {
             parts: interpolated(&ramps),
+            cuts_end,
         }
     }
 
@@ -127,9 +140,15 @@ fn around(mesh: &Mesh, plane: &Plane, elements: &[u32], cut: &[u32], reach: f64)
         .collect()
 }
 
-/// Signed distance (m) up to which a body ends on the negative side of the plane: the highest node of the face at its lowest node,
-/// or that node itself where the plane cuts the face or there is none.
-fn end(mesh: &Mesh, plane: &Plane, elements: &[u32]) -> f64 {
+/// Where a body ends on the negative side of a plane.
+struct End {
+    /// Signed distances (m) of its lowest node, and of the highest node of the face at that node.
+    lowest: f64,
+    highest: f64,
+}
+
+/// Where elements around a plane end on its negative side.
+fn end(mesh: &Mesh, plane: &Plane, elements: &[u32]) -> End {
     let distance = |node: &u32| plane.distance(&mesh.positions()[*node as usize]);
     let nodes = elements.iter().flat_map(|&element| mesh.nodes_of(element));
     let lowest = nodes.map(distance).fold(f64::INFINITY, f64::min);
@@ -159,10 +178,7 @@ fn end(mesh: &Mesh, plane: &Plane, elements: &[u32]) -> f64 {
         .filter(|&(_, index)| of_end.contains(&sets.root(index)))
         .flat_map(|(facet, _)| facet.iter().map(distance))
         .fold(lowest, f64::max);
-    match highest <= plane.tolerance {
-        true => highest,
-        false => lowest,
-    }
+    End { lowest, highest }
 }
 
 /// Facets that belong to one of the elements alone.

@@ -1,6 +1,7 @@
 //! Sections on and beside the ends of a body, and between elements of several lengths.
 
-use powerhouse_model::{ElasticMedium, Mesh, Vec3};
+use powerhouse_model::{Cadence, ElasticMedium, Mesh, Vec3};
+use powerhouse_observe::SectionForces;
 
 use super::beam::{Body, KERNELS, Kernel, cut_at};
 
@@ -133,4 +134,38 @@ fn a_single_element_between_two_ends_shows_its_mean() {
         let found = body.section(&cut_at(x), &displacement)[0];
         assert!((found / force - 1.0).abs() < 1e-12, "{x}: {found}");
     }
+}
+
+/// A plane through a face at which the body ends is named, and one beside it or on it is not; its forces stay finite, even between two
+/// faces that meet in the plane.
+#[test]
+fn a_plane_through_an_end_face_is_named() {
+    for (lean, cuts) in [
+        (0.0, [false, false, false]),
+        (0.8, [true, true, false]),
+        (-0.8, [true, true, false]),
+    ] {
+        let map = |p: Vec3| p + Vec3::new(lean * p.z * (1.0 - p.x / LENGTH), 0.0, 0.0);
+        let (body, _) = beam(Kernel::Full, map);
+        for (x, cuts) in [0.0, 0.2, 0.6].into_iter().zip(cuts) {
+            for side in [1.0, -1.0] {
+                let mut cut = cut_at(x);
+                cut.normal = side * Vec3::x();
+                let mut observer = SectionForces::new(Cadence::Steps(1)).unwrap();
+                let geometry = observer.add_section(&body.mesh, &cut, body.elements());
+                assert_eq!(geometry.unwrap().cuts_end, cuts, "{lean} {x} {side}");
+            }
+        }
+    }
+    let mesh = Kernel::Full.mesh(
+        Vec3::new(0.0, 0.0, -0.5),
+        Vec3::new(1.0, 1.0, 0.5),
+        [1, 1, 1],
+    );
+    let mesh = mesh.map_positions(|p| p + Vec3::new(p.z, 0.0, 0.0));
+    let body = Body::new(mesh.unwrap(), Kernel::Full, concrete());
+    let stretch = |p: &Vec3| Vec3::new(1e-4 * p.x, 0.0, 0.0);
+    let displacement: Vec<Vec3> = body.mesh.positions().iter().map(stretch).collect();
+    let found = body.section(&cut_at(0.5), &displacement);
+    assert!(found.iter().all(|force| force.is_finite()), "{found:?}");
 }

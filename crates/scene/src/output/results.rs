@@ -293,6 +293,7 @@ impl Recordings {
                 }
                 remarks.extend(sections::in_pieces(mesh, request, geometry));
                 remarks.extend(sections::hollow(request, geometry));
+                remarks.extend(sections::through_end(request, geometry));
                 remarks.extend(sections::through_tetrahedra(mesh, request, &elements));
             }
             remarks.extend(plan.rings.iter().filter_map(RingRequest::partial));

@@ -38,6 +38,14 @@ pub(super) fn hollow(request: &SectionRequest, geometry: &SectionGeometry) -> Op
     })
 }
 
+/// Warning about a section that cuts a face at which its elements end.
+pub(super) fn through_end(request: &SectionRequest, geometry: &SectionGeometry) -> Option<Remark> {
+    geometry.cuts_end.then(|| Remark::SectionThroughEnd {
+        section: request.cut.name.clone(),
+        set: request.set.clone(),
+    })
+}
+
 /// Half edge lengths (m) of cubes around a point that contain the centroids of the elements of the nearest piece and of
 /// no other one: the least and the greatest. None if there are no such cubes.
 fn half_extent_of_nearest(

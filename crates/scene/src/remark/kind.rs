@@ -31,6 +31,7 @@ impl Remark {
             | Self::PartialRing { .. }
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
+            | Self::SectionThroughEnd { .. }
             | Self::Hinge { .. }
             | Self::BeyondCapacity { .. }
             | Self::HeavyFibres { .. }
@@ -91,6 +92,7 @@ impl Remark {
             | Self::TetrahedralSection { .. }
             | Self::DividedSection { .. }
             | Self::HollowSection { .. }
+            | Self::SectionThroughEnd { .. }
             | Self::Bending(_)
             | Self::Hinge { .. }
             | Self::BeyondCapacity { .. }

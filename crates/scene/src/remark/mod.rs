@@ -339,6 +339,13 @@ pub enum Remark {
         /// Extent (m) across.
         depth: f64,
     },
+    /// Warning: a section cuts a face at which its elements end, whose support enters its forces.
+    SectionThroughEnd {
+        /// Name of the section.
+        section: String,
+        /// Element set that it cuts.
+        set: String,
+    },
     /// Warning: a section cuts bricks that are too coarse for its bending moments.
     Bending(BendingError),
     /// Warning: a section cuts a part that may crack or yield with few bricks across of a kernel with one integration point

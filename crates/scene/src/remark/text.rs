@@ -377,6 +377,10 @@ impl fmt::Display for Remark {
                 "section '{section}' of '{set}' fills {:.0} % of its {width:.3} m along and {depth:.3} m across: it cuts a frame or a ring, and its forces and moments are those of all of it; for one side give a point of it as `at`, and a `half_extent` that leaves out the others",
                 100.0 * filled
             ),
+            Self::SectionThroughEnd { section, set } => write!(
+                f,
+                "section '{section}' cuts a face at which '{set}' ends, and what acts on that face enters its forces; turn its normal so that the plane is parallel to the face, or move it away from the end",
+            ),
             Self::Bending(error) => write!(f, "{error}"),
             Self::Hinge {
                 section,
