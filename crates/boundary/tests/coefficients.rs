@@ -181,6 +181,15 @@ fn parameters_can_differ_by_axis() {
     let dashpot = m.density * m.p_speed() * 4.0;
     assert!((changed[3].spring[(1, 1)] - spring).abs() < 1e-14 * spring);
     assert!((changed[3].dashpot[(1, 1)] - dashpot).abs() < 1e-14 * dashpot);
+    // Whichever way the faces look.
+    for (number, axis) in boundary.axes.iter_mut().enumerate() {
+        axis.distance = Some(100.0 + 50.0 * number as f64);
+    }
+    let mut opposite = corner_site();
+    for face in opposite.nodes.iter_mut().flat_map(|node| &mut node.faces) {
+        face.normal = -face.normal;
+    }
+    assert_eq!(build(&boundary, &opposite), build(&boundary, &site));
 }
 
 /// The boundary has no preferred direction: a turned site has turned matrices.

@@ -137,9 +137,11 @@ impl ElementBlock for Truss {
     fn set_history(&mut self, _fields: &[HistoryField]) {}
 }
 
-/// A motion without any symmetry.
+/// A motion without any symmetry, which may not be given at a point.
 #[derive(Clone)]
-struct Skew;
+struct Skew {
+    unknown: Option<Vec3>,
+}
 
 fn skew(p: &Vec3, time: f64) -> Vec3 {
     Vec3::new(
@@ -160,6 +162,12 @@ impl IncidentField for Skew {
     }
     fn incident_part(&self) -> Option<Box<dyn IncidentField>> {
         None
+    }
+    fn check_layer(&self, nodes: &[Vec3], _inner: &[bool]) -> Result<(), ModelError> {
+        match self.unknown.filter(|point| nodes.contains(point)) {
+            Some(_) => Err(ModelError::refused("skew", "unknown at a point")),
+            None => Ok(()),
+        }
     }
     fn prepare(&self, points: &[Vec3]) -> Result<Box<dyn FieldSampler>, ModelError> {
         Ok(Box::new(SkewAt(points.to_vec())))
@@ -210,7 +218,8 @@ fn effective_forces_come_from_the_split_layer() {
     };
     let expected_impedance = quiet.build(&site(None)).unwrap().impedance;
     let reduction = DomainReduction::new(layer, outside);
-    let parts = reduction.build(&site(Some(&Skew))).unwrap();
+    let parts = reduction.build(&site(Some(&Skew { unknown: None })));
+    let parts = parts.unwrap();
     assert_eq!(parts.impedance, expected_impedance);
 
     let time = 0.7;
@@ -241,6 +250,28 @@ fn effective_forces_come_from_the_split_layer() {
         };
         let difference = (found[node] - expected).norm();
         assert!(difference < 1e-13 * largest, "{node}: {difference}");
+    }
+}
+
+/// A field that is not given at a node of the layer is refused; elsewhere it need not be given.
+#[test]
+fn the_field_checks_the_layer() {
+    let (mesh, inside) = ground();
+    let elements = ReductionLayer::elements(&mesh, &inside);
+    let truss = Truss::new(&mesh, &elements);
+    for (unknown, is_refused) in [
+        (Vec3::new(1.0, 1.0, 2.0), true),
+        (Vec3::new(5.0, 4.0, 5.0), true),
+        (Vec3::new(3.0, 3.0, 5.0), false),
+        (Vec3::new(7.0, 6.0, 0.0), false),
+    ] {
+        let layer = ReductionLayer::new(&mesh, &inside, &truss).unwrap();
+        let field = Skew {
+            unknown: Some(unknown),
+        };
+        let site = BoundarySite::from_mesh(&mesh, &[], |_| rock(), Vec3::zeros(), Some(&field));
+        let parts = DomainReduction::new(layer, Viscous::default()).build(&site);
+        assert_eq!(parts.is_err(), is_refused, "{unknown}");
     }
 }
 

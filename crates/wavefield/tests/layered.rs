@@ -609,6 +609,34 @@ fn a_surface_record_becomes_the_incident_wave() {
     assert!(worst < 2e-3 * peak, "{:e}", worst / peak);
 }
 
+/// The time zero of the signal arrives at a point of the half-space with the incident wave, and at one in the layers when it
+/// arrives at the top of the half-space below it.
+#[test]
+fn arrivals_in_layers_are_those_at_the_half_space() {
+    for (kind, speed, degrees, azimuth) in [
+        (WaveKind::P, 2000.0, 0.0_f64, 0.0_f64),
+        (WaveKind::SV, 900.0, 25.0, 40.0),
+        (WaveKind::SH, 900.0, 60.0, -120.0),
+    ] {
+        let (across, up) = degrees.to_radians().sin_cos();
+        let (y, x) = azimuth.to_radians().sin_cos();
+        let direction = Vec3::new(across * x, across * y, up);
+        let limited = |point: Vec3| Vec3::new(point.x, point.y, point.z.min(-40.0));
+        for reference in [-75.0, -40.0, -8.0].map(|z| Vec3::new(12.0, -7.0, z)) {
+            let mut parameters = LayeredWaveParameters::vertical(kind, two(), -100.0);
+            parameters.incidence = Angle::from_degrees(degrees);
+            parameters.azimuth = Angle::from_degrees(azimuth);
+            parameters.arrival = 0.7;
+            parameters.reference = reference;
+            for point in [-90.0, -40.0, -25.0, 0.0].map(|z| Vec3::new(-30.0, 55.0, z)) {
+                let path = direction.dot(&(limited(point) - limited(reference)));
+                let off = parameters.arrival_at(&point) - (0.7 + path / speed);
+                assert!(off.abs() < 1e-9, "{kind} {reference} {point}: {off:e}");
+            }
+        }
+    }
+}
+
 /// A field that begins before its wave is delayed until it starts at rest.
 #[test]
 fn a_layered_field_can_start_at_rest() {

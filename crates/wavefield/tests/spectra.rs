@@ -151,6 +151,20 @@ fn refined_histories_follow_band_limited_motions() {
             assert!(response(&history) / exact < 0.8);
         }
     }
+    // Samples are kept also where their content reaches half of their frequency.
+    for given in [
+        vec![0.0, 1.0, 0.0, 0.0],
+        vec![1.0, -1.0, 1.0, -1.0, 1.0, -1.0],
+    ] {
+        let history = TimeHistory::new(step, given.clone()).unwrap();
+        for times in [1, 2, 8] {
+            let refined = history.refined(times).unwrap().acceleration();
+            for (i, value) in given.iter().enumerate() {
+                let off = (refined[times * i] - value).abs();
+                assert!(off < 1e-12, "{given:?} {times} {i}: {off:e}");
+            }
+        }
+    }
     let history = TimeHistory::new(step, vec![1.0, 2.0]).unwrap();
     assert!(history.refined(3).is_err() && history.refined(0).is_err());
 }
