@@ -1,6 +1,7 @@
 //! The engine with its own kernels: stable step, bits, energy, waves.
 
-use crate::support::{dense_limit, noise, random_vectors};
+use crate::support::{dense, dense_limit, noise, random_vectors};
+use nalgebra::DVector;
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
@@ -224,6 +225,38 @@ fn the_ledger_closes_in_every_precision() {
             "{precision:?}: {}",
             report.energy_residual
         );
+    }
+}
+
+/// The internal energy of which the work of hourglass resistance is a share is all that a set stores, bending included:
+/// `u K u / 2` of its dense stiffness.
+#[test]
+fn hourglass_resistance_has_a_share_of_all_that_is_stored() {
+    let hexes = jittered(Mesh::box_of_hexes, [3, 2, 2], 0.2);
+    let pyramids = jittered(Mesh::box_of_pyramids, [2, 2, 2], 0.15);
+    for (mesh, kernel) in [
+        (&hexes, SolidKernel::Hex8Natural),
+        (&hexes, SolidKernel::ONE_POINT),
+        (&hexes, SolidKernel::Hex8Full),
+        (&pyramids, SolidKernel::Pyramid5),
+    ] {
+        let factory = kernel.factory("rock", rock(), BlockOptions::default());
+        let all: Vec<u32> = (0..mesh.element_count() as u32).collect();
+        let (stiffness, _) = dense(mesh, factory.as_ref(), &all);
+        let mut model = Model::builder(mesh)
+            .elements("rock", factory)
+            .build()
+            .unwrap();
+        let count = mesh.node_count();
+        let moved = random_vectors(count, 1e-3, 9);
+        let rest = vec![Vec3::zeros(); count];
+        model.set_initial(&moved, &rest).unwrap();
+        let shares = model.hourglass_shares();
+        let moved = moved.iter().flat_map(|u| u.iter().copied());
+        let moved = DVector::from_iterator(3 * count, moved);
+        let stored = 0.5 * moved.dot(&(&stiffness * &moved));
+        let off = (shares[0].internal / stored - 1.0).abs();
+        assert!(off < 1e-10, "{}: {off:e}", kernel.name());
     }
 }
 

@@ -57,12 +57,13 @@ impl ContactLaw for Counting {
 
 const PAIRS: usize = 37;
 
+fn pair(index: usize) -> JointPair {
+    let nodes = [2 * index as u32, 2 * index as u32 + 1];
+    JointPair::new(nodes, Vec3::new(0.1, 0.2, 1.0), 1.0 + index as f64)
+}
+
 /// Two joints of pairs apart from each other, the first of twelve; the second counts from 100 on.
 fn joints() -> Joint<Counting> {
-    let pair = |index: usize| {
-        let nodes = [2 * index as u32, 2 * index as u32 + 1];
-        JointPair::new(nodes, Vec3::new(0.1, 0.2, 1.0), 1.0 + index as f64)
-    };
     let first = Joint::new("first", (0..12).map(pair).collect(), counting(0.0)).unwrap();
     let second = Joint::new("second", (12..PAIRS).map(pair).collect(), counting(100.0)).unwrap();
     Joint::join(vec![first, second]).unwrap()
@@ -174,4 +175,29 @@ fn variables_start_anew_where_they_should() {
     assert!(joint.renew("second", Renewal::Grouted, &here));
     assert_eq!(*joint.history_of(12), [0.0, 100.0]);
     assert_eq!(joint.history_of(11)[1], 20.0);
+}
+
+/// A pair that rides on its asperities when its tie is taken off goes on doing so: it was closed where it is less its dilation
+/// along its normal. Grouted, it is closed where it is.
+#[test]
+fn a_released_pair_keeps_its_dilation() {
+    let dilation = |index: usize| 1e-3 * index as f64;
+    let mut noise = Noise(11);
+    let displacement: Vec<Vec3> = (0..2 * PAIRS).map(|_| noise.vector()).collect();
+    let mut kept = JointHistory::from(&joints().joints()[0]);
+    for (index, record) in kept.records.iter_mut().enumerate() {
+        record.dilation = dilation(index);
+    }
+    for (renewal, share) in [(Renewal::Released, 1.0), (Renewal::Grouted, 0.0)] {
+        let mut joint = joints();
+        assert!(joint.restore(&kept));
+        assert!(joint.renew("first", renewal, &displacement));
+        for index in 0..12 {
+            let [first, second] = [0, 1].map(|side| displacement[2 * index + side]);
+            let mut expected = pair(index).to_local(&(second - first));
+            expected.x -= share * dilation(index);
+            let found = Vec3::from(joint.records()[index].closed_at.unwrap());
+            assert!((found - expected).norm() < 1e-14, "{index}: {found}");
+        }
+    }
 }

@@ -3,12 +3,36 @@
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Frictionless, Joint, Paper, PaperParameters, Tied,
 };
-use powerhouse_model::{Bond, ContactLaw, ContactState, JointPair, Mat3, Vec3};
+use powerhouse_model::{Bond, Constraint, ContactLaw, ContactState, JointPair, Mat3, Vec3};
 
 use super::{Bodies, Noise, oblique};
 
 fn inclined() -> JointPair {
     JointPair::new([0, 1], Vec3::new(0.2, -0.7, 0.4), 0.3)
+}
+
+/// The forces that a joint takes over into the next stage balance those that press its sides together and do not make them
+/// slip, whatever the angle between the facets of the pair, whose area is then above the projected one.
+#[test]
+fn forces_of_a_joint_balance_its_loads() {
+    for ratio in [1.0, 1.2, 2.5] {
+        let vector = Vec3::new(0.2, -0.7, 0.4);
+        let pair = JointPair::of_facets([0, 1], vector, ratio * vector.norm());
+        let push = pair.normal * 60.0 + pair.tangent * 7.0;
+        let load = |body: usize| if body == 0 { push } else { -push };
+        let law = BondedCoulomb::unbonded(0.5, 0.4).unwrap();
+        let mut joint = Joint::new("bench", vec![pair], law).unwrap();
+        let mut bodies = Bodies::at_rest(&[2.0, 3.0], 1e-3);
+        for _ in 0..3 {
+            bodies.step(&mut joint, load).unwrap();
+        }
+        let mut forces = vec![Vec3::zeros(); 2];
+        joint.add_joint_forces(&mut forces);
+        for (body, force) in forces.into_iter().enumerate() {
+            let left = (force + load(body)).norm();
+            assert!(left < 1e-12 * push.norm(), "{ratio} {body}: {force}");
+        }
+    }
 }
 
 /// A bonded pair closes a gap and stops all relative motion at once and to rounding, and keeps the

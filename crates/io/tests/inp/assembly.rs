@@ -281,7 +281,8 @@ fn numbers_stay_in_their_instance() {
     assert!(matches!(fault(&none).1, InpFault::NoInstances { parts: 2 }));
 }
 
-/// The model of one part in one instance is that of the flat input, and of two instances one after the other.
+/// The model of one part in one instance is that of the flat input, and of two instances one after the other; one part
+/// without an instance is where it was drawn, with the sets of the assembly.
 #[test]
 fn one_instance_is_the_flat_input() {
     let flat = read(HOUSE).mesh;
@@ -293,6 +294,17 @@ fn one_instance_is_the_flat_input() {
     let volume =
         |mesh: &Mesh| mesh.volume_of(&(0..mesh.element_count() as u32).collect::<Vec<_>>());
     assert!((volume(&two) - 2.0 * volume(&flat)).abs() < 1e-12);
+    let instance = "*Instance, name=House-1, part=Part-1\n*End Instance\n";
+    assert!(text.contains(instance));
+    let alone = text.replacen(instance, "", 1);
+    let alone = alone
+        .replace(", instance=House-1", "")
+        .replace("House-1.", "");
+    let alone = read(&alone).mesh;
+    for name in ["floor", "gables"] {
+        let [found, expected] = [&alone, &flat].map(|mesh| mesh.facet_set(name).unwrap());
+        assert_eq!(found, expected, "{name}");
+    }
 }
 
 /// Files that a file includes, within each other, are in its place; a fault in one has its file and line; a
