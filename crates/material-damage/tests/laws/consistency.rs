@@ -1,8 +1,8 @@
 //! Consistency checks of material parameters.
 
 use powerhouse_material_damage::{
-    Finding, MohrCoulomb, MohrCoulombParameters, TwoSurface, TwoSurfaceParameters, YieldSurface,
-    presets,
+    Finding, LeeFenves, LeeFenvesParameters, MohrCoulomb, MohrCoulombParameters, TwoSurface,
+    TwoSurfaceParameters, YieldSurface, presets,
 };
 use powerhouse_model::ElasticMedium;
 
@@ -76,6 +76,14 @@ fn consistent_numbers_have_no_findings() {
         ..presets::PAPER_ROCK
     };
     let findings = MohrCoulomb::new(soft).unwrap().findings(None);
+    assert_eq!(findings, [Finding::NearlyIncompressible { poisson: 0.497 }]);
+    let concrete = LeeFenvesParameters {
+        medium,
+        compression_limit: 16.7e6,
+        compression_strength: 16.7e6,
+        ..presets::PAPER_CONCRETE_LEE_FENVES
+    };
+    let findings = LeeFenves::new(concrete).unwrap().findings();
     assert_eq!(findings, [Finding::NearlyIncompressible { poisson: 0.497 }]);
 }
 

@@ -1,8 +1,8 @@
 //! Mazars' damage law in total strain.
 
 use powerhouse_material_damage::{
-    Control, MaterialError, Mazars, MazarsParameters, MazarsTension, PointDriver, SofteningOf,
-    presets,
+    Control, ElasticInSeries, MaterialError, Mazars, MazarsParameters, MazarsTension, PointDriver,
+    PointState, SofteningOf, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, ElasticMedium, LawInput, Strain, Stress};
 
@@ -95,6 +95,32 @@ fn uniaxial_curves_are_those_of_the_table() {
                 (end.history[3] - damage).abs() < 1e-10,
                 "{strain}: {damage}"
             );
+        }
+    }
+}
+
+/// A law whose moduli are multiplied by a factor, as that of a damped material is, has the same stress at a strain divided by
+/// it, in tension and in compression: its strengths are unchanged.
+#[test]
+fn stiffer_laws_have_the_same_strengths() {
+    let law = Mazars::new(typical(rates(0.9))).unwrap();
+    for factor in [0.6, 1.5] {
+        let laws = [(law, 1.0), (law.with_stiffness(factor), factor)];
+        for end in [6.0e-4, -6.0e-3] {
+            let [given, stiff] = laws.map(|(law, factor)| {
+                let control = Control::uniaxial(end / factor);
+                PointDriver::new(law).advance(control, 60).unwrap()
+            });
+            let stress = |records: &[PointState]| -> Vec<f64> {
+                records.iter().map(|record| record.stress.0[2]).collect()
+            };
+            let (given, stiff) = (stress(&given), stress(&stiff));
+            let peak = given.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+            assert!(given[59].abs() < 0.8 * peak);
+            for (given, stiff) in given.iter().zip(&stiff) {
+                let off = (stiff - given).abs();
+                assert!(off < 1e-9 * peak, "{factor} {end}: {given} {stiff}");
+            }
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Eq. (25): plasticity with damage.
 
 use powerhouse_material_damage::{
-    ConeFit, Control, DruckerPrager, DruckerPragerParameters, MaterialError, MohrCoulomb,
-    MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, PointDriver, Softening,
-    SofteningOf, TwoSurface, YieldSurface, presets,
+    ConeFit, Control, DruckerPrager, DruckerPragerParameters, ElasticInSeries, MaterialError,
+    MohrCoulomb, MohrCoulombParameters, PlasticDamage, PlasticDamageParameters, PointDriver,
+    Softening, SofteningOf, TwoSurface, YieldSurface, presets,
 };
 use powerhouse_model::{ConstitutiveLaw, LawInput, Strain, Stress};
 
@@ -119,7 +119,7 @@ fn raw_parameters_are_the_equation() {
 }
 
 /// The work that opens a crack is the fracture energy, whatever the size of the element, the
-/// surface, its dilation and the threshold.
+/// surface, its dilation, the threshold, and the factor to the moduli of a law that is damped.
 #[test]
 fn cracks_dissipate_the_fracture_energy() {
     fn energy<S: YieldSurface>(law: PlasticDamage<S>, size: f64) -> f64 {
@@ -155,6 +155,14 @@ fn cracks_dissipate_the_fracture_energy() {
             assert!(wide.flow_in_uniaxial_tension()[1] > 0.0);
             let law = concrete(wide, by_energy(threshold));
             worst = worst.max((energy(law, size) / ENERGY - 1.0).abs());
+        }
+    }
+    // With other moduli the same law has the same energy.
+    for threshold in [0.0, 2.0e-5] {
+        let law = concrete(mohr_coulomb(0.0, None), by_energy(threshold));
+        for factor in [0.6, 1.5] {
+            let law = law.with_stiffness(factor);
+            worst = worst.max((energy(law, 1.0) / ENERGY - 1.0).abs());
         }
     }
     // A thousandth of the strength is left, and the trapezoidal rule adds as much.
