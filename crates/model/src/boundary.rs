@@ -370,4 +370,27 @@ mod tests {
             assert_eq!(directions(one), directions(two));
         }
     }
+
+    /// However flat a fold in a face is, areas along their normals add up to the vector area of its facets at every node.
+    #[test]
+    fn a_folded_face_keeps_its_directions() {
+        let rock = ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap();
+        for fold in [0.01, 0.3, 2.0] {
+            let folded = |at: Vec3| Vec3::new(at.x, at.y, at.z + fold * (at.x - 1.0).abs());
+            let mesh = two_cubes().unwrap().map_positions(folded).unwrap();
+            let base = mesh.facet_set("base").unwrap();
+            let faces = [("base", base)];
+            let site = BoundarySite::from_mesh(&mesh, &faces, |_| rock, Vec3::zeros(), None);
+            for node in &site.nodes {
+                let mut expected = Vec3::zeros();
+                for &facet in base {
+                    let geometry = mesh.facet_geometry(facet);
+                    let place = geometry.nodes.iter().position(|n| *n == node.node);
+                    expected += place.map_or(Vec3::zeros(), |place| geometry.shares[place]);
+                }
+                let found: Vec3 = node.faces.iter().map(|f| f.normal * f.area).sum();
+                assert!((found - expected).norm() < 1e-12, "{fold} {node:?}");
+            }
+        }
+    }
 }

@@ -93,3 +93,29 @@ impl StressField {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The slope is the change of the stress with height, below and above the surface, whether the stress ends there or not.
+    #[test]
+    fn slopes_are_changes_of_the_stress_with_height() {
+        for ends in [true, false] {
+            let field = StressField {
+                surface: 12.0,
+                at_surface: Stress([-1.0e5, -2.0e5, 0.0, 3.0e4, 0.0, 1.0e3]),
+                gradient: Stress([-2.0e4, -1.0e4, -2.7e4, 0.0, 500.0, -30.0]),
+                ends,
+            };
+            for z in [-40.0, 11.0, 13.0, 60.0] {
+                let at = |z: f64| field.at(&Vec3::new(3.0, 4.0, z)).0;
+                let slope = field.slope_at(&Vec3::new(3.0, 4.0, z)).0;
+                for (i, slope) in slope.into_iter().enumerate() {
+                    let change = at(z + 0.5)[i] - at(z - 0.5)[i];
+                    assert!((change - slope).abs() < 1e-6, "{ends} {z} {i}: {slope}");
+                }
+            }
+        }
+    }
+}
