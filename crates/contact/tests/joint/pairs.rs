@@ -21,7 +21,7 @@ fn forces_of_a_joint_balance_its_loads() {
         let push = pair.normal * 60.0 + pair.tangent * 7.0;
         let load = |body: usize| if body == 0 { push } else { -push };
         let law = BondedCoulomb::unbonded(0.5, 0.4).unwrap();
-        let mut joint = Joint::new("bench", vec![pair], law).unwrap();
+        let mut joint = Joint::new("folded", vec![pair], law).unwrap();
         let mut bodies = Bodies::at_rest(&[2.0, 3.0], 1e-3);
         for _ in 0..3 {
             bodies.step(&mut joint, load).unwrap();
