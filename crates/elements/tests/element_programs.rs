@@ -7,9 +7,9 @@ use powerhouse_material_damage::{
 };
 use powerhouse_model::{
     BlockContext, BlockOptions, BlockPart, ElementKind, Lane, Mesh, NodalView, NodalViewMut,
-    Precision, ProgramError, Quad, Rayleigh, Scalar, StepTime, Stress, Vec3,
+    NumberFormat, Precision, ProgramError, Quad, Rayleigh, Scalar, StepTime, Stress, Vec3,
 };
-use powerhouse_program::Replay;
+use powerhouse_program::{Replay, cuda_number};
 
 /// Length of the steps (s).
 const STEP: f64 = 1e-4;
@@ -208,4 +208,19 @@ fn elements_of_a_point_law_are_refused_by_name() {
     let block = factory.build(&part).unwrap();
     let law = "own".to_owned();
     assert_eq!(block.program(STEP, 1), Err(ProgramError::OnePoint { law }));
+}
+
+/// Numbers of programs in CUDA C keep their sign, those without bound too, and negative ones are in parentheses.
+#[test]
+fn numbers_keep_their_sign() {
+    for (format, suffix) in [(NumberFormat::F64, ""), (NumberFormat::F32, "f")] {
+        for (value, text) in [
+            (f64::INFINITY, format!("infinity_of(0.0{suffix})")),
+            (f64::NEG_INFINITY, format!("(-infinity_of(0.0{suffix}))")),
+            (-2.5, format!("(-2.5{suffix})")),
+            (2.5, format!("2.5{suffix}")),
+        ] {
+            assert_eq!(cuda_number(format, value), text);
+        }
+    }
 }

@@ -62,3 +62,35 @@ impl<'v> RunWarnings<'v> {
         texts.collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn with_warnings(texts: &[&str]) -> RunSummary {
+        let warnings: Vec<Message> = (texts.iter())
+            .map(|text| Message {
+                about: Topic::Input,
+                text: (*text).into(),
+            })
+            .collect();
+        let summary = json!({
+            "title": "", "software": "", "nodes": 8, "elements": 1, "ended": "completed", "failure": null,
+            "advice": [], "steps": 1, "device": null, "step": 1.0, "end_time": 1.0, "wall_time": 1.0,
+            "stable_step": null, "fibres": null, "stages": [], "hand_over": null, "bolts": [], "peaks": [],
+            "resolution": [], "section_uses": [], "joints": [], "energies": [], "energy_residual": null,
+            "warnings": warnings, "remarks": [], "path_dependent": false, "files": [],
+        });
+        serde_json::from_value(summary).unwrap()
+    }
+
+    /// A warning is stated once, with all cases that have it, and without names if all cases have it.
+    #[test]
+    fn a_warning_has_the_cases_that_have_it() {
+        let summaries = [&["x", "y"][..], &["x"], &["y", "x", "z"]].map(with_warnings);
+        let warnings = RunWarnings::of(["a", "b", "c"].into_iter().zip(&summaries));
+        assert_eq!(warnings.about(&[]), ["x", "y (case a, c)", "z (case c)"]);
+    }
+}

@@ -28,14 +28,21 @@ fn patch_test_on_distorted_meshes() {
     }
 }
 
-/// The masses of a mesh sum to density times volume to round-off.
+/// The masses of a mesh sum to density times volume, and their centre is that of the volume, to round-off.
 #[test]
 fn masses_sum_to_density_times_volume() {
     for kernel in SolidKernel::ALL {
         let fixture = Fixture::new(kernel, Linear(rock()), BlockOptions::default());
-        let mass: f64 = fixture.masses().iter().sum();
+        let masses = fixture.masses();
+        let mass: f64 = masses.iter().sum();
         let exact = 2750.0 * 216.0;
         assert!((mass - exact).abs() < 1e-14 * exact, "{mass}");
+        let places = fixture.field::<f64>(|x| *x);
+        let moment: Vec3 = (places.iter().zip(&masses))
+            .map(|(place, mass)| place.to_vector() * *mass)
+            .sum();
+        let off = (moment / mass - Vec3::repeat(3.0)).norm();
+        assert!(off < 1e-13, "{}: {off:e}", kernel.name());
     }
 }
 

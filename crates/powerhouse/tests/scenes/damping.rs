@@ -343,6 +343,16 @@ fn cut(width: f64) -> Mesh {
     mesh
 }
 
+/// Rayleigh coefficients of the mass or of the stiffness alone are damping as both are; two zeros are none.
+#[test]
+fn any_coefficient_is_damping() {
+    for (mass, stiffness) in [(0.0, 2e-4), (0.5, 0.0), (0.5, 2e-4)] {
+        let rayleigh = Rayleigh { mass, stiffness };
+        assert_eq!(Damping::from(rayleigh), Damping::Rayleigh(rayleigh));
+    }
+    assert_eq!(Damping::from(Rayleigh::default()), Damping::None);
+}
+
 /// A part with a rim is damped and plastic inside, elastic and undamped along the absorbing faces; the rim is reported,
 /// and there is no warning about reflected waves.
 #[test]

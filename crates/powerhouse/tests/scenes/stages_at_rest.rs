@@ -323,6 +323,9 @@ fn layers_of_ground_rest_under_their_weights() {
         }
         write_gmsh(folder.join("trench.msh"), &mesh).unwrap();
         let simulation = read(&folder, &text).unwrap().prepare().unwrap();
+        // The body does not reach above the level of its layers, which is that of the uppermost.
+        let mut remarks = simulation.remarks().iter();
+        assert!(!remarks.any(|remark| matches!(remark, Remark::AboveGround { .. })));
         let stresses = Stresses::default();
         let body = simulation
             .equilibrate(None, Some(Box::new(stresses.clone())))
