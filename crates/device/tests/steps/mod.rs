@@ -466,7 +466,8 @@ fn checkpoints_of_the_device_and_of_the_host_are_one() {
     }
 }
 
-/// A motion that diverges on the device ends with the error of the host, which names the element and the step.
+/// A motion that diverges on the device, or is faster than the limit of the run in the negative direction alone, ends with the error
+/// of the host, which names the element and the step.
 #[test]
 fn a_divergence_on_the_device_is_named_by_the_host() {
     let Some(engine) = on_device() else { return };
@@ -475,15 +476,26 @@ fn a_divergence_on_the_device_is_named_by_the_host() {
         LinearElastic::new(media::ROCK),
         Precision::F64,
     );
+    let unstable = RunOptions::steps(4000).with_step(StepChoice::Unchecked(6e-4));
+    // Damped ground settles under its weight: it falls, and rises next to not at all.
+    let settling = Case::new(
+        SolidKernel::Hex8Natural,
+        LinearElastic::new(media::ROCK),
+        Precision::F64,
+    );
+    let settling = settling.damped(2e3, 0.0).force(0.0);
+    let limited = RunOptions::steps(400).with_step(StepChoice::Fixed(5e-5));
+    let limited = limited.with_speed_limit(2e-3);
     let mesh = mesh(ElementKind::Hex8);
-    let options = RunOptions::steps(4000).with_step(StepChoice::Unchecked(6e-4));
-    let error_on = |engine: &dyn Engine| {
-        let model = case.build(engine, &mesh).unwrap();
-        go(model, &options, [1000, 1000]).unwrap_err().to_string()
-    };
-    let (host, device) = (error_on(&Explicit), error_on(&engine));
-    assert!(host.contains("diverged at step"), "{host}");
-    assert_eq!(device, host);
+    for (case, options) in [(case, unstable), (settling, limited)] {
+        let error_on = |engine: &dyn Engine| {
+            let model = case.build(engine, &mesh).unwrap();
+            go(model, &options, [1000, 1000]).unwrap_err().to_string()
+        };
+        let (host, device) = (error_on(&Explicit), error_on(&engine));
+        assert!(host.contains("diverged at step"), "{host}");
+        assert_eq!(device, host);
+    }
 }
 
 /// What a device cannot compute is refused by name: before the model is built, or before the first step.
