@@ -4,6 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{Mesh, Vec3};
 use powerhouse_test_support::{EVERYTHING, TestFolder};
 
 /// Text of a scene with everything that a run can have, for a tenth of a second, that keeps two states.
@@ -173,6 +175,76 @@ fn a_variant_changes_what_is_still_to_come() {
         "{errors}"
     );
     assert!(runs.folder.join("whole/histories.csv").is_file());
+}
+
+/// A block whose base moves by a record.
+const PRESCRIBED: &str = r#"
+title = "base"
+[mesh]
+file = "mesh.msh"
+[[material]]
+name = "rock"
+law = "elastic"
+young = 2e9
+poisson = 0.25
+density = 2600
+[[part]]
+set = "rock"
+material = "rock"
+[[record]]
+name = "base"
+file = "record.txt"
+units = "m/s2"
+time_step = 0.01
+peak = 1
+convention = "incident"
+baseline = { kind = "velocity-polynomial", order = 3 }
+[[support]]
+kind = "prescribed"
+set = "bottom"
+direction = [1, 0, 0]
+record = "base"
+[time]
+duration = 0.3
+[output]
+every = 0.05
+[[output.history]]
+name = "top"
+at = [10, 10, 20]
+[checkpoint]
+every = "never"
+keep = [0.1]
+"#;
+
+/// The record of a prescribed motion must be as in the run, unlike that of a wave; output may change.
+#[test]
+fn a_variant_has_the_prescribed_motion_of_the_run() {
+    let folder = TestFolder::new("cli-kept-prescribed");
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::repeat(20.0), [2; 3], "rock");
+    write_gmsh(folder.join("mesh.msh"), &mesh.unwrap()).unwrap();
+    let samples = (0..=40).map(|i| (0.314 * f64::from(i)).sin());
+    let record: String = samples.map(|sample| format!("{sample:e}\n")).collect();
+    fs::write(folder.join("record.txt"), record).unwrap();
+    let file = folder.join("scene.toml");
+    let runs = Runs { folder, file };
+    fs::write(&runs.file, PRESCRIBED).unwrap();
+    let whole = runs.run(&[], "whole");
+    assert!(whole.status.success(), "{}", text(&whole.stderr));
+    fs::write(
+        &runs.file,
+        PRESCRIBED.replace("every = 0.05", "every = 0.02"),
+    )
+    .unwrap();
+    let finer = runs.variant("0.1", "finer");
+    assert!(finer.status.success(), "{}", text(&finer.stderr));
+    fs::write(&runs.file, PRESCRIBED.replace("peak = 1", "peak = 2")).unwrap();
+    let refused = runs.variant("0.1", "refused");
+    let errors = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    assert!(
+        errors.contains("key 'record' must be as in the run"),
+        "{errors}"
+    );
 }
 
 /// Times outside of the run, and intervals without a unit, are refused with the place in the file.
