@@ -95,22 +95,24 @@ fn uniaxial_curves_are_closed_forms() {
     }
 }
 
-/// The strain that is told for the compressive strength is that of the greatest stress on a path of uniaxial compression, for every size
+/// The strain that is computed for the compressive strength is that of the greatest stress on a path of uniaxial compression, for every size
 /// of element, with and without hardening before the strength, which the finding of its parameters names.
 #[test]
 fn the_strain_at_the_strength_is_that_of_a_path() {
     for p in [GOOD, hardening()] {
         let law = LeeFenves::new(p).unwrap();
         for size in [0.1, 0.25, 0.4] {
-            let told = law.strain_at_strength(size);
+            let expected = law.strain_at_strength(size);
             let mut point = PointDriver::new(law).with_size(size).unwrap();
-            let path = point.advance(Control::uniaxial(-2.0 * told), 2000).unwrap();
-            let of_step = |step: usize| 2.0 * told * (step + 1) as f64 / 2000.0;
+            let path = point
+                .advance(Control::uniaxial(-2.0 * expected), 2000)
+                .unwrap();
+            let of_step = |step: usize| 2.0 * expected * (step + 1) as f64 / 2000.0;
             let stresses = path.iter().map(|record| -record.stress.0[2]);
             let greatest = (stresses.enumerate()).max_by(|a, b| a.1.total_cmp(&b.1));
             let (step, stress) = greatest.unwrap();
-            let error = (of_step(step) / told - 1.0).abs();
-            assert!(error < 0.01, "{size}: {} for {told}", of_step(step));
+            let error = (of_step(step) / expected - 1.0).abs();
+            assert!(error < 0.01, "{size}: {} for {expected}", of_step(step));
             assert!((stress / p.compression_strength - 1.0).abs() < 1e-3);
         }
         let findings: Vec<String> = law.findings().iter().map(ToString::to_string).collect();
