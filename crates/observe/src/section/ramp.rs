@@ -107,19 +107,29 @@ impl Ramp {
     }
 }
 
-/// Ramps with the weights of the polynomial through their centres at the plane (Lagrange).
+/// Ramps with weights that make a resultant at the plane of those at their centres: with two exact for a linear one, with three for one
+/// that is that of the first ramp but for its linear part. (Moments of lateral loads about the centroid of the section have no linear
+/// part, and on an end face those of the first ramp are exact, since the nodal loads there have no arm.)
 fn interpolated(ramps: &[(Range, f64)]) -> Vec<(f64, Range)> {
-    let weight = |centre: f64| {
-        let others = ramps
-            .iter()
-            .map(|ramp| ramp.1)
-            .filter(|&other| other != centre);
-        others.map(|other| other / (other - centre)).product()
-    };
-    let ramps = ramps.iter();
-    ramps
-        .map(|&(range, centre)| (weight(centre), range))
-        .collect()
+    let weighted = |weight: f64, ramp: &(Range, f64)| (weight, ramp.0);
+    match ramps {
+        [a, b] => {
+            let apart = b.1 - a.1;
+            vec![weighted(b.1 / apart, a), weighted(-a.1 / apart, b)]
+        }
+        [a, b, c] => {
+            let square = a.1 * a.1;
+            let weight = |own: f64, first: f64, second: f64| {
+                (square + first * second) / ((own - first) * (own - second))
+            };
+            vec![
+                weighted(weight(a.1, b.1, c.1), a),
+                weighted(weight(b.1, a.1, c.1), b),
+                weighted(weight(c.1, a.1, b.1), c),
+            ]
+        }
+        _ => ramps.iter().map(|ramp| weighted(1.0, ramp)).collect(),
+    }
 }
 
 /// Elements with a node within a distance (m) of the plane that are connected to those it cuts.
