@@ -1,5 +1,6 @@
 //! Circular linings in a shear of the ground and under unequal stresses.
 
+use powerhouse::Results;
 use powerhouse_model::ElasticMedium;
 
 use super::page::{Row, compare};
@@ -45,22 +46,29 @@ fn sections_at(degrees: f64) -> [String; 4] {
     ]
 }
 
-/// Mean thrust (N/m, pressure positive), and the parts of thrust and moment that vary as `cos 2 theta`.
-fn forces(scene: &str, changes: &[String]) -> (f64, Forces) {
-    let results = run(scene, changes);
-    let last = |name: &str| {
-        let column = results.sections.column(name).expect("a section");
-        *column.values.last().expect("a row")
-    };
-    // The sections are 5.625 degrees from springline and crown.
-    let half = 0.5 / f64::to_radians(11.25).cos();
-    let [springline, crown] = ["springline", "crown"]
-        .map(|place| ["axial", "moment"].map(|force| last(&format!("{place}.{force}_per_metre"))));
+/// Last value of a column of the sections.
+fn last(results: &Results, name: &str) -> f64 {
+    let column = results.sections.column(name).expect("a section");
+    *column.values.last().expect("a row")
+}
+
+/// Mean thrust (N/m, pressure positive), and the parts of thrust and moment that vary as `cos 2 theta`, of sections at an angle
+/// (degrees) from springline and crown.
+fn forces_at(results: &Results, degrees: f64) -> (f64, Forces) {
+    let half = 0.5 / f64::to_radians(2.0 * degrees).cos();
+    let [springline, crown] = ["springline", "crown"].map(|place| {
+        ["axial", "moment"].map(|force| last(results, &format!("{place}.{force}_per_metre")))
+    });
     let forces = Forces {
         thrust: half * (springline[0] - crown[0]).abs(),
         moment: half * (springline[1] - crown[1]).abs(),
     };
     (-0.5 * (springline[0] + crown[0]), forces)
+}
+
+/// The same of a scene with the sections of its file, 5.625 degrees from springline and crown.
+fn forces(scene: &str, changes: &[String]) -> (f64, Forces) {
+    forces_at(&run(scene, changes), 5.625)
 }
 
 /// Forces in the shear of ground of a flexibility ratio.
@@ -133,16 +141,7 @@ fn sections_on_and_beside_a_plane_of_symmetry() {
         let mut changes = sections_at(degrees).to_vec();
         changes.push(format!("material.ground.young={}", ring(5.0).ground.young));
         let results = run("ovaling_slip.toml", &changes);
-        let last = |name: &str| {
-            let column = results.sections.column(name).expect("a section");
-            *column.values.last().expect("a row")
-        };
-        let varying = |force: &str| {
-            let [at_springline, at_crown] =
-                ["springline", "crown"].map(|place| last(&format!("{place}.{force}_per_metre")));
-            (0.5 * (at_springline - at_crown)).abs() / (2.0 * degrees).to_radians().cos()
-        };
-        let (thrust, moment) = (varying("axial"), varying("moment"));
+        let Forces { thrust, moment } = forces_at(&results, degrees).1;
         assert!(
             (thrust / exact.thrust - 1.0).abs() < 0.03,
             "{degrees}: {thrust}, {exact:?}"
@@ -153,8 +152,8 @@ fn sections_on_and_beside_a_plane_of_symmetry() {
         );
         if degrees == 0.0 {
             for place in ["springline", "crown"] {
-                let shear = last(&format!("{place}.shear_per_metre"));
-                let axial = last(&format!("{place}.axial_per_metre"));
+                let shear = last(&results, &format!("{place}.shear_per_metre"));
+                let axial = last(&results, &format!("{place}.axial_per_metre"));
                 assert!(
                     shear.abs() < 5e-3 * axial.abs(),
                     "{place}: {shear} of {axial}"

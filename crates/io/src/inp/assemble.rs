@@ -171,7 +171,7 @@ fn build(
     let mut index = vec![UNUSED; raw.nodes.tags.len()];
     let mut builder = Mesh::builder();
     let no_sets: [&str; 0] = [];
-    let mut nodes = Vec::new();
+    let (mut nodes, mut used) = (Vec::new(), Vec::new());
     for element in &raw.elements.elements {
         let Some(kind) = element.shape.kind(options.first_order) else {
             continue;
@@ -181,13 +181,12 @@ fn build(
         element
             .shape
             .in_mesh_order(own, options.first_order, &mut nodes);
-        if nodes.len() == own.len() {
-            let found = &found[element.first..][..own.len()];
-            found.iter().for_each(|&node| index[node as usize] = 0);
-        } else {
-            let found = nodes.iter().map(|node| raw.nodes.index[node]);
-            found.for_each(|node| index[node as usize] = 0);
-        }
+        used.clear();
+        let own = &found[element.first..][..own.len()];
+        element
+            .shape
+            .in_mesh_order(own, options.first_order, &mut used);
+        used.iter().for_each(|&node| index[node as usize] = 0);
         builder.element(element.tag, kind, &nodes, &no_sets);
     }
     drop(found);

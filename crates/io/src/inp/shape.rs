@@ -189,7 +189,12 @@ impl Shape {
         self.element.filter(|_| !first_order).or(self.solid)
     }
     /// Appends the nodes in the order of the mesh, from those in the order of the file.
-    pub(super) fn in_mesh_order(&self, nodes: &[u64], first_order: bool, ordered: &mut Vec<u64>) {
+    pub(super) fn in_mesh_order<T: Copy>(
+        &self,
+        nodes: &[T],
+        first_order: bool,
+        ordered: &mut Vec<T>,
+    ) {
         let corners = self.corners();
         ordered.extend_from_slice(&nodes[..corners]);
         let kind = self.kind(first_order);

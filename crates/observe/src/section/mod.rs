@@ -199,8 +199,7 @@ impl SectionForces {
             }
         })?;
         let ramp = intersection.ramp(mesh, &chosen);
-        let mut geometry = intersection.geometry(mesh, section, along);
-        geometry.cuts_end = ramp.cuts_end;
+        let geometry = intersection.geometry(mesh, section, along, ramp.cuts_end);
         let axes = [geometry.normal, geometry.across, geometry.along];
         let share = |node: u32| {
             let position = mesh.positions()[node as usize];

@@ -4,7 +4,7 @@ use powerhouse_model::{ElementKind, Mesh, Vec3};
 
 use super::pieces::pieces;
 use super::ramp::Ramp;
-use super::{CrossSection, SectionGeometry};
+use super::{CrossSection, SectionGeometry, SectionPiece};
 
 /// A plane that divides space; the normal points to the positive side.
 #[derive(Clone, Copy, Debug)]
@@ -164,11 +164,19 @@ impl Intersection {
         Ramp::across(mesh, &self.plane, elements, &self.elements, self.length)
     }
 
+    /// Pieces of the section that do not touch, with their extents along and across.
+    pub(super) fn pieces(&self, mesh: &Mesh, along: Vec3) -> Vec<SectionPiece> {
+        let across = along.cross(&self.plane.normal);
+        pieces(mesh, &self.plane, &self.elements, [along, across])
+    }
+
+    /// Geometry of the section, which cuts an end of the body or does not.
     pub(super) fn geometry(
         &self,
         mesh: &Mesh,
         section: &CrossSection,
         along: Vec3,
+        cuts_end: bool,
     ) -> SectionGeometry {
         let across = along.cross(&self.plane.normal);
         SectionGeometry {
@@ -181,8 +189,8 @@ impl Intersection {
             along,
             across,
             elements: self.elements.len(),
-            cuts_end: false,
-            pieces: pieces(mesh, &self.plane, &self.elements, [along, across]),
+            cuts_end,
+            pieces: self.pieces(mesh, along),
         }
     }
 }

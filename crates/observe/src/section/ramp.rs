@@ -1,6 +1,6 @@
 //! Ramp of the virtual motion across a section.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use powerhouse_model::{DisjointSets, ElementKind, Facet, Mesh, Vec3};
 
@@ -25,8 +25,8 @@ const APART: f64 = 0.25;
 ///
 /// It increases over the length of an element about the plane. A resultant that it yields is the mean over this range. Where the
 /// range cannot lie evenly about the plane, because the body ends beside it or the elements of its two sides differ in
-/// length, the mean belongs to another place, the *centre* of the ramp; then two ramps are combined, so that a resultant that
-/// changes linearly is that at the plane.
+/// length, the mean belongs to another place, the *centre* of the ramp; then two or three ramps are combined, so that a resultant
+/// that changes linearly is that at the plane.
 pub(super) struct Ramp {
     /// Weights, whose sum is one, of simple ramps.
     parts: Vec<(f64, Range)>,
@@ -143,7 +143,7 @@ fn around(mesh: &Mesh, plane: &Plane, elements: &[u32], cut: &[u32], reach: f64)
     let mut sets = connected(mesh, &near, plane.tolerance);
     let index_of: HashMap<u32, u32> = near.iter().copied().zip(0..).collect();
     let cut = cut.iter().filter_map(|element| index_of.get(element));
-    let roots: Vec<u32> = cut.map(|&index| sets.root(index)).collect();
+    let roots: HashSet<u32> = cut.map(|&index| sets.root(index)).collect();
     (near.iter().zip(0..))
         .filter(|&(_, index)| roots.contains(&sets.root(index)))
         .map(|(&element, _)| element)
@@ -180,7 +180,7 @@ fn end(mesh: &Mesh, plane: &Plane, elements: &[u32]) -> End {
     }
     let at_lowest =
         |facet: &&Vec<u32>| (facet.iter()).any(|node| distance(node) <= lowest + plane.tolerance);
-    let of_end: Vec<u32> = (facets.iter().zip(0..))
+    let of_end: HashSet<u32> = (facets.iter().zip(0..))
         .filter(|(facet, _)| at_lowest(facet))
         .map(|(_, index)| sets.root(index))
         .collect();

@@ -106,16 +106,9 @@ fn pieces_of_cut(
         tolerance,
         own_positive,
     };
-    let section = CrossSection {
-        name: String::new(),
-        point,
-        normal,
-        along,
-        within: None,
-    };
     (intersect(mesh, plane(true), elements))
         .or_else(|| intersect(mesh, plane(false), elements))
-        .map_or(Vec::new(), |cut| cut.geometry(mesh, &section, along).pieces)
+        .map_or(Vec::new(), |cut| cut.pieces(mesh, along))
 }
 
 impl SectionRing {
