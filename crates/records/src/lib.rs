@@ -291,6 +291,15 @@ fn other_format(bytes: &[u8], text: &str) -> Option<(&'static str, &'static str)
             "volume 2 (`.V2`) has the accelerations",
         ));
     }
+    if first.starts_with("timeseries ") && first.contains(" tspair") {
+        return Some(("a text of dates and values (TSPAIR)", OBSPY));
+    }
+    if ["xw01", "wid1", "wid2"]
+        .iter()
+        .any(|word| first.starts_with(word))
+    {
+        return Some(("a GSE file", OBSPY));
+    }
     let is_title = |title: &str| first.contains(title);
     if is_title("corrected accelerogram") || is_title("archivo estandar de aceleracion") {
         let known = FORMATS.iter().any(|format| (format.recognises)(text));

@@ -434,8 +434,13 @@ fn other_files_are_named() {
     let mut mseed = b"000001D CHB   HNE".to_vec();
     mseed.resize(512, 0);
     let spectra = b"Response and Fourier amplitude spectra (78 periods)\n1 2 3\n".to_vec();
+    let pairs = b"TIMESERIES XX_T__HNE_R, 2 samples, 100 sps, 2020-01-01T00:00:00.000000, TSPAIR, FLOAT, M/S**2\n\
+        2020-01-01T00:00:00.000000  0.125\n2020-01-01T00:00:00.010000  0.5\n";
+    let gse = b"WID2 2020/01/01 00:00:00.000 T     HNE      CM6        2  100.000000\nDAT2\n0+U\nCHK2 1\n";
     for (bytes, name, way) in [
         (sac, "SAC", "obspy"),
+        (pairs.to_vec(), "TSPAIR", "obspy"),
+        (gse.to_vec(), "GSE", "obspy"),
         (mseed, "miniSEED", "obspy"),
         (spectra, "spectra", ".V2"),
         (b"\x89HDF\r\n\x1a\n00000000".to_vec(), "HDF5", "export"),
