@@ -186,7 +186,8 @@ impl<'a, L: ContactLaw> Contact<'a, L> {
 /// closed ring, where impulses are not unique: those are held after [`PATIENCE`] sweeps.
 ///
 /// # Errors
-/// Sweeps and residual if it has not converged after [`MOST_SWEEPS`].
+/// Sweeps and residual if it has not converged after [`MOST_SWEEPS`], or if pairs do not yield that were let go four times
+/// each: twice is enough for a pair whose law breaks its bond.
 pub(super) fn solve<L: ContactLaw>(
     (coupling, matrices): (&DMatrix<f64>, &mut Matrices),
     contacts: &mut [Contact<L>],
@@ -194,6 +195,7 @@ pub(super) fn solve<L: ContactLaw>(
     impulses: &mut DVector<f64>,
 ) -> Result<Effort, Effort> {
     let mut effort = Effort::default();
+    let mut chances = 4 * contacts.len();
     loop {
         let held: Vec<bool> = contacts.iter().map(|contact| contact.held).collect();
         if matrices.held != held {
@@ -224,6 +226,10 @@ pub(super) fn solve<L: ContactLaw>(
             }
         } else if !let_go_worst(contacts, impulses) {
             return Ok(effort);
+        } else if chances == 0 {
+            return Err(effort);
+        } else {
+            chances -= 1;
         }
     }
 }

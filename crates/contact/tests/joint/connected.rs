@@ -2,7 +2,8 @@
 
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint, Tied};
 use powerhouse_model::{
-    Bond, Constraint, ContactLaw, ContactState, JointHistory, JointPair, JointRecord, Vec3,
+    Bond, Constraint, ContactLaw, ContactState, JointHistory, JointInput, JointPair, JointRecord,
+    JointResponse, JointState, RunError, Vec3,
 };
 
 use super::{Bodies, Noise, oblique};
@@ -317,4 +318,58 @@ fn patches_of_a_corner_crack_one_by_one() {
         assert!(error <= 1e-9 * pull.norm(), "{step}: {error:e}");
     }
     assert!(cracked.is_some_and(|step| step > 10), "{cracked:?}");
+}
+
+/// Law with friction that says of a bond that it is intact, whatever it bears.
+#[derive(Clone)]
+struct Stubborn(BondedCoulomb);
+
+impl ContactLaw for Stubborn {
+    fn name(&self) -> &str {
+        "stubborn"
+    }
+    fn initial(&self) -> JointState {
+        self.0.initial()
+    }
+    fn admissible(&self, input: &JointInput, new_history: &mut [f64]) -> JointResponse {
+        let mut response = self.0.admissible(input, new_history);
+        response.state.bond = Bond::Intact;
+        response
+    }
+    fn sliding_strength(&self, normal: f64, input: &JointInput) -> f64 {
+        self.0.sliding_strength(normal, input)
+    }
+}
+
+/// Connected pairs of a law whose bond never breaks though its strength is exceeded end in an error that names the joint, not
+/// in endless sweeps.
+#[test]
+fn bonds_that_do_not_yield_are_an_error() {
+    let law = BondedCoulomb::new(BondedCoulombParameters {
+        cohesion: 2.0,
+        tensile_strength: 1.0,
+        static_friction: 0.6,
+        dynamic_friction: 0.4,
+        cohesion_loss: true,
+    })
+    .unwrap();
+    for direction in [Vec3::x(), Vec3::new(0.2, 1.0, -0.5), Vec3::z()] {
+        let mut joint = triple(Stubborn(law));
+        let mut bodies = Bodies::at_rest(&[1.0, 2.0, 0.5], 0.01);
+        let mut found = None;
+        for step in 0..1_000 {
+            let pull = direction * (0.02 * f64::from(step));
+            let force = |body: usize| pull * [1.0, 0.3, -1.3][body];
+            if let Err(error) = bodies.step(&mut joint, force) {
+                found = Some((step, error));
+                break;
+            }
+        }
+        let (step, error) = found.expect("a strength that is exceeded");
+        assert!(step > 10, "{step}");
+        assert!(
+            matches!(&error, RunError::Constraint { name, .. } if name.contains("a-b")),
+            "{error}"
+        );
+    }
 }
