@@ -99,6 +99,8 @@ pub(super) struct SetBlock {
     pub(super) scope: Option<u32>,
     /// The instance whose numbers a set of the assembly has, by index; none if it has none, or of another set.
     pub(super) instance: Option<u32>,
+    /// Whether it stands in the assembly, where numbers may be those of nodes and elements of the assembly itself.
+    pub(super) in_assembly: bool,
     /// Whether the file calls it internal.
     pub(super) internal: bool,
     /// Name and offset (bytes) of the keyword line.

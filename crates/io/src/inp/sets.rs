@@ -230,7 +230,7 @@ impl Reader<'_> {
         let placed = instance.map(|index| &raw.instances[index as usize]);
         let found = match placed {
             // Numbers of the assembly itself are those of its own nodes and elements.
-            None if outside.contains(&number) => return Ok(None),
+            None if block.in_assembly && outside.contains(&number) => return Ok(None),
             None if !raw.instances.is_empty() => return fault(InpFault::NoInstance { number }),
             None => Some(number),
             Some(_) if number >= raw.numbers => None,

@@ -35,6 +35,25 @@ fn one_part_with_one_instance_is_read() {
     assert_eq!(read(&moved).mesh, parts);
 }
 
+/// A node of the assembly that has the number of a node of the only part, which has no instance, is in the sets of the
+/// assembly alone.
+#[test]
+fn points_of_an_assembly_take_nothing_from_the_sets_of_a_part() {
+    let mesh = &HOUSE[HOUSE.find("*NODE").unwrap()..HOUSE.find("*SURFACE").unwrap()];
+    let text = |points: &str| {
+        format!(
+            "*Part, name=Part-1\n{mesh}*End Part\n*Assembly, name=Assembly\n{points}*Nset, nset=handles\n1, 3, 10\n\
+             *End Assembly\n"
+        )
+    };
+    let sets = |text: &str| {
+        let mesh = read(text).mesh;
+        ["ground", "handles"].map(|name| mesh.node_set(name).map_or(0, <[u32]>::len))
+    };
+    assert_eq!(sets(&text("")), [4, 3]);
+    assert_eq!(sets(&text("*Node\n1, 5., 5., 5.\n3, 6., 5., 5.\n")), [4, 1]);
+}
+
 /// Parts, instances and assemblies that contradict each other are faults at their lines.
 #[test]
 fn other_assemblies_are_refused() {
