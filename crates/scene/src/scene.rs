@@ -171,6 +171,8 @@ pub struct Scene {
     pub remarks: Vec<Remark>,
     #[doc(hidden)]
     pub records: BTreeMap<String, TimeHistory>,
+    #[doc(hidden)]
+    pub record_arrivals: BTreeMap<String, f64>,
     /// Places of its values in what the user wrote.
     #[doc(hidden)]
     pub places: Option<Arc<dyn Places>>,
@@ -216,6 +218,7 @@ impl Scene {
             output: OutputPlan::default(),
             remarks: Vec::new(),
             records: BTreeMap::new(),
+            record_arrivals: BTreeMap::new(),
             places: None,
             engine: standard_engine(),
         }
@@ -514,6 +517,11 @@ impl Scene {
     /// Processed records of the scene file, by name.
     pub fn records(&self) -> &BTreeMap<String, TimeHistory> {
         &self.records
+    }
+    /// Times of the first sample (s) of the records of the waves at the reference points of these, by name: extensions by
+    /// filters and the delay of a quiet start are in them. Of several waves of a record the latest.
+    pub fn record_arrivals(&self) -> &BTreeMap<String, f64> {
+        &self.record_arrivals
     }
     /// Names, surfaces and laws of the joints.
     pub fn joints(&self) -> impl Iterator<Item = (&str, &JointSurface, &dyn ContactLaw)> {

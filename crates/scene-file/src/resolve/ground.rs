@@ -1,7 +1,7 @@
 //! Incident waves of a scene file, and the free field that is their sum.
 
 use super::draft::Draft;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
@@ -133,25 +133,29 @@ pub(super) fn field(
             .iter()
             .map(|(last, split)| split.remark(arrivals[*last])),
     );
-    let truncated = truncated(&origins, &scene, &arrivals);
-    scene.remarks.extend(truncated);
+    note_arrivals(&origins, &mut scene, &arrivals);
     let driven = scene.change(|scene| scene.with_plane_waves(waves));
     driven.map_err(|error| Fault::refused(first, error))
 }
 
-/// Warnings about records that the run cuts short, from the arrivals of their waves (s).
-pub(super) fn truncated(origins: &[Origin], scene: &Draft, arrivals: &[f64]) -> Vec<Remark> {
-    let mut checked = BTreeSet::new();
-    let mut remarks = Vec::new();
-    for (arrival, origin) in arrivals.iter().zip(origins) {
+/// Keeps when the records of the waves begin, of several waves of a record the latest, and warns of those that the run
+/// cuts short; from the arrivals of the waves (s).
+pub(super) fn note_arrivals(origins: &[Origin], scene: &mut Draft, arrivals: &[f64]) {
+    let mut latest: Vec<(&str, &PreparedRecord, f64)> = Vec::new();
+    for (&arrival, origin) in arrivals.iter().zip(origins) {
         let Some((name, record)) = &origin.record else {
             continue;
         };
-        if checked.insert(name) {
-            remarks.extend(cut_short(name, record, *arrival, scene));
+        match latest.iter_mut().find(|(known, ..)| known == name) {
+            Some((.., last)) => *last = last.max(arrival),
+            None => latest.push((name, record, arrival)),
         }
     }
-    remarks
+    for (name, record, arrival) in latest {
+        scene.record_arrivals.insert(name.into(), arrival);
+        let remark = cut_short(name, record, arrival, scene);
+        scene.remarks.extend(remark);
+    }
 }
 
 /// Type of a wave.

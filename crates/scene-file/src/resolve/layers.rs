@@ -10,7 +10,7 @@ use powerhouse_wavefield::{
 };
 
 use super::damping::damping;
-use super::ground::{FASTER, QUIETER, kind, motion, refused_wave, truncated, unclear_axis};
+use super::ground::{FASTER, QUIETER, kind, motion, note_arrivals, refused_wave, unclear_axis};
 use super::motion::{Split, split};
 use super::origin::Origin;
 use super::record::PreparedRecord;
@@ -71,8 +71,7 @@ pub(super) fn field(
     let remarks = splits.iter();
     let remarks = remarks.map(|(last, split)| split.remark(arrivals[*last]));
     scene.remarks.extend(remarks);
-    let truncated = truncated(&origins, &scene, &arrivals);
-    scene.remarks.extend(truncated);
+    note_arrivals(&origins, &mut scene, &arrivals);
     let place = scene.places.field.clone();
     let driven = scene.change(|scene| scene.with_layered_waves(waves));
     driven.map_err(|error| Fault::refused(place, error))

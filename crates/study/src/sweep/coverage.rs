@@ -1,7 +1,7 @@
 //! Share of the records that a case covers.
 
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{Message, Remark, Scene, Topic};
+use powerhouse::{Message, Scene, Topic};
 use serde::{Deserialize, Serialize};
 
 use super::CaseInput;
@@ -15,8 +15,8 @@ const SIGNIFICANT: f64 = 0.95;
 pub struct Coverage {
     /// Name of the record.
     pub record: String,
-    /// Record time at the end of the run (s): the duration less the delay of the waves by which the body starts at rest;
-    /// arrival and travel times are not considered.
+    /// Time of the record at the end of the run (s), at the reference point of its wave; counted, as the next ones are, from
+    /// the first sample of the record as the waves use it, the extension by its filter included.
     pub end: f64,
     /// Duration of the record (s).
     pub length: f64,
@@ -29,14 +29,17 @@ pub struct Coverage {
 impl Coverage {
     /// The coverage of a case; `None` if its waves have no record.
     pub(super) fn of(scene: &Scene, input: &CaseInput) -> Option<Self> {
-        let padding = scene.remarks().iter().map(|remark| match remark {
-            Remark::QuietStart { padding, .. } => *padding,
-            _ => 0.0,
-        });
-        let end = scene.duration() - padding.sum::<f64>();
+        let end = scene.start_time() + scene.duration();
         let moves = |name: &str| input.waves.iter().any(|wave| is_of(&wave.motion, name));
         let records = scene.records().iter().filter(|(name, _)| moves(name));
-        let all = records.map(|(name, record)| Self::of_record(name, record, end));
+        // The components of a station arrive together.
+        let arrivals = scene.record_arrivals();
+        let station = |name: &str| arrivals.get(name.rsplit_once('.')?.0);
+        let all = records.map(|(name, record)| {
+            let arrival = arrivals.get(name).or_else(|| station(name));
+            let arrival = arrival.copied().unwrap_or(0.0);
+            Self::of_record(name, record, end - arrival)
+        });
         all.min_by(|a, b| a.intensity.total_cmp(&b.intensity))
     }
 

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod checkpoints;
+mod coverage;
 mod finished;
 mod processes;
 mod ranks;

@@ -1,0 +1,75 @@
+//! Shares of records that cases cover.
+
+use powerhouse::wavefield::TimeHistory;
+use powerhouse::{FileScene, Remark};
+
+use super::*;
+
+/// The share of a record that a case covers is the one of which the scene warns: a filter extends the record, which begins
+/// earlier by that; the body starts at rest, which delays the waves; a wave may arrive late, on its reference point.
+#[test]
+fn the_share_of_a_filtered_record_is_the_one_that_its_scene_warns_of() {
+    // Two cycles of 10 Hz from 0.1 to 0.3 s.
+    let tau = core::f64::consts::TAU;
+    let sample = |i: i32| match 0.005 * f64::from(i) - 0.1 {
+        t if (0.0..0.2).contains(&t) => 4.0 * (10.0 * tau * t).sin(),
+        _ => 0.0,
+    };
+    let history = TimeHistory::new(0.005, (0..=80).map(sample).collect()).unwrap();
+    let mut registry = registry();
+    registry.add_record("burst", history);
+    let folder = Folder::new("coverage");
+    let pulse = "pulse = { kind = \"smooth\", displacement = 0.01, duration = 0.1 }\n[boundary]";
+    let (stage, joint) = (SCENE.find("[[stage]]"), SCENE.find("[[joint]]"));
+    let (joint, stage) = (joint.unwrap(), stage.unwrap());
+    let support = SCENE.find("[[support]]").unwrap();
+    let stress = SCENE.find("[in_situ_stress]").unwrap();
+    let (wave, watched) = (SCENE.find("[[wave]]"), SCENE.find("[[output.section]]"));
+    assert!(joint < support && stress < stage, "the order of the scene");
+    let scene = [
+        &SCENE[..joint],
+        &SCENE[support..stress],
+        &SCENE[wave.unwrap()..watched.unwrap()],
+        "[[case]]\nname = \"shaken\"\n",
+    ]
+    .concat();
+    let filter = "baseline = { kind = \"high-pass\", corner = 5, order = 2 }\n";
+    let mut shares = Vec::new();
+    for (filter, arrival) in [("", 0.0), (filter, 0.0), (filter, 0.15), ("", 0.15)] {
+        for duration in [0.15, 0.35, 0.55, 0.75, 1.0, 2.0] {
+            let record = format!(
+                "[[record]]\nname = \"quake\"\nfile = \"burst\"\nconvention = \"incident\"\nend_displacement = 0\n{filter}"
+            );
+            let record = match filter {
+                "" => record,
+                _ => record.replace("end_displacement = 0\n", ""),
+            };
+            let moved = format!("record = \"quake\"\narrival = {arrival}\n{record}[boundary]");
+            let text = scene
+                .replace(pulse, &moved)
+                .replace("duration = 0.05\n", &format!("duration = {duration}\n"));
+            std::fs::write(folder.scene(), &text).unwrap();
+            let read = FileScene::from_toml(text, folder.scene(), &registry).unwrap();
+            let warned = read.remarks().iter().find_map(|remark| match remark {
+                Remark::TruncatedRecord { share, .. } => Some(*share),
+                _ => None,
+            });
+            let out = folder.0.join(format!("out-{}", shares.len()));
+            let sweep = Sweep::of_file_with(folder.scene(), Some(out), &registry).unwrap();
+            let cases = sweep.run(None, &mut NoProgress).unwrap();
+            let coverage = cases[0].coverage.clone().unwrap();
+            let case = format!("{filter} {arrival} {duration}: {coverage:?}");
+            assert_eq!(coverage.is_enough(), warned.is_none(), "{case}");
+            if let Some(share) = warned {
+                // A tenth of a period of samples.
+                assert!((coverage.intensity - share).abs() < 0.02, "{case}, {share}");
+            }
+            shares.push(coverage.intensity);
+        }
+    }
+    // None, some and all of the record.
+    for shares in shares.chunks(6) {
+        assert!(shares.is_sorted() && shares[5] > 0.99, "{shares:?}");
+        assert!(shares[0] < 0.4, "{shares:?}");
+    }
+}
