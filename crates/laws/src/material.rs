@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use powerhouse_elements::AnyLaw;
+use powerhouse_elements::{AnyLaw, PoreWater};
 use powerhouse_material_damage::{
     ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
     growth_of_flow,
@@ -136,13 +136,36 @@ impl Material {
     pub fn name(&self) -> &str {
         self.law.name()
     }
-    /// The elastic medium of the undamaged material.
+    /// The same material with water in its pores, which is drained in static states and cannot flow in dynamic steps; its law
+    /// sees effective stress. Flat damping is that of the skeleton.
+    #[must_use]
+    pub fn with_pore_water(&self, water: PoreWater) -> Self {
+        let damped = self.damped.clone().map(|damped| -> Arc<Damped> {
+            Arc::new(move |spectrum, reference| {
+                Ok(damped(spectrum, reference)?.with_pore_water(water))
+            })
+        });
+        Self {
+            law: self.law.with_pore_water(water),
+            damped,
+            ..self.clone()
+        }
+    }
+    /// The water in the pores of the material, if there is any.
+    pub fn pore_water(&self) -> Option<PoreWater> {
+        self.law.pore_water()
+    }
+    /// The elastic medium of the undamaged material, with water in its pores that cannot flow.
     pub fn medium(&self) -> ElasticMedium {
         self.law.medium()
     }
-    /// Linear elastic material of the undamaged medium.
+    /// Elastic material of the undamaged medium, with the water in its pores.
     pub fn elastic(&self) -> Self {
-        Self::new(LinearElastic::new(self.medium()))
+        let elastic = Self::new(LinearElastic::new(self.law.skeleton()));
+        match self.pore_water() {
+            Some(water) => elastic.with_pore_water(water),
+            None => elastic,
+        }
     }
     /// Whether the law is linear elastic, without history variables.
     pub fn is_linear(&self) -> bool {

@@ -10,7 +10,7 @@
 //! # Conventions
 //! SI units. Tension is positive. `z` points up; a free surface is horizontal. Symmetric tensors
 //! are stored in the order `xx yy zz xy yz zx`, strains with engineering shear components.
-//! Stresses are total stresses: pore pressure is not modelled. Strains and slips are small.
+//! Stresses are total stresses; laws of material with water in its pores see effective ones. Strains and slips are small.
 //!
 //! # Why so
 //! *The state is separate from the model.* States, results and stages use mesh indices and the user's node

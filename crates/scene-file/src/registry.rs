@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use powerhouse_elements::PoreWater;
 use powerhouse_model::{AbsorbingBoundary, ContactLaw, Engine, Mesh, ModelError};
 use powerhouse_observe::HistorySampler;
 use powerhouse_wavefield::{KnownLayeredWaves, TimeHistory};
@@ -13,10 +14,11 @@ use serde_json::{Value, json};
 
 use crate::builtin;
 use crate::spec::{
-    At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, SceneSpec,
+    At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, Positive,
+    SceneSpec, WATER_BULK_MODULUS, WATER_DENSITY,
 };
 use powerhouse_laws::Material;
-use powerhouse_scene::internal::standard_engine;
+use powerhouse_scene::internal::{GRAVITY, standard_engine};
 use powerhouse_scene::{Fault, Kernel};
 
 /// Constitutive laws, element kernels, absorbing boundaries, joint laws, kinds of output, mesh generators and records in
@@ -330,7 +332,24 @@ impl Registry {
 
     pub(crate) fn material(&self, table: &MaterialTable) -> Result<Material, Fault> {
         let entry = look_up(&self.laws, "law", &table.law)?;
-        (entry.build)(&table.parameters)
+        let material: Material = (entry.build)(&table.parameters)?;
+        let Some(given) = &table.pore_water else {
+            return Ok(material);
+        };
+        let bulk_modulus = given
+            .bulk_modulus
+            .as_ref()
+            .map_or(WATER_BULK_MODULUS, |k| k.get());
+        let water = PoreWater::new(bulk_modulus, given.porosity.get());
+        let water = water.and_then(|water| match &given.level {
+            None => Ok(water),
+            Some(level) => {
+                let density = given.density.map_or(WATER_DENSITY, Positive::get);
+                water.with_level(level.get(), density * GRAVITY)
+            }
+        });
+        let water = water.map_err(|error| Fault::refused(given.span(), error))?;
+        Ok(material.with_pore_water(water))
     }
     pub(crate) fn boundary(
         &self,

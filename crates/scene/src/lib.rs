@@ -84,7 +84,7 @@ pub(crate) use prepare::field_motion;
 pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 pub use region::RegionError;
-pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark};
+pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial};
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
 pub use scene_remark::{HighDamping, SceneRemark};

@@ -7,8 +7,9 @@ use powerhouse_model::{
     PointLaw, Stress,
 };
 
-use super::at_once::AtOnce;
+use super::at_once::{AtOnce, Undamaged};
 use super::law::{BatchLaws, ErasedLaw};
+use super::pore_water::{PoreWater, Saturated};
 
 /// Constitutive law of any type with its type erased, which every element kernel evaluates in lanes.
 ///
@@ -45,6 +46,7 @@ pub struct AnyLaw {
     law: Arc<dyn ErasedLaw>,
     /// None for linear laws, which their medium defines.
     in_lanes: Option<Arc<dyn BatchLaws>>,
+    water: Option<PoreWater>,
 }
 
 impl AnyLaw {
@@ -54,12 +56,14 @@ impl AnyLaw {
             return Self {
                 law: Arc::new(law),
                 in_lanes: None,
+                water: None,
             };
         }
         let law = Arc::new(law);
         Self {
             law: law.clone(),
             in_lanes: Some(law),
+            water: None,
         }
     }
     /// A law that is evaluated for all integration points of an element block at once; slower than one in lanes.
@@ -68,6 +72,33 @@ impl AnyLaw {
         Self {
             law: law.clone(),
             in_lanes: Some(law),
+            water: None,
+        }
+    }
+    /// The law with water in the pores of the material, which then sees effective stress; see [`PoreWater`]. Its
+    /// [medium](PointLaw::medium) is undrained, and at a point it is that of dynamic steps.
+    #[must_use]
+    pub fn with_pore_water(&self, water: PoreWater) -> Self {
+        let skeleton: Arc<dyn BatchLaws> = match &self.in_lanes {
+            Some(law) => law.clone(),
+            None => Arc::new(Undamaged(self.law.medium())),
+        };
+        let of_skeleton = |is_drained| Saturated::new(skeleton.clone(), water, is_drained);
+        Self {
+            law: Arc::new(of_skeleton(false)),
+            in_lanes: Some(Arc::new(of_skeleton(true))),
+            water: Some(water),
+        }
+    }
+    /// The water in the pores of the material, if there is any.
+    pub fn pore_water(&self) -> Option<PoreWater> {
+        self.water
+    }
+    /// The elastic medium of the undamaged material without the stiffness of water in its pores.
+    pub fn skeleton(&self) -> ElasticMedium {
+        match (&self.in_lanes, self.water) {
+            (Some(law), Some(_)) => law.medium(),
+            _ => self.law.medium(),
         }
     }
     /// Whether the law is linear elastic, without history variables.

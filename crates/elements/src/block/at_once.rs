@@ -13,7 +13,7 @@ use powerhouse_program::Traced;
 
 use super::exchange::REMAINING;
 use super::law::{
-    BatchLaw, BatchLaws, ErasedLaw, Evaluation, HistoryAccess, RemainingOutput, differ,
+    BatchLaw, BatchLaws, Energies, ErasedLaw, Evaluation, HistoryAccess, RemainingOutput, differ,
 };
 use super::memory::{as_lanes, as_lanes_mut};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
@@ -91,7 +91,7 @@ impl ErasedLaw for AtOnce {
 }
 
 impl<S: BatchScalar> BatchLaw<S> for AtOnce {
-    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> bool {
+    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> Energies {
         lanes.dispatch(InLanes {
             law: self.0.as_ref(),
             evaluation,
@@ -115,9 +115,9 @@ impl<S: BatchScalar> BatchLaw<S> for AtOnce {
 
 impl BatchLaws for AtOnce {}
 
-/// The medium of a law, whose remaining stiffness is that of laws by default.
+/// The medium of a law as a law in lanes, whose remaining stiffness is that of laws by default.
 #[derive(Clone)]
-struct Undamaged(ElasticMedium);
+pub(super) struct Undamaged(pub(super) ElasticMedium);
 
 impl ConstitutiveLaw for Undamaged {
     fn name(&self) -> &str {
@@ -183,7 +183,7 @@ impl<S: BatchScalar> InLanes<'_, '_, S> {
                     found.initial.push(Stress(initial));
                     let extents = &given.extents[6 * of_batch * width..];
                     found.extents.push(Extents(six(extents, width, lane)));
-                    found.history.extend((0..variables).map(|h| {
+                    found.history.extend((0..self.law.history().len()).map(|h| {
                         let place = (p * variables + h) * width + lane;
                         committed.map_or(0.0, |numbers| numbers[place].to_f64())
                     }));
@@ -210,7 +210,7 @@ impl<S: BatchScalar> InLanes<'_, '_, S> {
         else {
             return;
         };
-        let variables = history.variables();
+        let (variables, own) = (history.variables(), self.law.history().len());
         let length = variables * L::WIDTH;
         let zero = L::splat(token, 0.0);
         let virgin = vec![zero; variables];
@@ -220,16 +220,17 @@ impl<S: BatchScalar> InLanes<'_, '_, S> {
             history.discard_trial(batch);
             let mut changed = false;
             for p in 0..*points {
-                let rows = &new[(b * *points + p) * length..][..length];
-                for (h, value) in staged.iter_mut().enumerate() {
-                    *value = L::build(token, |lane| rows[lane * variables + h]);
-                }
+                let rows = &new[(b * *points + p) * own * L::WIDTH..];
                 let here = p * length..(p + 1) * length;
                 let (committed, trial) = history.committed_and_trial(batch);
                 let old = match committed {
                     Some(numbers) => as_lanes::<L>(token, &numbers[here.clone()]),
                     None => &virgin,
                 };
+                staged.copy_from_slice(old);
+                for (h, value) in staged[..own].iter_mut().enumerate() {
+                    *value = L::build(token, |lane| rows[lane * own + h]);
+                }
                 changed = changed || differ(old, &staged);
                 let is_staged = trial.is_none();
                 if let Some(numbers) = trial {
@@ -246,9 +247,9 @@ impl<S: BatchScalar> InLanes<'_, '_, S> {
 }
 
 impl<S: BatchScalar> BatchOperation<S> for InLanes<'_, '_, S> {
-    type Output = bool;
+    type Output = Energies;
     #[inline(always)]
-    fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> bool {
+    fn run<L: BatchLane<Scalar = S>>(mut self, token: L::Token) -> Energies {
         let points = self.points::<L>(token);
         let mut stresses = vec![Stress([0.0; 6]); points.strains.len()];
         let mut new = vec![0.0; points.history.len()];
@@ -281,6 +282,6 @@ impl<S: BatchScalar> BatchOperation<S> for InLanes<'_, '_, S> {
                 numbers[2..8].copy_from_slice(&left.plastic_strain_increment);
             }
         }
-        false
+        Energies::None
     }
 }

@@ -140,10 +140,11 @@ where
         let refused = |error: EngineError| ModelError::refused(self.kernel.name(), error);
         let lanes = Lanes::new(self.options.lanes);
         let arrangement = lanes.arrangement::<S>();
-        let medium = self.law.medium();
+        let (medium, water) = (self.law.medium(), self.law.pore_water());
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
+            water: water.map_or(0.0, |water| water.stiffness()),
             hourglass: self.kernel.hourglass_moduli(&medium).unwrap_or_default(),
         };
         let connectivity = self.connect(part, arrangement.width).map_err(refused)?;
@@ -194,6 +195,13 @@ where
             moduli,
             elements: &shapes,
         });
+        let pressures = water.filter(|water| water.level().is_some()).map(|water| {
+            let heights = part
+                .elements
+                .iter()
+                .map(|&element| part.mesh.centroid(element).z);
+            heights.map(|height| water.pressure(height)).collect()
+        });
         // Copied, since a collection of the list itself would keep the memory of the corners.
         let masses = shapes.iter().map(|(_, masses)| *masses).collect();
         let frequencies = squares.into_iter().map(f64::sqrt).collect();
@@ -221,6 +229,7 @@ where
             active: None,
             reference: None,
             initial: AlignedNumbers::zeros(0),
+            pore_pressures: pressures.unwrap_or_default(),
             history: History::new(variables, (P, own), batches),
             static_displacement: Vec::new(),
             committed_displacement: None,

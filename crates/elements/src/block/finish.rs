@@ -76,14 +76,14 @@ where
         }
         let volumes = self.kernel.volumes(geometry);
         let points = match response {
-            Response::LawWithEnergies(energies) => Some(energies),
-            Response::Elastic if self.was_balanced(index) => Some(None),
+            Response::LawWithEnergies(energies, are_all) => Some((energies, are_all)),
+            Response::Elastic if self.was_balanced(index) => Some((None, false)),
             Response::Elastic | Response::Law => None,
         };
         let energy = match &points {
-            Some(points) => {
-                let points = points.as_ref();
-                Some(Energy::over(points, self.moduli, &volumes, &stresses))
+            Some((points, are_all)) => {
+                let (points, moduli) = (points.as_ref(), self.moduli);
+                Some(Energy::over(points, *are_all, moduli, &volumes, &stresses))
             }
             None => None,
         };
@@ -117,11 +117,12 @@ where
                 let before = &mut previous.stresses[index * numbers..(index + 1) * numbers];
                 let enters = !core::mem::replace(&mut previous.balanced[index], by_law);
                 if enters {
-                    // The step began under Hooke's law.
+                    // The step began under Hooke's law, and water in pores at rest.
                     let strains = self.kernel.strains(geometry, &modes);
-                    let began = earlier(self.moduli, rates.step, &strains, &strain_rates);
+                    let drained = self.moduli.drained();
+                    let began = earlier(drained, rates.step, &strains, &strain_rates);
                     write_all(&began, before);
-                    let stored = complementary_energy(self.moduli, &volumes, &began);
+                    let stored = complementary_energy(drained, &volumes, &began);
                     sums.enter(stored, &batch);
                 }
                 let work = step_work(

@@ -247,6 +247,41 @@ impl<S: BatchScalar> History<S> {
             value.store(numbers);
         }
     }
+    /// Stores the last history variables of one point of a batch after those before them, if they or others changed.
+    #[inline(always)]
+    pub(super) fn store_last<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        point: usize,
+        new: &[L],
+    ) {
+        let from = ((point + 1) * self.variables.len() - new.len()) * self.width;
+        let is_same = |(number, value): (usize, &L)| {
+            let numbers = self.committed(batch);
+            (0..L::WIDTH).all(|lane| {
+                let old =
+                    numbers.map_or(0.0, |old| old[from + number * self.width + lane].to_f64());
+                old == value.extract(lane)
+            })
+        };
+        if !self.states[batch].changed && new.iter().enumerate().all(is_same) {
+            return;
+        }
+        if !(self.in_place || self.states[batch].changed) {
+            self.open_trial(batch, self.points);
+        }
+        let state = &mut self.states[batch];
+        let mut side = 1 - state.side;
+        if self.in_place {
+            (state.overwritten, state.zero) = (true, false);
+            side = state.side;
+        }
+        let start = batch * self.numbers() + from;
+        let numbers = &mut self.stores[usize::from(side)].as_mut_slice()[start..];
+        for (value, numbers) in new.iter().zip(numbers.chunks_exact_mut(L::WIDTH)) {
+            value.store(numbers);
+        }
+    }
     /// Begins the trial history of a batch with a copy of the committed history of its first points; the
     /// other points follow.
     fn open_trial(&mut self, batch: usize, points: usize) {

@@ -79,6 +79,17 @@ pub(super) struct RemainingOutput<'a, S> {
     pub(super) all: bool,
 }
 
+/// Energies that the evaluation of a law has written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Energies {
+    /// None: the stored one is that of an undamaged medium.
+    None,
+    /// The stored one alone: what the work exceeds it by is plastic.
+    Stored,
+    /// All.
+    All,
+}
+
 /// Functions of a law that do not depend on the lane.
 pub(crate) trait ErasedLaw: Send + Sync {
     fn name(&self) -> &str;
@@ -103,8 +114,10 @@ pub(crate) trait ErasedLaw: Send + Sync {
 
 /// A law for batches in one scalar type.
 pub(crate) trait BatchLaw<S: Scalar>: ErasedLaw {
-    /// Evaluates the law; returns whether it has energies.
-    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> bool;
+    /// Evaluates the law; returns which energies it has.
+    ///
+    /// Points may have further history variables than the law, after its own, which keep their values.
+    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> Energies;
     /// The law discretised in time for steps of a length (s).
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>>;
     /// Records the evaluation of the law at one point: its change of stress and the remaining stiffness.
@@ -165,7 +178,7 @@ impl<M: ConstitutiveLaw> ErasedLaw for M {
 }
 
 impl<M: ConstitutiveLaw, S: BatchScalar> BatchLaw<S> for M {
-    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> bool {
+    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> Energies {
         lanes.dispatch(InLanes {
             law: self,
             evaluation,
@@ -193,9 +206,9 @@ struct InLanes<'a, 'm, M, S> {
 }
 
 impl<M: ConstitutiveLaw, S: BatchScalar> BatchOperation<S> for InLanes<'_, '_, M, S> {
-    type Output = bool;
+    type Output = Energies;
     #[inline(always)]
-    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> bool {
+    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) -> Energies {
         let zero = L::splat(token, 0.0);
         let variables = self.evaluation.history.get().variables();
         let (mut usual, mut many, mut any);
@@ -222,7 +235,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
         token: L::Token,
         virgin: &[L],
         staged: &mut [L],
-    ) -> bool {
+    ) -> Energies {
         let Evaluation {
             first,
             points,
@@ -253,6 +266,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
         let mut has_energies = false;
         let writes = matches!(access, HistoryAccess::Write(_));
         let length = virgin.len() * L::WIDTH;
+        let own = ConstitutiveLaw::history(self.law).len();
         let is_alike = extents.len() == 6 * L::WIDTH;
         for (b, strains) in strains.chunks_exact(points).enumerate() {
             let batch = first + b;
@@ -286,7 +300,10 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
                     Some(numbers) => as_lanes_mut::<L>(token, &mut numbers[here]),
                     None => &mut *staged,
                 };
-                let mut input = LawInput::new(Strain(strains[p]), old)
+                for h in own..virgin.len() {
+                    new[h] = old[h];
+                }
+                let mut input = LawInput::new(Strain(strains[p]), &old[..own])
                     .with_initial(initially)
                     .with_extents(widths);
                 let location;
@@ -295,10 +312,10 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
                     input = input.with_location(&location);
                 }
                 let index = b * points + p;
-                let change = L::stress_change(self.law, &input, new);
+                let change = L::stress_change(self.law, &input, &mut new[..own]);
                 stresses[index] = change.0;
                 if let Some(remaining) = remaining.as_deref_mut() {
-                    let left = L::remaining_stiffness(self.law, &input, new, &change);
+                    let left = L::remaining_stiffness(self.law, &input, &new[..own], &change);
                     remaining[index][1] = left.hourglass;
                     if all {
                         remaining[index][0] = left.undamaged;
@@ -308,7 +325,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
                     }
                 }
                 if let Some(energies) = energies.as_deref_mut()
-                    && let Some(energy) = L::energy(self.law, &input, new)
+                    && let Some(energy) = L::energy(self.law, &input, &new[..own])
                 {
                     let LawEnergy {
                         stored,
@@ -331,7 +348,10 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
             }
             access.get().prefetch(batch + AHEAD);
         }
-        has_energies
+        match has_energies {
+            true => Energies::All,
+            false => Energies::None,
+        }
     }
 }
 

@@ -19,6 +19,7 @@ mod memory;
 mod numbers;
 mod operations;
 mod own;
+mod pore_water;
 #[cfg(feature = "programs")]
 mod program;
 mod remaining;
@@ -52,6 +53,7 @@ use transfer::NodeScalar;
 pub use any_law::AnyLaw;
 pub use factory::solid;
 pub(crate) use factory::{coordinate_rounding, of_any_law};
+pub use pore_water::PoreWater;
 
 thread_local! {
     /// Displacements from which a block computes, where they are not those of the step: one buffer per thread, which
@@ -88,8 +90,10 @@ struct Block<K, S: NodeScalar, const N: usize, const P: usize> {
     active: Option<Vec<bool>>,
     /// Reference displacement of strain (m), by local node index.
     reference: Option<Vec<Quad<f64>>>,
-    /// Initial stresses (Pa); empty if there are none.
+    /// Initial stresses (Pa), effective ones where there is water in pores; empty if there are none.
     initial: AlignedNumbers<S>,
+    /// Initial pressure of the water in the pores of each element (Pa); empty if there is none.
+    pore_pressures: Vec<f64>,
     history: History<S>,
     /// Displacement (m) of the last static forces since the reference, on which secant and tangent stiffness
     /// depend; empty before.
@@ -543,7 +547,13 @@ where
         let padded = self.connectivity.as_slice().len();
         self.initial = AlignedNumbers::zeros(6 * padded);
         for element in 0..padded {
-            let stress = &stress[element.min(stress.len() - 1)];
+            let from = element.min(stress.len() - 1);
+            let mut stress = stress[from];
+            if let Some(pressure) = self.pore_pressures.get(from) {
+                stress.0[..3]
+                    .iter_mut()
+                    .for_each(|normal| *normal += pressure);
+            }
             for i in 0..6 {
                 let index = self.arrangement.place(element, i, 6);
                 self.initial.as_mut_slice()[index] = S::from_f64(stress.0[i]);

@@ -8,7 +8,7 @@ use powerhouse_model::{
 use super::account::{PreviousStep, StepSums};
 use super::batches::Batches;
 use super::exchange::{Exchange, POINTS, PointBuffers};
-use super::law::{BatchLaw, Evaluation, HistoryAccess, RemainingOutput};
+use super::law::{BatchLaw, Energies, Evaluation, HistoryAccess, RemainingOutput};
 use super::locations::Locations;
 use super::memory::as_lanes;
 use super::numbers::Aligned;
@@ -24,11 +24,22 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) struct Moduli {
     pub(super) lambda: f64,
     pub(super) shear: f64,
+    /// Share of water in pores in the first of them.
+    pub(super) water: f64,
     /// Hourglass moduli of the undamaged material, zero if there are no hourglass forces.
     pub(super) hourglass: [f64; 3],
 }
 
 impl Moduli {
+    /// The moduli without water in pores.
+    #[inline(always)]
+    pub(super) fn drained(self) -> Self {
+        Self {
+            lambda: self.lambda - self.water,
+            water: 0.0,
+            ..self
+        }
+    }
     /// Whether there are hourglass forces.
     #[inline(always)]
     pub(super) fn resist(&self) -> bool {
@@ -154,8 +165,8 @@ pub(super) enum Response<L, const P: usize> {
     Elastic,
     /// The law, without energies.
     Law,
-    /// The law, with energies if it has them.
-    LawWithEnergies(Option<[LawEnergy<L>; P]>),
+    /// The law, with energies if it has them, and whether they are all.
+    LawWithEnergies(Option<[LawEnergy<L>; P]>, bool),
 }
 
 /// What the forces of a step depend on beside the motion: length of the step and coefficient of stiffness damping (s), and
@@ -261,7 +272,7 @@ where
                 end += 1;
             }
             let mut of_law = 0;
-            let mut has_energies = false;
+            let mut has_energies = Energies::None;
             if pending == capacity || (pending > 0 && (elastic.is_some() || end == count)) {
                 of_law = core::mem::take(&mut pending);
                 has_energies = self.evaluate::<L>(end - of_law, of_law, required);
@@ -283,10 +294,15 @@ where
                     },
                     _ => {
                         modes = self.exchange.modes::<L, N>(token, batch);
-                        let (changes, energies) =
-                            self.exchange.response::<L, P>(token, batch, has_energies);
+                        let (changes, energies) = self.exchange.response::<L, P>(
+                            token,
+                            batch,
+                            has_energies != Energies::None,
+                        );
                         let response = match required.energy {
-                            true => Response::LawWithEnergies(energies),
+                            true => {
+                                Response::LawWithEnergies(energies, has_energies == Energies::All)
+                            }
                             false => Response::Law,
                         };
                         let remaining = match required.all || required.hourglass {
@@ -388,14 +404,14 @@ where
     }
 
     /// Evaluates the law for successive batches, whose strains are in the exchange buffers, with the required
-    /// output; writes new history variables. Returns whether energies are required and the law has them.
+    /// output; writes new history variables. Returns which of the energies the law has, if they are required.
     #[inline(always)]
     pub(super) fn evaluate<L: BatchLane<Scalar = S>>(
         &mut self,
         first: usize,
         count: usize,
         required: Required,
-    ) -> bool {
+    ) -> Energies {
         let initial = self.state.initial;
         let PointBuffers {
             strains,
@@ -447,6 +463,7 @@ impl<L: BatchLane> Energy<L> {
     #[inline(always)]
     pub(super) fn over<const P: usize>(
         points: Option<&[LawEnergy<L>; P]>,
+        of_law: bool,
         moduli: Moduli,
         volumes: &[L; P],
         stresses: &[Stress<L>; P],
@@ -464,9 +481,6 @@ impl<L: BatchLane> Energy<L> {
             }
             None => sum.stored = complementary_energy(moduli, volumes, stresses),
         }
-        Self {
-            sum,
-            of_law: points.is_some(),
-        }
+        Self { sum, of_law }
     }
 }

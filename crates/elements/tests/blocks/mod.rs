@@ -9,6 +9,7 @@ mod invariance;
 mod location;
 mod mixed;
 mod natural;
+mod pore_water;
 mod remaining;
 mod saved;
 mod state;

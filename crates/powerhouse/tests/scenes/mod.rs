@@ -38,6 +38,7 @@ mod nonsense;
 mod own_output;
 mod packed;
 mod periodic_joint;
+mod pore_water;
 mod region;
 mod rings;
 mod runs;

@@ -238,6 +238,10 @@ fn soil<'f>(
         let expected = "the law 'elastic', with the moduli of small strain";
         return Err(value(law.span(), &found, expected));
     }
+    if let Some(water) = of_file.and_then(|of| of.pore_water.as_ref()) {
+        let expected = "no `pore_water` in a layer with `strain_curves`, whose moduli are those of the whole medium";
+        return Err(value(water.span(), "water in the pores", expected));
+    }
     if (file.layers.iter().enumerate()).any(|(of, l)| of != index && l.material.as_str() == name) {
         let expected = "a material of its own for each layer with `strain_curves`";
         return Err(value(

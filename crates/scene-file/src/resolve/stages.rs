@@ -11,7 +11,9 @@ use powerhouse_model::{Facet, Mesh, StaticMethod, StaticOptions, Stress, StressF
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::spans::StageSpans;
-use crate::spec::{self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport};
+use crate::spec::{
+    self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport, WATER_DENSITY,
+};
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::{GRAVITY, Timeline, check_removal, surface_of};
 use powerhouse_scene::{
@@ -144,16 +146,39 @@ fn in_situ(
             density,
             lateral,
             lateral_y,
+            water,
         } => {
             let lateral = [*lateral, lateral_y.unwrap_or(*lateral)].map(NonNegative::get);
-            StressField::geostatic(level.get(), density.get() * GRAVITY, lateral)
-                .map(InSituStress::Field)
-                .map_err(|error| Fault::refused(stress.span(), error))
+            let (level, unit_weight) = (level.get(), density.get() * GRAVITY);
+            let found = match water {
+                None => {
+                    StressField::geostatic(level, unit_weight, lateral).map(InSituStress::Field)
+                }
+                Some(water) => {
+                    let bottom = f64::NEG_INFINITY;
+                    let layer = WeightLayer {
+                        bottom,
+                        unit_weight,
+                        lateral,
+                    };
+                    InSituStress::layers_in_water(level, &[layer], ground_water(water))
+                }
+            };
+            found.map_err(|error| Fault::refused(stress.span(), error))
         }
-        spec::InSituStress::Layers { level, layers } => {
+        spec::InSituStress::Layers {
+            level,
+            layers,
+            water,
+        } => {
             let layers = weight_layers(level.get(), layers)?;
-            InSituStress::layers(level.get(), &layers)
-                .map_err(|error| Fault::refused(stress.span(), error))
+            let found = match water {
+                None => InSituStress::layers(level.get(), &layers),
+                Some(water) => {
+                    InSituStress::layers_in_water(level.get(), &layers, ground_water(water))
+                }
+            };
+            found.map_err(|error| Fault::refused(stress.span(), error))
         }
         spec::InSituStress::Linear {
             level,
@@ -170,6 +195,12 @@ fn in_situ(
             InSituStress::read(&path, mesh).map_err(|error| Fault::refused(file.span(), error))
         }
     }
+}
+
+/// Level (m) and weight per volume (N/m3) of the water in the ground.
+fn ground_water(water: &spec::GroundWater) -> (f64, f64) {
+    let density = water.density.map_or(WATER_DENSITY, Positive::get);
+    (water.level.get(), density * GRAVITY)
 }
 
 /// Layers of ground under their own weight, each below the one before, of which the last alone has no lower end.

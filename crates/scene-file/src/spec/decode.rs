@@ -31,7 +31,7 @@ const TAGGED: [&str; 11] = [
 const ABSENT: (&str, &str) = ("damping", "none");
 /// Open tables, by the way to them, and their keys that belong to the scene format.
 type Open = (&'static [&'static str], &'static [&'static str]);
-const MATERIAL: Open = (&["material"], &["name", "law"]);
+const MATERIAL: Open = (&["material"], &["name", "law", "pore_water"]);
 const OUTPUT: Open = (&["output", "own"], &["name", "kind"]);
 const JOINT: Open = (
     &["joint"],

@@ -149,6 +149,8 @@ pub enum Load {
 
 /// Default density of water (kg/m3).
 pub(crate) const WATER_DENSITY: f64 = 1000.0;
+/// Default bulk modulus of water (Pa).
+pub(crate) const WATER_BULK_MODULUS: f64 = 2.2e9;
 
 impl Load {
     /// Set on which the load acts; `None` for all parts.

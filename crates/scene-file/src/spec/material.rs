@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{At, NonNegative, Parameters, Positive, Reference, Share};
+use super::{At, Finite, NonNegative, Parameters, Positive, Reference, Share};
 
 /// Material: a constitutive law of the registry and its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -14,10 +14,30 @@ pub struct Material {
     pub name: At<String>,
     /// Constitutive law: its name in the registry, such as `elastic`.
     pub law: At<String>,
+    /// Water that fills the pores: the law sees effective stress. Dry by default. The density of the material is that of
+    /// grains and water together.
+    pub pore_water: Option<At<PoreWater>>,
     /// All other keys of the table: parameters of the law.
     #[serde(skip_deserializing, flatten)]
     #[schemars(skip)]
     pub parameters: Parameters,
+}
+
+/// Water in the pores of a material: drained in construction stages, with hydrostatic pressure below a level; in the run it
+/// cannot flow, and its pressure grows by bulk modulus over porosity times the decrease of volume.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct PoreWater {
+    /// Share of the pores in the volume, above 0 and at most 1.
+    pub porosity: Share,
+    /// Height z of the water level (m), for which the scene must have an in-situ stress, of total stresses; without it
+    /// there is no pressure at the start of the run. Above it the pores are full, too, without pressure at the start.
+    pub level: Option<At<Finite>>,
+    /// Bulk modulus of the water (Pa), above 0; 2.2e9 by default, less where there is gas in it.
+    pub bulk_modulus: Option<At<Positive>>,
+    /// Density of the water (kg/m3), above 0; 1000 by default.
+    pub density: Option<Positive>,
 }
 
 /// Part: an element set with its material, element kernel and damping.

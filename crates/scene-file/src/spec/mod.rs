@@ -60,9 +60,9 @@ pub use ground::{
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub use layer::{EquivalentLinear, Layer, StrainCurves};
-pub(crate) use load::WATER_DENSITY;
 pub use load::{Load, Support};
-pub use material::{Damping, Material, Part};
+pub(crate) use load::{WATER_BULK_MODULUS, WATER_DENSITY};
+pub use material::{Damping, Material, Part, PoreWater};
 pub use motion::Motion;
 pub use output::{
     AccelerationRule, History, JointHistory, JointQuantity, Output, OwnOutput, Quantity,
@@ -75,7 +75,9 @@ pub use quantity::{
 };
 pub use reference::Reference;
 pub use residual::Residual;
-pub use stage::{Bolt, BoltEnd, InSituStress, Stage, StageSupport, StaticMethod, StressLayer};
+pub use stage::{
+    Bolt, BoltEnd, GroundWater, InSituStress, Stage, StageSupport, StaticMethod, StressLayer,
+};
 pub use stations::{Interpolation, StationAxis, Stations};
 pub use target::{Ground8, RecordSpectrum, Site, SpectrumMeans, Target};
 pub use time::{InitialMotion, Precision, Scheme, Step, Time};

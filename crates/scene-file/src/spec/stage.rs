@@ -24,6 +24,9 @@ pub enum InSituStress {
         lateral: NonNegative,
         /// Coefficient of lateral stress K0 along y, 0 or above; that along x by default.
         lateral_y: Option<NonNegative>,
+        /// Water in the pores of the ground, between whose effective stresses the coefficients hold. Stresses are total
+        /// ones; the density is that of ground and water together.
+        water: Option<GroundWater>,
     },
     /// Geostatic stress of horizontal layers of ground under their own weight (9.81 m/s2), zero above the ground
     /// surface.
@@ -32,6 +35,8 @@ pub enum InSituStress {
         level: Finite,
         /// Layers from the top downwards.
         layers: At<Vec<StressLayer>>,
+        /// Water in the pores of the layers, as in ground of one layer.
+        water: Option<GroundWater>,
     },
     /// Stress that varies linearly with depth.
     Linear {
@@ -49,6 +54,17 @@ pub enum InSituStress {
         /// the mesh.
         file: At<PathBuf>,
     },
+}
+
+/// Water in the pores of ground under its own weight.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct GroundWater {
+    /// Height z of the water level (m).
+    pub level: Finite,
+    /// Density of the water (kg/m3), above 0; 1000 by default.
+    pub density: Option<Positive>,
 }
 
 /// Layer of ground under its own weight.

@@ -117,6 +117,7 @@ impl Remark {
             | Self::ReducedStrength { .. } => true,
             Self::RecordSource { .. }
             | Self::FlatDamping { .. }
+            | Self::PoreWater(_)
             | Self::Rim { .. }
             | Self::Conversion { .. }
             | Self::QuietStart { .. }

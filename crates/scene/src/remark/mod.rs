@@ -3,11 +3,13 @@
 mod equivalent_layer;
 mod kind;
 mod record_spectrum;
+mod saturated;
 mod stations;
 mod text;
 
 pub use equivalent_layer::EquivalentLayer;
 pub use record_spectrum::RecordSpectrumReport;
+pub use saturated::SaturatedMaterial;
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
@@ -488,6 +490,8 @@ pub enum Remark {
         /// Whether it is the default damping of the material.
         by_default: bool,
     },
+    /// Fact: a material has water in its pores.
+    PoreWater(SaturatedMaterial),
     /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).
     Rim {
         /// Element set of the part.

@@ -586,6 +586,7 @@ impl fmt::Display for Remark {
                 };
                 write!(f, "damping of part '{set}'{of}: {cost}")
             }
+            Self::PoreWater(material) => write!(f, "{material}"),
             Self::Rim {
                 set,
                 width,

@@ -40,6 +40,11 @@ impl InSituStress {
     /// # Errors
     /// [`ParameterError`] of a layer, or of a lower end that is not below the upper one.
     pub fn layers(level: f64, layers: &[WeightLayer]) -> Result<Self, ParameterError> {
+        Ok(Self::Layers(Self::fields_of(level, layers)?))
+    }
+
+    /// The stress of each layer.
+    fn fields_of(level: f64, layers: &[WeightLayer]) -> Result<Vec<StressField>, ParameterError> {
         let (mut top, mut weight) = (level, 0.0);
         let mut fields = Vec::with_capacity(layers.len());
         for (index, layer) in layers.iter().enumerate() {
@@ -51,6 +56,48 @@ impl InSituStress {
                 ParameterError::check("bottom", layer.bottom, -f64::MAX, top.next_down())?;
                 weight += layer.unit_weight * (top - layer.bottom);
                 top = layer.bottom;
+            }
+        }
+        Ok(fields)
+    }
+
+    /// The total geostatic stress of horizontal layers with water in their pores below a height (m), of a weight per volume
+    /// (N/m3): vertical stress is the weight of what lies above, water included, and the ratios of the layers hold between
+    /// effective stresses.
+    ///
+    /// # Errors
+    /// As [`layers`](Self::layers), and a level or weight of the water outside its range.
+    pub fn layers_in_water(
+        level: f64,
+        layers: &[WeightLayer],
+        (water_level, water_weight): (f64, f64),
+    ) -> Result<Self, ParameterError> {
+        ParameterError::check("water level", water_level, -f64::MAX, f64::MAX)?;
+        ParameterError::check("water weight", water_weight, 0.0, f64::MAX)?;
+        // The layer in which the water level lies is divided there.
+        let mut divided = Vec::with_capacity(layers.len() + 1);
+        let mut top = level;
+        for (index, layer) in layers.iter().enumerate() {
+            let is_last = index + 1 == layers.len();
+            if water_level < top && (is_last || layer.bottom < water_level) {
+                divided.push(WeightLayer {
+                    bottom: water_level,
+                    ..*layer
+                });
+            }
+            divided.push(*layer);
+            top = layer.bottom;
+        }
+        let mut fields = Self::fields_of(level, &divided)?;
+        for (field, layer) in fields.iter_mut().zip(&divided) {
+            if field.surface > water_level {
+                continue;
+            }
+            // Pressure at the upper end of the layer; sigma = K0 (sigma_z + p) - p.
+            let pressure = water_weight * (water_level - field.surface);
+            for (axis, share) in layer.lateral.into_iter().enumerate() {
+                field.at_surface.0[axis] -= (1.0 - share) * pressure;
+                field.gradient.0[axis] -= (1.0 - share) * water_weight;
             }
         }
         Ok(Self::Layers(fields))

@@ -1,0 +1,367 @@
+//! Water in the pores of a material: effective stress, and the stiffness of water that cannot flow out.
+
+use std::sync::Arc;
+
+#[cfg(feature = "programs")]
+use powerhouse_model::RemainingStiffness;
+use powerhouse_model::{
+    ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput, ModelError, ParameterError,
+    Strain, Stress,
+};
+#[cfg(feature = "programs")]
+use powerhouse_program::Traced;
+
+use super::law::{BatchLaw, BatchLaws, Energies, ErasedLaw, Evaluation, HistoryAccess};
+use super::memory::{as_lanes, as_lanes_mut};
+use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
+
+/// Water that fills the pores of a material.
+///
+/// The law of the material sees the effective stress `sigma' = sigma + p I` (tension positive), where `p` is the pressure of
+/// the water. In static states the water is drained: `p` is the hydrostatic pressure below a level. In dynamic steps it cannot
+/// flow: with the change of volume strain `e` since the last static state it grows by `-K e`, where `K` is the bulk modulus of
+/// water over the porosity, grains being incompressible.
+///
+/// ```
+/// use powerhouse_elements::PoreWater;
+/// let water = PoreWater::new(2.2e9, 0.4)?.with_level(-3.0, 9810.0)?;
+/// assert_eq!(water.stiffness(), 5.5e9);
+/// assert_eq!((water.pressure(-5.0), water.pressure(1.0)), (19_620.0, 0.0));
+/// # Ok::<(), powerhouse_model::ParameterError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoreWater {
+    stiffness: f64,
+    /// Height z of the level (m) and weight per volume (N/m3).
+    level: Option<[f64; 2]>,
+}
+
+impl PoreWater {
+    /// Water with a bulk modulus (Pa) in a material with a porosity, above 0 and at most 1; without a pressure at the start.
+    ///
+    /// # Errors
+    /// A parameter outside its range.
+    pub fn new(bulk_modulus: f64, porosity: f64) -> Result<Self, ParameterError> {
+        ParameterError::check("bulk_modulus", bulk_modulus, f64::MIN_POSITIVE, f64::MAX)?;
+        ParameterError::check("porosity", porosity, f64::MIN_POSITIVE, 1.0)?;
+        let stiffness = bulk_modulus / porosity;
+        ParameterError::check("bulk_modulus", stiffness, f64::MIN_POSITIVE, f64::MAX)?;
+        Ok(Self {
+            stiffness,
+            level: None,
+        })
+    }
+    /// The same water with hydrostatic pressure in static states, below a level at a height z (m), for a weight per volume
+    /// (N/m3).
+    ///
+    /// # Errors
+    /// A level that is not finite, or a weight that is not positive.
+    pub fn with_level(self, level: f64, weight: f64) -> Result<Self, ParameterError> {
+        ParameterError::check("level", level, -f64::MAX, f64::MAX)?;
+        ParameterError::check("weight", weight, f64::MIN_POSITIVE, f64::MAX)?;
+        Ok(Self {
+            level: Some([level, weight]),
+            ..self
+        })
+    }
+    /// Pressure per volume strain of water that cannot flow (Pa).
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+    /// Height z of the level (m), if there is one.
+    pub fn level(&self) -> Option<f64> {
+        self.level.map(|[level, _]| level)
+    }
+    /// Pressure (Pa) at a height z (m) in static states.
+    pub fn pressure(&self, height: f64) -> f64 {
+        self.level
+            .map_or(0.0, |[level, weight]| weight * (level - height).max(0.0))
+    }
+    /// The medium of a skeleton with water that cannot flow. Its density is that of the skeleton's medium: grains and water
+    /// together.
+    pub fn undrained(&self, skeleton: &ElasticMedium) -> ElasticMedium {
+        let (shear, bulk) = (skeleton.shear(), skeleton.bulk() + self.stiffness);
+        let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+        ElasticMedium {
+            young: 2.0 * shear * (1.0 + poisson),
+            poisson,
+            density: skeleton.density,
+        }
+    }
+}
+
+/// History variables of the water, after those of the skeleton: volume strain at the last static state, and the pressure
+/// beyond that of static states.
+const VARIABLES: [HistoryVariable; 2] = [
+    HistoryVariable::component("volume_strain_at_rest", "1"),
+    HistoryVariable::component("excess_pore_pressure", "Pa"),
+];
+/// Law of a skeleton with water in its pores; stresses are total ones, initial stresses effective ones.
+pub(super) struct Saturated<I: ?Sized> {
+    skeleton: Arc<I>,
+    water: PoreWater,
+    is_drained: bool,
+    history: Arc<[HistoryVariable]>,
+}
+
+impl<I: ?Sized + ErasedLaw> Saturated<I> {
+    /// The law of a skeleton, drained or not.
+    pub(super) fn new(skeleton: Arc<I>, water: PoreWater, is_drained: bool) -> Self {
+        let history = skeleton.history().iter().chain(&VARIABLES);
+        let history = history.copied().collect();
+        Self {
+            skeleton,
+            water,
+            is_drained,
+            history,
+        }
+    }
+}
+
+impl<I: ?Sized + ErasedLaw> Saturated<I> {
+    /// Growth of the pressure since the last static state, at a strain and with the history of a point.
+    fn excess(&self, strain: &Strain, history: &[f64]) -> f64 {
+        let at_rest = history[self.skeleton.history().len()];
+        let [x, y, z, ..] = strain.0;
+        match self.is_drained {
+            true => 0.0,
+            false => -self.water.stiffness * ((x + y + z) - at_rest),
+        }
+    }
+    /// The input of the skeleton.
+    fn of_skeleton<'a>(&self, input: &LawInput<'a, f64>) -> LawInput<'a, f64> {
+        let own = self.skeleton.history().len();
+        input.with_history(&input.history[..own])
+    }
+}
+
+impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
+    fn name(&self) -> &str {
+        self.skeleton.name()
+    }
+    fn medium(&self) -> ElasticMedium {
+        let skeleton = self.skeleton.medium();
+        match self.is_drained {
+            true => skeleton,
+            false => self.water.undrained(&skeleton),
+        }
+    }
+    fn is_linear(&self) -> bool {
+        false
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        &self.history
+    }
+    fn uses_location(&self) -> bool {
+        self.skeleton.uses_location()
+    }
+    #[cfg(feature = "programs")]
+    fn is_in_lanes(&self) -> bool {
+        false
+    }
+    fn takes_blocks(&self) -> bool {
+        self.skeleton.takes_blocks()
+    }
+    fn accept_size(&self, size: f64) -> Result<(), ModelError> {
+        self.skeleton.accept_size(size)
+    }
+    fn stress_change(&self, input: &LawInput<f64>, new_history: &mut [f64]) -> Stress {
+        let excess = self.excess(&input.strain, input.history);
+        let (of_skeleton, of_water) = new_history.split_at_mut(self.skeleton.history().len());
+        let mut stress = (self.skeleton).stress_change(&self.of_skeleton(input), of_skeleton);
+        for normal in &mut stress.0[..3] {
+            *normal -= excess;
+        }
+        let [x, y, z, ..] = input.strain.0;
+        let at_rest = match self.is_drained {
+            true => x + y + z,
+            false => input.history[of_skeleton.len()],
+        };
+        of_water.copy_from_slice(&[at_rest, excess]);
+        stress
+    }
+    fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
+        let of_skeleton = &new_history[..self.skeleton.history().len()];
+        let energy = self
+            .skeleton
+            .energy(&self.of_skeleton(input), of_skeleton)?;
+        let excess = self.excess(&input.strain, input.history);
+        let stored = energy.stored + 0.5 * excess * excess / self.water.stiffness;
+        let energy = LawEnergy::stored(stored)
+            .with_plastic(energy.plastic)
+            .with_damage(energy.damage)
+            .with_recovered(energy.recovered);
+        Some(energy)
+    }
+    fn hourglass_share(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64 {
+        let excess = self.excess(&input.strain, input.history);
+        let mut change = *change;
+        for normal in &mut change.0[..3] {
+            *normal += excess;
+        }
+        let of_skeleton = &new_history[..self.skeleton.history().len()];
+        (self.skeleton).hourglass_share(&self.of_skeleton(input), of_skeleton, &change)
+    }
+    fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]> {
+        let mut tangent = self.skeleton.tangent(&self.of_skeleton(input))?;
+        if !self.is_drained {
+            for row in &mut tangent[..3] {
+                for stiffness in &mut row[..3] {
+                    *stiffness += self.water.stiffness;
+                }
+            }
+        }
+        Some(tangent)
+    }
+    fn relaxes(&self) -> bool {
+        self.skeleton.relaxes()
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        // The pressure is a history variable, which elastic states change.
+        None
+    }
+}
+
+impl<I: ?Sized + BatchLaw<S>, S: BatchScalar> BatchLaw<S> for Saturated<I> {
+    fn evaluate(&self, lanes: Lanes, evaluation: Evaluation<S>) -> Energies {
+        let Evaluation {
+            first,
+            points,
+            strains,
+            initial,
+            extents,
+            locations,
+            history,
+            stresses,
+            mut energies,
+            remaining,
+        } = evaluation;
+        let found = self.skeleton.evaluate(
+            lanes,
+            Evaluation {
+                first,
+                points,
+                strains,
+                initial,
+                extents,
+                locations,
+                history: &mut *history,
+                stresses: &mut *stresses,
+                energies: energies.as_deref_mut(),
+                remaining,
+            },
+        );
+        let medium = self.skeleton.medium();
+        lanes.dispatch(AddWater {
+            first,
+            points,
+            own: self.skeleton.history().len(),
+            stiffness: self.water.stiffness,
+            is_drained: self.is_drained,
+            missing: (found == Energies::None).then_some([medium.bulk(), medium.shear()]),
+            strains,
+            history,
+            stresses,
+            energies,
+        });
+        match found {
+            Energies::None => Energies::Stored,
+            found => found,
+        }
+    }
+    fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>> {
+        let skeleton = self.skeleton.for_step(length);
+        Arc::new(Saturated::new(skeleton, self.water, length <= 0.0))
+    }
+    /// Leaves its lanes, for which the recording is refused.
+    #[cfg(feature = "programs")]
+    fn record(
+        &self,
+        input: &LawInput<Traced<S>>,
+        new_history: &mut [Traced<S>],
+    ) -> (Stress<Traced<S>>, RemainingStiffness<Traced<S>>) {
+        self.skeleton.record(input, new_history)
+    }
+}
+
+impl BatchLaws for Saturated<dyn BatchLaws> {}
+
+/// Addition of the water to the evaluation of a skeleton, in the lanes of the processor.
+struct AddWater<'a, 'm, S> {
+    first: usize,
+    points: usize,
+    /// Number of history variables of the skeleton.
+    own: usize,
+    stiffness: f64,
+    is_drained: bool,
+    /// Bulk and shear modulus (Pa) of a skeleton without energies, of which the stored one is computed.
+    missing: Option<[f64; 2]>,
+    strains: &'a [S],
+    history: &'a mut HistoryAccess<'m, S>,
+    stresses: &'a mut [S],
+    energies: Option<&'a mut [S]>,
+}
+
+impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) {
+        let zero = L::splat(token, 0.0);
+        let stiffness = zero.constant(self.stiffness);
+        let variables = self.history.get().variables();
+        let (strains, _) = as_lanes::<L>(token, self.strains).as_chunks::<6>();
+        let (stresses, _) = as_lanes_mut::<L>(token, self.stresses).as_chunks_mut::<6>();
+        #[expect(clippy::manual_map, reason = "a closure may be compiled on its own")]
+        let mut energies = match self.energies {
+            Some(energies) => Some(as_lanes_mut::<L>(token, energies).as_chunks_mut::<4>().0),
+            None => None,
+        };
+        for (b, strains) in strains.chunks_exact(self.points).enumerate() {
+            let batch = self.first + b;
+            for (p, strain) in strains.iter().enumerate() {
+                let volume = strain[0] + strain[1] + strain[2];
+                let mut at_rest = zero;
+                if let Some(numbers) = self.history.get().committed(batch) {
+                    let place = (p * variables + self.own) * L::WIDTH;
+                    at_rest = L::load(token, &numbers[place..]);
+                }
+                let mut excess = zero;
+                if !self.is_drained {
+                    excess = (at_rest - volume) * stiffness;
+                }
+                let index = b * self.points + p;
+                if let Some(energies) = energies.as_deref_mut() {
+                    if let Some([bulk, shear]) = self.missing {
+                        let stored = stored_energy(bulk, shear, &stresses[index]);
+                        energies[index] = [stored, zero, zero, zero];
+                    }
+                    let half = zero.constant(0.5 / self.stiffness);
+                    energies[index][0] = (excess * excess).mul_add(half, energies[index][0]);
+                }
+                for normal in &mut stresses[index][..3] {
+                    *normal = *normal - excess;
+                }
+                if let HistoryAccess::Write(history) = &mut *self.history {
+                    let new = match self.is_drained {
+                        true => [volume, zero],
+                        false => [at_rest, excess],
+                    };
+                    history.store_last(batch, p, &new);
+                }
+            }
+        }
+    }
+}
+
+/// Density of the energy (J/m3) that elastic unloading of an isotropic skeleton from a change of stress would return.
+#[inline(always)]
+fn stored_energy<L: BatchLane>(bulk: f64, shear: f64, stress: &[L; 6]) -> L {
+    let [xx, yy, zz, xy, yz, zx] = *stress;
+    let trace = xx + yy + zz;
+    let mean = trace * trace.constant(1.0 / 3.0);
+    let (x, y, z) = (xx - mean, yy - mean, zz - mean);
+    let normal = x.mul_add(x, y.mul_add(y, z * z));
+    let sides = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+    let distortion = trace.constant(0.25 / shear) * (normal + (sides + sides));
+    trace.constant(1.0 / (18.0 * bulk)) * (trace * trace) + distortion
+}

@@ -1,0 +1,338 @@
+//! Water in the pores of a material.
+
+use powerhouse_elements::{AnyLaw, PoreWater};
+
+use super::*;
+
+fn water() -> PoreWater {
+    PoreWater::new(2.2e9, 0.3).unwrap()
+}
+
+fn fixture(kernel: SolidKernel, law: AnyLaw, options: BlockOptions) -> Fixture {
+    let mesh = distorted_box(kernel.kind());
+    let backwards: Vec<u32> = (0..mesh.node_count() as u32).rev().collect();
+    let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
+    let part = BlockPart::new(&mesh, &elements, &backwards);
+    let block = kernel.factory("ground", law, options).build(&part).unwrap();
+    Fixture { mesh, block }
+}
+
+fn linear(medium: ElasticMedium) -> AnyLaw {
+    AnyLaw::new(Linear(medium))
+}
+
+fn sum(a: &[Quad<f64>], b: &[Quad<f64>]) -> Vec<Quad<f64>> {
+    let pairs = a.iter().zip(b);
+    pairs
+        .map(|(a, b)| Quad::from_vector(&(a.to_vector() + b.to_vector())))
+        .collect()
+}
+
+fn misfit(found: &[Vec3], expected: &[Vec3]) -> f64 {
+    let pairs = found.iter().zip(expected);
+    let worst = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    worst / largest(expected)
+}
+
+/// The undrained medium has the shear modulus of the skeleton, and its bulk modulus with that of the water over the porosity.
+#[test]
+fn the_undrained_medium_adds_the_water_to_the_bulk_modulus() {
+    for poisson in [0.0, 0.2, 0.45] {
+        let skeleton = ElasticMedium::new(5e7, poisson, 2000.0).unwrap();
+        let undrained = water().undrained(&skeleton);
+        let bulk = skeleton.bulk() + 2.2e9 / 0.3;
+        assert!((undrained.bulk() / bulk - 1.0).abs() < 1e-9);
+        assert!((undrained.shear() / skeleton.shear() - 1.0).abs() < 1e-12);
+        assert_eq!(undrained.density, 2000.0);
+        // Skempton's B: the share of an isotropic stress that the water takes.
+        let b = (2.2e9 / 0.3) / bulk;
+        let share = 1.0 - skeleton.bulk() / undrained.bulk();
+        assert!((share - b).abs() < 1e-9, "{share} {b}");
+    }
+}
+
+/// In steps from rest the forces are those of the undrained medium, in static states those of the skeleton; after a static
+/// state the water takes the change of volume since then alone. (Kernels with parameters that follow from Poisson's ratio have
+/// those of the undrained medium.)
+#[test]
+fn water_is_drained_in_static_states_and_cannot_flow_in_steps() {
+    let kernels = [
+        SolidKernel::Hex8Full,
+        SolidKernel::Wedge6,
+        SolidKernel::Tet4,
+    ];
+    let skeleton = ElasticMedium::new(3e8, 0.2, 2100.0).unwrap();
+    let undrained = water().undrained(&skeleton);
+    for kernel in kernels {
+        for (precision, tolerance) in [(Precision::F64, 1e-12), (Precision::Mixed, 1e-5)] {
+            let options = options(precision, LaneWidth::Native, 0.0);
+            let of = |law| fixture(kernel, law, options);
+            let mut wet = of(linear(skeleton).with_pore_water(water()));
+            let (mut dry, mut stiff) = (of(linear(skeleton)), of(linear(undrained)));
+            assert_eq!(wet.masses(), dry.masses());
+            let (still, moved) = (wet.noise(3, 1e-3), wet.noise(4, 2e-4));
+            let rest = zeros(still.len());
+            let from_rest = misfit(&wet.forces(&moved, &rest), &stiff.forces(&moved, &rest));
+            assert!(from_rest < tolerance, "{} {from_rest:e}", kernel.name());
+            let drained = misfit(&wet.static_forces(&still), &dry.static_forces(&still));
+            assert!(drained < tolerance, "{} {drained:e}", kernel.name());
+            wet.block.commit();
+            // No pressure before anything moves.
+            let held = misfit(&wet.forces(&still, &rest), &dry.forces(&still, &rest));
+            assert!(held < tolerance, "{} {held:e}", kernel.name());
+            let found = wet.forces(&sum(&still, &moved), &rest);
+            let (of_rest, of_step) = (dry.forces(&still, &rest), stiff.forces(&moved, &rest));
+            let expected: Vec<Vec3> = of_rest.iter().zip(&of_step).map(|(a, b)| a + b).collect();
+            let together = misfit(&found, &expected);
+            assert!(
+                together < 10.0 * tolerance,
+                "{} {together:e}",
+                kernel.name()
+            );
+            // The pressure of the water is what total stress and that of the skeleton differ by: of elements with one point.
+            wet.block.commit();
+            if kernel.kind() == ElementKind::Tet4 {
+                let total = wet.stress(&sum(&still, &moved));
+                let effective = dry.stress(&sum(&still, &moved));
+                for (element, (total, effective)) in total.iter().zip(&effective).enumerate() {
+                    let pressure = wet.block.shown_history(element, "excess_pore_pressure");
+                    let difference = effective.0[1] - total.0[1] - pressure.unwrap();
+                    let size = total.0[..3].iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+                    assert!(
+                        difference.abs() < 1e3 * tolerance * size,
+                        "{difference:e} of {size:e}"
+                    );
+                }
+            }
+            // Drained again.
+            let later = wet.static_forces(&sum(&still, &moved));
+            let again = misfit(&later, &dry.static_forces(&sum(&still, &moved)));
+            assert!(again < tolerance, "{} {again:e}", kernel.name());
+        }
+    }
+}
+
+/// Law whose stress does not change, and whose history is the effective stress that it sees.
+#[derive(Clone)]
+struct Watching(ElasticMedium);
+
+impl ConstitutiveLaw for Watching {
+    fn name(&self) -> &str {
+        "watching"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        const {
+            &[
+                HistoryVariable::component("xx", "Pa"),
+                HistoryVariable::component("zz", "Pa"),
+                HistoryVariable::component("xy", "Pa"),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {
+        for (new, i) in new.iter_mut().zip([0, 2, 3]) {
+            *new = input.initial.0[i];
+        }
+        Stress::zero(input.strain.0[0].token())
+    }
+}
+
+/// The law sees the total initial stress and the hydrostatic pressure at the centre of its element, none above the level; its
+/// total stress is its own less the growth of the pressure.
+#[test]
+fn laws_see_effective_stress() {
+    let wet = water().with_level(3.5, 9810.0).unwrap();
+    for kernel in [SolidKernel::Hex8Full, SolidKernel::Hex8Natural] {
+        let law = AnyLaw::new(Watching(rock())).with_pore_water(wet);
+        let mut fixture = fixture(kernel, law, BlockOptions::default());
+        let initial = |element: usize| Stress([-1e5 - element as f64, -2e5, -3e5, 4e4, 0.0, 0.0]);
+        let count = fixture.block.elements().len();
+        let stresses: Vec<Stress> = (0..count).map(initial).collect();
+        fixture.block.set_initial_stress(&stresses);
+        let gradient = Mat3::from_diagonal(&Vec3::new(1e-5, -3e-5, -2e-5));
+        let (u, rest) = (
+            fixture.field(|x| gradient * x),
+            zeros(fixture.masses().len()),
+        );
+        fixture.forces(&u, &rest);
+        fixture.block.commit();
+        let mut below = 0;
+        for element in 0..count {
+            let height = fixture.mesh.centroid(element as u32).z;
+            let pressure = 9810.0 * (3.5 - height).max(0.0);
+            below += usize::from(pressure > 0.0);
+            let shown = |name| fixture.block.shown_history(element, name).unwrap();
+            let expected = [
+                initial(element).0[0] + pressure,
+                -3e5 + pressure,
+                4e4,
+                4e-5 * wet.stiffness(),
+            ];
+            let found = ["xx", "zz", "xy", "excess_pore_pressure"].map(shown);
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+            }
+        }
+        assert!(below > 9 && below < count, "{below} of {count}");
+        let total = fixture.stress(&u);
+        for stress in total {
+            assert!((stress.0[1] / (-4e-5 * wet.stiffness()) - 1.0).abs() < 1e-9);
+            assert!(stress.0[3].abs() < 1e-3);
+        }
+    }
+}
+
+/// Free motion after a static state keeps its energy to rounding; with a skeleton that is elastic nothing counts as plastic, and
+/// what a yielding one dissipates is what the same skeleton dissipates, in whatever order.
+#[test]
+fn the_ledger_closes_with_water() {
+    let kernels = [
+        SolidKernel::Hex8Full,
+        SolidKernel::Hex8Natural,
+        SolidKernel::Hex8Eas,
+        SolidKernel::Wedge6,
+    ];
+    let medium = ElasticMedium::new(2e9, 0.25, 2200.0).unwrap();
+    let laws = [
+        (linear(medium), false),
+        (AnyLaw::new(Softening(medium)), true),
+        (AnyLaw::new(Yielding(medium, 5e-5)), true),
+    ];
+    for kernel in kernels {
+        for (law, dissipates) in &laws {
+            let law = law.with_pore_water(water());
+            let mut fixture = fixture(kernel, law, BlockOptions::default());
+            let masses = fixture.masses();
+            let mut u = fixture.noise(5, 1e-5);
+            fixture.static_forces(&u);
+            fixture.block.commit();
+            let mut v = fixture.noise(8, 0.5);
+            let step = 2e-5;
+            let mut totals = Vec::new();
+            let mut spent = [0.0; 2];
+            for number in 0..200 {
+                let views = [NodalView::F64(&u), NodalView::F64(&v)];
+                let context =
+                    BlockContext::new(when(number, step), views[0], views[1]).with_ledger(true);
+                let forces = fixture.forces_at(&context).unwrap();
+                let mut kinetic = 0.0;
+                let mut next = v.clone();
+                for (n, force) in forces.iter().enumerate() {
+                    let (before, mass) = (v[n].to_vector(), masses[n]);
+                    let after = before - force * (step / mass);
+                    kinetic += 0.5 * mass * before.dot(&after);
+                    next[n] = Quad::from_vector(&after);
+                }
+                let energy = fixture.block.energy(&context);
+                totals.push(kinetic + energy.total());
+                spent = [energy.plastic + energy.damage, energy.integration];
+                v = next;
+                u = sum(
+                    &u,
+                    &v.iter()
+                        .map(|v| Quad::from_vector(&(v.to_vector() * step)))
+                        .collect::<Vec<_>>(),
+                );
+                fixture.block.commit();
+            }
+            let first = totals[0];
+            let worst = totals.iter().map(|total| (total - first).abs());
+            let worst = worst.fold(0.0, f64::max) / first;
+            assert!(worst < 1e-12, "{} {worst:e}", kernel.name());
+            assert_eq!(
+                spent[0].abs() > 1e-9 * first,
+                *dissipates,
+                "{} {spent:?}",
+                kernel.name()
+            );
+            assert!(spent[0] > -1e-9 * first, "{} {spent:?}", kernel.name());
+        }
+    }
+}
+
+/// Widths of lanes change no bit, and a restored block goes on with the same ones.
+#[test]
+fn lanes_and_resumption_keep_the_bits() {
+    let step = |fixture: &mut Fixture, number: u64| -> Vec<u64> {
+        let (u, v) = (fixture.noise(number, 1e-3), fixture.noise(number + 9, 0.1));
+        let length = if number < 2 { 0.0 } else { 1e-4 };
+        let views = [NodalView::F64(&u), NodalView::F64(&v)];
+        let context = BlockContext::new(when(number, length), views[0], views[1]);
+        let context = context.with_ledger(length > 0.0);
+        let forces = fixture.forces_at(&context).unwrap();
+        fixture.block.commit();
+        let numbers = forces.iter().flat_map(|force| [force.x, force.y, force.z]);
+        let fields = fixture.block.history();
+        let histories = fields.into_iter().flat_map(|field| field.values);
+        numbers.chain(histories).map(f64::to_bits).collect()
+    };
+    let kernel = SolidKernel::Hex8Full;
+    for precision in [Precision::F64, Precision::Mixed] {
+        let fresh = |lanes| {
+            let law = AnyLaw::new(Yielding(rock(), 1e-4)).with_pore_water(water());
+            fixture(kernel, law, options(precision, lanes, 1e-5))
+        };
+        let mut wide = fresh(LaneWidth::Native);
+        let mut one = fresh(LaneWidth::One);
+        let mut saved = None;
+        for number in 0..8 {
+            assert_eq!(step(&mut wide, number), step(&mut one, number), "{number}");
+            if number == 4 {
+                saved = wide.block.save_state().unwrap();
+            }
+        }
+        let mut restored = fresh(LaneWidth::One);
+        restored.block.restore_state(&saved.unwrap()).unwrap();
+        for number in 5..8 {
+            step(&mut restored, number);
+        }
+        assert_eq!(step(&mut wide, 8), step(&mut restored, 8));
+    }
+}
+
+/// A law for whole blocks has water, too.
+#[test]
+fn laws_of_blocks_have_water() {
+    struct Whole(ElasticMedium);
+    impl powerhouse_model::BlockLaw for Whole {
+        fn name(&self) -> &str {
+            "whole"
+        }
+        fn medium(&self) -> ElasticMedium {
+            self.0
+        }
+        fn history(&self) -> &[HistoryVariable] {
+            const { &[HistoryVariable::amount("strain", "1")] }
+        }
+        fn stress_changes(
+            &self,
+            input: &powerhouse_model::BlockLawInput,
+            stresses: &mut [Stress],
+            new_history: &mut [f64],
+        ) {
+            assert_eq!(new_history.len(), stresses.len());
+            for (i, strain) in input.strains.iter().enumerate() {
+                stresses[i] = Stress::elastic(self.0.lambda(), self.0.shear(), strain);
+                new_history[i] = strain.0[0].abs().max(input.history[i]);
+            }
+        }
+    }
+    let kernel = SolidKernel::Hex8Full;
+    let of = |law| fixture(kernel, law, BlockOptions::default());
+    let mut whole = of(AnyLaw::of_blocks(Whole(rock())).with_pore_water(water()));
+    let mut stiff = of(linear(water().undrained(&rock())));
+    let rest = zeros(whole.masses().len());
+    for seed in 0..3 {
+        let u = whole.noise(seed, 1e-3);
+        let found = misfit(&whole.forces(&u, &rest), &stiff.forces(&u, &rest));
+        whole.block.commit();
+        assert!(found < 1e-12, "{found:e}");
+    }
+    let fields = whole.block.history();
+    let strains = fields.iter().find(|field| field.name == "strain").unwrap();
+    assert!(strains.values.iter().all(|strain| *strain > 0.0));
+}
