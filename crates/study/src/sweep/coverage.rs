@@ -52,13 +52,12 @@ impl Coverage {
             sums.push(sums[sums.len() - 1] + step * (a * a + a * b + b * b) / 3.0);
         }
         let total = sums[sums.len() - 1];
-        let last = ((end / step).floor().max(0.0) as usize).min(sums.len() - 1);
         let significant = sums.partition_point(|sum| *sum < SIGNIFICANT * total);
         Self {
             record: name.into(),
             end: end.max(0.0),
             length: step * (samples.len() - 1) as f64,
-            intensity: if total > 0.0 { sums[last] / total } else { 1.0 },
+            intensity: share_before(record, end),
             significant: step * significant as f64,
         }
     }
@@ -90,6 +89,19 @@ impl Coverage {
             ),
         })
     }
+}
+
+/// Share of the Arias intensity of a record before a time (s); 1 of a record without any.
+fn share_before(record: &TimeHistory, end: f64) -> f64 {
+    let (whole, contained) = (record.arias_intensity(), end.min(record.duration()));
+    if whole <= 0.0 {
+        return 1.0;
+    }
+    let part = match contained > record.step() {
+        true => record.truncated(contained, 0.0).ok(),
+        false => None,
+    };
+    part.map_or(0.0, |part| part.arias_intensity() / whole)
 }
 
 /// Whether the description of a motion is that of a record, of which a component has the name `station.x`: `station`,

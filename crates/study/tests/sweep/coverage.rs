@@ -9,10 +9,9 @@ use super::*;
 /// earlier by that; the body starts at rest, which delays the waves; a wave may arrive late, on its reference point.
 #[test]
 fn the_share_of_a_filtered_record_is_the_one_that_its_scene_warns_of() {
-    // Two cycles of 10 Hz from 0.1 to 0.3 s.
-    let tau = core::f64::consts::TAU;
-    let sample = |i: i32| match 0.005 * f64::from(i) - 0.1 {
-        t if (0.0..0.2).contains(&t) => 4.0 * (10.0 * tau * t).sin(),
+    // The acceleration of a displacement that is a bell, from 0.1 to 0.3 s: at rest at both ends.
+    let sample = |i: i32| match (0.005 * f64::from(i) - 0.2) / 0.02 {
+        t if t.abs() < 5.5 => 4.0 * (t * t - 1.0) * (-0.5 * t * t).exp(),
         _ => 0.0,
     };
     let history = TimeHistory::new(0.005, (0..=80).map(sample).collect()).unwrap();
