@@ -335,6 +335,19 @@ pub enum StudyError {
         /// Least distance (m) for the substitute model.
         least: f64,
     },
+    /// Ground whose P waves are so much faster than its shear waves that the substitute model, which lasts as long as these need,
+    /// and whose reference reaches as far as those get, would take too long.
+    #[error(
+        "the prediction is left out: its substitute model would have about {elements:.0} elements and {steps:.0} steps, since P waves are {ratio:.0} times as fast as shear waves"
+    )]
+    CostlyPrediction {
+        /// Number of elements of the reference.
+        elements: f64,
+        /// Number of steps.
+        steps: f64,
+        /// Speed of P waves over that of shear waves.
+        ratio: f64,
+    },
     /// A face of elements with nodes on their edges, beyond which a mesh cannot be extended ([`grown`](fn@crate::grown)).
     #[error(
         "face '{face}' has elements with nodes on their edges, such as {element}, beyond which a mesh is not extended: use a mesh of first order (`order = 1`)"

@@ -28,6 +28,8 @@ const PER_WAVELENGTH: f64 = 10.0;
 const PER_RADIUS: [f64; 2] = [4.0, 16.0];
 /// Greatest number of elements between opening and faces; waves that would need more are left out.
 const MOST_BRICKS: f64 = 3.0e4;
+/// Greatest product of elements and steps of the reference.
+const MOST_WORK: f64 = 1e9;
 /// Ratio of element lengths of consecutive rows.
 const GROWTH: f64 = 1.1;
 /// Return trips of shear waves between opening and faces that are computed.
@@ -199,14 +201,34 @@ impl Opening {
         let mesh = self.slice.mesh()?;
         let beyond = 0.5 * self.surroundings.medium.p_speed() * self.duration();
         let longest = self.surroundings.medium.s_speed() / (PER_WAVELENGTH * self.band.highest);
-        let mut wide = mesh.clone();
-        for face in self.faces() {
+        let added = self.faces().into_iter().map(|face| {
             let first = match face.as_str() {
                 "left" | "right" => self.slice.coarse[0],
                 "bottom" => self.slice.coarse[1],
                 _ => self.slice.fine,
             };
-            wide = grown(&wide, &face, &layers(first, longest.max(first), beyond))?;
+            (face, layers(first, longest.max(first), beyond))
+        });
+        let added: Vec<(String, Vec<f64>)> = added.collect();
+        let is_side = |face: &str| face == "left" || face == "right";
+        let rows = |sides: bool| -> usize {
+            let of = added.iter().filter(|(face, _)| is_side(face) == sides);
+            of.map(|(_, layers)| layers.len()).sum()
+        };
+        let side = (mesh.element_count() as f64).sqrt();
+        let elements = (side + rows(true) as f64) * (side + rows(false) as f64);
+        let medium = self.surroundings.medium;
+        let steps = self.duration() * medium.p_speed() / (STEP_SHARE * self.slice.fine);
+        if elements * steps > MOST_WORK {
+            return Err(StudyError::CostlyPrediction {
+                elements,
+                steps,
+                ratio: medium.p_speed() / medium.s_speed(),
+            });
+        }
+        let mut wide = mesh.clone();
+        for (face, layers) in &added {
+            wide = grown(&wide, face, layers)?;
         }
         Ok([mesh, wide])
     }
