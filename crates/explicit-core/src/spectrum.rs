@@ -153,7 +153,7 @@ impl Model {
             vector[lead] * scale[lead]
         };
         let mut product = with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, (subdomain, ranks), blocks, &value, weight)
+            product(arrays, (subdomain, ranks), blocks, &value, (Operator::Elastic, weight))
         });
         for group in &self.groups.groups {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
@@ -168,15 +168,16 @@ impl Model {
         product
     }
 
-    /// Product of the weighted elastic operators of all blocks with a nodal vector.
+    /// Product of the weighted initial stiffness of all blocks, in steps or in static states, with a nodal vector.
     pub(crate) fn elastic_product(
         &mut self,
+        operator: Operator,
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
         let (blocks, subdomain, ranks) = (&self.blocks, &self.subdomain, &mut self.ranks);
         with_nodes!(&mut self.nodes, arrays => {
-            product(arrays, (subdomain, ranks), blocks, &|node| vector[node], weight)
+            product(arrays, (subdomain, ranks), blocks, &|node| vector[node], (operator, weight))
         })
     }
 }
@@ -186,7 +187,7 @@ fn product<S: Storage>(
     (subdomain, ranks): (&Subdomain, &mut Ranked),
     blocks: &[Box<dyn ElementBlock>],
     value: &(impl Fn(usize) -> Vec3 + Sync),
-    weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
+    (operator, weight): (Operator, &(impl Fn(&dyn ElementBlock) -> f64 + Sync)),
 ) -> Vec<Vec3> {
     let buffers = split(&mut arrays.forces, &subdomain.lengths);
     blocks
@@ -199,7 +200,7 @@ fn product<S: Storage>(
             let own: Vec<Quad<S>> = nodes
                 .map(|&node| Quad::from_vector(&value(node as usize)))
                 .collect();
-            block.apply(Operator::Elastic, S::view(&own), S::view_mut(buffer));
+            block.apply(operator, S::view(&own), S::view_mut(buffer));
             let weight = S::from_f64(weight(block.as_ref()));
             for force in buffer.iter_mut().flat_map(|quad| &mut quad.values) {
                 *force = *force * weight;

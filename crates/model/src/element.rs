@@ -96,6 +96,8 @@ impl<'a> BlockContext<'a> {
 pub enum Operator {
     /// Initial (elastic) stiffness.
     Elastic,
+    /// The same in static states, in which water in pores is drained.
+    Static,
     /// Secant stiffness, stress over strain, in the static state of the last forces, those of a step of
     /// zero length.
     Secant,

@@ -6,6 +6,7 @@ use powerhouse_model::{
 
 use super::Block;
 use super::law::ErasedLaw;
+use super::operations::Moduli;
 use super::transfer::NodeScalar;
 
 /// Stiffness `d stress / d strain` at an integration point, rows of stress (Pa).
@@ -180,6 +181,14 @@ where
         value.map_or_else(Vec3::zeros, |value| value.to_vector())
     }
 
+    /// Moduli of the initial stiffness for an operator: those of dynamic steps for [`Operator::Elastic`], drained ones otherwise.
+    pub(super) fn moduli_of(&self, operator: Operator) -> Moduli {
+        match operator {
+            Operator::Elastic => self.moduli,
+            _ => self.moduli.drained(),
+        }
+    }
+
     /// Stiffness at each integration point of an element for an operator, and hourglass moduli (Pa).
     fn stiffness(
         &self,
@@ -187,9 +196,11 @@ where
         element: usize,
         geometry: &[f64],
     ) -> ([Stiffness; P], [f64; 3]) {
-        let elastic = isotropic(self.moduli.lambda, self.moduli.shear);
+        let moduli = self.moduli_of(operator);
+        let elastic = isotropic(moduli.lambda, moduli.shear);
+        let is_initial = matches!(operator, Operator::Elastic | Operator::Static);
         let law = match self.law.static_form() {
-            Some(law) if operator != Operator::Elastic && !law.takes_blocks() => law,
+            Some(law) if !(is_initial || law.takes_blocks()) => law,
             _ => return ([elastic; P], self.moduli.hourglass),
         };
         let nodal = self.connectivity.as_slice()[element]

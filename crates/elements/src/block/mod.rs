@@ -206,7 +206,7 @@ where
             &changed
         };
         let finite = if self.is_linear() {
-            self.elastic(nodes, Some(out), None)
+            self.elastic(nodes, self.moduli, Some(out), None)
         } else {
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
@@ -250,13 +250,14 @@ where
     fn elastic(
         &self,
         nodes: &[Quad<f64>],
+        moduli: Moduli,
         out: Option<NodalViewMut>,
         survey: Option<&mut [Summary]>,
     ) -> bool {
         let operation = Elastic::<K, S, N, P> {
             kernel: &self.kernel,
             batches: self.batches(),
-            moduli: self.moduli,
+            moduli,
             nodes,
             out,
             survey,
@@ -274,7 +275,7 @@ where
         survey: Option<&mut [Summary]>,
     ) -> bool {
         let Some(law) = self.law.current() else {
-            return self.elastic(nodes, out, survey);
+            return self.elastic(nodes, self.moduli, out, survey);
         };
         let mut exchanges = EXCHANGES.take();
         let writes = matches!(history, HistoryAccess::Write(_));
@@ -333,7 +334,7 @@ where
     /// The same of the initial stiffness.
     fn elastic_survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         let mut survey = vec![Summary::default(); self.elements.len()];
-        self.elastic(nodes, None, Some(&mut survey));
+        self.elastic(nodes, self.moduli, None, Some(&mut survey));
         survey
     }
 
@@ -373,13 +374,15 @@ where
     fn apply_to(&self, operator: Operator, x: &[Quad<f64>], mut out: NodalViewMut) {
         out.clear();
         let takes_blocks = |law: &dyn law::BatchLaw<S>| law.takes_blocks();
-        if operator == Operator::Elastic || self.law.static_form().is_none_or(takes_blocks) {
+        let is_initial = matches!(operator, Operator::Elastic | Operator::Static);
+        if is_initial || self.law.static_form().is_none_or(takes_blocks) {
+            let moduli = self.moduli_of(operator);
             if is_narrower::<S>(&out.view()) {
                 let mut sums = vec![Quad::default(); x.len()];
-                self.elastic(x, Some(NodalViewMut::F64(&mut sums)), None);
+                self.elastic(x, moduli, Some(NodalViewMut::F64(&mut sums)), None);
                 out.set(&sums);
             } else {
-                self.elastic(x, Some(out), None);
+                self.elastic(x, moduli, Some(out), None);
             }
             return;
         }

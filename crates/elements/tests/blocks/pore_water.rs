@@ -74,6 +74,16 @@ fn water_is_drained_in_static_states_and_cannot_flow_in_steps() {
             let rest = zeros(still.len());
             let from_rest = misfit(&wet.forces(&moved, &rest), &stiff.forces(&moved, &rest));
             assert!(from_rest < tolerance, "{} {from_rest:e}", kernel.name());
+            // Initial stiffness, in static states and in steps.
+            for (operator, other) in [(Operator::Static, &dry), (Operator::Elastic, &stiff)] {
+                let expected = other.apply(Operator::Elastic, &moved);
+                let found = misfit(&wet.apply(operator, &moved), &expected);
+                assert!(
+                    found < tolerance,
+                    "{} {operator:?} {found:e}",
+                    kernel.name()
+                );
+            }
             let drained = misfit(&wet.static_forces(&still), &dry.static_forces(&still));
             assert!(drained < tolerance, "{} {drained:e}", kernel.name());
             wet.block.commit();

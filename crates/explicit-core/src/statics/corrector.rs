@@ -41,7 +41,7 @@ impl Corrector {
                     return Ok(Self::Tangent(factor));
                 }
                 report.factorisations += 1;
-                factor.factor(system, Operator::Elastic)?;
+                factor.factor(system, Operator::Static)?;
                 Ok(Self::Elastic(factor))
             }
             other => Err(StaticError::NoMethod {

@@ -46,7 +46,7 @@ impl Relaxation {
         let blocks = system.blocks();
         let of_block = |index: usize| {
             let mut rows: Vec<(u32, Vec3)> = Vec::new();
-            blocks.each_matrix(index, Operator::Elastic, |nodes, matrix| {
+            blocks.each_matrix(index, Operator::Static, |nodes, matrix| {
                 let size = 3 * nodes.len();
                 for (a, &node) in nodes.iter().enumerate() {
                     let row = |i: usize| &matrix[(3 * a + i) * size..(3 * a + i + 1) * size];

@@ -41,7 +41,7 @@ impl<'a> System<'a> {
         with_nodes!(&mut model.nodes, arrays => arrays.velocity.fill(Quad::default()));
         let of_blocks = model.blocks.par_iter().enumerate().map(|(index, block)| {
             let mut own = vec![Mat3::zeros(); model.subdomain.nodes_of(index).len()];
-            block.diagonal(Operator::Elastic, &mut own);
+            block.diagonal(Operator::Static, &mut own);
             own
         });
         let of_blocks: Vec<Vec<Mat3>> = of_blocks.collect();
@@ -211,7 +211,9 @@ impl<'a> System<'a> {
     pub(super) fn product(&mut self, vector: &[Vec3]) -> Vec<Vec3> {
         let mut spread = vector.to_vec();
         self.spread(&mut spread);
-        let mut product = self.model.elastic_product(&spread, &|_| 1.0);
+        let mut product = self
+            .model
+            .elastic_product(Operator::Static, &spread, &|_| 1.0);
         for group in &self.groups {
             let lead = group.members[0] as usize;
             product[lead] += group.spring * vector[lead];
