@@ -212,6 +212,17 @@ impl FileScene {
                 present,
             });
         }
+        let of_set = file.record_cases();
+        let is_of_set = of_set.iter().any(|own| Some(&*own.case) == case.as_deref());
+        if let (Some(set), Some(first), false) =
+            (spec.record_sets.first(), of_set.first(), is_of_set)
+        {
+            scene.remark_once(SceneRemark::FirstOfRecordSet {
+                set: set.name.to_string(),
+                first: first.case.clone(),
+                cases: of_set.len(),
+            });
+        }
         for magnitude in unusual {
             scene.remark_once(SceneRemark::Magnitude(magnitude));
         }

@@ -180,6 +180,15 @@ pub enum SceneRemark {
         /// The changes, each as `KEY=VALUE`.
         changes: Vec<String>,
     },
+    /// Fact: a scene with a set of records has, where it is no case of the set, the motion of the first of these cases.
+    FirstOfRecordSet {
+        /// Name of the set.
+        set: String,
+        /// First case of the set.
+        first: String,
+        /// Number of the cases of the set.
+        cases: usize,
+    },
     /// Warning: the mesh file of which a packed mesh was made was changed since.
     OldPackedMesh {
         /// Path of the packed mesh.
@@ -289,6 +298,7 @@ impl SceneRemark {
         !matches!(
             self,
             Self::ChangedKeys { .. }
+                | Self::FirstOfRecordSet { .. }
                 | Self::MeshFile { .. }
                 | Self::MeshContent { .. }
                 | Self::MeshKeywords { .. }
@@ -468,6 +478,10 @@ impl fmt::Display for SceneRemark {
                 f,
                 "keys of the scene file that are changed here: {}",
                 changes.join(", ")
+            ),
+            Self::FirstOfRecordSet { set, first, cases } => write!(
+                f,
+                "of the set of records '{set}' this is the motion of case '{first}' alone; a sweep runs the {cases} cases of the set, `--case` one of them"
             ),
             Self::OldPackedMesh { packed, source } => write!(
                 f,

@@ -39,6 +39,7 @@ mod own_output;
 mod packed;
 mod periodic_joint;
 mod pore_water;
+mod record_sets;
 mod region;
 mod rings;
 mod runs;

@@ -33,6 +33,7 @@ use powerhouse_scene::{
 
 pub(crate) use draft::Draft;
 pub use mesh::read_mesh;
+pub(crate) use record::processed_records;
 
 /// Composes the scene of a file.
 pub(crate) fn compose(

@@ -73,6 +73,18 @@ pub(super) fn records(
     Ok(records)
 }
 
+/// Histories of all records, by name.
+pub(crate) fn processed_records(
+    text: &SceneText,
+    file: &SceneSpec,
+    registry: &Registry,
+) -> Result<BTreeMap<String, TimeHistory>, Fault> {
+    let records = records(text, file, registry)?.into_iter();
+    Ok(records
+        .map(|(name, record)| (name, record.history))
+        .collect())
+}
+
 /// Processed record of a table, or its components, each with its name.
 fn processed(
     source: (&SceneText, &Registry),
@@ -138,12 +150,17 @@ fn processed(
             }
             None => None,
         };
+        let is_largest = peak(&history) >= table.peak.map_or(present, Positive::get) * ALMOST_ALL;
+        let mut end = end;
+        if let Some(factor) = table.factor.map(Positive::get) {
+            history = history.scaled(factor).map_err(refused)?;
+            end *= factor;
+        }
         // A record that does not end at rest is rejected here, at its name.
         let signal = history.clone().into_signal(EndDisplacement::Declared(end));
         let report = signal
             .map_err(|error| without_rest(name.clone(), error))?
             .report();
-        let is_largest = peak(&history) >= table.peak.map_or(present, Positive::get) * ALMOST_ALL;
         let record = PreparedRecord {
             weak: weak.filter(|_| is_largest),
             history,

@@ -139,7 +139,7 @@ fn split(root: &mut Node, (way, shared): Open) -> Vec<Parameters> {
 }
 
 /// Turns `{ kind = "a", rest }` into `{ a = { rest } }` under the tagged keys.
-fn tag_tables(node: &mut Node) -> Result<(), Fault> {
+pub(super) fn tag_tables(node: &mut Node) -> Result<(), Fault> {
     let Some(table) = node.as_table_mut() else {
         return Ok(());
     };

@@ -1,16 +1,18 @@
 //! Scene files: text and tables, parsed once.
 
 use core::ops::Range;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::former::FormerKey;
 use super::node::Node;
-use super::{Allowance, At, SceneSpec, decode, former, survey};
-use crate::{KeyChange, Registry};
+use super::{Allowance, At, RecordCase, SceneSpec, decode, former, record_set, survey};
+use crate::{KeyChange, Registry, resolve};
 use powerhouse_scene::internal::{NamedThing, check_names};
 use powerhouse_scene::magnitude::Magnitude;
 use powerhouse_scene::{Error, Fault, Problem, SceneFault, SceneText};
+use powerhouse_wavefield::TimeHistory;
 
 /// Largest size of a scene file (bytes).
 const LARGEST: u64 = 64 << 20;
@@ -30,8 +32,10 @@ const LARGEST: u64 = 64 << 20;
 #[derive(Clone, Debug, Default)]
 pub struct SceneFile {
     text: Arc<SceneText>,
-    /// Tables as they are written, but for former names of keys.
+    /// Tables as they are written, but for former names of keys, and with the cases of a set of records.
     tables: Arc<Node>,
+    /// Cases of a set of records.
+    record_cases: Arc<[RecordCase]>,
     former: Arc<[FormerKey]>,
     /// Changes of keys, with which the text was read.
     changes: Vec<String>,
@@ -67,19 +71,22 @@ impl SceneFile {
     /// Parses a text in TOML. `path` is used in messages; paths in the scene are relative to its folder.
     ///
     /// # Errors
-    /// [`Error::Scene`] for text that is not TOML.
+    /// [`Error::Scene`] for text that is not TOML, and for a set of records that is none.
     pub fn parse(text: impl Into<String>, path: impl Into<PathBuf>) -> Result<Self, Error> {
         let (text, path) = (text.into(), path.into());
         let text = Arc::new(SceneText { path, text });
         let parse = || {
             let mut tables = Node::parse(&text.text)?;
             let former = former::rename(&mut tables)?;
-            Ok((Arc::new(tables), former.into()))
+            let cases = record_set::expand(&mut tables, text.folder())?;
+            Ok((Arc::new(tables), former.into(), cases.into()))
         };
-        let (tables, former) = parse().map_err(|fault| SceneFault::new(text.clone(), fault))?;
+        let (tables, former, record_cases) =
+            parse().map_err(|fault| SceneFault::new(text.clone(), fault))?;
         Ok(Self {
             text,
             tables,
+            record_cases,
             former,
             changes: Vec::new(),
         })
@@ -96,6 +103,10 @@ impl SceneFile {
     /// Changes of keys with which the file was read, each as `KEY=VALUE`.
     pub fn changes(&self) -> &[String] {
         &self.changes
+    }
+    /// Cases of the set of records, if the scene has one: record by record, each from the least scale to the greatest.
+    pub fn record_cases(&self) -> &[RecordCase] {
+        &self.record_cases
     }
     /// Keys under former names.
     pub(crate) fn former_keys(&self) -> &[FormerKey] {
@@ -189,6 +200,17 @@ impl SceneSpec {
         let folder = self.file().text().folder();
         texts.retain(|text| folder.join(text).is_file());
         texts
+    }
+    /// Records of the scene, with their components, as its waves have them: read and processed, without its mesh.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a record that cannot be read or processed.
+    pub fn processed_records(
+        &self,
+        registry: &Registry,
+    ) -> Result<BTreeMap<String, TimeHistory>, Error> {
+        let records = resolve::processed_records(self.file().text(), self, registry);
+        records.map_err(|fault| self.file().fault(fault).in_case(self.case()))
     }
     /// Checks the keys of laws and boundaries with the registry.
     fn check_registered(&self, registry: &Registry) -> Result<(), Fault> {

@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
-/// to a peak.
+/// to a peak, factor.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
@@ -60,7 +60,9 @@ pub struct Record {
     pub peak: Option<Positive>,
     /// Spectrum of a code to which the record is scaled or matched, in the place of `peak`.
     pub spectrum: Option<At<RecordSpectrum>>,
-    /// Permanent displacement at the end of the record (m), 0 by default. A record that ends with another
+    /// Factor on the record after all other processing, above 0, such as a level of an incremental analysis; 1 by default.
+    pub factor: Option<Positive>,
+    /// Permanent displacement at the end of the record (m), before `factor`, 0 by default. A record that ends with another
     /// displacement, or with a velocity, is an error.
     pub end_displacement: Option<Finite>,
     /// Type of the motion that the record describes, which fixes its ratio to the incident wave.

@@ -29,6 +29,7 @@ mod output;
 mod parameters;
 mod quantity;
 mod read;
+mod record_set;
 mod reference;
 mod residual;
 mod stage;
@@ -73,6 +74,7 @@ pub use quantity::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
     StepFactor,
 };
+pub use record_set::{FragilityCurve, RecordCase, RecordSet, SetComponents};
 pub use reference::Reference;
 pub use residual::Residual;
 pub use stage::{
@@ -109,6 +111,9 @@ pub struct SceneSpec {
     /// Ground motion records (accelerograms), each with a name.
     #[serde(rename = "record", default, skip_serializing_if = "Vec::is_empty")]
     pub records: Vec<Record>,
+    /// Set of records, for each of which the scene gets cases; its first record is among the records of the scene.
+    #[serde(rename = "record_set", default, skip_serializing)]
+    pub record_sets: Vec<RecordSet>,
     /// Free-field site: the ground without the structure, in which the incident waves travel.
     #[serde(default, skip_serializing_if = "is_default")]
     pub ground: Ground,

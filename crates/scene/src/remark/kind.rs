@@ -52,6 +52,7 @@ impl Remark {
                 | SceneRemark::AsymmetricField { .. }
                 | SceneRemark::PeriodicField { .. }
                 | SceneRemark::AbsorbingSurface { .. }
+                | SceneRemark::FirstOfRecordSet { .. }
                 | SceneRemark::PrescribedJump { .. }
                 | SceneRemark::PrescribedVelocity { .. },
             ) => Topic::Input,
