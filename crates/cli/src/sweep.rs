@@ -245,6 +245,9 @@ pub(crate) fn sweep(
     output.clear_all();
     match done {
         Ok(outcomes) => {
+            if let Some(statistics) = sweep.statistics()? {
+                say!("{}", statistics.to_string().trim_end());
+            }
             say!(
                 "{} cases in {:.1} s; results in {}",
                 outcomes.len(),

@@ -38,7 +38,11 @@ pub(super) fn by_angle(
             .filter_map(|case| Some((case.outcome.input.wave()?.1, of(case))))
             .collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if known.len() < 2 || known[0].1.is_empty() {
+        let [Some(first), Some(last)] = [known.first(), known.last()] else {
+            continue;
+        };
+        // Several cases of one angle differ in their records.
+        if first.0 == last.0 || first.1.is_empty() {
             continue;
         }
         let angles: Vec<f64> = known.iter().map(|(angle, _)| *angle).collect();

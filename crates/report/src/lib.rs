@@ -25,6 +25,7 @@ mod section;
 mod sensitivity;
 mod single;
 mod spectra;
+mod statistics;
 mod sweep;
 mod tables;
 

@@ -10,15 +10,15 @@ use super::run_warnings::RunWarnings;
 use super::spectra::FloorSpectra;
 use super::{
     PLOTS, ReportCase, ReportItem, ReportSection, ReportTable, charts, forces, fourier, repetition,
-    report_gaps, tables,
+    report_gaps, statistics, tables,
 };
 use crate::sensitivity;
 use powerhouse_study::StudyError;
 use powerhouse_study::convergence::ConvergenceReport;
-use powerhouse_study::internal::RECORD;
 use powerhouse_study::internal::read_report;
 use powerhouse_study::internal::rounded;
-use powerhouse_study::sweep::CaseOutcome;
+use powerhouse_study::internal::{RECORD, STATISTICS};
+use powerhouse_study::sweep::{CaseOutcome, SetStatistics};
 
 /// Results of a sweep for its report.
 struct Sweep<'s> {
@@ -55,6 +55,7 @@ pub(super) fn page(
         }
     }
     sweep.sensitivity(&mut page);
+    sweep.statistics(&mut page)?;
     sweep.convergence(&mut page)?;
     if has_results {
         sweep.results(&mut page)?;
@@ -167,6 +168,46 @@ impl Sweep<'_> {
             );
             page.table(&table);
         }
+    }
+
+    /// Adds the statistics over a set of records, if the sweep is of one.
+    fn statistics(&self, page: &mut Page) -> Result<(), StudyError> {
+        let file = self.folder.join(STATISTICS);
+        if !file.exists() {
+            return Ok(());
+        }
+        let found = SetStatistics::read(&file)?;
+        page.section("Statistics over the records");
+        page.paragraph(&format!(
+            "Fractiles of the results over the records of the set '{}': of the values in rising order those at 16, 50 and 84 % \
+             of the way from the first to the last.",
+            found.set
+        ));
+        for scale in &found.scales {
+            let heading = statistics::heading(scale);
+            page.warnings(statistics::missing(scale).as_slice());
+            if scale.scale == found.scales[0].scale {
+                page.paragraph(&heading);
+                page.table(&statistics::figures(scale));
+            } else {
+                page.folded(&heading, &statistics::figures(scale));
+            }
+        }
+        if let Some(table) = statistics::envelopes(&found) {
+            page.paragraph(
+                "Envelopes over all records of the forces of each section (kN/m, kN m/m), of rings section by section.",
+            );
+            page.table(&table);
+        }
+        if !found.fragility.is_empty() {
+            page.paragraph(
+                "Fragility curves: lognormal distributions of the greatest binomial likelihood (Baker 2015), with intervals of \
+                 95 % confidence by the expected information at the estimate, too narrow for few runs.",
+            );
+            page.table(&statistics::fragility(&found));
+            page.figures(statistics::curves(&found, &self.plots)?)?;
+        }
+        Ok(())
     }
 
     /// Adds the results of a convergence study, if the sweep is of one.

@@ -9,7 +9,7 @@ use powerhouse_study::internal::rounded;
 use powerhouse_study::sweep::{CaseOutcome, JointCase, Peak};
 
 /// The header cells of a table.
-fn header(names: &[&str]) -> Vec<String> {
+pub(super) fn header(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 

@@ -6,7 +6,8 @@
 //! - [`FreeFieldCheck`] runs the scene's box without the structure and compares it with the incident field. The
 //!   difference is the error of mesh, time step and boundary, a lower bound of the errors of the scene.
 //! - [`SceneRun`] runs a scene into a folder, with all that is checked before.
-//! - [`mod@sweep`] runs the cases of a scene; `powerhouse-report` writes their results to one HTML page.
+//! - [`mod@sweep`] runs the cases of a scene; `powerhouse-report` writes their results to one HTML page. Of the cases of a set of
+//!   records it makes statistics, and [`fragility`] curves.
 //! - [`trade`] measures cost and error of a scene's numerical options and finds the Pareto front.
 //! - [`convergence`] runs a scene on several meshes and extrapolates its results to vanishing element size.
 //! - [`advise_boundary`] recommends an absorbing boundary for a permitted error, [`advise_box`] the extent of the
@@ -34,6 +35,7 @@ mod error;
 mod even_samples;
 mod excerpt;
 mod extent;
+pub mod fragility;
 mod free_field;
 mod grown;
 mod joints;
@@ -84,6 +86,6 @@ pub mod internal {
     pub use crate::rounded::rounded;
     pub use crate::run_summary::FoundSummary;
     pub use crate::store::MARK;
-    pub use crate::sweep::{CASES, CaseEntry, OUTCOME, RECORD, write_text};
+    pub use crate::sweep::{CASES, CaseEntry, OUTCOME, RECORD, STATISTICS, write_text};
     pub use crate::text::after_first_slip;
 }

@@ -31,7 +31,9 @@ mod outcome;
 mod pictures;
 mod processes;
 mod ranks;
+mod record_set;
 mod sections;
+mod statistics;
 mod table;
 mod workers;
 
@@ -65,7 +67,13 @@ pub use entry::CaseEntry;
 pub use input::{CaseInput, CaseWave};
 pub use outcome::{CaseOutcome, DamageOutcome, Peak};
 use processes::SharedFolder;
+pub use record_set::STATISTICS;
+use record_set::SweepSet;
 pub use sections::{SectionExtremes, Utilisation};
+pub use statistics::{
+    FigureStatistics, FragilityResult, FragilityRun, ScaleStatistics, SectionEnvelope,
+    SetStatistics,
+};
 
 /// Name of the outcome file in the folder of a case.
 pub const OUTCOME: &str = "outcome.json";
@@ -158,6 +166,8 @@ pub struct Sweep {
     ranks: RunRanks,
     /// Records as used by the waves.
     records: Vec<(String, TimeHistory)>,
+    /// Set of records, of whose cases statistics are made.
+    set: Option<SweepSet>,
 }
 
 impl Sweep {
@@ -189,6 +199,11 @@ impl Sweep {
         let on_request = scene.cases_on_request();
         sweep.cases.retain(|case| !on_request.contains(case));
         sweep.in_file = true;
+        sweep.set = SweepSet::of(&file, registry)?;
+        if let Some(set) = &sweep.set {
+            sweep.records.retain(|(name, _)| !set.has(name));
+            sweep.records.extend(set.histories());
+        }
         Ok(sweep)
     }
     /// The sweep of variants of a scene, each with the name of its case.
@@ -228,6 +243,7 @@ impl Sweep {
             at_once: NonZeroUsize::MIN,
             checkpoint_interval: None,
             ranks: RunRanks::default(),
+            set: None,
         })
     }
 
@@ -304,7 +320,8 @@ impl Sweep {
         &self.folder
     }
 
-    /// Runs all unfinished cases, writes the results of each and a table of all, and returns their outcomes.
+    /// Runs all unfinished cases, writes the results of each and a table of all, and returns their outcomes. Of a set of records it
+    /// writes the [statistics](Self::statistics), too, also if it is stopped.
     ///
     /// `stop` is the cancellation flag. After an error finished cases are kept, and another run continues from there, inside
     /// unfinished cases from their last checkpoint.
@@ -399,7 +416,11 @@ impl Sweep {
             drop(named);
             processes::pause(LOOK, stop)
         };
-        let found = workers::side_by_side(self.cases.len(), self.at_once, job, waits)?;
+        let found = workers::side_by_side(self.cases.len(), self.at_once, job, waits);
+        // Of an interrupted sweep, too: they say which cases are missing.
+        let counted = self.write_statistics(shared);
+        let found = found?;
+        counted?;
         // Another process may have written it before the last case was finished.
         self.write_table(shared)?;
         Ok(found)
@@ -415,11 +436,15 @@ impl Sweep {
     /// Writes the table of all finished cases, one process and case at a time.
     fn write_table(&self, shared: &SharedFolder) -> Result<(), StudyError> {
         let _lock = shared.files()?;
+        table::write(&self.folder.join(TABLE), &self.finished_outcomes()?)
+    }
+
+    /// Outcomes of all finished cases, in the order of the scene.
+    fn finished_outcomes(&self) -> Result<Vec<CaseOutcome>, StudyError> {
         let finished = self.all.iter().map(Variant::name);
         let finished = finished.filter(|case| self.is_finished(case));
         let read = |case: &str| CaseOutcome::read(&self.folder.join(case).join(OUTCOME));
-        let outcomes: Vec<CaseOutcome> = finished.map(read).collect::<Result<_, _>>()?;
-        table::write(&self.folder.join(TABLE), &outcomes)
+        finished.map(read).collect()
     }
 
     /// Adds the cases of this run to those of other processes in the list of cases.

@@ -181,7 +181,7 @@ impl SharedFolder {
     }
 
     /// Whether the folder still has the lock file of this sweep.
-    fn is_there(&self) -> bool {
+    pub(super) fn is_there(&self) -> bool {
         content(&self.folder.join(LOCK)) == self.content
     }
 }

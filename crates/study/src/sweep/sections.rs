@@ -21,6 +21,9 @@ pub struct SectionExtremes {
     /// Greatest utilisation by its reinforcement (1); `None` without one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub utilisation: Option<Utilisation>,
+    /// The same of each section of a ring; empty for a section.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub around: Vec<SectionExtremes>,
 }
 
 /// Utilisation of a reinforced section, of which a number may be unknown.
@@ -68,17 +71,28 @@ pub(super) fn of(results: &Results) -> Vec<SectionExtremes> {
             false => Utilisation::Beyond,
         })
     };
-    (rings.chain(others))
-        .filter_map(|(name, sections)| {
-            Some(SectionExtremes {
-                name: name.into(),
-                axial: extremes(table, &sections, "axial_per_metre")?,
-                shear: extremes(table, &sections, "shear_per_metre")?,
-                moment: extremes(table, &sections, "moment_per_metre")?,
-                utilisation: utilisation(&sections),
-            })
+    let of = |name: &str, sections: &[&str]| {
+        Some(SectionExtremes {
+            name: name.into(),
+            axial: extremes(table, sections, "axial_per_metre")?,
+            shear: extremes(table, sections, "shear_per_metre")?,
+            moment: extremes(table, sections, "moment_per_metre")?,
+            utilisation: utilisation(sections),
+            around: Vec::new(),
         })
-        .collect()
+    };
+    let rings = rings.filter_map(|(name, sections)| {
+        let single = sections
+            .iter()
+            .filter_map(|section| of(section, &[section]));
+        let around = single.collect();
+        Some(SectionExtremes {
+            around,
+            ..of(name, &sections)?
+        })
+    });
+    let others = others.filter_map(|(name, sections)| of(name, &sections));
+    rings.chain(others).collect()
 }
 
 /// Least and greatest value of a force among some sections; `None` without one.

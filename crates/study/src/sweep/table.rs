@@ -31,11 +31,17 @@ pub(super) fn write(file: &Path, outcomes: &[CaseOutcome]) -> Result<(), StudyEr
 
 /// The values of a case with their names and units.
 fn cells(outcome: &CaseOutcome) -> Vec<(String, f64)> {
-    let mut cells = vec![
+    let run = [
         ("steps".into(), outcome.steps as f64),
         ("end [s]".into(), outcome.end),
         ("wall time [s]".into(), outcome.wall_time),
     ];
+    run.into_iter().chain(figures(outcome)).collect()
+}
+
+/// The results of a case with their names and units.
+pub(super) fn figures(outcome: &CaseOutcome) -> Vec<(String, f64)> {
+    let mut cells = Vec::new();
     let mut put = |what: &str, unit: &str, peaks: &[Peak]| {
         for peak in peaks {
             cells.push((format!("{what} {} [{unit}]", peak.name), peak.value));

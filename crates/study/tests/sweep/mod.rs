@@ -6,6 +6,7 @@ mod coverage;
 mod finished;
 mod processes;
 mod ranks;
+mod record_sets;
 mod report;
 mod running;
 mod sections;
