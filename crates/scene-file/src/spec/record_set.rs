@@ -230,7 +230,7 @@ fn members(set: &RecordSet, folder: &Path) -> Result<Vec<Member>, Fault> {
     let (members, span): (Vec<Member>, _) = match (&set.folder, &set.files, &set.components) {
         (Some(own), None, None) => {
             let files = files_in(own, set.ending.as_ref(), folder)?;
-            let members = files.iter().map(|file| Member::of_file(file));
+            let members = files.iter().map(Member::of_file);
             (members.collect(), own.span())
         }
         (None, Some(files), None) => (files.iter().map(Member::of_file).collect(), files.span()),
