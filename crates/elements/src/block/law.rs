@@ -300,9 +300,7 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
                     Some(numbers) => as_lanes_mut::<L>(token, &mut numbers[here]),
                     None => &mut *staged,
                 };
-                for h in own..virgin.len() {
-                    new[h] = old[h];
-                }
+                new[own..].copy_from_slice(&old[own..]);
                 let mut input = LawInput::new(Strain(strains[p]), &old[..own])
                     .with_initial(initially)
                     .with_extents(widths);

@@ -127,7 +127,7 @@ fn what_is_no_set_is_refused() {
     let line = SCENE.lines().count() + 1;
     for (set, at, expected) in [
         (
-            format!("{SET}"),
+            SET.to_string(),
             line + 1,
             "exactly one of folder, files, components must be given, found 0",
         ),
