@@ -26,6 +26,8 @@ use crate::Damping;
 #[derive(Clone)]
 pub struct Material {
     law: AnyLaw,
+    /// Whether the law is linear elastic, of material with water in its pores that of the skeleton.
+    is_linear: bool,
     warnings: Arc<[String]>,
     default_damping: Damping,
     /// None if damping in series with the law is not possible.
@@ -49,6 +51,7 @@ impl Material {
     }
     fn of(law: AnyLaw) -> Self {
         Self {
+            is_linear: law.is_linear(),
             law,
             warnings: Arc::new([]),
             default_damping: Damping::None,
@@ -167,9 +170,9 @@ impl Material {
             None => elastic,
         }
     }
-    /// Whether the law is linear elastic, without history variables.
+    /// Whether the material is linear elastic; it may have water in its pores.
     pub fn is_linear(&self) -> bool {
-        self.law.is_linear()
+        self.is_linear
     }
     /// The same material with damping by a relaxation spectrum in series, for [`Damping::Flat`], with the moduli of the
     /// material at a reference frequency; none if damping in series with the law is not possible.
