@@ -282,6 +282,10 @@ const OTHERS: &[Left] = &[
         TESTS,
     ),
     left(
+        "python3 data/published/pictures.py",
+        "it needs Python; CI compares the pictures with their tables",
+    ),
+    left(
         "cargo test --release --test cli book -- --ignored --nocapture",
         TESTS,
     ),

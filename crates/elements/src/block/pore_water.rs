@@ -94,7 +94,7 @@ impl PoreWater {
 /// beyond that of static states.
 const VARIABLES: [HistoryVariable; 2] = [
     HistoryVariable::component("volume_strain_at_rest", "1"),
-    HistoryVariable::component("excess_pore_pressure", "Pa"),
+    HistoryVariable::amount("excess_pore_pressure", "Pa"),
 ];
 /// Law of a skeleton with water in its pores; stresses are total ones, initial stresses effective ones.
 pub(super) struct Saturated<I: ?Sized> {

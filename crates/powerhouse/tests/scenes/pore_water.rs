@@ -126,10 +126,10 @@ fn a_body_stays_at_rest_after_drained_stages() {
         let of_dry = dry.stages[1].largest_displacement.0;
         if text == &elastic {
             assert!((settled / of_dry - 1.0).abs() < 1e-6, "{settled} {of_dry}");
-            // The solver knows that the water is drained: one correction for each increment.
+            // The solver knows that the water is drained: a law is corrected at least twice, Hooke's once.
             for (wet, dry) in found.stages.iter().zip(&dry.stages) {
                 let [wet, dry] = [wet, dry].map(|stage| stage.solution.products);
-                assert!(wet <= dry + dry / 5, "{wet} products for {dry}");
+                assert!(wet < 3 * dry, "{wet} products for {dry}");
             }
         } else {
             assert!(settled > 1.0001 * of_dry, "{settled} {of_dry}");

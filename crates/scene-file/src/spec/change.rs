@@ -18,7 +18,7 @@ pub(crate) const NAMED: [(&str, &str); 6] = [
 /// Tables whose keys belong to what one of them names, with that key and the keys beside: a change that names another law or
 /// kind keeps the latter alone.
 const OF_KIND: [(&str, &str, &[&str]); 3] = [
-    ("material", "law", &["name"]),
+    ("material", "law", &["name", "pore_water"]),
     (
         "boundary",
         "kind",

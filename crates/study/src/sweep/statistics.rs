@@ -271,6 +271,12 @@ impl SectionEnvelope {
     }
 }
 
+/// Whether a name is that of a figure, with its unit in brackets or without.
+fn is_named(figure: &str, name: &str) -> bool {
+    let bare = figure.rsplit_once(" [").map(|(bare, _)| bare);
+    figure == name || bare == Some(name)
+}
+
 impl FragilityResult {
     fn of(
         curve: &FragilityCurve,
@@ -282,7 +288,9 @@ impl FragilityResult {
         let mut runs = Vec::new();
         for (case, outcome) in cases {
             let figures = table::figures(outcome);
-            let value = figures.iter().find(|(name, _)| *name == curve.figure);
+            let value = figures
+                .iter()
+                .find(|(name, _)| is_named(name, &curve.figure));
             if let (Some((_, value)), Some(intensity)) = (value, intensity(case)) {
                 runs.push(FragilityRun {
                     case: case.case.clone(),
@@ -544,5 +552,21 @@ mod tests {
             "{shown}"
         );
         assert!(shown.contains("  of 2 cases"), "{shown}");
+    }
+
+    /// A figure is named with its unit, as in `sweep.csv`, or without; not by a part of its name.
+    #[test]
+    fn figures_are_named_with_their_units_or_without() {
+        let figure = "least shear force crown [N/m]";
+        assert!(is_named(figure, figure) && is_named(figure, "least shear force crown"));
+        assert!(is_named("greatest damage", "greatest damage"));
+        for other in [
+            "least shear force",
+            "least shear force crown [N]",
+            "[N/m]",
+            "",
+        ] {
+            assert!(!is_named(figure, other), "{other}");
+        }
     }
 }
