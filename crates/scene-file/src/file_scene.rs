@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use powerhouse_scene::magnitude::Magnitude;
 use powerhouse_scene::{
-    Error, Fault, Places, ResidualLimit, Scene, SceneRemark, SceneText, Simulation, Subject,
+    Error, Fault, FirstOfSet, Places, ResidualLimit, Scene, SceneRemark, SceneText, Simulation,
+    Subject,
 };
 
 use crate::engine::gpu_engine;
@@ -217,11 +218,11 @@ impl FileScene {
         if let (Some(set), Some(first), false) =
             (spec.record_sets.first(), of_set.first(), is_of_set)
         {
-            scene.remark_once(SceneRemark::FirstOfRecordSet {
+            scene.remark_once(SceneRemark::FirstOfRecordSet(FirstOfSet {
                 set: set.name.to_string(),
                 first: first.case.clone(),
                 cases: of_set.len(),
-            });
+            }));
         }
         for magnitude in unusual {
             scene.remark_once(SceneRemark::Magnitude(magnitude));

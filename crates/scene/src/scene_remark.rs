@@ -3,8 +3,8 @@
 use core::fmt;
 use std::path::PathBuf;
 
-use crate::FibreChoice;
 use crate::magnitude::Magnitude;
+use crate::{FibreChoice, FirstOfSet};
 
 /// Warning about an implausible value or combination in a scene that can be computed nevertheless, or the fact
 /// [`MeshFile`](Self::MeshFile).
@@ -181,14 +181,7 @@ pub enum SceneRemark {
         changes: Vec<String>,
     },
     /// Fact: a scene with a set of records has, where it is no case of the set, the motion of the first of these cases.
-    FirstOfRecordSet {
-        /// Name of the set.
-        set: String,
-        /// First case of the set.
-        first: String,
-        /// Number of the cases of the set.
-        cases: usize,
-    },
+    FirstOfRecordSet(FirstOfSet),
     /// Warning: the mesh file of which a packed mesh was made was changed since.
     OldPackedMesh {
         /// Path of the packed mesh.
@@ -298,7 +291,7 @@ impl SceneRemark {
         !matches!(
             self,
             Self::ChangedKeys { .. }
-                | Self::FirstOfRecordSet { .. }
+                | Self::FirstOfRecordSet(_)
                 | Self::MeshFile { .. }
                 | Self::MeshContent { .. }
                 | Self::MeshKeywords { .. }
@@ -479,10 +472,7 @@ impl fmt::Display for SceneRemark {
                 "keys of the scene file that are changed here: {}",
                 changes.join(", ")
             ),
-            Self::FirstOfRecordSet { set, first, cases } => write!(
-                f,
-                "of the set of records '{set}' this is the motion of case '{first}' alone; a sweep runs the {cases} cases of the set, `--case` one of them"
-            ),
+            Self::FirstOfRecordSet(first) => write!(f, "{first}"),
             Self::OldPackedMesh { packed, source } => write!(
                 f,
                 "{} was changed since {} was made of it: pack it again, or name the packed mesh that is meant",

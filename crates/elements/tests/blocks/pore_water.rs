@@ -91,8 +91,13 @@ fn water_is_drained_in_static_states_and_cannot_flow_in_steps() {
             let held = misfit(&wet.forces(&still, &rest), &dry.forces(&still, &rest));
             assert!(held < tolerance, "{} {held:e}", kernel.name());
             let found = wet.forces(&sum(&still, &moved), &rest);
-            let (of_rest, of_step) = (dry.forces(&still, &rest), stiff.forces(&moved, &rest));
-            let expected: Vec<Vec3> = of_rest.iter().zip(&of_step).map(|(a, b)| a + b).collect();
+            let (still_forces, moved_forces) =
+                (dry.forces(&still, &rest), stiff.forces(&moved, &rest));
+            let expected: Vec<Vec3> = still_forces
+                .iter()
+                .zip(&moved_forces)
+                .map(|(a, b)| a + b)
+                .collect();
             let together = misfit(&found, &expected);
             assert!(
                 together < 10.0 * tolerance,

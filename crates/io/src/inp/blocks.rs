@@ -99,7 +99,7 @@ pub(super) struct SetBlock {
     pub(super) scope: Option<u32>,
     /// The instance whose numbers a set of the assembly has, by index; none if it has none, or of another set.
     pub(super) instance: Option<u32>,
-    /// Whether it stands in the assembly, where numbers may be those of nodes and elements of the assembly itself.
+    /// Whether it is in the assembly, where numbers may be those of nodes and elements of the assembly itself.
     pub(super) in_assembly: bool,
     /// Whether the file calls it internal.
     pub(super) internal: bool,

@@ -4,7 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use powerhouse::spec::At;
-use powerhouse::{Error, FileScene, Registry, Remark, SceneFile, SceneRemark, SceneSpec};
+use powerhouse::{
+    Error, FileScene, FirstOfSet, Registry, Remark, SceneFile, SceneRemark, SceneSpec,
+};
 use powerhouse_test_support::TestFolder;
 
 use super::support::*;
@@ -247,11 +249,11 @@ fn a_scene_itself_has_the_first_record() {
     let pulse = "pulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }";
     let set = "record = \"m\"\n[[record_set]]\nname = \"m\"\nfiles = [\"b.txt\", \"a.txt\"]\nunits = \"m/s2\"\npeak = 1.5\n\
                convention = \"incident\"\nscales = [4, 2]\n[[case]]\nname = \"own\"\n";
-    let expected = SceneRemark::FirstOfRecordSet {
+    let expected = SceneRemark::FirstOfRecordSet(FirstOfSet {
         set: "m".into(),
         first: "b-x2".into(),
         cases: 4,
-    };
+    });
     let scene = variants.read(pulse, set).unwrap();
     let read = |case| {
         FileScene::of_case(scene.spec().unwrap().file(), case, &Registry::default()).unwrap()

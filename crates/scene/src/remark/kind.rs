@@ -52,7 +52,7 @@ impl Remark {
                 | SceneRemark::AsymmetricField { .. }
                 | SceneRemark::PeriodicField { .. }
                 | SceneRemark::AbsorbingSurface { .. }
-                | SceneRemark::FirstOfRecordSet { .. }
+                | SceneRemark::FirstOfRecordSet(_)
                 | SceneRemark::PrescribedJump { .. }
                 | SceneRemark::PrescribedVelocity { .. },
             ) => Topic::Input,
