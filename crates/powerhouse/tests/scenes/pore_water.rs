@@ -129,7 +129,7 @@ fn a_body_stays_at_rest_after_drained_stages() {
             // The solver knows that the water is drained: a law is corrected at least twice, Hooke's once.
             for (wet, dry) in found.stages.iter().zip(&dry.stages) {
                 let [wet, dry] = [wet, dry].map(|stage| stage.solution.products);
-                assert!(wet < 3 * dry, "{wet} products for {dry}");
+                assert!(wet <= 3 * dry, "{wet} products for {dry}");
             }
         } else {
             assert!(settled > 1.0001 * of_dry, "{settled} {of_dry}");
