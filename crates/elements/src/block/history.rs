@@ -152,22 +152,52 @@ impl<S: BatchScalar> History<S> {
         new: &[L],
         changed: bool,
     ) {
+        let from = self.numbers() - new.len() * L::WIDTH;
+        self.store_behind(batch, from, new, changed);
+    }
+    /// Stores the last history variables of one point of a batch, after those before them, if they or others changed.
+    #[inline(always)]
+    pub(super) fn store_last<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        point: usize,
+        new: &[L],
+        changed: bool,
+    ) {
+        let from = ((point + 1) * self.variables.len() - new.len()) * self.width;
+        self.store_behind(batch, from, new, changed);
+    }
+    /// Stores numbers of a batch that follow from a place on, after the history of all its points, if they or others changed.
+    #[inline(always)]
+    fn store_behind<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        from: usize,
+        new: &[L],
+        changed: bool,
+    ) {
         if !(changed || self.states[batch].changed) {
             return;
         }
         if !(self.in_place || self.states[batch].changed) {
             self.open_trial(batch, self.points);
         }
-        let end = (batch + 1) * self.numbers();
+        self.write(batch, from, new);
+    }
+    /// Writes numbers of a batch from a place on, in place of the committed ones or to the trial history.
+    #[inline(always)]
+    fn write<L: BatchLane<Scalar = S>>(&mut self, batch: usize, from: usize, new: &[L]) {
+        let start = batch * self.numbers() + from;
         let state = &mut self.states[batch];
         let mut side = 1 - state.side;
         if self.in_place {
+            // Where the history is zero, so is its store.
             (state.overwritten, state.zero) = (true, false);
             side = state.side;
         }
-        let numbers = &mut self.stores[usize::from(side)].as_mut_slice()[..end];
-        let start = end - new.len() * L::WIDTH;
-        for (value, numbers) in new.iter().zip(numbers[start..].chunks_exact_mut(L::WIDTH)) {
+        let store = &mut self.stores[usize::from(side)];
+        let numbers = &mut store.as_mut_slice()[start..][..new.len() * L::WIDTH];
+        for (value, numbers) in new.iter().zip(numbers.chunks_exact_mut(L::WIDTH)) {
             value.store(numbers);
         }
     }
@@ -233,54 +263,7 @@ impl<S: BatchScalar> History<S> {
         if !(self.in_place || self.states[batch].changed) {
             self.open_trial(batch, point);
         }
-        let (start, length) = (batch * self.numbers(), new.len() * L::WIDTH);
-        let state = &mut self.states[batch];
-        let mut side = 1 - state.side;
-        if self.in_place {
-            // Where the history is zero, so is its store.
-            (state.overwritten, state.zero) = (true, false);
-            side = state.side;
-        }
-        let store = &mut self.stores[usize::from(side)];
-        let numbers = &mut store.as_mut_slice()[start + point * length..][..length];
-        for (value, numbers) in new.iter().zip(numbers.chunks_exact_mut(L::WIDTH)) {
-            value.store(numbers);
-        }
-    }
-    /// Stores the last history variables of one point of a batch after those before them, if they or others changed.
-    #[inline(always)]
-    pub(super) fn store_last<L: BatchLane<Scalar = S>>(
-        &mut self,
-        batch: usize,
-        point: usize,
-        new: &[L],
-    ) {
-        let from = ((point + 1) * self.variables.len() - new.len()) * self.width;
-        let is_same = |(number, value): (usize, &L)| {
-            let numbers = self.committed(batch);
-            (0..L::WIDTH).all(|lane| {
-                let old =
-                    numbers.map_or(0.0, |old| old[from + number * self.width + lane].to_f64());
-                old == value.extract(lane)
-            })
-        };
-        if !self.states[batch].changed && new.iter().enumerate().all(is_same) {
-            return;
-        }
-        if !(self.in_place || self.states[batch].changed) {
-            self.open_trial(batch, self.points);
-        }
-        let state = &mut self.states[batch];
-        let mut side = 1 - state.side;
-        if self.in_place {
-            (state.overwritten, state.zero) = (true, false);
-            side = state.side;
-        }
-        let start = batch * self.numbers() + from;
-        let numbers = &mut self.stores[usize::from(side)].as_mut_slice()[start..];
-        for (value, numbers) in new.iter().zip(numbers.chunks_exact_mut(L::WIDTH)) {
-            value.store(numbers);
-        }
+        self.write(batch, point * new.len() * L::WIDTH, new);
     }
     /// Begins the trial history of a batch with a copy of the committed history of its first points; the
     /// other points follow.

@@ -5,14 +5,15 @@ use std::sync::Arc;
 #[cfg(feature = "programs")]
 use powerhouse_model::RemainingStiffness;
 use powerhouse_model::{
-    ElasticDomain, ElasticMedium, HistoryVariable, LawEnergy, LawInput, ModelError, ParameterError,
-    Strain, Stress,
+    ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
+    ParameterError, Strain, Stress,
 };
 #[cfg(feature = "programs")]
 use powerhouse_program::Traced;
 
-use super::law::{BatchLaw, BatchLaws, Energies, ErasedLaw, Evaluation, HistoryAccess};
+use super::law::{BatchLaw, BatchLaws, Energies, ErasedLaw, Evaluation, HistoryAccess, differ};
 use super::memory::{as_lanes, as_lanes_mut};
+use super::survey::complementary_density;
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
 
 /// Water that fills the pores of a material.
@@ -96,6 +97,13 @@ const VARIABLES: [HistoryVariable; 2] = [
     HistoryVariable::component("volume_strain_at_rest", "1"),
     HistoryVariable::amount("excess_pore_pressure", "Pa"),
 ];
+
+/// Volume strain (1).
+#[inline(always)]
+fn volume<L: Lane>(strain: &[L; 6]) -> L {
+    strain[0] + strain[1] + strain[2]
+}
+
 /// Law of a skeleton with water in its pores; stresses are total ones, initial stresses effective ones.
 pub(super) struct Saturated<I: ?Sized> {
     skeleton: Arc<I>,
@@ -116,16 +124,12 @@ impl<I: ?Sized + ErasedLaw> Saturated<I> {
             history,
         }
     }
-}
-
-impl<I: ?Sized + ErasedLaw> Saturated<I> {
     /// Growth of the pressure since the last static state, at a strain and with the history of a point.
     fn excess(&self, strain: &Strain, history: &[f64]) -> f64 {
         let at_rest = history[self.skeleton.history().len()];
-        let [x, y, z, ..] = strain.0;
         match self.is_drained {
             true => 0.0,
-            false => -self.water.stiffness * ((x + y + z) - at_rest),
+            false => -self.water.stiffness * (volume(&strain.0) - at_rest),
         }
     }
     /// The input of the skeleton.
@@ -172,9 +176,8 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
         for normal in &mut stress.0[..3] {
             *normal -= excess;
         }
-        let [x, y, z, ..] = input.strain.0;
         let at_rest = match self.is_drained {
-            true => x + y + z,
+            true => volume(&input.strain.0),
             false => input.history[of_skeleton.len()],
         };
         of_water.copy_from_slice(&[at_rest, excess]);
@@ -319,20 +322,21 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
         for (b, strains) in strains.chunks_exact(self.points).enumerate() {
             let batch = self.first + b;
             for (p, strain) in strains.iter().enumerate() {
-                let volume = strain[0] + strain[1] + strain[2];
-                let mut at_rest = zero;
+                let mut old = [zero; 2];
                 if let Some(numbers) = self.history.get().committed(batch) {
                     let place = (p * variables + self.own) * L::WIDTH;
-                    at_rest = L::load(token, &numbers[place..]);
+                    let numbers = &numbers[place..][..2 * L::WIDTH];
+                    old.copy_from_slice(as_lanes::<L>(token, numbers));
                 }
-                let mut excess = zero;
-                if !self.is_drained {
-                    excess = (at_rest - volume) * stiffness;
-                }
+                let new = match self.is_drained {
+                    true => [volume(strain), zero],
+                    false => [old[0], (old[0] - volume(strain)) * stiffness],
+                };
+                let excess = new[1];
                 let index = b * self.points + p;
                 if let Some(energies) = energies.as_deref_mut() {
-                    if let Some([bulk, shear]) = self.missing {
-                        let stored = stored_energy(bulk, shear, &stresses[index]);
+                    if let Some(moduli) = self.missing {
+                        let stored = complementary_density(moduli, &stresses[index]);
                         energies[index] = [stored, zero, zero, zero];
                     }
                     let half = zero.constant(0.5 / self.stiffness);
@@ -342,26 +346,9 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
                     *normal = *normal - excess;
                 }
                 if let HistoryAccess::Write(history) = &mut *self.history {
-                    let new = match self.is_drained {
-                        true => [volume, zero],
-                        false => [at_rest, excess],
-                    };
-                    history.store_last(batch, p, &new);
+                    history.store_last(batch, p, &new, differ(&old, &new));
                 }
             }
         }
     }
-}
-
-/// Density of the energy (J/m3) that elastic unloading of an isotropic skeleton from a change of stress would return.
-#[inline(always)]
-fn stored_energy<L: BatchLane>(bulk: f64, shear: f64, stress: &[L; 6]) -> L {
-    let [xx, yy, zz, xy, yz, zx] = *stress;
-    let trace = xx + yy + zz;
-    let mean = trace * trace.constant(1.0 / 3.0);
-    let (x, y, z) = (xx - mean, yy - mean, zz - mean);
-    let normal = x.mul_add(x, y.mul_add(y, z * z));
-    let sides = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
-    let distortion = trace.constant(0.25 / shear) * (normal + (sides + sides));
-    trace.constant(1.0 / (18.0 * bulk)) * (trace * trace) + distortion
 }

@@ -86,20 +86,26 @@ pub(super) fn complementary_energy<L: BatchLane, const P: usize>(
     stresses: &[Stress<L>; P],
 ) -> L {
     let bulk = moduli.lambda + 2.0 / 3.0 * moduli.shear;
-    let distortion = volumes[0].constant(1.0 / (4.0 * moduli.shear));
-    let dilatation = volumes[0].constant(1.0 / (18.0 * bulk));
     let mut energy = volumes[0].constant(0.0);
     for p in 0..P {
-        let [xx, yy, zz, xy, yz, zx] = stresses[p].0;
-        let trace = xx + yy + zz;
-        let mean = trace * trace.constant(1.0 / 3.0);
-        let (x, y, z) = (xx - mean, yy - mean, zz - mean);
-        let normal = x.mul_add(x, y.mul_add(y, z * z));
-        let shear = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
-        let density = distortion * (normal + (shear + shear)) + dilatation * (trace * trace);
+        let density = complementary_density([bulk, moduli.shear], &stresses[p].0);
         energy = density.mul_add(volumes[p], energy);
     }
     energy
+}
+
+/// Complementary energy per volume (J/m3) of a stress in a medium with a bulk and a shear modulus (Pa).
+#[inline(always)]
+pub(super) fn complementary_density<L: BatchLane>([bulk, shear]: [f64; 2], stress: &[L; 6]) -> L {
+    let [xx, yy, zz, xy, yz, zx] = *stress;
+    let distortion = xx.constant(1.0 / (4.0 * shear));
+    let dilatation = xx.constant(1.0 / (18.0 * bulk));
+    let trace = xx + yy + zz;
+    let mean = trace * trace.constant(1.0 / 3.0);
+    let (x, y, z) = (xx - mean, yy - mean, zz - mean);
+    let normal = x.mul_add(x, y.mul_add(y, z * z));
+    let sides = xy.mul_add(xy, yz.mul_add(yz, zx * zx));
+    distortion * (normal + (sides + sides)) + dilatation * (trace * trace)
 }
 
 /// Elastic stresses one step (s) before some strains, which change at some rates (1/s).
