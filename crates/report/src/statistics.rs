@@ -34,15 +34,9 @@ pub(super) fn missing(scale: &ScaleStatistics) -> Option<String> {
 
 /// Fractiles of all results at a scale, in the units that their names have.
 pub(super) fn figures(scale: &ScaleStatistics) -> ReportTable {
-    let shown = |value: Option<f64>| value.map_or("unbounded".to_owned(), rounded);
     let rows = scale.figures.iter().map(|figure| {
-        vec![
-            figure.figure.clone(),
-            figure.count.to_string(),
-            shown(figure.low),
-            shown(figure.median),
-            shown(figure.high),
-        ]
+        let head = [figure.figure.clone(), figure.count.to_string()];
+        head.into_iter().chain(figure.shown()).collect()
     });
     ReportTable {
         header: header(&["result", "cases", "16 %", "median", "84 %"]),

@@ -14,11 +14,11 @@ use serde_json::{Value, json};
 
 use crate::builtin;
 use crate::spec::{
-    At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, Positive,
-    SceneSpec, WATER_BULK_MODULUS, WATER_DENSITY,
+    At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, SceneSpec,
+    WATER_BULK_MODULUS, water_weight,
 };
 use powerhouse_laws::Material;
-use powerhouse_scene::internal::{GRAVITY, standard_engine};
+use powerhouse_scene::internal::standard_engine;
 use powerhouse_scene::{Fault, Kernel};
 
 /// Constitutive laws, element kernels, absorbing boundaries, joint laws, kinds of output, mesh generators and records in
@@ -343,10 +343,7 @@ impl Registry {
         let water = PoreWater::new(bulk_modulus, given.porosity.get());
         let water = water.and_then(|water| match &given.level {
             None => Ok(water),
-            Some(level) => {
-                let density = given.density.map_or(WATER_DENSITY, Positive::get);
-                water.with_level(level.get(), density * GRAVITY)
-            }
+            Some(level) => water.with_level(level.get(), water_weight(given.density)),
         });
         let water = water.map_err(|error| Fault::refused(given.span(), error))?;
         Ok(material.with_pore_water(water))

@@ -5,15 +5,10 @@ use powerhouse::material::{
     Control, ElastoPlastic, MohrCoulomb, MohrCoulombParameters, PointDriver,
 };
 use powerhouse::model::{ElasticMedium, PointAdapter, Stress, Vec3};
-use powerhouse::{Error, FileScene, InSituStress, Material, Registry, Remark, WeightLayer};
+use powerhouse::{FileScene, InSituStress, Material, Registry, Remark, WeightLayer};
 
 use super::stages::{MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
 use super::support::{CUBE, ELASTIC, Variants, run};
-
-/// A variant of the cube's scene from its whole text.
-fn variant(variants: &Variants, text: &str) -> Result<FileScene, Error> {
-    FileScene::from_toml(text, variants.0.join("cube.toml"), &Registry::default())
-}
 
 /// Undrained triaxial compression ends where the effective mean stress of an elastic path meets the surface, for any share of
 /// the water; pressure and strength have closed forms.
@@ -76,7 +71,7 @@ fn saturated_ground_moves_as_its_undrained_medium() {
     let stiff = waves.replacen(ELASTIC, &stiff, 1);
     assert!(wet != waves && stiff != waves);
     let [wet, stiff, dry] =
-        [&wet, &stiff, &waves].map(|text| run(variant(&variants, text).unwrap()));
+        [&wet, &stiff, &waves].map(|text| run(variants.read_text(text).unwrap()));
     let column = |results: &powerhouse::Results, name: &str| {
         results.histories.column(name).unwrap().values.clone()
     };
@@ -149,8 +144,8 @@ fn a_body_stays_at_rest_after_drained_stages() {
 #[test]
 fn water_in_pores_is_refused_by_name_and_described() {
     let variants = Variants::new("pore-water");
-    let with = |water: &str| CUBE.replacen(ELASTIC, &format!("{ELASTIC}pore_water = {water}\n"), 1);
-    let refused = |water: &str| variant(&variants, &with(water)).err().unwrap().to_string();
+    let with = |water: &str| variants.read(ELASTIC, &format!("{ELASTIC}pore_water = {water}\n"));
+    let refused = |water: &str| with(water).err().unwrap().to_string();
     let level = refused("{ porosity = 0.2, level = -5 }");
     assert!(
         level.contains("a water level in a scene without [in_situ_stress]"),
@@ -166,7 +161,7 @@ fn water_in_pores_is_refused_by_name_and_described() {
         let message = refused(water);
         assert!(message.contains(wanted), "{water}: {message}");
     }
-    let scene = variant(&variants, &with("{ porosity = 0.2 }")).unwrap();
+    let scene = with("{ porosity = 0.2 }").unwrap();
     let fact = scene
         .remarks()
         .iter()

@@ -138,7 +138,10 @@ impl Variants {
     /// The cube's scene with a passage replaced.
     pub(crate) fn read(&self, old: &str, new: &str) -> Result<FileScene, Error> {
         assert!(CUBE.contains(old), "{old}");
-        let text = CUBE.replacen(old, new, 1);
+        self.read_text(&CUBE.replacen(old, new, 1))
+    }
+    /// Reads a variant from its whole text.
+    pub(crate) fn read_text(&self, text: &str) -> Result<FileScene, Error> {
         FileScene::from_toml(text, self.0.join("cube.toml"), &Registry::default())
     }
     /// Runs the variant and its counterpart in Rust, and compares the bits.

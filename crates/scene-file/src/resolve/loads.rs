@@ -13,7 +13,7 @@ use powerhouse_wavefield::{
 
 use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
-use crate::spec::{self, At, Finite, Function, Load, Positive, WATER_DENSITY};
+use crate::spec::{self, At, Finite, Function, Load, Positive, water_weight};
 use powerhouse_scene::internal::{GRAVITY, StagedLoad};
 use powerhouse_scene::{Fault, InitialMotion, Mirror, Parity, Problem, Remark};
 
@@ -333,9 +333,8 @@ pub(super) fn load(
             density,
             ..
         } => {
-            let density = density.map_or(WATER_DENSITY, Positive::get);
             let profile = Profile::Depth {
-                gradient: density * GRAVITY,
+                gradient: water_weight(*density),
                 level: level.get(),
             };
             let load = FacePressure::new(names.mesh, &facets(set)?, profile, history(1.0)?);

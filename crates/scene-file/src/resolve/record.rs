@@ -457,15 +457,10 @@ pub(super) fn cut_short(
 ) -> Option<Remark> {
     let end = scene.start + scene.duration;
     let history = &record.history;
-    let whole = history.arias_intensity();
-    let contained = (end - arrival).min(history.duration());
-    let part = match contained > history.step() {
-        true => history.truncated(contained, 0.0).ok()?.arias_intensity(),
-        false => 0.0,
-    };
-    (part < LEAST_SHARE * whole).then(|| Remark::TruncatedRecord {
+    let share = history.arias_share_before(end - arrival);
+    (share < LEAST_SHARE).then(|| Remark::TruncatedRecord {
         name: name.into(),
-        share: part / whole,
+        share,
         run: end,
         record: arrival + history.duration() - record.lead,
     })

@@ -11,9 +11,7 @@ use powerhouse_model::{Facet, Mesh, StaticMethod, StaticOptions, Stress, StressF
 use super::loads::{self, direction, mean_normal};
 use super::{Names, named, one_of, vector};
 use crate::spans::StageSpans;
-use crate::spec::{
-    self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport, WATER_DENSITY,
-};
+use crate::spec::{self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport, water_weight};
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::{GRAVITY, Timeline, check_removal, surface_of};
 use powerhouse_scene::{
@@ -199,8 +197,7 @@ fn in_situ(
 
 /// Level (m) and weight per volume (N/m3) of the water in the ground.
 fn ground_water(water: &spec::GroundWater) -> (f64, f64) {
-    let density = water.density.map_or(WATER_DENSITY, Positive::get);
-    (water.level.get(), density * GRAVITY)
+    (water.level.get(), water_weight(water.density))
 }
 
 /// Layers of ground under their own weight, each below the one before, of which the last alone has no lower end.

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{At, Finite, Function, Positive};
+use powerhouse_scene::internal::GRAVITY;
 
 /// Displacement boundary condition on a node, facet or element set of the mesh.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -147,8 +148,10 @@ pub enum Load {
     },
 }
 
-/// Default density of water (kg/m3).
-pub(crate) const WATER_DENSITY: f64 = 1000.0;
+/// Weight per volume (N/m3) of water of a density, 1000 kg/m3 by default.
+pub(crate) fn water_weight(density: Option<Positive>) -> f64 {
+    density.map_or(1000.0, Positive::get) * GRAVITY
+}
 /// Default bulk modulus of water (Pa).
 pub(crate) const WATER_BULK_MODULUS: f64 = 2.2e9;
 

@@ -57,7 +57,7 @@ impl Coverage {
             record: name.into(),
             end: end.max(0.0),
             length: step * (samples.len() - 1) as f64,
-            intensity: share_before(record, end),
+            intensity: record.arias_share_before(end),
             significant: step * significant as f64,
         }
     }
@@ -89,19 +89,6 @@ impl Coverage {
             ),
         })
     }
-}
-
-/// Share of the Arias intensity of a record before a time (s); 1 of a record without any.
-fn share_before(record: &TimeHistory, end: f64) -> f64 {
-    let (whole, contained) = (record.arias_intensity(), end.min(record.duration()));
-    if whole <= 0.0 {
-        return 1.0;
-    }
-    let part = match contained > record.step() {
-        true => record.truncated(contained, 0.0).ok(),
-        false => None,
-    };
-    part.map_or(0.0, |part| part.arias_intensity() / whole)
 }
 
 /// Whether the description of a motion is that of a record, of which a component has the name `station.x`: `station`,

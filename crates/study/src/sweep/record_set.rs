@@ -110,10 +110,7 @@ fn intensity(components: &Components, curve: &FragilityCurve) -> Result<f64, Stu
     let is_horizontal = |part: &str| components.len() == 1 || part != ".z";
     let horizontal = components.iter().filter(|(part, _)| is_horizontal(part));
     let measured = horizontal.map(|(_, history)| match curve.period {
-        None => {
-            let samples = history.acceleration().into_iter();
-            Ok(samples.fold(0.0_f64, |most, a| most.max(a.abs())))
-        }
+        None => Ok(history.report().peak_acceleration),
         Some(period) => {
             let spectrum = history.response_spectrum(DAMPING, &[period.get()]);
             let refused = |error| powerhouse::Error::from(ModelError::from(error));
@@ -148,8 +145,9 @@ impl Sweep {
         if self.set.is_none() {
             // There are none of most sweeps.
             files.iter().for_each(|file| drop(fs::remove_file(file)));
+            return Ok(());
         }
-        if self.set.is_none() || !shared.is_there() {
+        if !shared.is_there() {
             return Ok(());
         }
         let _lock = shared.files()?;

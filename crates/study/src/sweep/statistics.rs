@@ -358,9 +358,12 @@ fn stripes(runs: &[FragilityRun]) -> Vec<Stripe> {
     stripes
 }
 
-/// A number with three significant digits, or that it has no bound.
-fn shown(value: Option<f64>) -> String {
-    value.map_or("unbounded".into(), rounded)
+impl FigureStatistics {
+    /// The three fractiles as text with three significant digits, or that they have no bound.
+    pub fn shown(&self) -> [String; 3] {
+        let fractiles = [self.low, self.median, self.high];
+        fractiles.map(|value| value.map_or("unbounded".into(), rounded))
+    }
 }
 
 /// Tables of the fractiles at each scale, and the fragility curves, for a terminal.
@@ -389,8 +392,8 @@ impl fmt::Display for SetStatistics {
             }
             for figure in &scale.figures {
                 write!(f, "\n  {:width$}", figure.figure)?;
-                for value in [figure.low, figure.median, figure.high] {
-                    write!(f, " {:>10}", shown(value))?;
+                for value in figure.shown() {
+                    write!(f, " {value:>10}")?;
                 }
                 if figure.count < finished {
                     write!(f, "  of {} cases", figure.count)?;

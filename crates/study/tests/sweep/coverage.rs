@@ -19,30 +19,15 @@ fn the_share_of_a_filtered_record_is_the_one_that_its_scene_warns_of() {
     registry.add_record("burst", history);
     let folder = Folder::new("coverage");
     let pulse = "pulse = { kind = \"smooth\", displacement = 0.01, duration = 0.1 }\n[boundary]";
-    let (stage, joint) = (SCENE.find("[[stage]]"), SCENE.find("[[joint]]"));
-    let (joint, stage) = (joint.unwrap(), stage.unwrap());
-    let support = SCENE.find("[[support]]").unwrap();
-    let stress = SCENE.find("[in_situ_stress]").unwrap();
-    let (wave, watched) = (SCENE.find("[[wave]]"), SCENE.find("[[output.section]]"));
-    assert!(joint < support && stress < stage, "the order of the scene");
-    let scene = [
-        &SCENE[..joint],
-        &SCENE[support..stress],
-        &SCENE[wave.unwrap()..watched.unwrap()],
-        "[[case]]\nname = \"shaken\"\n",
-    ]
-    .concat();
+    let scene = ground("[[case]]\nname = \"shaken\"\n");
     let filter = "baseline = { kind = \"high-pass\", corner = 5, order = 2 }\n";
     let mut shares = Vec::new();
-    for (filter, arrival) in [("", 0.0), (filter, 0.0), (filter, 0.15), ("", 0.15)] {
+    let plain = "end_displacement = 0\n";
+    for (end, arrival) in [(plain, 0.0), (filter, 0.0), (filter, 0.15), (plain, 0.15)] {
         for duration in [0.15, 0.35, 0.55, 0.75, 1.0, 2.0] {
             let record = format!(
-                "[[record]]\nname = \"quake\"\nfile = \"burst\"\nconvention = \"incident\"\nend_displacement = 0\n{filter}"
+                "[[record]]\nname = \"quake\"\nfile = \"burst\"\nconvention = \"incident\"\n{end}"
             );
-            let record = match filter {
-                "" => record,
-                _ => record.replace("end_displacement = 0\n", ""),
-            };
             let moved = format!("record = \"quake\"\narrival = {arrival}\n{record}[boundary]");
             let text = scene
                 .replace(pulse, &moved)
@@ -57,7 +42,7 @@ fn the_share_of_a_filtered_record_is_the_one_that_its_scene_warns_of() {
             let sweep = Sweep::of_file_with(folder.scene(), Some(out), &registry).unwrap();
             let cases = sweep.run(None, &mut NoProgress).unwrap();
             let coverage = cases[0].coverage.clone().unwrap();
-            let case = format!("{filter} {arrival} {duration}: {coverage:?}");
+            let case = format!("{end} {arrival} {duration}: {coverage:?}");
             assert_eq!(coverage.is_enough(), warned.is_none(), "{case}");
             if let Some(share) = warned {
                 // A tenth of a period of samples.

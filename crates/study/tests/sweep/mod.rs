@@ -130,6 +130,21 @@ name = "continuous"
 continuous = ["seam"]
 "#;
 
+/// The scene without joint, stages and bolts, up to the watched joints, and with another end.
+fn ground(rest: &str) -> String {
+    let place = |text: &str| SCENE.find(text).unwrap();
+    let (joint, support) = (place("[[joint]]"), place("[[support]]"));
+    let (stress, wave) = (place("[in_situ_stress]"), place("[[wave]]"));
+    let watched = place("[[output.joint]]");
+    let kept = [
+        &SCENE[..joint],
+        &SCENE[support..stress],
+        &SCENE[wave..watched],
+        rest,
+    ];
+    kept.concat()
+}
+
 /// Ground of 24 m by 6 m by 24 m times a scale, with a structure at its heart and a void above that.
 fn slice(scale: f64) -> Mesh {
     layers(2)

@@ -207,6 +207,26 @@ impl TimeHistory {
             * self.squared_acceleration().last().copied().unwrap_or(0.0)
     }
 
+    /// Share of the Arias intensity of the record before a time (s), of which the nearest sample counts: zero up to the second
+    /// sample, and 1 of a record that is zero throughout.
+    ///
+    /// ```
+    /// # use powerhouse_wavefield::TimeHistory;
+    /// let record = TimeHistory::new(0.5, vec![0.0, 1.0, 1.0, 1.0, 0.0])?;
+    /// assert!((record.arias_share_before(1.0) - 0.5).abs() < 1e-15);
+    /// assert_eq!([0.5, 9.0].map(|time| record.arias_share_before(time)), [0.0, 1.0]);
+    /// # Ok::<(), powerhouse_wavefield::WaveError>(())
+    /// ```
+    pub fn arias_share_before(&self, time: f64) -> f64 {
+        let sums = self.squared_acceleration();
+        let last = sums.len() - 1;
+        match sums[last] {
+            0.0 => 1.0,
+            _ if time <= self.step => 0.0,
+            total => sums[((time / self.step).round() as usize).min(last)] / total,
+        }
+    }
+
     /// Significant duration: the time (s) in which the Arias intensity rises from one share of its end
     /// value to another, for instance from 0.05 to 0.95, interpolated linearly between samples. Zero for
     /// a record that is zero throughout.
