@@ -135,6 +135,9 @@ impl ConstitutiveLaw for Undamaged {
         let (lambda, shear) = (self.0.lambda(), self.0.shear());
         Stress::elastic(one.constant(lambda), one.constant(shear), &input.strain)
     }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        Some(ElasticDomain::EVERYTHING)
+    }
 }
 
 /// Evaluation of a law for batches in the lanes of the processor.

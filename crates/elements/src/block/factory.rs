@@ -19,6 +19,7 @@ use super::locations::Locations;
 use super::memory::Connectivity;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
+use super::pore_water::VARIABLES as OF_WATER;
 use super::transfer::NodeScalar;
 use crate::lanes::{Arrangement, Lanes};
 
@@ -144,6 +145,7 @@ where
         let moduli = Moduli {
             lambda: medium.lambda(),
             shear: medium.shear(),
+            skeleton: self.law.skeleton().lambda(),
             water: water.map_or(0.0, |water| water.stiffness()),
             hourglass: self.kernel.hourglass_moduli(&medium).unwrap_or_default(),
         };
@@ -230,7 +232,8 @@ where
             reference: None,
             initial: AlignedNumbers::zeros(0),
             pore_pressures: pressures.unwrap_or_default(),
-            history: History::new(variables, (P, own), batches),
+            history: History::new(variables, (P, own), batches)
+                .with_water(water.map_or(0, |_| OF_WATER.len())),
             static_displacement: Vec::new(),
             committed_displacement: None,
             account: Account::default(),

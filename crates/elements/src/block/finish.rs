@@ -6,9 +6,11 @@ use super::law::HistoryAccess;
 use super::memory::as_lanes;
 use super::operations::{BatchStress, Energy, Material, Response};
 use super::own::OwnHistory;
+use super::pore_water::pressures;
 use super::remaining::{damped_share, less, product, times};
 use super::survey::{
-    FiniteCheck, complementary_energy, each_lane, earlier, step_work, write_all, write_mean,
+    FiniteCheck, complementary_energy, each_lane, earlier, saturated_energy, step_work, write_all,
+    write_mean,
 };
 use super::transfer::{gather, gather_view, scatter};
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES};
@@ -83,7 +85,15 @@ where
         let energy = match &points {
             Some((points, are_all)) => {
                 let (points, moduli) = (points.as_ref(), self.moduli);
-                Some(Energy::over(points, *are_all, moduli, &volumes, &stresses))
+                let mut energy = Energy::over(points, *are_all, moduli, &volumes, &stresses);
+                if points.is_none() && moduli.water != 0.0 {
+                    let strains = self.kernel.strains(geometry, &modes);
+                    let water = pressures(self.history.get(), moduli, index, &strains);
+                    if let Some(water) = water {
+                        energy.sum.stored = saturated_energy(moduli, &volumes, &stresses, &water);
+                    }
+                }
+                Some(energy)
             }
             None => None,
         };
@@ -117,12 +127,28 @@ where
                 let before = &mut previous.stresses[index * numbers..(index + 1) * numbers];
                 let enters = !core::mem::replace(&mut previous.balanced[index], by_law);
                 if enters {
-                    // The step began under Hooke's law, and water in pores at rest.
+                    // The step began under Hooke's law.
                     let strains = self.kernel.strains(geometry, &modes);
-                    let drained = self.moduli.drained();
-                    let began = earlier(drained, rates.step, &strains, &strain_rates);
+                    let strains = earlier(rates.step, &strains, &strain_rates);
+                    let lambda = L::splat(token, self.moduli.skeleton);
+                    let shear = L::splat(token, self.moduli.shear);
+                    let mut began = [Stress([zero; 6]); P];
+                    for p in 0..P {
+                        began[p] = Stress::elastic(lambda, shear, &strains[p]);
+                    }
+                    let water = pressures(self.history.get(), self.moduli, index, &strains);
+                    let stored = match water {
+                        None => complementary_energy(self.moduli, &volumes, &began),
+                        Some(pressures) => {
+                            for p in 0..P {
+                                for i in 0..3 {
+                                    began[p].0[i] = began[p].0[i] - pressures[p];
+                                }
+                            }
+                            saturated_energy(self.moduli, &volumes, &began, &pressures)
+                        }
+                    };
                     write_all(&began, before);
-                    let stored = complementary_energy(drained, &volumes, &began);
                     sums.enter(stored, &batch);
                 }
                 let work = step_work(

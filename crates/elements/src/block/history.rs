@@ -22,11 +22,23 @@ struct BatchState {
     overwritten: bool,
     /// Whether the committed history is all zero (virgin material).
     zero: bool,
+    /// Whether of the committed history only the variables of water may differ from zero, and whether of the trial history.
+    virgin: [bool; 2],
     /// Whether the last commit changed the committed history.
     active: bool,
 }
 
 impl BatchState {
+    /// All zero.
+    const VIRGIN: Self = Self {
+        side: 0,
+        changed: false,
+        overwritten: false,
+        zero: true,
+        virgin: [true; 2],
+        active: false,
+    };
+
     /// The store with the committed history, and the other one.
     #[inline(always)]
     fn sides<T>(self, [first, second]: &mut [T; 2]) -> (&T, &mut T) {
@@ -35,6 +47,17 @@ impl BatchState {
             _ => (second, first),
         }
     }
+}
+
+/// What is known of the committed history of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BatchFlags {
+    /// Whether it may differ from zero.
+    pub(super) touched: bool,
+    /// Whether variables other than those of water may.
+    pub(super) used: bool,
+    /// Whether the last commit changed it.
+    pub(super) active: bool,
 }
 
 /// Double-buffered history variables of a block, batch by batch.
@@ -49,6 +72,8 @@ pub(super) struct History<S> {
     points: usize,
     /// Number of history variables of an element as a whole, after those of its points.
     own: usize,
+    /// Number of the last variables of a point that are those of water in pores.
+    of_water: usize,
     width: usize,
     stores: [AlignedNumbers<S>; 2],
     states: Vec<BatchState>,
@@ -64,24 +89,22 @@ impl<S: BatchScalar> History<S> {
         (batches, width): (usize, usize),
     ) -> Self {
         let numbers = batches * width * (points * variables.len() + own);
-        let state = BatchState {
-            side: 0,
-            changed: false,
-            overwritten: false,
-            zero: true,
-            active: false,
-        };
         Self {
             variables: variables.to_vec(),
             points,
             own,
+            of_water: 0,
             width,
             stores: [(); 2].map(|()| AlignedNumbers::zeros(numbers)),
-            states: vec![state; batches],
+            states: vec![BatchState::VIRGIN; batches],
             in_place: false,
         }
     }
 
+    /// The history whose last variables of a point are a number of those of water in pores.
+    pub(super) fn with_water(self, of_water: usize) -> Self {
+        Self { of_water, ..self }
+    }
     /// Number of values per batch.
     fn numbers(&self) -> usize {
         self.per_element() * self.width
@@ -102,6 +125,21 @@ impl<S: BatchScalar> History<S> {
         let numbers = self.numbers();
         let store = self.stores[usize::from(state.side)].as_slice();
         (!state.zero).then(|| &store[batch * numbers..][..numbers])
+    }
+    /// Whether all committed variables of a batch are zero, but for those of water.
+    #[inline(always)]
+    pub(super) fn is_virgin(&self, batch: usize) -> bool {
+        let state = &self.states[batch];
+        state.zero || state.virgin[0]
+    }
+    /// Marks variables of a batch that are not those of water as changed by the last forces.
+    #[inline(always)]
+    fn mark_used(&mut self, batch: usize) {
+        let virgin = &mut self.states[batch].virgin;
+        virgin[1] = false;
+        if self.in_place {
+            virgin[0] = false;
+        }
     }
     /// History of a batch after the last forces; none if it is all zero.
     fn latest(&self, batch: usize) -> Option<&[S]> {
@@ -152,10 +190,14 @@ impl<S: BatchScalar> History<S> {
         new: &[L],
         changed: bool,
     ) {
+        if changed {
+            self.mark_used(batch);
+        }
         let from = self.numbers() - new.len() * L::WIDTH;
         self.store_behind(batch, from, new, changed);
     }
-    /// Stores the last history variables of one point of a batch, after those before them, if they or others changed.
+    /// Stores the last history variables of one point of a batch, those of water, after those before them, if they or others
+    /// changed.
     #[inline(always)]
     pub(super) fn store_last<L: BatchLane<Scalar = S>>(
         &mut self,
@@ -231,7 +273,9 @@ impl<S: BatchScalar> History<S> {
     /// Discards the trial history of a batch.
     #[inline(always)]
     pub(super) fn discard_trial(&mut self, batch: usize) {
-        self.states[batch].changed = false;
+        let state = &mut self.states[batch];
+        state.changed = false;
+        state.virgin[1] = state.virgin[0];
     }
     /// Committed history of a batch, none if it is all zero, and the store of its trial history, if updates
     /// are buffered and the history changed in the last step: it probably changes again, and laws can write
@@ -249,6 +293,7 @@ impl<S: BatchScalar> History<S> {
     /// Marks the trial history of a batch, already written to its store, as changed.
     #[inline(always)]
     pub(super) fn mark_changed(&mut self, batch: usize) {
+        self.mark_used(batch);
         self.states[batch].changed = true;
     }
     /// Stores the new history of one point of a batch; called point after point from the first one on that
@@ -260,6 +305,7 @@ impl<S: BatchScalar> History<S> {
         point: usize,
         new: &[L],
     ) {
+        self.mark_used(batch);
         if !(self.in_place || self.states[batch].changed) {
             self.open_trial(batch, point);
         }
@@ -296,6 +342,7 @@ impl<S: BatchScalar> History<S> {
                 state.side = 1 - state.side;
                 state.changed = false;
                 state.zero = false;
+                state.virgin[0] = state.virgin[1];
             }
         }
     }
@@ -363,6 +410,7 @@ impl<S: BatchScalar> History<S> {
                     _ => continue,
                 }
             };
+            let is_of_water = next > 1 && start + self.of_water >= self.variables.len();
             let row_of: HashMap<u32, usize> = field.elements.iter().copied().zip(0..).collect();
             for (element, mesh_element) in elements.iter().enumerate() {
                 let Some(&row) = row_of.get(mesh_element) else {
@@ -377,7 +425,9 @@ impl<S: BatchScalar> History<S> {
                     let index = batch * self.numbers() + index;
                     let state = &mut self.states[batch];
                     // A zero with a sign is a value of its own.
-                    state.zero &= value.to_bits() == 0;
+                    let is_zero = value.to_bits() == 0;
+                    state.zero &= is_zero;
+                    state.virgin[0] &= is_zero || is_of_water;
                     let store = &mut self.stores[usize::from(state.side)];
                     store.as_mut_slice()[index] = S::from_f64(value);
                 }
@@ -394,10 +444,14 @@ impl<S: BatchScalar> History<S> {
     pub(super) fn per_element(&self) -> usize {
         self.points * self.variables.len() + self.own
     }
-    /// Whether the committed history of a batch may differ from zero, and whether the last commit changed it.
-    pub(super) fn flags(&self, batch: usize) -> (bool, bool) {
-        let state = self.states.get(batch);
-        state.map_or((false, false), |state| (!state.zero, state.active))
+    /// Flags of the committed history of a batch.
+    pub(super) fn flags(&self, batch: usize) -> BatchFlags {
+        let state = self.states.get(batch).unwrap_or(&BatchState::VIRGIN);
+        BatchFlags {
+            touched: !state.zero,
+            used: !(state.zero || state.virgin[0]),
+            active: state.active,
+        }
     }
     /// Committed values of an element, point after point.
     pub(super) fn of_element(
@@ -411,16 +465,14 @@ impl<S: BatchScalar> History<S> {
             committed.map_or(S::default(), |numbers| numbers[place])
         })
     }
-    /// Makes the history of all batches zero, with their flags: whether it may differ from zero, and whether the last
-    /// commit changed it.
-    pub(super) fn restore(&mut self, touched: &[bool], active: &[bool]) {
-        for ((state, &touched), &active) in self.states.iter_mut().zip(touched).zip(active) {
+    /// Makes the history of all batches zero, with their flags.
+    pub(super) fn restore(&mut self, flags: impl Iterator<Item = BatchFlags>) {
+        for (state, flags) in self.states.iter_mut().zip(flags) {
             *state = BatchState {
-                side: 0,
-                changed: false,
-                overwritten: false,
-                zero: !touched,
-                active,
+                zero: !flags.touched,
+                virgin: [!flags.used; 2],
+                active: flags.active,
+                ..BatchState::VIRGIN
             };
         }
         self.stores[0].as_mut_slice().fill(S::default());

@@ -24,7 +24,8 @@ use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
 pub(super) struct Moduli {
     pub(super) lambda: f64,
     pub(super) shear: f64,
-    /// Share of water in pores in the first of them.
+    /// The first of them without the stiffness of water in pores, and that stiffness (zero where there is no water).
+    pub(super) skeleton: f64,
     pub(super) water: f64,
     /// Hourglass moduli of the undamaged material, zero if there are no hourglass forces.
     pub(super) hourglass: [f64; 3],
@@ -35,7 +36,7 @@ impl Moduli {
     #[inline(always)]
     pub(super) fn drained(self) -> Self {
         Self {
-            lambda: self.lambda - self.water,
+            lambda: self.skeleton,
             water: 0.0,
             ..self
         }
@@ -384,12 +385,12 @@ where
         if let HistoryAccess::Write(history) = &mut self.history {
             history.discard_trial(batch);
         }
-        if self.history.get().committed(batch).is_some() {
+        if !self.history.get().is_virgin(batch) {
             return None;
         }
         let zero = strains[0].0[0].constant(0.0);
         let (lambda, shear) = (
-            zero.constant(self.moduli.lambda),
+            zero.constant(self.moduli.skeleton),
             zero.constant(self.moduli.shear),
         );
         let initially = self.initial_stress(zero, batch);
@@ -398,6 +399,14 @@ where
             changes[p] = Stress::elastic(lambda, shear, &strains[p]);
             if !domain.contains(&(initially + changes[p])) {
                 return None;
+            }
+        }
+        if self.moduli.water != 0.0 {
+            for p in 0..P {
+                let excess = self.raise_pressure(batch, p, &strains[p]);
+                for i in 0..3 {
+                    changes[p].0[i] = changes[p].0[i] - excess;
+                }
             }
         }
         Some(changes)

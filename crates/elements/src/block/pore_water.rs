@@ -5,14 +5,16 @@ use std::sync::Arc;
 #[cfg(feature = "programs")]
 use powerhouse_model::RemainingStiffness;
 use powerhouse_model::{
-    ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput, ModelError,
-    ParameterError, Strain, Stress,
+    ElasticDomain, ElasticMedium, ElementKernel, HistoryVariable, Lane, LawEnergy, LawInput,
+    ModelError, ParameterError, Strain, Stress,
 };
 #[cfg(feature = "programs")]
 use powerhouse_program::Traced;
 
+use super::history::History;
 use super::law::{BatchLaw, BatchLaws, Energies, ErasedLaw, Evaluation, HistoryAccess, differ};
 use super::memory::{as_lanes, as_lanes_mut};
+use super::operations::{Material, Moduli};
 use super::survey::complementary_density;
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
 
@@ -93,7 +95,7 @@ impl PoreWater {
 
 /// History variables of the water, after those of the skeleton: volume strain at the last static state, and the pressure
 /// beyond that of static states.
-const VARIABLES: [HistoryVariable; 2] = [
+pub(super) const VARIABLES: [HistoryVariable; 2] = [
     HistoryVariable::component("volume_strain_at_rest", "1"),
     HistoryVariable::amount("excess_pore_pressure", "Pa"),
 ];
@@ -219,9 +221,12 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
     fn relaxes(&self) -> bool {
         self.skeleton.relaxes()
     }
+    /// That of the skeleton, of effective stresses, while water cannot flow; drained states store the volume strain.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
-        // The pressure is a history variable, which elastic states change.
-        None
+        match self.is_drained {
+            true => None,
+            false => self.skeleton.elastic_domain(),
+        }
     }
 }
 
@@ -258,7 +263,6 @@ impl<I: ?Sized + BatchLaw<S>, S: BatchScalar> BatchLaw<S> for Saturated<I> {
         lanes.dispatch(AddWater {
             first,
             points,
-            own: self.skeleton.history().len(),
             stiffness: self.water.stiffness,
             is_drained: self.is_drained,
             missing: (found == Energies::None).then_some([medium.bulk(), medium.shear()]),
@@ -293,8 +297,6 @@ impl BatchLaws for Saturated<dyn BatchLaws> {}
 struct AddWater<'a, 'm, S> {
     first: usize,
     points: usize,
-    /// Number of history variables of the skeleton.
-    own: usize,
     stiffness: f64,
     is_drained: bool,
     /// Bulk and shear modulus (Pa) of a skeleton without energies, of which the stored one is computed.
@@ -311,7 +313,6 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
     fn run<L: BatchLane<Scalar = S>>(self, token: L::Token) {
         let zero = L::splat(token, 0.0);
         let stiffness = zero.constant(self.stiffness);
-        let variables = self.history.get().variables();
         let (strains, _) = as_lanes::<L>(token, self.strains).as_chunks::<6>();
         let (stresses, _) = as_lanes_mut::<L>(token, self.stresses).as_chunks_mut::<6>();
         #[expect(clippy::manual_map, reason = "a closure may be compiled on its own")]
@@ -322,12 +323,7 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
         for (b, strains) in strains.chunks_exact(self.points).enumerate() {
             let batch = self.first + b;
             for (p, strain) in strains.iter().enumerate() {
-                let mut old = [zero; 2];
-                if let Some(numbers) = self.history.get().committed(batch) {
-                    let place = (p * variables + self.own) * L::WIDTH;
-                    let numbers = &numbers[place..][..2 * L::WIDTH];
-                    old.copy_from_slice(as_lanes::<L>(token, numbers));
-                }
+                let old = committed(self.history.get(), zero, batch, p);
                 let new = match self.is_drained {
                     true => [volume(strain), zero],
                     false => [old[0], (old[0] - volume(strain)) * stiffness],
@@ -351,4 +347,73 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
             }
         }
     }
+}
+
+/// Committed variables of the water at a point of a batch.
+#[inline(always)]
+fn committed<L: BatchLane>(
+    history: &History<L::Scalar>,
+    zero: L,
+    batch: usize,
+    point: usize,
+) -> [L; 2]
+where
+    L::Scalar: BatchScalar,
+{
+    let mut old = [zero; VARIABLES.len()];
+    if let Some(numbers) = history.committed(batch) {
+        let place = ((point + 1) * history.variables() - old.len()) * L::WIDTH;
+        let numbers = &numbers[place..][..old.len() * L::WIDTH];
+        old.copy_from_slice(as_lanes::<L>(zero.token(), numbers));
+    }
+    old
+}
+
+/// Water in the pores of batches within the elastic domain of their skeleton, which do not evaluate the law.
+impl<K, S, const N: usize, const P: usize> Material<'_, K, S, N, P>
+where
+    K: ElementKernel<N, P>,
+    S: BatchScalar,
+{
+    /// Pressure beyond that at rest (Pa) at a point with a strain in a dynamic step; stores it where new histories are.
+    #[inline(always)]
+    pub(super) fn raise_pressure<L: BatchLane<Scalar = S>>(
+        &mut self,
+        batch: usize,
+        point: usize,
+        strain: &Strain<L>,
+    ) -> L {
+        let zero = strain.0[0].constant(0.0);
+        let old = committed(self.history.get(), zero, batch, point);
+        let excess = (old[0] - volume(&strain.0)) * zero.constant(self.moduli.water);
+        if let HistoryAccess::Write(history) = &mut self.history {
+            let new = [old[0], excess];
+            history.store_last(batch, point, &new, differ(&old[1..], &new[1..]));
+        }
+        excess
+    }
+}
+
+/// Pressures of the water beyond those at rest (Pa) at the points of a batch with strains; none where there is no water.
+#[inline(always)]
+pub(super) fn pressures<L: BatchLane, const P: usize>(
+    history: &History<L::Scalar>,
+    moduli: Moduli,
+    batch: usize,
+    strains: &[Strain<L>; P],
+) -> Option<[L; P]>
+where
+    L::Scalar: BatchScalar,
+{
+    if moduli.water == 0.0 {
+        return None;
+    }
+    let zero = strains[0].0[0].constant(0.0);
+    let stiffness = zero.constant(moduli.water);
+    let mut pressures = [zero; P];
+    for p in 0..P {
+        let [at_rest, _] = committed(history, zero, batch, p);
+        pressures[p] = (at_rest - volume(&strains[p].0)) * stiffness;
+    }
+    Some(pressures)
 }

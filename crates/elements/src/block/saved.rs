@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Block;
 use super::account::SavedAccount;
+use super::history::BatchFlags;
 use super::transfer::NodeScalar;
 use crate::lanes::{Arrangement, BatchScalar};
 
@@ -14,6 +15,8 @@ const TOUCHED: u8 = 1;
 const ACTIVE: u8 = 2;
 /// The batch had energy bookkeeping in the last step.
 const BALANCED: u8 = 4;
+/// Variables of the batch other than those of water in pores are not all zero, or were not.
+const USED: u8 = 8;
 
 /// Numbers in the format of the elements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,11 +140,15 @@ where
         let flags: Vec<u8> = (0..self.elements.len())
             .map(|element| {
                 let batch = element / width;
-                let (touched, active) = self.history.flags(batch);
+                let flags = self.history.flags(batch);
                 let balanced = balanced.get(batch).copied().unwrap_or(false);
-                [(touched, TOUCHED), (active, ACTIVE), (balanced, BALANCED)]
-                    .into_iter()
-                    .fold(0, |all, (set, flag)| if set { all | flag } else { all })
+                let flags = [
+                    (flags.touched, TOUCHED),
+                    (flags.active, ACTIVE),
+                    (balanced, BALANCED),
+                    (flags.used, USED),
+                ];
+                (flags.into_iter()).fold(0, |all, (set, flag)| if set { all | flag } else { all })
             })
             .collect();
         let numbers = (0..self.elements.len())
@@ -196,7 +203,14 @@ where
         let own: Vec<usize> = own.collect();
         let numbers: Vec<S> = saved.history.read(own.len() * self.history.per_element())?;
         let arrangement = self.arrangement;
-        (self.history).restore(&of_batches(TOUCHED), &of_batches(ACTIVE));
+        let (touched_batches, active) = (of_batches(TOUCHED), of_batches(ACTIVE));
+        let used = of_batches(USED);
+        let flags = (0..used.len()).map(|batch| BatchFlags {
+            touched: touched_batches[batch],
+            used: used[batch],
+            active: active[batch],
+        });
+        self.history.restore(flags);
         let rows = numbers.chunks(self.history.per_element().max(1));
         for (&element, numbers) in own.iter().zip(rows) {
             self.history.put_element(&arrangement, element, numbers);

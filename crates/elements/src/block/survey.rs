@@ -94,6 +94,28 @@ pub(super) fn complementary_energy<L: BatchLane, const P: usize>(
     energy
 }
 
+/// Stored energy of saturated points: that of the skeleton at the effective stress, and that of the water at a pressure beyond
+/// that at rest (Pa), from total changes of stress.
+#[inline(always)]
+pub(super) fn saturated_energy<L: BatchLane, const P: usize>(
+    moduli: Moduli,
+    volumes: &[L; P],
+    stresses: &[Stress<L>; P],
+    pressures: &[L; P],
+) -> L {
+    let half = volumes[0].constant(0.5 / moduli.water);
+    let mut effective = *stresses;
+    let mut energy = volumes[0].constant(0.0);
+    for p in 0..P {
+        for i in 0..3 {
+            effective[p].0[i] = effective[p].0[i] + pressures[p];
+        }
+        let density = pressures[p] * pressures[p] * half;
+        energy = density.mul_add(volumes[p], energy);
+    }
+    energy + complementary_energy(moduli.drained(), volumes, &effective)
+}
+
 /// Complementary energy per volume (J/m3) of a stress in a medium with a bulk and a shear modulus (Pa).
 #[inline(always)]
 pub(super) fn complementary_density<L: BatchLane>([bulk, shear]: [f64; 2], stress: &[L; 6]) -> L {
@@ -108,25 +130,21 @@ pub(super) fn complementary_density<L: BatchLane>([bulk, shear]: [f64; 2], stres
     distortion * (normal + (sides + sides)) + dilatation * (trace * trace)
 }
 
-/// Elastic stresses one step (s) before some strains, which change at some rates (1/s).
+/// Strains one step (s) before some, which change at some rates (1/s).
 #[inline(always)]
 pub(super) fn earlier<L: BatchLane, const P: usize>(
-    moduli: Moduli,
     step: f64,
     strains: &[Strain<L>; P],
     rates: &[Strain<L>; P],
-) -> [Stress<L>; P] {
-    let number = |value: f64| strains[0].0[0].constant(value);
-    let (lambda, shear, back) = (number(moduli.lambda), number(moduli.shear), number(-step));
-    let mut stresses = [Stress([back; 6]); P];
+) -> [Strain<L>; P] {
+    let back = strains[0].0[0].constant(-step);
+    let mut before = *strains;
     for p in 0..P {
-        let mut strain = strains[p];
         for i in 0..6 {
-            strain.0[i] = rates[p].0[i].mul_add(back, strain.0[i]);
+            before[p].0[i] = rates[p].0[i].mul_add(back, before[p].0[i]);
         }
-        stresses[p] = Stress::elastic(lambda, shear, &strain);
     }
-    stresses
+    before
 }
 
 /// Stores stresses as those of the previous step for [`step_work`].

@@ -1,6 +1,10 @@
 //! Water in the pores of a material.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use powerhouse_elements::{AnyLaw, PoreWater};
+use powerhouse_model::ElasticDomain;
 
 use super::*;
 
@@ -226,6 +230,115 @@ fn the_ledger_closes_with_water() {
             );
             assert!(spent > -1e-9 * first, "{} {spent:e}", kernel.name());
         }
+    }
+}
+
+/// [`Yielding`] with its elastic domain, if it is to have one, and the number of its evaluations.
+#[derive(Clone)]
+struct Spared {
+    law: Yielding,
+    has_domain: bool,
+    evaluations: Arc<AtomicUsize>,
+}
+
+impl ConstitutiveLaw for Spared {
+    fn name(&self) -> &str {
+        "spared"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.law.medium()
+    }
+    fn history(&self) -> &[HistoryVariable] {
+        self.law.history()
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+        self.law.stress_change(input, new)
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, input: &LawInput<L>, new: &[L]) -> Option<LawEnergy<L>> {
+        self.law.energy(input, new)
+    }
+    fn elastic_domain(&self) -> Option<ElasticDomain> {
+        let strength = 2.0_f64.sqrt() * self.law.0.shear() * self.law.1;
+        (self.has_domain).then(|| ElasticDomain::EVERYTHING.within(0.0, 1.0, strength))
+    }
+}
+
+/// Within its elastic domain the law of a skeleton is spared: forces, pressures and what is plastic keep their bits, also after
+/// a static state and when batches leave the domain one after the other, and the ledger closes.
+#[test]
+fn saturated_ground_within_its_elastic_domain_spares_the_law() {
+    for kernel in [
+        SolidKernel::Hex8Full,
+        SolidKernel::Tet4,
+        SolidKernel::Hex8Natural,
+    ] {
+        for precision in [Precision::F64, Precision::Mixed] {
+            let of = |has_domain| {
+                let evaluations = Arc::new(AtomicUsize::new(0));
+                let law = Spared {
+                    law: Yielding(rock(), 1e-4),
+                    has_domain,
+                    evaluations: evaluations.clone(),
+                };
+                let law = AnyLaw::new(law).with_pore_water(water());
+                let lanes = options(precision, LaneWidth::Native, 0.0);
+                (Fixture::new(kernel, law, lanes), evaluations)
+            };
+            let (mut spared, few) = of(true);
+            let (mut whole, many) = of(false);
+            let still = spared.noise(1, 1e-5);
+            spared.static_forces(&still);
+            whole.static_forces(&still);
+            spared.block.commit();
+            whole.block.commit();
+            let rest = zeros(still.len());
+            // Motion that grows, more on one side of the body, and ends as it began.
+            let sizes = (0..14).map(|n| 1e-4 * 1.1_f64.powi(n)).chain([1e-5]);
+            let mut shares = Vec::new();
+            for (number, size) in sizes.enumerate() {
+                for counter in [&few, &many] {
+                    counter.store(0, Ordering::Relaxed);
+                }
+                let noise = spared.noise(number as u64, size);
+                let grown: Vec<Quad<f64>> = spared.field(|x| Vec3::new(x.x, x.x, x.x));
+                let largest = grown.iter().map(|x| x.to_vector().x).fold(0.0, f64::max);
+                let pairs = noise.iter().zip(&grown);
+                let u = pairs.map(|(noise, grown)| {
+                    let share = (grown.to_vector().x / largest).powi(3);
+                    Quad::from_vector(&(noise.to_vector() * share))
+                });
+                let u = sum(&still, &u.collect::<Vec<_>>());
+                let found = spared.forces(&u, &rest);
+                let expected = whole.forces(&u, &rest);
+                spared.block.commit();
+                whole.block.commit();
+                assert_eq!(found, expected, "{} {number}", kernel.name());
+                assert_eq!(spared.block.history(), whole.block.history());
+                let [few, many] = [&few, &many].map(|counter| counter.load(Ordering::Relaxed));
+                shares.push(few as f64 / many as f64);
+            }
+            // What has yielded once follows the law from then on.
+            let name = kernel.name();
+            assert!(shares.is_sorted(), "{name} {shares:?}");
+            let partial = shares.iter().filter(|share| (0.05..0.95).contains(*share));
+            assert!(shares[0] < 0.5 && partial.count() > 1, "{name} {shares:?}");
+        }
+        let domain = Spared {
+            law: Yielding(rock(), 1e-5),
+            has_domain: true,
+            evaluations: Arc::default(),
+        };
+        let law = AnyLaw::new(domain).with_pore_water(water());
+        let mut fixture = Fixture::new(kernel, law, BlockOptions::default());
+        let u = fixture.noise(5, 1e-6);
+        fixture.static_forces(&u);
+        fixture.block.commit();
+        let (first, worst, energy) = fixture.free_motion(u);
+        assert!(worst < 1e-12, "{} {worst:e}", kernel.name());
+        assert!(energy.plastic > 1e-4 * first, "{}", kernel.name());
     }
 }
 
