@@ -68,7 +68,7 @@ fn a_mode_moves_as_the_dense_matrices_say() {
             (vec![0, 1], turn * Vec3::new(1.0, 0.2, -0.4)),
             (vec![5], turn * Vec3::y()),
         ];
-        let dense = dense_body(&mesh, &rock(), (&water, &fibres, &held));
+        let dense = dense_body(&mesh, &rock(), &water, (&fibres, &held));
         let mut spec = Model::builder(&mesh).elements("rock", rock().boxed());
         for (nodes, direction) in &held {
             spec = spec.support(Support::roller(nodes.clone(), *direction));
@@ -121,7 +121,7 @@ fn the_reported_step_is_that_of_the_added_mass() {
     ] {
         let fibres = columns_of(counts, |_| fibre);
         let limit =
-            |water: &[AddedMass]| dense_body(&mesh, &rock(), (water, &fibres, &held)).limit();
+            |water: &[AddedMass]| dense_body(&mesh, &rock(), water, (&fibres, &held)).limit();
         let step = |water: &[AddedMass]| {
             let mut model = Model::builder(&mesh)
                 .elements("rock", rock().boxed())

@@ -120,7 +120,8 @@ pub(crate) struct DenseBody {
 pub(crate) fn dense_body(
     mesh: &Mesh,
     factory: &dyn BlockFactory,
-    (masses, fibres, held): (&[AddedMass], &[Fibre], &[(Vec<u32>, Vec3)]),
+    masses: &[AddedMass],
+    (fibres, held): (&[Fibre], &[(Vec<u32>, Vec3)]),
 ) -> DenseBody {
     let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
     let (stiffness, mass) = dense(mesh, factory, &elements);
@@ -204,7 +205,7 @@ fn dense_limit(
     factory: &dyn BlockFactory,
     (fibres, held): (&[Fibre], &[(Vec<u32>, Vec3)]),
 ) -> f64 {
-    dense_body(mesh, factory, (&[], fibres, held)).limit()
+    dense_body(mesh, factory, &[], (fibres, held)).limit()
 }
 
 /// With fibres of any added inertia through flat and distorted bricks, free, on an oblique roller or between rollers

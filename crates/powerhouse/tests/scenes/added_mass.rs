@@ -160,7 +160,7 @@ fn faults_have_their_place() {
     }
 }
 
-/// A wall of two parts that stands in water, free but at its foot.
+/// A wall of two parts, free but at its foot.
 fn wall(turn: &Rotation3<f64>) -> Mesh {
     let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(4.0, 6.0, 20.0), [2, 3, 10], "wall");
     let mut mesh = mesh.unwrap();
@@ -311,8 +311,8 @@ fn the_check_says_what_is_added() {
     }
 }
 
-/// Facets inside the body or of excavated elements carry none: a set without others is refused, and of one with some the rest
-/// is told.
+/// Facets inside the body or of excavated elements carry none: a set without others is refused, and
+/// of one with some the number is stated.
 #[test]
 fn water_is_beside_the_surface_alone() {
     let mesh = mesh();
