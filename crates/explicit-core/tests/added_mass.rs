@@ -25,7 +25,7 @@ fn masses(nodes: impl Iterator<Item = u32>, size: f64, seed: u64) -> Vec<AddedMa
             let along = random_vectors(1, 1.0, seed + 7 * u64::from(node) + k)[0].normalize();
             along * along.transpose()
         });
-        let both = if node % 3 == 0 { 0.4 } else { 0.0 };
+        let both = if node.is_multiple_of(3) { 0.4 } else { 0.0 };
         let size = size * (1.0 + 0.2 * f64::from(node % 4));
         AddedMass::new(node, (first + second * both) * size)
     };
